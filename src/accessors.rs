@@ -1,29 +1,29 @@
-//! Functions of one shape, a line each: what reads a value's part, what sets it on the way, what a type answers a trait
-//! in a word, and what a residual says as another does.
+//! Macros for one-line functions: getters, setters, trait methods, and delegation of residuals.
 
-/// What reads a part: `pub fn rows(&self) -> usize = self.rows;`.
+/// Getters: `pub fn rows(&self) -> usize = self.rows;`.
 macro_rules! getters {
     ($($(#[$about:meta])* $vis:vis fn $name:ident($($own:tt)+) -> $part:ty = $value:expr;)+) => {
         $($(#[$about])* #[must_use] $vis fn $name($($own)+) -> $part { $value })+
     };
 }
 
-/// What a type answers a trait in one expression: `fn kind(&self) -> &'static str = "plane";`.
+/// Trait methods of one expression: `fn kind(&self) -> &'static str = "plane";`.
 macro_rules! answers {
     ($($(#[$about:meta])* fn $name:ident($($own:tt)*) -> $part:ty = $value:expr;)+) => {
         $($(#[$about])* fn $name($($own)*) -> $part { $value })+
     };
 }
 
-/// What sets a part of what is being made: `pub fn with_seed(mut self, seed: u64) { self.seed = seed }`.
+/// Builder-style setters: `pub fn with_seed(mut self, seed: u64) { self.seed = seed }`.
 macro_rules! setters {
     ($($(#[$about:meta])* $vis:vis fn $name:ident(mut $own:ident $(, $given:ident: $kind:ty)*) $set:block)+) => {
         $($(#[$about])* #[must_use] $vis fn $name(mut $own $(, $given: $kind)*) -> Self { $set; $own })+
     };
 }
 
-/// Writes out what a residual around another says as the inner one does, so that none of it is forgotten:
-/// `as_inner!(residual: kind, frames, rows)` within `impl Residual`, by the field's name.
+/// Delegates methods of a residual to an inner residual, by the field's name.
+///
+/// `as_inner!(residual: kind, frames, rows)` within `impl Residual`.
 macro_rules! as_inner {
     ($inner:tt: $($said:ident),+) => { $(as_inner!(@$said $inner);)+ };
     (@kind $inner:tt) => { fn kind(&self) -> &'static str { self.$inner.kind() } };
@@ -39,7 +39,7 @@ macro_rules! as_inner {
     (@validate $inner:tt) => { fn validate(&self) -> Result<(), String> { self.$inner.validate() } };
 }
 
-/// `evaluate` of a residual that says by `evaluate_moved` what it is: with its target where it is.
+/// `evaluate` of a residual that implements `evaluate_moved`: with an empty step.
 macro_rules! evaluate_unmoved {
     () => {
         fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -48,7 +48,7 @@ macro_rules! evaluate_unmoved {
     };
 }
 
-/// `evaluate` and `evaluate_moved` of a residual of frames alone, by its own `evaluate_frames`.
+/// `evaluate` and `evaluate_moved` of a residual of frames only, by its method `evaluate_frames`.
 macro_rules! evaluate_by_frames {
     () => {
         evaluate_unmoved!();

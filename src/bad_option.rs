@@ -1,19 +1,19 @@
-//! A number out of its range, said the same of every engine's options.
+//! Error for an option out of its range, common to all engines.
 
-/// An option that holds a number it may not hold.
+/// An option whose value is out of its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("option {option} is {value}: {allowed}")]
 #[non_exhaustive]
 pub struct BadOption {
-    /// Which option.
+    /// The name of the option.
     pub option: &'static str,
-    /// The value given.
+    /// The given value.
     pub value: f64,
-    /// What it may be.
+    /// The allowed values, in words.
     pub allowed: &'static str,
 }
 
-/// Which numbers an option may hold, and that in words.
+/// The test of an option's value, and the allowed values in words.
 pub(crate) type Range = (fn(f64) -> bool, &'static str);
 
 pub(crate) const POSITIVE: Range = (|v| v > 0.0 && v.is_finite(), "a positive finite number");
@@ -27,7 +27,7 @@ pub(crate) const AT_LEAST_0: Range = (|v| v >= 0.0, "a number of at least 0");
 pub(crate) const AT_LEAST_ONE: Range = (|v| v >= 1.0, "at least 1");
 
 impl BadOption {
-    /// Whether an option's number is in its range.
+    /// Returns an error for a value that is out of its range.
     pub(crate) fn check(option: &'static str, value: f64, range: Range) -> Result<(), Self> {
         let (fine, allowed) = range;
         match fine(value) {

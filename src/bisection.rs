@@ -1,7 +1,8 @@
-//! Halving an interval.
+//! Bisection of an interval.
 
-/// Halves the interval between a number at which something holds and one at which it does not so many times; the end of what is
-/// left at which it holds.
+/// Halves the interval between `holding` and `failing` `halvings` times by the predicate `holds`.
+///
+/// `holds` is true at `holding` and false at `failing`. Returns the end of the last interval at which it is true.
 pub(crate) fn bisect(
     mut holding: f64,
     mut failing: f64,

@@ -1,10 +1,12 @@
-//! Room for what a call writes.
+//! Output buffers.
 
-/// Where a call writes a known number of values: a slice or an array of that length, or a [`Vec`],
-/// which is made as long as it must be. Used again, a `Vec` allocates nothing once it has grown.
+/// An output buffer for a known number of values: a slice or an array of that length, or a [`Vec`].
+///
+/// A `Vec` is resized as needed; reused, it allocates nothing after it has grown.
 pub trait Buffer<T> {
-    /// The room for `count` values. A `Vec` has exactly as many afterwards; a slice stays as it is, and
-    /// whoever writes to it checks its length.
+    /// The buffer for `count` values.
+    ///
+    /// A `Vec` is resized to `count`. A slice stays unchanged, and its caller checks its length.
     fn sized(&mut self, count: usize) -> &mut [T];
 }
 
@@ -30,14 +32,14 @@ impl<T: Default> Buffer<T> for Vec<T> {
     }
 }
 
-/// Makes a vector hold so many of one value and nothing else, in the memory that it has.
+/// Fills a vector with `count` copies of a value, in its present allocation if that suffices.
 #[inline]
 pub(crate) fn refill<T: Clone>(vector: &mut Vec<T>, count: usize, value: T) {
     vector.clear();
     vector.resize(count, value);
 }
 
-/// Makes a vector empty, with room for so many.
+/// Empties a vector and reserves capacity for `room` elements.
 pub(crate) fn vacate<T>(vector: &mut Vec<T>, room: usize) {
     vector.clear();
     vector.reserve(room);

@@ -1,5 +1,4 @@
-//! The clock that limits of time look at: the system's, or one that is [given](set) where there is no system, as on
-//! `wasm32-unknown-unknown`.
+//! Clock for time limits: the system's, or the one of [`set`] on systems without, such as `wasm32-unknown-unknown`.
 
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -7,7 +6,7 @@ use std::time::Duration;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use std::time::Instant;
 
-/// Whether a deadline is past, or the computation of this thread is to end for another reason.
+/// True if a deadline is past, or the computation of this thread is interrupted.
 #[inline]
 pub(crate) fn is_past(deadline: Option<Instant>) -> bool {
     crate::interruption::is_stopped() || deadline.is_some_and(|at| Instant::now() >= at)
@@ -15,8 +14,10 @@ pub(crate) fn is_past(deadline: Option<Instant>) -> bool {
 
 static GIVEN: OnceLock<fn() -> Duration> = OnceLock::new();
 
-/// Gives a clock: the time since any moment. It is looked at on `wasm32-unknown-unknown` alone, where no limit of time ends
-/// anything without one; the first that is given stays.
+/// Sets a clock that returns the time since an arbitrary moment.
+///
+/// Only `wasm32-unknown-unknown` uses it. Without it, time limits have no effect there. Only the first call has an
+/// effect.
 pub fn set(now: fn() -> Duration) {
     GIVEN.get_or_init(|| now);
 }
@@ -28,7 +29,7 @@ pub(crate) use given::Instant;
 mod given {
     use super::{Duration, GIVEN};
 
-    /// A moment of the clock that was given.
+    /// A moment of the clock that was set.
     #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
     pub struct Instant(Duration);
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a file: which file, where in it, and what.
+//! Errors of files, with file name, location and problem.
 
 use std::fmt;
 use std::fs::File;
@@ -6,26 +6,26 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Size of the largest file that is read where the caller sets none, bytes.
+/// Largest file that is read if the caller sets no limit, bytes.
 pub(crate) const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// What is read of a file, or why that cannot be.
+/// The result of reading a file.
 pub(crate) type FromFile<T> = Result<T, ReadError>;
 
 /// A file that could not be read.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{file}: {place}{problem}")]
 pub struct ReadError {
-    /// The file's path, or the name given to the bytes.
+    /// Path of the file, or the name given to the bytes.
     pub file: String,
-    /// Where in the file.
+    /// Location in the file.
     pub place: Place,
-    /// What is wrong there.
+    /// The problem at that location.
     #[source]
     pub problem: ReadProblem,
 }
 
-/// A place in a file.
+/// A location in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -35,29 +35,29 @@ pub enum Place {
     Line(usize),
     /// An offset in bytes from the start of the file.
     Byte(usize),
-    /// An entry of a list of things, counted from 0: a vertex, a face, a matrix entry.
+    /// An element of a list, counted from 0: a vertex, a face, a matrix entry.
     Element(&'static str, usize),
-    /// A path such as `bones[3].rest_T`.
+    /// A JSON path such as `bones[3].rest_T`.
     Json(String),
 }
 
-/// What is wrong at a place in a file.
+/// A problem at a location in a file.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadProblem {
     /// The operating system could not open or read the file.
     #[error("cannot be read: {0}")]
     Io(#[source] Arc<std::io::Error>),
-    /// The file is longer than the reader accepts.
+    /// The file is longer than the limit.
     #[error("is longer than the {limit} bytes that are read of such a file")]
     TooLong {
         /// The limit in bytes.
         limit: u64,
     },
-    /// A referenced file that is outside of the folders from which references may be opened.
+    /// A referenced file outside the folders from which references may be opened.
     #[error("is outside of the folders from which it may be opened{}", listed(.folders))]
     Outside {
-        /// The allowed folders; none where the reference must lead below the folder that it counts from.
+        /// The allowed folders; empty if the reference must be below the folder of the file that contains it.
         folders: Vec<String>,
     },
     /// A referenced file that is not valid. Its contents are not quoted.
@@ -65,24 +65,24 @@ pub enum ReadProblem {
         "is damaged or of another format; the reason is reported where this file is read by itself"
     )]
     InvalidReferenced,
-    /// The file announces more than it holds.
+    /// A file that is shorter than its contents require.
     #[error("{what} need at least {needed} more bytes, but {available} are left in the file")]
     Truncated {
-        /// What was announced.
+        /// Name of the missing contents.
         what: String,
-        /// The least number of bytes it takes, or the largest `u64` when it is beyond that.
+        /// Smallest number of bytes they need; the largest `u64` if that is exceeded.
         needed: u64,
-        /// The bytes that are left.
+        /// Number of remaining bytes.
         available: usize,
     },
-    /// The text or structure is not what the format asks for.
+    /// Text or structure that violates the format.
     #[error("{0}")]
     Malformed(String),
-    /// What the file holds is well formed, but not valid: a [`MeshError`](crate::mesh::MeshError) or a
-    /// [`WeightsError`](crate::skinning::WeightsError), say.
+    /// Well-formed but invalid contents, for example a [`MeshError`](crate::mesh::MeshError) or a
+    /// [`WeightsError`](crate::skinning::WeightsError).
     #[error(transparent)]
     Invalid(Arc<dyn std::error::Error + Send + Sync>),
-    /// Another file that this one names cannot be read.
+    /// A referenced file that cannot be read.
     #[error("{0}")]
     Referenced(#[source] Box<ReadError>),
 }
@@ -92,9 +92,9 @@ pub enum ReadProblem {
 #[error("{file}: cannot be written: {problem}")]
 #[non_exhaustive]
 pub struct WriteError {
-    /// The file's path.
+    /// Path of the file.
     pub file: String,
-    /// Why.
+    /// The reason.
     #[source]
     pub problem: Arc<std::io::Error>,
 }
@@ -113,7 +113,7 @@ impl From<std::io::Error> for ReadProblem {
 }
 
 impl ReadProblem {
-    /// Well formed, but not valid.
+    /// Wraps an error about well-formed but invalid contents.
     pub(crate) fn invalid(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Invalid(Arc::new(error))
     }
@@ -137,12 +137,12 @@ impl ReadError {
         }
     }
 
-    /// Whether it is that the file does not exist.
+    /// True if the file does not exist.
     pub(crate) fn is_missing(&self) -> bool {
         matches!(&self.problem, ReadProblem::Io(error) if error.kind() == std::io::ErrorKind::NotFound)
     }
 
-    /// Announced contents that the rest of the file cannot hold.
+    /// An error for contents that the rest of the file cannot hold.
     pub(crate) fn truncated(
         file: &str,
         place: Place,
@@ -159,7 +159,7 @@ impl ReadError {
         Self::new(file, place, problem)
     }
 
-    /// The same error without a word of the file's contents: for a file that another one names, whoever wrote that.
+    /// The error without any contents of the file, for a referenced file that its referrer may not quote.
     pub(crate) fn without_contents(self) -> Self {
         let Self {
             file,
@@ -185,12 +185,12 @@ impl ReadError {
         }
     }
 
-    /// An error in another file, from the place that names it.
+    /// An error in another file, at the location that references it.
     pub(crate) fn referred(file: &str, place: Place, error: Self) -> Self {
         Self::new(file, place, ReadProblem::Referenced(Box::new(error)))
     }
 
-    /// What is wrong with a file as a whole.
+    /// An error about a file as a whole.
     pub(crate) fn of_file(file: &str, problem: impl Into<String>) -> Self {
         Self::malformed(file, Place::File, problem)
     }
@@ -212,7 +212,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A whole file, refusing devices and pipes (which may never end) and files beyond `limit` bytes.
+/// Reads a whole file; rejects devices and pipes, which may never end, and files longer than `limit` bytes.
 pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     let name = path.display().to_string();
     let fail = |problem: ReadProblem| ReadError::new(&name, Place::File, problem);
@@ -234,7 +234,7 @@ pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> 
     Ok(bytes)
 }
 
-/// What `parse` makes of a whole file's bytes and its name.
+/// Reads a whole file and parses its bytes; `parse` gets its name too.
 pub(crate) fn read_with<T>(
     path: &Path,
     limit: u64,

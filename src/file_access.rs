@@ -1,16 +1,16 @@
-//! Access to the files that a file names: only below allowed folders, up to a size.
+//! Access to referenced files: only below allowed folders, up to a size limit.
 //!
-//! A scene, a rig or a world may come from anyone, so a reference in it must not open any file of the machine. A reference is
-//! resolved against the folder of the file that holds it, its symbolic links are followed, and the result must lie below that
-//! folder or below a folder that the caller lists.
+//! A scene, a rig or a world may come from an untrusted source, so its references must not open arbitrary files. A
+//! reference is resolved against the folder of the file that contains it. After symbolic links, the result must be
+//! below that folder or below a folder that the caller lists.
 
 use std::path::{Component, Path, PathBuf};
 
 use crate::file::{FromFile, MAX_FILE_BYTES, Place, ReadError, ReadProblem, read_bytes};
 
-/// Files that a reader may open: the folders below which a file's references may lead, and the largest size.
+/// Rules for the files that a reader may open: allowed folders and the largest size.
 ///
-/// References always may lead below the folder of the file that holds them. Symbolic links are followed first.
+/// References below the folder of the file that contains them are always allowed. Symbolic links are followed first.
 ///
 /// ```
 /// use kinopt::io::FileAccess;
@@ -34,7 +34,7 @@ impl Default for FileAccess {
 }
 
 impl FileAccess {
-    /// Access to the folder of the file that is read alone, to files of at most 1 GiB.
+    /// Access to the folder of the file that is read, for files of at most 1 GiB.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -43,26 +43,27 @@ impl FileAccess {
     setters! {
         /// Allows references below this folder too.
         pub fn with_folder(mut self, folder: impl Into<PathBuf>) { self.folders.push(folder.into()) }
-        /// Sets the largest file that is read, in bytes.
+        /// Sets the largest file that is read, bytes.
         pub fn with_max_bytes(mut self, bytes: u64) { self.max_bytes = bytes }
     }
 
     getters! {
-        /// The folders that are allowed beside the file's own.
+        /// The allowed folders in addition to the file's own folder.
         pub fn folders(&self) -> &[PathBuf] = &self.folders;
-        /// The largest file that is read, in bytes.
+        /// The largest file that is read, bytes.
         pub fn max_bytes(&self) -> u64 = self.max_bytes;
     }
 
-    /// Reads a whole regular file. Its size is checked before anything is read.
+    /// Reads a whole regular file; checks its size first.
     ///
     /// # Errors
-    /// A [`ReadError`] naming the file: it cannot be opened, is a device or a pipe, or is larger than [`max_bytes`](Self::max_bytes).
+    /// Returns a [`ReadError`] with the file's name if it cannot be opened, is a device or a pipe, or is larger than
+    /// [`max_bytes`](Self::max_bytes).
     pub fn read(&self, path: impl AsRef<Path>) -> Result<Vec<u8>, ReadError> {
         read_bytes(path.as_ref(), self.max_bytes)
     }
 
-    /// Parses a whole file by its bytes and its name.
+    /// Parses a whole file from its bytes and its name.
     pub(crate) fn read_with<T>(
         &self,
         path: &Path,
@@ -71,17 +72,17 @@ impl FileAccess {
         crate::file::read_with(path, self.max_bytes, parse)
     }
 
-    /// The files that a file may name.
+    /// The files that a file may reference.
     pub(crate) fn of_file(&self, file: &Path) -> AllowedFiles {
         let folder = file.parent().unwrap_or(Path::new(""));
         AllowedFiles::new(folder, &self.folders, self.max_bytes)
     }
 }
 
-/// The files that one file may name.
+/// The files that one file may reference.
 #[derive(Clone, Debug)]
 pub(crate) struct AllowedFiles {
-    /// The folder from which relative references count.
+    /// The base folder of relative references.
     folder: PathBuf,
     /// The allowed folders.
     roots: Vec<PathBuf>,
@@ -98,7 +99,7 @@ impl AllowedFiles {
         }
     }
 
-    /// The files below these folders, named by whole paths or from the working directory.
+    /// The files below these folders; references are absolute or relative to the working directory.
     #[cfg(any(feature = "collision", feature = "mjcf"))]
     pub(crate) fn below<'f>(folders: impl IntoIterator<Item = &'f Path>) -> Self {
         Self {
@@ -108,7 +109,7 @@ impl AllowedFiles {
         }
     }
 
-    /// The folder from which relative references count.
+    /// The base folder of relative references.
     #[cfg(feature = "gltf")]
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
@@ -121,11 +122,13 @@ impl AllowedFiles {
             file: path.display().to_string(),
             ..error
         };
-        // Read under its real path, so that no link is followed once more.
+        // Read by its real path, so that no link is followed again.
         read_bytes(&self.resolve(&path)?, self.max_bytes).map_err(renamed)
     }
 
-    /// The real path of a file below the allowed folders. Nothing outside of them is looked at, as far as the path's text shows.
+    /// The real path of a file below the allowed folders.
+    ///
+    /// A path whose text leads outside them is rejected without access to the file system.
     pub(crate) fn resolve(&self, path: &Path) -> FromFile<PathBuf> {
         let file = path.display().to_string();
         let fail = |problem: ReadProblem| ReadError::new(&file, Place::File, problem);
@@ -152,7 +155,7 @@ impl AllowedFiles {
     }
 }
 
-/// A folder as paths can be joined to it: the folder of a file without one is the working directory.
+/// A folder in a form to which paths can be joined: an empty path becomes the working directory.
 fn named(folder: &Path) -> PathBuf {
     match folder.as_os_str().is_empty() {
         true => PathBuf::from("."),
@@ -160,7 +163,7 @@ fn named(folder: &Path) -> PathBuf {
     }
 }
 
-/// An absolute path without `.` and `..`, by its text alone; `None` where `..` leaves the root.
+/// An absolute path without `.` and `..`, by its text only; `None` if `..` leaves the root.
 fn without_dots(path: &Path) -> Option<PathBuf> {
     let mut whole = PathBuf::new();
     for part in std::path::absolute(path).ok()?.components() {
@@ -174,7 +177,9 @@ fn without_dots(path: &Path) -> Option<PathBuf> {
     Some(whole)
 }
 
-/// Opens by a caller's function only references below the folder of the file that holds them, on whatever system the function opens.
+/// Restricts a caller's `open` function to references below the folder of the file that contains them.
+///
+/// It checks the text only, so it works for any file system.
 pub(crate) fn below_folder(
     mut open: impl FnMut(&str) -> FromFile<Vec<u8>>,
 ) -> impl FnMut(&str) -> FromFile<Vec<u8>> {
@@ -191,8 +196,9 @@ pub(crate) fn below_folder(
     }
 }
 
-/// Whether a reference leads below the folder that it counts from, by its text alone: it is relative, names no drive, and no `..`
-/// leaves the folder. Both slashes separate.
+/// True if a reference stays below its base folder, by its text only.
+///
+/// It must be relative, without a drive, and no `..` may leave the folder. Both slashes are separators.
 fn is_below_folder(reference: &str) -> bool {
     let absolute = reference.starts_with(['/', '\\']);
     let drive = reference.as_bytes().get(1) == Some(&b':');

@@ -1,7 +1,6 @@
-//! Replacement of files as a whole: each is written beside its place and renamed.
+//! Atomic replacement of files: contents are written to a temporary file in the same folder, which is renamed.
 //!
-//! Whoever reads a file sees the old contents or the new ones. If anything fails before the first rename, all files stay as
-//! they were.
+//! A reader gets the old contents or the new ones. If anything fails before the first rename, all files stay unchanged.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Write};
@@ -10,20 +9,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::file::WriteError;
 
-/// Largest number of symbolic links that lead to a file, as in Linux.
+/// Largest number of symbolic links to a file, as in Linux.
 const MAX_LINKS: usize = 40;
-/// Largest number of names that are tried for a temporary file.
+/// Largest number of attempted names for a temporary file.
 const MAX_NAMES: usize = 100;
 
-/// Writes a whole file: beside its place, then renamed. Symbolic links are followed, and stay.
+/// Writes a whole file to a temporary file, then renames that. Symbolic links are followed and kept.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file, which is as it was.
+/// Returns a [`WriteError`] with the file's name; the file is unchanged.
 pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
     write_files(&[(path.as_ref(), bytes)])
 }
 
-/// Writes files that belong together: all are written beside their places before the first is renamed.
+/// Writes related files: all temporary files are complete before the first is renamed.
 pub(crate) fn write_files(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
     let mut staged = Vec::with_capacity(files.len());
     for (path, bytes) in files {
@@ -37,10 +36,10 @@ pub(crate) fn write_files(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Contents that wait for their place.
+/// Contents before the rename.
 struct Staged {
     target: PathBuf,
-    /// The file that holds the contents; `None` where they are written to the target itself.
+    /// The temporary file; `None` if the contents are written to the target directly.
     temporary: Option<PathBuf>,
 }
 
@@ -53,7 +52,7 @@ impl Staged {
         };
         let permissions = match std::fs::metadata(&target) {
             Ok(old) if old.is_dir() => return Err(Error::from(ErrorKind::IsADirectory)),
-            // A file that may not be written is not replaced either.
+            // A read-only file must not be replaced either.
             Ok(old) if old.is_file() => {
                 File::options().write(true).open(&target)?;
                 Some(old.permissions())
@@ -65,7 +64,7 @@ impl Staged {
         };
         let (mut file, temporary) = match temporary_beside(&target) {
             Ok(made) => made,
-            // A folder in which no file can be made may hold one that can be written.
+            // The folder may not allow new files although this file can be written.
             Err(_) if permissions.is_some() => return Ok(direct(target)),
             Err(error) => return Err(error),
         };
@@ -100,13 +99,13 @@ impl Drop for Staged {
     }
 }
 
-/// A new file in the folder of another one.
+/// A new temporary file in the folder of another file.
 fn temporary_beside(target: &Path) -> std::io::Result<(File, PathBuf)> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let mut taken = Error::from(ErrorKind::AlreadyExists);
     for _ in 0..MAX_NAMES {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        // Folders of movements are swept of files that are called so.
+        // A cleanup of animation folders deletes files with such names.
         let name = format!(".part.{}-{number}", std::process::id());
         let path = target.with_file_name(name);
         match File::options().write(true).create_new(true).open(&path) {
@@ -118,7 +117,7 @@ fn temporary_beside(target: &Path) -> std::io::Result<(File, PathBuf)> {
     Err(taken)
 }
 
-/// The path to which a chain of symbolic links leads. Nothing needs to be there.
+/// The end of a chain of symbolic links; it need not exist.
 fn without_links(path: &Path) -> std::io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {

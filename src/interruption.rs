@@ -1,4 +1,4 @@
-//! Early end of long computations, for programs that react to signals.
+//! Early end of long computations, for programs that handle signals.
 
 use std::cell::Cell;
 
@@ -6,10 +6,11 @@ thread_local! {
     static IS_STOPPED: Cell<Option<fn() -> bool>> = const { Cell::new(None) };
 }
 
-/// Runs `work` on this thread, and ends its searches, samplings and covers early once `is_stopped` returns true.
+/// Runs `work` on this thread and ends its searches, samplings and sphere covers early once `is_stopped` returns true.
 ///
-/// `is_stopped` is called often, at least every few milliseconds, and must keep returning true until `work` returns. What `work` returns
-/// is incomplete then: discard it. Nothing else changes a result. Threads that `work` starts do not call it.
+/// `is_stopped` is called at least every few milliseconds. It must continue to return true until `work` returns. The
+/// result of an interrupted `work` is incomplete: discard it. Otherwise results do not change. Threads that `work`
+/// starts do not call it.
 ///
 /// ```
 /// use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,13 +24,13 @@ pub fn interruptible<T>(is_stopped: fn() -> bool, work: impl FnOnce() -> T) -> T
     work()
 }
 
-/// Whether the computation of this thread is to end.
+/// True if the computation of this thread is interrupted.
 #[inline]
 pub(crate) fn is_stopped() -> bool {
     IS_STOPPED.get().is_some_and(|is_stopped| is_stopped())
 }
 
-/// Puts the function back that was there before, also after a panic.
+/// Restores the previous function, also after a panic.
 struct Restored(Option<fn() -> bool>);
 
 impl Drop for Restored {

@@ -1,16 +1,15 @@
 //! Inverse kinematics by optimisation.
 //!
-//! A model (a robot arm, a character's skeleton) has joint values q with hard bounds. Tasks say
-//! what its frames should do; each is a residual r(q). Inverse kinematics is then one bounded
-//! nonlinear least-squares problem:
+//! A model (a robot arm, a character's skeleton) has joint values q with hard bounds. A task is a residual r(q) of its
+//! frames or joints. Inverse kinematics is then one bounded nonlinear least-squares problem:
 //!
 //! ```text
 //! minimise  cost(q) = ½ Σ ‖W r(q)‖²     subject to  q_min ≤ q ≤ q_max
 //! ```
 //!
-//! Build a [`Model`] (by hand, from a [`Skeleton`], or from a URDF with feature
-//! `urdf`), state a [`Problem`] of [`task`]s, and give it to a [`Solver`]. The [`Solution`] says
-//! what was reached, by how much the rest was missed, and which limits are in the way.
+//! Build a [`Model`] by hand, from a [`Skeleton`], or from a URDF (feature `urdf`). State a [`Problem`] of [`task`]s
+//! and pass it to a [`Solver`]. The [`Solution`] reports the reached tasks, the errors of all others, and the active
+//! limits.
 //!
 //! ```
 //! use kinopt::model::{Limits, Model};
@@ -36,31 +35,42 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What moves over time is in [`animation`], what follows it in [`skinning`]; poses and meshes there
-//! are of [`glam`]'s types, tables of weights of [`nalgebra`]'s.
+//! Motion over time is in [`animation`], skin deformation in [`skinning`]. Their poses and meshes use the types of
+//! [`glam`]; tables of weights use those of [`nalgebra`].
 //!
 //! # Conventions
 //!
-//! Metres (a rig's own unit for rigs), radians, seconds. Right-handed, column vectors; a placement
-//! `world_from_tip` maps tip coordinates to world coordinates. Quaternions are w, x, y, z.
-//! Velocities come linear first, then angular, in world axes at the frame's own origin. `f64` for
-//! models and optimisation, `f32` for meshes. Where geometry is handed over, [`nalgebra`]'s and
-//! [`glam`]'s types convert.
+//! - Units are metres (for rigs, the rig's unit), radians and seconds.
+//! - Frames are right-handed, vectors are columns. A placement `world_from_tip` maps tip coordinates to world
+//!   coordinates.
+//! - Quaternions are w, x, y, z.
+//! - Velocities are linear first, then angular, in world axes at the frame's origin.
+//! - Models and optimisation use `f64`, meshes `f32`.
+//! - Functions that take geometry accept the types of [`nalgebra`] and [`glam`] too.
 //!
-//! Numbers of a wrong length or not finite, ids of another model and settings out of range are an `Err`
-//! that names them. Shares and weights that animate (of a layer, a goal, a cross-fade) come from curves
-//! that overshoot: those are taken into [0, 1], and NaN counts as 0.
+//! Wrong lengths, numbers that are not finite, ids of another model and settings out of range return an `Err` that
+//! names them. Animated interpolation parameters and weights (of a layer, a task, a cross-fade) may overshoot. They are
+//! clamped to [0, 1], and NaN counts as 0.
 //!
-//! What is collected takes `&mut self` and gives ids or handles; what is set takes and returns `self`,
-//! `with_…` on what is finished.
+//! Methods that add parts take `&mut self` and return ids or handles. Methods that set options take and return `self`;
+//! on finished objects their names start with `with_`.
 //!
 //! # Features
 //!
-//! None is on by default: `collision` (shapes, distances, worlds of obstacles; arms that keep clear), `urdf` (robots from URDF), `mjcf` (from MuJoCo's XML), `yaml` (joint limits from MoveIt's YAML), `gltf` (scenes from and to glTF), `heat` (skin
-//! weights by heat on the surface), `rayon` (batches over threads), `serde` (models, options, solutions, clips), `argmin` (the bridge to argmin).
+//! No feature is on by default.
+//!
+//! - `collision`: shapes, distances, worlds of obstacles, collision avoidance of arms
+//! - `urdf`: robots from URDF
+//! - `mjcf`: robots from MuJoCo's XML
+//! - `yaml`: joint limits from MoveIt's YAML
+//! - `gltf`: scenes from and to glTF
+//! - `heat`: skin weights by bone heat weighting
+//! - `rayon`: batches on several threads
+//! - `serde`: serialisation of models, options, solutions and clips
+//! - `argmin`: the bridge to argmin
 
 #![warn(clippy::disallowed_methods)]
-// On docs.rs every item says which feature it needs.
+// On docs.rs every item shows the feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 #[macro_use]
@@ -106,7 +116,7 @@ pub mod task;
 #[cfg(feature = "yaml")]
 mod yaml;
 
-// Their types are in the interface: a caller's own copy of another version would not fit.
+// These crates' types are part of the interface; another version in a caller's crate would not match.
 pub use glam;
 pub use nalgebra;
 
@@ -115,56 +125,60 @@ pub use bad_option::BadOption;
 pub use buffer::Buffer;
 pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;
-#[doc(hidden)] // Words, for the command and the Python package.
+#[doc(hidden)] // Used by the command line and the Python package.
 pub use plural::counted;
 pub use problem::Problem;
 pub use scalar::Scalar;
 pub use size_mismatch::SizeMismatch;
 pub use skeleton::Skeleton;
 
-/// The examples of the page on whole bodies, run as tests.
+/// Examples of the guide and the reference, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
-#[doc = include_str!("../docs/whole-bodies.md")]
-struct WholeBodies;
+#[doc = include_str!("../docs/guide/arms.md")]
+#[doc = include_str!("../docs/guide/balance.md")]
+#[doc = include_str!("../docs/guide/batches.md")]
+#[doc = include_str!("../docs/guide/characters.md")]
+#[doc = include_str!("../docs/guide/clip-ik.md")]
+#[doc = include_str!("../docs/guide/clips.md")]
+#[doc = include_str!("../docs/guide/derivatives.md")]
+#[doc = include_str!("../docs/guide/dragging.md")]
+#[doc = include_str!("../docs/guide/followers.md")]
+#[doc = include_str!("../docs/guide/gaze.md")]
+#[doc = include_str!("../docs/guide/paths.md")]
+#[doc = include_str!("../docs/guide/pose-ik.md")]
+#[doc = include_str!("../docs/guide/postures.md")]
+#[doc = include_str!("../docs/guide/priorities.md")]
+#[doc = include_str!("../docs/guide/residuals.md")]
+#[doc = include_str!("../docs/guide/retargeting.md")]
+#[doc = include_str!("../docs/guide/servo.md")]
+#[doc = include_str!("../docs/guide/skinning.md")]
+#[doc = include_str!("../docs/guide/targets.md")]
+#[doc = include_str!("../docs/guide/trajectories.md")]
+#[doc = include_str!("../docs/guide/trajectory-optimisation.md")]
+#[doc = include_str!("../docs/guide/whole-bodies.md")]
+#[doc = include_str!("../docs/reference/file-access.md")]
+struct Guide;
 
-/// The examples of the page on obstacles, run as tests.
-#[cfg(all(doctest, feature = "collision"))]
-#[doc = include_str!("../docs/collisions.md")]
-struct Collisions;
-
-/// The examples of the page on motions, run as tests.
-#[cfg(all(doctest, feature = "urdf"))]
-#[doc = include_str!("../docs/motions.md")]
-struct Motions;
-
-/// The examples of the page on retargeting, run as tests.
-#[cfg(all(doctest, feature = "collision", feature = "urdf"))]
-#[doc = include_str!("../docs/retargeting.md")]
-struct Retargeting;
-
-/// The examples of the page on clips and scene files, run as tests.
-#[cfg(all(doctest, feature = "gltf"))]
-#[doc = include_str!("../docs/clips.md")]
-struct Clips;
-
-/// The examples of the page on paths, run as tests.
-#[cfg(all(doctest, feature = "urdf"))]
-#[doc = include_str!("../docs/paths.md")]
-struct Paths;
-
-/// The examples of the first steps and of the pages on single tasks, run as tests.
+/// Examples of the guide that read MJCF, run as tests.
 #[cfg(all(doctest, feature = "urdf", feature = "mjcf"))]
-#[doc = include_str!("../docs/first-steps.md")]
-#[doc = include_str!("../docs/file-access.md")]
-#[doc = include_str!("../docs/places-and-poses.md")]
-#[doc = include_str!("../docs/looking.md")]
-#[doc = include_str!("../docs/postures.md")]
-#[doc = include_str!("../docs/moves.md")]
-#[doc = include_str!("../docs/closed-loops.md")]
-struct Tasks;
+#[doc = include_str!("../docs/guide/closed-loops.md")]
+struct MjcfGuide;
 
-/// The README's examples, run as tests.
+/// Examples of the guide with obstacles, run as tests.
+#[cfg(all(doctest, feature = "collision", feature = "urdf"))]
+#[doc = include_str!("../docs/guide/body-collision-avoidance.md")]
+#[doc = include_str!("../docs/guide/collision-avoidance.md")]
+#[doc = include_str!("../docs/guide/collision-models.md")]
+#[doc = include_str!("../docs/guide/retargeting-collisions.md")]
+#[doc = include_str!("../docs/guide/worlds.md")]
+struct CollisionGuide;
+
+/// Examples of the guide that read and write glTF, run as tests.
+#[cfg(all(doctest, feature = "gltf"))]
+#[doc = include_str!("../docs/guide/file-formats.md")]
+struct GltfGuide;
+
+/// Examples of the README, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]
-#[doc = include_str!("../docs/strict-levels.md")]
 struct Readme;

@@ -7,18 +7,18 @@ use glam::{DVec3, Vec3};
 use crate::SizeMismatch;
 use crate::spatial::Vector3;
 
-/// Rounds a double-precision vector to the single precision of meshes. A value beyond the range of
-/// `f32` becomes infinite, which [`TriangleMesh::new`] refuses.
+/// Rounds a double-precision vector to the single precision of meshes.
+///
+/// A value beyond the range of `f32` becomes infinite, which [`TriangleMesh::new`] rejects.
 #[inline]
 #[must_use]
 pub fn single_precision(v: Vector3<f64>) -> Vec3 {
     DVec3::new(v.x, v.y, v.z).as_vec3()
 }
 
-/// A triangle mesh whose indices are in range and whose numbers are finite.
+/// A triangle mesh with valid indices and finite numbers.
 ///
-/// Positions are in the model's own unit (metres for robots). Triangles are counter-clockwise seen
-/// from outside.
+/// Positions are in the model's unit (metres for robots). Triangles are counter-clockwise, seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
     positions: Vec<Vec3>,
@@ -26,44 +26,44 @@ pub struct TriangleMesh {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What is wrong with the parts of a [`TriangleMesh`].
+/// Errors of the parts of a [`TriangleMesh`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A coordinate is NaN or infinite.
+    /// A coordinate of a position is NaN or infinite.
     #[error("vertex {vertex}: the position is not finite in single precision")]
     NonFinitePosition {
-        /// Which vertex, from 0.
+        /// Index of the vertex, from 0.
         vertex: usize,
     },
-    /// A normal's component is NaN or infinite.
+    /// A component of a normal is NaN or infinite.
     #[error("vertex {vertex}: the normal is not finite in single precision")]
     NonFiniteNormal {
-        /// Which vertex, from 0.
+        /// Index of the vertex, from 0.
         vertex: usize,
     },
-    /// A triangle names a vertex that does not exist.
+    /// A triangle with the index of a vertex that does not exist.
     #[error(
         "triangle {triangle}: vertex index {index} is out of range; there are {vertices} vertices"
     )]
     IndexOutOfRange {
-        /// Which triangle, from 0.
+        /// Index of the triangle, from 0.
         triangle: usize,
-        /// The index it names.
+        /// The invalid vertex index.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// There are normals, but not one for each vertex, or new positions of another number.
+    /// A number of normals, or of new positions, that differs from the number of vertices.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
 }
 
 impl TriangleMesh {
-    /// A mesh of its parts; `normals` is empty or holds one vector per vertex.
+    /// A mesh from its parts; `normals` is empty or has one vector per vertex.
     ///
     /// # Errors
-    /// A [`MeshError`] when a number is not finite, an index is out of range or the counts disagree.
+    /// Returns a [`MeshError`] if a number is not finite, an index is out of range or the numbers of elements differ.
     pub fn new(
         positions: Vec<Vec3>,
         normals: Vec<Vec3>,
@@ -98,18 +98,18 @@ impl TriangleMesh {
     }
 
     getters! {
-        /// The vertices' positions, in the model's own unit.
+        /// Positions of the vertices, in the model's unit.
         pub fn positions(&self) -> &[Vec3] = &self.positions;
-        /// The vertices' normals: empty, or one per vertex, as given (not necessarily of unit length).
+        /// Normals of the vertices: empty, or one per vertex, as given (not necessarily of unit length).
         pub fn normals(&self) -> &[Vec3] = &self.normals;
-        /// The triangles' vertex indices, counted from 0.
+        /// Vertex indices of the triangles, from 0.
         pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
     }
 
-    /// The same triangles over other positions and normals, as after skinning.
+    /// The same triangles with other positions and normals, for example after skinning.
     ///
     /// # Errors
-    /// A [`MeshError`] when the number of positions differs, or as [`new`](Self::new).
+    /// Returns a [`MeshError`] if the number of positions differs, and the errors of [`new`](Self::new).
     pub fn with_vertices(
         &self,
         positions: Vec<Vec3>,
@@ -120,15 +120,16 @@ impl TriangleMesh {
     }
 
     setters! {
-        /// This mesh with its normals replaced by [`vertex_normals`](Self::vertex_normals).
+        /// Replaces the normals by [`vertex_normals`](Self::vertex_normals).
         pub fn with_computed_normals(mut self) { self.normals = self.vertex_normals() }
     }
 
-    /// Unit vertex normals: the sum of the adjoining triangles' normals weighted by their areas.
-    /// Zero for a vertex that no triangle uses or whose triangles have no area.
+    /// Unit vertex normals: the area-weighted sums of the adjacent triangles' normals.
+    ///
+    /// Zero for a vertex without triangles, or whose triangles have no area.
     #[must_use]
     pub fn vertex_normals(&self) -> Vec<Vec3> {
-        // In double precision, so that no product of finite f32 coordinates can overflow.
+        // In double precision, so that no product of finite f32 coordinates overflows.
         let mut sums = vec![DVec3::ZERO; self.positions.len()];
         for &triangle in &self.triangles {
             let [a, b, c] = self.corners(triangle);
@@ -144,8 +145,7 @@ impl TriangleMesh {
             .collect()
     }
 
-    /// The lowest and highest corner of the axis-aligned bounding box of all vertices; `None`
-    /// without vertices.
+    /// Lowest and highest corner of the axis-aligned bounding box of all vertices; `None` without vertices.
     #[must_use]
     pub fn bounding_box(&self) -> Option<[Vec3; 2]> {
         let first = *self.positions.first()?;
@@ -153,8 +153,7 @@ impl TriangleMesh {
         Some(self.positions.iter().fold([first, first], grow))
     }
 
-    /// The diagonal of the bounding box, in the model's own unit: the length that tolerances scale
-    /// with. Zero without vertices.
+    /// Diagonal of the bounding box, in the model's unit, with which tolerances scale. Zero without vertices.
     #[must_use]
     pub fn size(&self) -> f64 {
         self.bounding_box().map_or(0.0, |[low, high]| {
@@ -162,8 +161,9 @@ impl TriangleMesh {
         })
     }
 
-    /// Whether the triangles bound a solid consistently: there are triangles, no directed edge
-    /// occurs twice, and each one's opposite occurs.
+    /// True if the triangles enclose a solid with consistent orientation.
+    ///
+    /// There must be triangles, no directed edge may occur twice, and the opposite of each must occur.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         let mut edges = BTreeSet::new();
@@ -177,8 +177,9 @@ impl TriangleMesh {
         !edges.is_empty() && edges.iter().all(|&(a, b)| edges.contains(&(b, a)))
     }
 
-    /// The enclosed volume in cubic units of the model, by the divergence theorem: positive where
-    /// triangles are counter-clockwise seen from outside. Meaningful for closed meshes only.
+    /// Enclosed volume in cubic units of the model, by the divergence theorem.
+    ///
+    /// Positive if triangles are counter-clockwise, seen from outside. Meaningful for closed meshes only.
     #[must_use]
     pub fn signed_volume(&self) -> f64 {
         // Relative to a vertex, because far from the origin the large terms would cancel.

@@ -1,4 +1,4 @@
-//! How many there are of something, in words.
+//! Counts in words.
 
 /// `1 edge`, `2 edges`, `1 vertex`, `2 vertices`.
 pub fn counted(count: usize, noun: &str) -> String {

@@ -1,4 +1,4 @@
-//! What most programs need: `use kinopt::prelude::*;`.
+//! The types that most programs need: `use kinopt::prelude::*;`.
 //!
 //! ```
 //! use kinopt::prelude::*;

@@ -1,7 +1,9 @@
-//! What this processor can do, asked in one place.
+//! Detection of processor features.
 
-/// Whether functions compiled for AVX2 and FMA may run here: the processor has both, and the
-/// environment did not set `KINOPT_PORTABLE` when this was first asked (see `docs/same-bits.md`).
+/// True if functions compiled for AVX2 and FMA may run on this machine.
+///
+/// The processor must have both, and the environment variable `KINOPT_PORTABLE` must be unset at the first call, or
+/// empty or `0` (see `docs/internals/reproducibility.md`).
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub(crate) fn has_avx2_and_fma() -> bool {

@@ -1,8 +1,9 @@
-//! Numbers that look random and never change: SplitMix64 (Steele, Lea & Flood 2014, "Fast
-//! splittable pseudorandom number generators"). A crate's stream may change with its version;
-//! solutions must not.
+//! Reproducible pseudorandom numbers: SplitMix64.
+//!
+//! Source: Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators". A crate's generator may change
+//! with its version; solutions must not.
 
-/// A stream of numbers for one (seed, index).
+/// A stream of pseudorandom numbers for one (seed, index).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RandomStream {
     state: u64,
@@ -11,7 +12,7 @@ pub(crate) struct RandomStream {
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 impl RandomStream {
-    /// The stream of one numbered attempt. Streams of different indices are unrelated.
+    /// The stream of one numbered attempt. Streams of different indices are independent.
     pub(crate) fn new(seed: u64, index: u64) -> Self {
         let mut outer = Self { state: seed };
         let base = outer.next();
@@ -29,13 +30,13 @@ impl RandomStream {
         bits
     }
 
-    /// Uniform within [0, 1).
+    /// A number sampled uniformly within [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
-/// One step of the generator from a state: its 64 bits.
+/// The 64 output bits of the generator at a state.
 pub(crate) fn mix(state: u64) -> u64 {
     let z = state.wrapping_add(GOLDEN);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,20 +1,20 @@
-//! So many things where there must be so many others.
+//! Error for a wrong number of elements.
 
-/// Two things came together that are not of one size: an armature and a pose, weights and a mesh.
+/// Two objects whose sizes do not match: an armature and a pose, weights and a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{given} {what} where there must be {expected}")]
 #[non_exhaustive]
 pub struct SizeMismatch {
-    /// Bones, rest positions, …
+    /// Name of the elements: bones, rest positions, …
     pub what: &'static str,
-    /// How many were given.
+    /// Given number.
     pub given: usize,
-    /// How many there must be.
+    /// Required number.
     pub expected: usize,
 }
 
 impl SizeMismatch {
-    /// Checks one count.
+    /// Returns an error if the numbers differ.
     pub(crate) fn check(what: &'static str, given: usize, expected: usize) -> Result<(), Self> {
         if given == expected {
             return Ok(());

@@ -1,4 +1,4 @@
-//! YAML as a tree of what stands where, for the few files that come in it.
+//! YAML as a tree of values with line numbers.
 
 use std::borrow::Cow;
 
@@ -6,10 +6,10 @@ use saphyr_parser::{Event, Parser};
 
 use crate::file::{FromFile, Place, ReadError};
 
-/// Lists in lists this deep at most.
+/// Largest nesting depth of lists and maps.
 const DEPTH: usize = 64;
 
-/// A value and the line where it begins, counted from 1.
+/// A value and the line at which it begins, from 1.
 #[derive(Clone, Debug)]
 pub(crate) struct Node<'t> {
     pub(crate) line: usize,
@@ -24,7 +24,7 @@ pub(crate) enum Value<'t> {
     Map(Vec<(Node<'t>, Node<'t>)>),
 }
 
-/// A list or map that is not closed yet.
+/// A list or map that is still open.
 struct Open<'t> {
     line: usize,
     map: bool,
@@ -56,7 +56,7 @@ pub(crate) fn parse<'t>(text: &'t str, file: &str) -> FromFile<Node<'t>> {
                 line,
                 value: Value::Scalar(text),
             },
-            // A few of them can stand for more than memory holds.
+            // A few aliases can expand beyond all memory.
             Event::Alias(_) => return Err(fail(line, "aliases are not read")),
             _ => continue,
         };
@@ -86,7 +86,7 @@ impl<'t> Open<'t> {
 }
 
 impl<'t> Node<'t> {
-    /// What a map holds under a key; `None` too where this is no map.
+    /// The value of a key in a map; `None` for a missing key or another kind of node.
     pub(crate) fn get(&self, key: &str) -> Option<&Node<'t>> {
         let Value::Map(pairs) = &self.value else {
             return None;
@@ -95,7 +95,7 @@ impl<'t> Node<'t> {
         found.map(|(_, value)| value)
     }
 
-    /// What a list holds; nothing where this is an empty scalar.
+    /// The elements of a list; empty for an empty or null scalar, `None` for any other node.
     pub(crate) fn list(&self) -> Option<&[Node<'t>]> {
         match &self.value {
             Value::List(nodes) => Some(nodes),
@@ -111,7 +111,7 @@ impl<'t> Node<'t> {
         }
     }
 
-    /// A number; YAML writes `.inf` and `.nan` for what is none.
+    /// A number; `None` for YAML's `.inf` and `.nan`.
     pub(crate) fn number(&self) -> Option<f64> {
         self.text()?.parse().ok()
     }

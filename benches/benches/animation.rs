@@ -1,5 +1,5 @@
-//! One character of 67 bones, a frame: sampling at 60 Hz and going from local to model transforms.
-//! Throughput is in bones.
+//! One frame of a character of 67 bones: sampling at 60 Hz, and conversion of local to model transforms. Throughput is
+//! in bones.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

@@ -1,4 +1,4 @@
-//! One Jacobian of 60 bones and five tips by each route, and the gradient in reverse mode.
+//! One Jacobian of 60 bones and five tips by each derivative mode, and the gradient in reverse mode.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -19,7 +19,7 @@ fn derivatives(criterion: &mut Criterion) {
     let (n, m) = (problem.variables(), problem.rows());
     let mut random = Sequence::new(0.5);
     let x: Vec<f64> = (0..n).map(|_| random.unit() - 0.5).collect();
-    // Two places in turn, so that no forward pass is ever reused.
+    // Alternates between two configurations, so that no forward pass is reused.
     let y: Vec<f64> = x.iter().map(|v| v + 1e-3).collect();
 
     let name = format!("{} bones, {n} angles, 5 tips", skeleton.bones().len());

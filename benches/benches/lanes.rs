@@ -1,6 +1,5 @@
-//! Pose IK of the shipped Panda and UR5e, through the front door (`Arm`) and on the lane engine under
-//! it: single queries, a batch, a path, and what one iteration costs. Throughput counts poses, or
-//! iterations where the name says so.
+//! Pose IK of the shipped Panda and UR5e, through `Arm` and on the SIMD solver: single queries, a batch, a path, and
+//! one iteration. Throughput is in poses, or in iterations if the name says so.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::measurement::WallTime;
@@ -86,7 +85,7 @@ fn engine(
     });
 }
 
-/// One attempt a query, all from random starts: hardly anything but iterations.
+/// One attempt for each query, from a random start: nearly all time is in iterations.
 fn iterations(group: &mut BenchmarkGroup<WallTime>, chain: &Chain, ask: &ArmPoses) {
     let options = LaneOptions::default().with_atlas(false).with_attempts(1);
     let solver = PoseSolver::new(chain, options).expect("valid options");

@@ -1,5 +1,5 @@
-//! Whole solves of a figure of 22 bones with five tips: random targets from rest, and a drag whose
-//! every frame starts from the last.
+//! Solves of a skeleton of 22 bones with five tips: random targets from rest, and a drag whose frames start from the
+//! last one.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};

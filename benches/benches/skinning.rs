@@ -1,5 +1,5 @@
-//! Moving skin: nanoseconds a vertex for positions and normals (throughput in elements is
-//! vertices), four influences each, at a size that fits the caches and one that does not.
+//! Skinning of positions and normals with four influences, at a size that fits the caches and one that does not.
+//! Throughput is in vertices.
 #![allow(missing_docs, clippy::expect_used)]
 
 use std::hint::black_box;

@@ -1,6 +1,5 @@
-//! Every stage of the library on its own: forward kinematics, derivatives, iterations, the lane
-//! engine, the geometric methods, sampling and skinning. The `instructions` program counts the same
-//! stages under callgrind.
+//! Stages of the library: forward kinematics, derivatives, iterations, the SIMD solver, the geometric methods, sampling
+//! and skinning. The program `instructions` counts them under callgrind.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -10,7 +9,7 @@ fn all(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stages");
     for stage in stages() {
         group.throughput(Throughput::Elements(stage.elements));
-        // The input is made only for stages that the filter lets through.
+        // Creates the input only for stages that pass the filter.
         group.bench_function(stage.name, |bencher| {
             let mut run = stage.build().expect("its input can be made");
             bencher.iter(&mut run);

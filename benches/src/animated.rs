@@ -7,23 +7,23 @@ use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
 
 use crate::Sequence;
 
-/// Which bones have which channels, and whether their keys are at the same times.
+/// Animated channels of the bones, and layout of their key times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keying {
-    /// Rotations of all bones and the root's translation, keyed together at 30 Hz: what a capture of
-    /// a body gives.
+    /// Rotations of all bones and the root's translation, with common key times at 30 Hz, as in motion capture of a
+    /// body.
     Body,
-    /// Translation, rotation and scale of all bones, keyed together at 30 Hz.
+    /// Translation, rotation and scale of all bones, with common key times at 30 Hz.
     Everything,
-    /// Rotations of all bones and the root's translation, each at times of its own, 12 a second on
-    /// average: what key reduction leaves.
+    /// Rotations of all bones and the root's translation, each with its own key times, 12 a second on average, as after
+    /// key reduction.
     Reduced,
-    /// Translation, rotation and scale of all bones, each at times of its own, 12 a second.
+    /// Translation, rotation and scale of all bones, each with its own key times, 12 a second.
     ReducedEverything,
 }
 
 impl Keying {
-    /// Every one.
+    /// All variants.
     pub const ALL: [Self; 4] = [
         Self::Body,
         Self::Everything,
@@ -32,7 +32,7 @@ impl Keying {
     ];
 }
 
-/// Chains of four bones on one another; bone `k` hangs on a bone before it.
+/// Armature of branching chains of four bones; parents precede children.
 #[must_use]
 pub fn armature(bones: usize) -> Armature {
     let list = (0..bones).map(|k| ArmatureBone {
@@ -50,7 +50,7 @@ pub fn armature(bones: usize) -> Armature {
     Armature::new(list.collect(), Vec::new()).expect("its bones are valid")
 }
 
-/// Two seconds of motion.
+/// A clip of two seconds.
 #[must_use]
 pub fn clip(armature: &Armature, keying: Keying, random: &mut Sequence) -> Clip {
     let everything = matches!(keying, Keying::Everything | Keying::ReducedEverything);

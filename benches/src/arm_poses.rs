@@ -1,4 +1,4 @@
-//! Arms read from URDF as chains of the lane engine, and poses they can reach.
+//! Arms from URDF as chains of the SIMD solver, and reachable poses.
 
 use kinopt::lanes::{Chain, ChainJoint, JointKind};
 use kinopt::robot::Robot;
@@ -6,11 +6,11 @@ use kinopt::spatial::Placement;
 
 use crate::Sequence;
 
-/// The joints from the link `base` down to the link `tip`, fixed ones folded in.
+/// Chain of joints from the link `base` to the link `tip`, with fixed joints merged.
 ///
 /// # Errors
-/// An unknown link (the error lists the valid ones), a base that is not above the tip, a chain
-/// that the lane engine refuses.
+/// Returns an error for an unknown link (with the valid names), a base that is not above the tip, and a chain that the
+/// SIMD solver does not support.
 pub fn chain(robot: &Robot, base: &str, tip: &str) -> Result<Chain, Box<dyn std::error::Error>> {
     let model = robot.model();
     let base = &model.frames()[model.frame(base)?.index()];
@@ -40,11 +40,11 @@ pub fn chain(robot: &Robot, base: &str, tip: &str) -> Result<Chain, Box<dyn std:
     Ok(Chain::new(joints, last_from_here * tip.joint_from_frame)?)
 }
 
-/// Questions to a chain that have an answer.
+/// Reachable queries of a chain.
 pub struct ArmPoses {
-    /// `base_from_target` of each question.
+    /// `base_from_target` of each query.
     pub targets: Vec<Placement<f64>>,
-    /// One configuration a target, one after the other, radians and metres.
+    /// One start configuration for each target, one after another, radians and metres.
     pub starts: Vec<f64>,
 }
 
@@ -52,8 +52,8 @@ fn at_configuration(chain: &Chain, q: &[f64]) -> Placement<f64> {
     chain.base_from_tip(q).expect("a configuration of its own")
 }
 
-/// Tip poses of random configurations across the full limits (unbounded joints within ±π), and
-/// other random configurations to start from.
+/// Tip poses of random configurations within the full limits (unbounded joints within ±π), with other random
+/// configurations as starts.
 #[must_use]
 pub fn random_poses(chain: &Chain, count: usize, random: &mut Sequence) -> ArmPoses {
     let targets = (0..count)
@@ -65,7 +65,7 @@ pub fn random_poses(chain: &Chain, count: usize, random: &mut Sequence) -> ArmPo
     ArmPoses { targets, starts }
 }
 
-/// A configuration anywhere within the limits; unbounded joints within ±π.
+/// A random configuration within the limits; unbounded joints within ±π.
 #[must_use]
 pub fn random_configuration(chain: &Chain, random: &mut Sequence) -> Vec<f64> {
     let joints = chain.joints().iter();
@@ -77,8 +77,8 @@ pub fn random_configuration(chain: &Chain, random: &mut Sequence) -> Vec<f64> {
         .collect()
 }
 
-/// Tip poses along a path on which each joint swings slowly about the middle of its range, at most
-/// 0.005 rad a step; all start from the path's first configuration.
+/// Tip poses along a path on which each joint oscillates slowly about the middle of its range, at most 0.005 rad for
+/// each step; all start from the first configuration of the path.
 #[must_use]
 pub fn smooth_path(chain: &Chain, count: usize) -> ArmPoses {
     let at = |step: usize| -> Vec<f64> {

@@ -1,5 +1,4 @@
-//! Instruction counts of earlier, as a table in a file: what they were counted with, then one stage
-//! a line.
+//! Stored instruction counts: a table in a file with the compiler and processor, then one stage for each line.
 //!
 //! ```text
 //! # compiler: rustc 1.90.0 (1159e78c4 2025-09-14)
@@ -10,12 +9,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Counts and what they depend on.
+/// Counts with the environment of their measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Baseline {
-    /// What `rustc -V` says.
+    /// Output of `rustc -V`.
     pub compiler: String,
-    /// The instruction sets that valgrind lets the program see.
+    /// Instruction sets that the program sees under valgrind.
     pub processor: String,
     /// Instructions for one element, by stage.
     pub counts: BTreeMap<String, f64>,
@@ -28,7 +27,7 @@ impl Baseline {
     /// Reads a table.
     ///
     /// # Errors
-    /// A line that is neither a heading nor a stage and a number, by its number from 1.
+    /// Returns the number, from 1, of a line that is neither a heading nor a stage with a number.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut baseline = Self::default();
         for (index, line) in text.lines().enumerate() {

@@ -1,5 +1,5 @@
-//! Whole bodies that stand on their feet, balance, and put their hands somewhere: read from the files in
-//! `benches/whole_body/`, which the rivals read too.
+//! Whole bodies that stand on their feet, balance, and reach with their hands: cases from the files in
+//! `benches/whole_body/`, which the comparisons read too.
 
 use std::error::Error;
 use std::path::Path;
@@ -15,45 +15,45 @@ use kinopt::task::{Point, Pose, SupportPolygon};
 use kinopt::{Problem, Solver, Workspace};
 use serde_json::Value;
 
-/// Whether a frame is asked for a place or for an orientation too.
+/// Type of a target: a position, or a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Contact {
     Point,
     Pose,
 }
 
-/// What one hand is asked by.
+/// Task of one hand.
 enum HandTask {
     Point(TaskId<Point>),
     Pose(TaskId<Pose>),
 }
 
-/// A robot on a free base, with feet that stay where they stand and hands that go elsewhere.
+/// A robot on a free base, with fixed feet and hands that reach.
 pub struct BodyCase {
-    /// The robot.
+    /// Robot of the case.
     pub robot: Robot,
-    /// How it stands.
+    /// Standing configuration.
     pub standing: Vec<f64>,
-    /// Where its feet stand.
+    /// Poses of its feet in the standing configuration.
     pub feet: Vec<(FrameId, Placement<f64>)>,
-    /// What goes elsewhere.
+    /// Frames of its hands.
     pub hands: Vec<FrameId>,
-    /// The corners of its soles in the world, where it stands.
+    /// Corners of its soles in the world, in the standing configuration.
     pub support: Vec<Vector3<f64>>,
     feet_as: Contact,
     hands_as: Contact,
     masses: Masses,
 }
 
-/// A problem of a body, whose hands' targets move.
+/// Problem of a body with movable hand targets.
 pub struct BodyProblem {
-    /// Feet, balance, hands.
+    /// Problem with tasks for feet, balance and hands.
     pub problem: Problem,
     hands: Vec<HandTask>,
 }
 
 impl BodyProblem {
-    /// The targets with the hands at these placements.
+    /// Targets with the hands at these placements.
     ///
     /// # Errors
     /// None.
@@ -81,7 +81,7 @@ impl BodyCase {
     /// Reads a case and its robot.
     ///
     /// # Errors
-    /// Files that are not there or not what they should be, names that the robot does not have.
+    /// Returns an error for missing or malformed files, and for names that the robot lacks.
     pub fn read(case: &Path, robot: &Path) -> Result<Self, Box<dyn Error>> {
         let document: Value = serde_json::from_str(&std::fs::read_to_string(case)?)?;
         let robot = Robot::reader().lenient().read(robot)?;
@@ -120,7 +120,7 @@ impl BodyCase {
         })
     }
 
-    /// Feet where they stand, the centre of mass over them, and these frames somewhere.
+    /// Problem with fixed feet, the centre of mass over them, and targets for these frames.
     fn problem_of(&self, hands: &[FrameId]) -> Result<BodyProblem, Box<dyn Error>> {
         self.build(Problem::builder(self.robot.model()), hands)
     }
@@ -153,7 +153,7 @@ impl BodyCase {
         })
     }
 
-    /// Feet, balance and hands.
+    /// Problem with tasks for feet, balance and hands.
     ///
     /// # Errors
     /// None for a case that was read.
@@ -162,18 +162,18 @@ impl BodyCase {
     }
 
     #[cfg(feature = "collision")]
-    /// The same, kept clear of what a checker has.
+    /// The problem with collision avoidance of a checker.
     ///
     /// # Errors
-    /// A checker of another robot.
+    /// Returns an error for a checker of another robot.
     pub fn problem_clear_of(&self, checker: &Checker) -> Result<BodyProblem, Box<dyn Error>> {
         let mut builder = Problem::builder(self.robot.model());
         builder.keep_clear(checker);
         self.build(builder, &self.hands)
     }
 
-    /// Configurations that balance on the feet: from joints drawn at random within their limits, each from the
-    /// next seed, by putting the feet and the centre of mass where they belong.
+    /// Configurations that balance on the feet: from random joint values within their limits, each with the next seed,
+    /// solved for the feet and the centre of mass.
     ///
     /// # Errors
     /// None for a case that was read.
@@ -196,10 +196,10 @@ impl BodyCase {
         Ok(found)
     }
 
-    /// Where the hands are at each of these configurations.
+    /// Hand poses of each of these configurations.
     ///
     /// # Errors
-    /// A configuration of another model.
+    /// Returns an error for a configuration of another model.
     pub fn hands_at(&self, all: &[Vec<f64>]) -> Result<Vec<Vec<Placement<f64>>>, Box<dyn Error>> {
         let mut kinematics = ForwardKinematics::new(self.robot.model());
         let mut placed = Vec::new();

@@ -1,4 +1,4 @@
-//! Whole bodies asked for what they cannot do.
+//! Whole bodies with unreachable targets.
 
 use std::error::Error;
 
@@ -11,17 +11,17 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LocalJacobian, Point, Pose, Quantity, Residual, Rows};
 use kinopt::{Model, Problem, Skeleton};
 
-/// A body and questions that it misses.
+/// A body with unreachable problems.
 pub struct BodyMiss {
-    /// For people.
+    /// Name for the output.
     pub name: String,
-    /// Where each solve starts.
+    /// Start of each solve.
     pub start: Vec<f64>,
-    /// By what they ask.
+    /// Problems with their descriptions.
     pub problems: Vec<(&'static str, Problem)>,
 }
 
-/// The mean place of some frames stays above a point.
+/// Keeps the mean position of some frames above a point.
 #[derive(Clone)]
 struct Balance {
     frames: Vec<FrameId>,
@@ -68,7 +68,7 @@ impl Residual for Balance {
 }
 
 impl BodyMiss {
-    /// A figure whose second tip should go far beyond its reach while the others stay.
+    /// A skeleton whose second tip has a target far out of reach while the others stay.
     #[must_use]
     pub fn of_figure(name: &str, skeleton: &Skeleton, tips: &[BoneId]) -> Self {
         let start = crate::at_ease(skeleton);
@@ -94,11 +94,11 @@ impl BodyMiss {
         }
     }
 
-    /// A robot on a floating base: both feet stay, the centre of its links stays above them, and a
-    /// hand should go beyond its reach.
+    /// A robot on a floating base: both feet stay, the centre of its links stays above them, and a hand has a target
+    /// out of reach.
     ///
     /// # Errors
-    /// A robot without links named after its left and right foot and hand.
+    /// Returns an error for a robot without links named after its left and right foot and hand.
     pub fn of_robot(name: &str, robot: &Robot) -> Result<Self, Box<dyn Error>> {
         let fixed = robot.model();
         let mut builder = Model::builder(name);

@@ -1,4 +1,4 @@
-//! A hand of the figure that goes round a circle while the other tips hold.
+//! Drags of a hand of a skeleton while the other tips are pinned.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Posture, Quantity, Task};
 use kinopt::{Model, Problem, Skeleton};
 
-/// The figure with every bend a little off zero: a pose in which a body stands at ease.
+/// Configuration with every bend slightly off zero: a relaxed standing pose.
 #[must_use]
 pub fn at_ease(skeleton: &Skeleton) -> Vec<f64> {
     let limits: Vec<Limits> = skeleton.model().limits().collect();
@@ -17,8 +17,8 @@ pub fn at_ease(skeleton: &Skeleton) -> Vec<f64> {
     limits.iter().enumerate().map(bent).collect()
 }
 
-/// Where the tips should be in one frame: all where the pose `q` has them, but the second, a
-/// hand, on a circle of 5 cm beside its place, 240 frames a turn.
+/// Tip targets in one frame: those of the pose `q`, except for the second tip, a hand, on a circle of 5 cm through its
+/// position, 240 frames for each revolution.
 #[must_use]
 pub fn drag_targets(
     skeleton: &Skeleton,
@@ -36,11 +36,11 @@ pub fn drag_targets(
     targets
 }
 
-/// A hand of a rig that goes out of reach, into limits and back, while other tips hold.
+/// A hand of a rig that moves out of reach, into limits and back, while other tips are pinned.
 pub struct DragScene {
-    /// For people.
+    /// Name for the output.
     pub name: String,
-    /// The first frame's configuration.
+    /// Configuration of the first frame.
     pub start: Vec<f64>,
     model: Model,
     hand: FrameId,
@@ -52,7 +52,7 @@ pub struct DragScene {
 }
 
 impl DragScene {
-    /// The tip of `hand` goes, the tips of the other `held` bones stay where `start` has them.
+    /// The tip of `hand` moves, the tips of the other `held` bones stay at their positions in `start`.
     #[must_use]
     pub fn of_skeleton(
         name: &str,
@@ -82,8 +82,7 @@ impl DragScene {
         }
     }
 
-    /// A figure that says neither how far its bones turn nor what is pinned, as files of animation have them:
-    /// held by the default.
+    /// A skeleton without limits and pins, as in animation files, with the default holds.
     ///
     /// # Errors
     /// None for a start within the limits.
@@ -103,7 +102,7 @@ impl DragScene {
         })
     }
 
-    /// The same with a posture to keep to where the targets leave room.
+    /// The scene with a posture task in the null space of the targets.
     #[must_use]
     pub fn with_posture(mut self) -> Self {
         self.name.push_str(", with a posture");
@@ -112,7 +111,7 @@ impl DragScene {
         self
     }
 
-    /// The problem, and the task that drags.
+    /// Problem, with the task of the dragged hand.
     ///
     /// # Errors
     /// None for a model whose joints can move.
@@ -130,8 +129,7 @@ impl DragScene {
         Ok((builder.build()?, hand))
     }
 
-    /// Where the hand should be: on a slow closed curve through its place at the start that goes
-    /// far beyond what it reaches, and through the body.
+    /// Target of the hand: on a slow closed curve through its initial position, far out of reach and through the body.
     #[must_use]
     pub fn target(&self, frame: u32, frames: u32) -> Vector3<f64> {
         let turn = TAU * f64::from(frame) / f64::from(frames);

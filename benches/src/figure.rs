@@ -1,4 +1,4 @@
-//! A figure of any number of bones, built in code so that benches need no files.
+//! A skeleton of any number of bones, built in code, without files.
 
 use kinopt::Problem;
 use kinopt::model::Limits;
@@ -9,7 +9,7 @@ use kinopt::task::Point;
 
 use crate::{Sequence, at_ease};
 
-/// A figure with a spine and five limbs of `per_limb` bones: 22 bones for (2, 4), 62 for (12, 10).
+/// A skeleton with a spine and five limbs of `per_limb` bones: 22 bones for (2, 4), 62 for (12, 10).
 #[must_use]
 pub fn figure(spine: usize, per_limb: usize) -> (Skeleton, Vec<BoneId>) {
     let mut builder = Skeleton::builder("figure");
@@ -99,7 +99,7 @@ fn along(unit: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(unit, y, z)
 }
 
-/// The same skeleton without limits, so that every angle is a variable.
+/// The skeleton without limits, so that every angle is a variable.
 #[must_use]
 pub fn every_angle_free(skeleton: &Skeleton) -> Skeleton {
     let mut bones = skeleton.bones().to_vec();
@@ -109,7 +109,7 @@ pub fn every_angle_free(skeleton: &Skeleton) -> Skeleton {
     Skeleton::new("free figure", bones).expect("its bones are valid")
 }
 
-/// The tips' places in random poses across the full limits: one list of targets a pose.
+/// Tip positions in random poses within the full limits: one list of targets for each pose.
 #[must_use]
 pub fn random_targets(
     skeleton: &Skeleton,
@@ -129,7 +129,7 @@ pub fn random_targets(
     (0..poses).map(|_| target()).collect()
 }
 
-/// The tips of a figure of 22 bones at their places in a random pose, and where it stands at ease.
+/// Problem with the tips of a skeleton of 22 bones at their positions in a random pose, and a relaxed start.
 pub(crate) fn five_tips() -> Result<(Problem, Vec<f64>), ProblemError> {
     let (skeleton, tips) = figure(2, 4);
     let targets = random_targets(&skeleton, &tips, 1, &mut Sequence::new(0.5));

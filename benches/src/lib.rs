@@ -1,4 +1,4 @@
-//! What the benches of kinopt share: models built in code and numbers that never change.
+//! Common code of the benches: models built in code, and deterministic numbers.
 #![allow(clippy::expect_used)]
 
 mod animated;

@@ -1,19 +1,19 @@
-//! A clock that other programs do not disturb.
+//! Clock of the thread's processor time, independent of other programs.
 
 use std::time::Duration;
 
-/// The processor time of this thread since `begun` was taken.
+/// Start of a measurement of this thread's processor time.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadTime(Duration);
 
 impl ThreadTime {
-    /// Starts to count.
+    /// Starts a measurement.
     #[must_use]
     pub fn now() -> Self {
         Self(read())
     }
 
-    /// Microseconds since then.
+    /// Microseconds since the start.
     #[must_use]
     pub fn micros(self) -> f64 {
         read().saturating_sub(self.0).as_secs_f64() * 1e6
@@ -28,7 +28,7 @@ fn read() -> Duration {
     Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
 }
 
-/// Elsewhere the time on the wall, from the first call on.
+/// Wall clock on other systems, from the first call.
 #[cfg(not(target_os = "linux"))]
 fn read() -> Duration {
     static FIRST: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();

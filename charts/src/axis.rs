@@ -1,4 +1,4 @@
-//! One axis: its scale, its label, its range.
+//! Axes: scale, label and range.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use crate::ChartError;
 use crate::ticks::{self, Ticks};
 
-/// What is left free around the data where no range is set, as a share of its width.
+/// Margin around the data without a set range, relative to their width.
 const MARGIN: f64 = 0.03;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Equal steps are equal differences. Write the unit into the label: "solved, %".
+    /// Linear axis. Write the unit into the label: "solved, %".
     #[must_use]
     pub fn linear(label: impl Into<String>) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl Axis {
         }
     }
 
-    /// Equal steps are equal ratios; takes positive values only.
+    /// Logarithmic axis, for positive values only.
     #[must_use]
     pub fn log(label: impl Into<String>) -> Self {
         Self {
@@ -45,19 +45,19 @@ impl Axis {
         }
     }
 
-    /// Shows `from` to `to`; points beyond are drawn at the edge. Unset, the axis fits the data.
+    /// Sets the range `from` to `to`; points outside are drawn at the edge. By default, the axis fits the data.
     #[must_use]
     pub fn range(mut self, from: f64, to: f64) -> Self {
         self.range = Some((from, to));
         self
     }
 
-    /// The text beside the axis.
+    /// Label of the axis.
     pub(crate) fn label(&self) -> &str {
         &self.label
     }
 
-    /// The axis over its values, which are at least one.
+    /// Fits the axis to its values, at least one.
     pub(crate) fn fit(
         &self,
         values: impl Iterator<Item = f64>,
@@ -91,12 +91,12 @@ impl Axis {
         Ok(FittedAxis { from, to, ticks })
     }
 
-    /// Checks one value of a series.
+    /// Validates a value of a series.
     pub(crate) fn check(&self, series: &str, value: f64) -> Result<(), ChartError> {
         let takes = match self.scale {
             Scale::Linear if value.is_finite() => return Ok(()),
             Scale::Linear => "finite numbers",
-            // A set range has an edge to draw at; without one there is no place for zero.
+            // A set range has an edge to draw zero at.
             Scale::Log if value.is_finite() && (value > 0.0 || self.range.is_some()) => {
                 return Ok(());
             }
@@ -110,7 +110,7 @@ impl Axis {
         })
     }
 
-    /// Where a value stands along the axis: itself, or its decade.
+    /// Position of a value along the axis: the value, or its decimal logarithm.
     pub(crate) fn place(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
@@ -119,7 +119,7 @@ impl Axis {
     }
 }
 
-/// An axis that knows its ends, in places (for a logarithmic axis: decades).
+/// Axis with a known range, in positions (for a logarithmic axis: decades).
 #[derive(Clone)]
 pub(crate) struct FittedAxis {
     from: f64,
@@ -160,14 +160,14 @@ impl ValueFormatter<f64> for FittedAxis {
 }
 
 impl FittedAxis {
-    /// The last place.
+    /// Upper end.
     pub(crate) fn to(&self) -> f64 {
         self.to
     }
 
-    /// The place within the axis that is nearest.
+    /// Nearest position within the axis.
     pub(crate) fn clamp(&self, place: f64) -> f64 {
-        // Not `clamp`: −∞, the logarithm of 0, belongs at the lower end, and NaN too.
+        // Not `clamp`: −∞, the logarithm of 0, belongs at the lower end, and so does NaN.
         if place > self.from {
             place.min(self.to)
         } else {

@@ -1,4 +1,4 @@
-//! One chart.
+//! Charts.
 
 use std::path::Path;
 
@@ -25,14 +25,14 @@ impl Chart {
         }
     }
 
-    /// The horizontal axis.
+    /// Sets the horizontal axis.
     #[must_use]
     pub fn x(mut self, axis: Axis) -> Self {
         self.x = axis;
         self
     }
 
-    /// The vertical axis.
+    /// Sets the vertical axis.
     #[must_use]
     pub fn y(mut self, axis: Axis) -> Self {
         self.y = axis;
@@ -49,7 +49,7 @@ impl Chart {
         self.with(Series::line(name, points))
     }
 
-    /// Adds points (x, y), by ascending x, joined by steps.
+    /// Adds points (x, y), by ascending x, as a step function.
     #[must_use]
     pub fn steps(
         self,
@@ -59,18 +59,18 @@ impl Chart {
         self.with(Series::steps(name, points))
     }
 
-    /// Adds a series. One without points stays in the legend.
+    /// Adds a series. A series without points still appears in the legend.
     #[must_use]
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
-    /// The chart as an SVG document.
+    /// Returns the chart as an SVG document.
     ///
     /// # Errors
-    /// No points; a value that is not finite, or not positive on a logarithmic axis without a range;
-    /// an axis' range that is empty.
+    /// Returns an error for a chart without points, for a value that is not finite, or not positive on a logarithmic
+    /// axis without a range, and for an empty range of an axis.
     pub fn to_svg(&self) -> Result<String, ChartError> {
         Figure::from(self.clone()).to_svg()
     }
@@ -78,7 +78,7 @@ impl Chart {
     /// Writes the chart to a file.
     ///
     /// # Errors
-    /// As [`to_svg`](Self::to_svg), and a file that cannot be written.
+    /// As [`to_svg`](Self::to_svg). Returns an error if the file cannot be written.
     pub fn write_svg(&self, path: impl AsRef<Path>) -> Result<(), ChartError> {
         Figure::from(self.clone()).write_svg(path)
     }

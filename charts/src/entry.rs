@@ -1,8 +1,8 @@
-//! What a legend lists.
+//! Entries of a legend.
 
 use crate::Style;
 
-/// A name and its look.
+/// Name and style of a series.
 pub(crate) struct Entry {
     pub(crate) name: String,
     pub(crate) style: Style,

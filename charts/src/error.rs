@@ -1,47 +1,47 @@
-//! What can be wrong with a chart.
+//! Errors of charts.
 
 use std::path::PathBuf;
 
-/// Why a chart was not drawn.
+/// Reason why a chart was not drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum ChartError {
-    /// There is nothing to draw.
+    /// A chart without points.
     #[error("chart `{chart}` has no points")]
     Empty {
-        /// The chart's title.
+        /// Title of the chart.
         chart: String,
     },
-    /// A coordinate that cannot be drawn.
+    /// An invalid coordinate.
     #[error("series `{series}` has the value {value} on axis `{axis}`, which takes {takes}")]
     BadValue {
-        /// The series' name.
+        /// Name of the series.
         series: String,
-        /// The axis' label.
+        /// Label of the axis.
         axis: String,
-        /// What was given.
+        /// Given value.
         value: f64,
-        /// What the axis takes.
+        /// Description of the allowed values.
         takes: &'static str,
     },
-    /// An axis whose range is empty, not finite, or not positive where it is logarithmic.
+    /// A range of an axis that is empty, not finite, or not positive on a logarithmic axis.
     #[error("axis `{axis}` cannot show {from} to {to}")]
     BadRange {
-        /// The axis' label.
+        /// Label of the axis.
         axis: String,
-        /// The lower end.
+        /// Lower end.
         from: f64,
-        /// The upper end.
+        /// Upper end.
         to: f64,
     },
     /// A file that cannot be written.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// The drawing itself failed.
+    /// A failure of the drawing backend.
     #[error("the drawing failed: {0}")]
     Draw(String),
 }

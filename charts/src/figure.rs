@@ -1,4 +1,4 @@
-//! Charts beside each other under one legend.
+//! Figures: several charts with a common legend.
 
 use std::path::Path;
 
@@ -9,14 +9,14 @@ use crate::legend::Legend;
 use crate::panel::{self, draw_error};
 use crate::{Chart, ChartError, Style};
 
-/// The width that a page on a code-hosting site shows without shrinking it, in pixels.
+/// Width that a page of a code-hosting site shows without scaling, in pixels.
 const PAGE: u32 = 900;
 /// Height of one chart, in pixels: alone, and as one of several.
 const HEIGHT: [u32; 2] = [400, 290];
 const TITLE_HEIGHT: u32 = 34;
 
-/// Several charts in a grid: a series of the same name looks the same in all. In one column each
-/// chart has its own legend beside it; where several stand side by side they share one.
+/// Several charts in a grid. A series of one name has one style in all charts. In one column each chart has its own
+/// legend next to it; in several columns they share one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     title: Option<String>,
@@ -35,7 +35,7 @@ impl Figure {
         }
     }
 
-    /// How many charts stand side by side, at least one.
+    /// Sets the number of columns, at least one.
     #[must_use]
     pub fn columns(mut self, columns: usize) -> Self {
         self.columns = columns.max(1);
@@ -49,10 +49,10 @@ impl Figure {
         self
     }
 
-    /// The figure as an SVG document.
+    /// Returns the figure as an SVG document.
     ///
     /// # Errors
-    /// As [`Chart::to_svg`], of any chart; no chart at all.
+    /// As [`Chart::to_svg`], for any chart. Returns an error without charts.
     pub fn to_svg(&self) -> Result<String, ChartError> {
         let entries = entries(&self.charts);
         let legend = Legend::new(&entries);
@@ -64,7 +64,7 @@ impl Figure {
         } else {
             one_of_several
         };
-        // In one column every row must have room for its own legend.
+        // In one column every row is at least as high as its legend.
         let own = self
             .charts
             .iter()
@@ -118,7 +118,7 @@ impl Figure {
     /// Writes the figure to a file.
     ///
     /// # Errors
-    /// As [`to_svg`](Self::to_svg), and a file that cannot be written.
+    /// As [`to_svg`](Self::to_svg). Returns an error if the file cannot be written.
     pub fn write_svg(&self, path: impl AsRef<Path>) -> Result<(), ChartError> {
         let path = path.as_ref();
         std::fs::write(path, self.to_svg()?).map_err(|source| ChartError::Write {
@@ -138,7 +138,7 @@ impl From<Chart> for Figure {
     }
 }
 
-/// Every name of some charts once, in the order of their first appearance, with its look.
+/// Unique names of some charts, in the order of their first appearance, with their styles.
 fn entries(charts: &[Chart]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for series in charts.iter().flat_map(|chart| &chart.series) {
@@ -151,7 +151,7 @@ fn entries(charts: &[Chart]) -> Vec<Entry> {
     entries
 }
 
-/// The names of one chart, with the looks that they have in all.
+/// Names of one chart, with their styles in all charts.
 fn entries_of(chart: &Chart, all: &[Entry]) -> Vec<Entry> {
     let mut own = entries(std::slice::from_ref(chart));
     for entry in &mut own {

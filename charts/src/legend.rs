@@ -1,4 +1,4 @@
-//! The legend, beside the data.
+//! Legend next to the data.
 
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, Text};
@@ -12,10 +12,10 @@ const SAMPLE: i32 = 34;
 const TOP: i32 = 44;
 const NARROWEST: u32 = 90;
 const WIDEST: u32 = 330;
-/// Width of a letter of a sans-serif font as a share of its size, generously.
+/// Upper estimate of the width of a letter of a sans-serif font, relative to its size.
 const LETTER: f64 = 0.56;
 
-/// The names of a figure beside samples of their lines.
+/// Names of a figure with samples of their lines.
 pub(crate) struct Legend<'e> {
     entries: &'e [Entry],
 }
@@ -25,14 +25,14 @@ impl<'e> Legend<'e> {
         Self { entries }
     }
 
-    /// In pixels.
+    /// Width in pixels.
     pub(crate) fn width(&self) -> u32 {
         let letters = self.entries.iter().map(|entry| entry.name.chars().count());
         let text = letters.max().unwrap_or(0) as f64 * LETTER * f64::from(FONT_SIZE);
         (text as u32 + SAMPLE.unsigned_abs() + 20).clamp(NARROWEST, WIDEST)
     }
 
-    /// In pixels.
+    /// Height in pixels.
     pub(crate) fn height(&self) -> u32 {
         let lines = u32::try_from(self.entries.len()).unwrap_or(u32::MAX / LINE_HEIGHT / 2);
         TOP.unsigned_abs() + lines * LINE_HEIGHT

@@ -1,5 +1,5 @@
-//! Line and step charts as SVG: axes with units, a legend beside the data and never on it, colours
-//! that a colour-blind reader can tell apart, and dashes and markers for print.
+//! Line and step charts as SVG: axes with units, a legend next to the data, colours that colour-blind readers can
+//! distinguish, and dashes and markers for print.
 //!
 //! ```
 //! use kinopt_charts::{Axis, Chart};
@@ -14,7 +14,7 @@
 //! # Ok::<(), kinopt_charts::ChartError>(())
 //! ```
 //!
-//! [`Figure`] puts several charts beside each other under one legend.
+//! [`Figure`] arranges several charts with a common legend.
 
 mod axis;
 mod chart;

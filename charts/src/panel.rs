@@ -1,4 +1,4 @@
-//! One chart in its place: axes, grid, lines, markers.
+//! Drawing of one chart: axes, grid, lines, markers.
 
 use plotters::coord::Shift;
 use plotters::element::{DashedPathElement, PathElement, Polygon};
@@ -17,10 +17,10 @@ pub(crate) const FONT: &str = "sans-serif";
 pub(crate) const FONT_SIZE: u32 = 13;
 const TITLE_SIZE: u32 = 15;
 const MARKER_SIZE: i32 = 4;
-/// A line has a marker about every so many pixels, and at least one.
+/// Approximate distance of markers along a line, in pixels; a line has at least one.
 const BETWEEN_MARKERS: i32 = 90;
 
-/// The colour of all text and axes.
+/// Colour of all text and axes.
 pub(crate) fn ink() -> RGBColor {
     RGBColor(40, 40, 40)
 }
@@ -31,7 +31,7 @@ pub(crate) fn draw_error<E: std::error::Error + Send + Sync>(
     ChartError::Draw(error.to_string())
 }
 
-/// A headline over a whole figure.
+/// Draws the headline of a figure.
 pub(crate) fn write_title<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     title: &str,
@@ -76,7 +76,7 @@ pub(crate) fn draw<B: DrawingBackend>(
         .draw()
         .map_err(draw_error)?;
 
-    // Lines first, so that no line hides a marker.
+    // Lines first, so that they do not cover markers.
     let plane = context.plotting_area();
     let looks: Vec<Style> = chart.series.iter().map(|s| look(s, entries)).collect();
     let paths = chart.series.iter().map(|s| path(chart, s, &x, &y, plane));
@@ -113,7 +113,7 @@ fn look(series: &Series, entries: &[Entry]) -> Style {
     found.map_or(Style::nth(0), |entry| entry.style)
 }
 
-/// The corners of a series' line, in pixels of the whole picture.
+/// Points of a series' line, in pixels of the whole picture.
 fn path<B: DrawingBackend>(
     chart: &Chart,
     series: &Series,
@@ -139,7 +139,7 @@ fn path<B: DrawingBackend>(
     path
 }
 
-/// The same pixels, counted from the corner of the plotting area.
+/// Converts pixels of the picture to pixels of the plotting area.
 fn relative<B: DrawingBackend>(
     plane: &DrawingArea<B, Plane>,
     path: &[(i32, i32)],
@@ -149,7 +149,7 @@ fn relative<B: DrawingBackend>(
     path.iter().map(from_corner).collect()
 }
 
-/// A line through pixels, dashed as its style says.
+/// Draws a line through pixels, dashed by its style.
 pub(crate) fn draw_line<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     path: &[(i32, i32)],
@@ -170,8 +170,8 @@ pub(crate) fn draw_line<B: DrawingBackend>(
     .map_err(draw_error)
 }
 
-/// Where the `k`-th line has its markers: on corners, about equally far apart along the line, and
-/// not where the other lines have theirs or the right edge of a plane so wide would cut them.
+/// Marker positions of the `k`-th line: on points, about equally spaced along the line, offset from those of other
+/// lines, and inside the plane's right edge.
 fn marked(path: &[(i32, i32)], width: u32, k: usize) -> Vec<(i32, i32)> {
     let inside = |x: i32| i64::from(x) + i64::from(MARKER_SIZE) < i64::from(width);
     if path.len() <= 12 {
@@ -199,7 +199,7 @@ fn marked(path: &[(i32, i32)], width: u32, k: usize) -> Vec<(i32, i32)> {
     places
 }
 
-/// A marker at a pixel.
+/// Draws a marker at a pixel.
 pub(crate) fn draw_marker<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     (x, y): (i32, i32),

@@ -1,15 +1,15 @@
-//! Points under one name.
+//! Series of points.
 
 use crate::Style;
 
-/// How the points of a series are joined.
+/// Connection of the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Join {
     Line,
     Steps,
 }
 
-/// Points under one name in the legend.
+/// A named series of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     pub(crate) name: String,
@@ -30,8 +30,8 @@ impl Series {
         }
     }
 
-    /// Points (x, y), by ascending x, whose y holds until the next: from the last one to the right
-    /// edge.
+    /// Points (x, y), by ascending x, as a step function: y holds until the next point, and from the last one to the
+    /// right edge.
     #[must_use]
     pub fn steps(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self {
@@ -40,8 +40,7 @@ impl Series {
         }
     }
 
-    /// Its look. Unset, series take the styles in turn; the same name looks the same in all charts of
-    /// a figure.
+    /// Sets the style. By default, series use the styles in order; a name has one style in all charts of a figure.
     #[must_use]
     pub fn style(mut self, style: Style) -> Self {
         self.style = Some(style);

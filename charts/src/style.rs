@@ -1,9 +1,9 @@
-//! How series look apart: by colour, dash and marker.
+//! Styles of series: colour, dash and marker.
 
 use plotters::style::{RGBColor, ShapeStyle};
 
-/// The colours of Okabe & Ito 2008, "Color universal design", without yellow, which is too pale for
-/// thin lines on white; the ones farthest apart first.
+/// The colours of Okabe & Ito 2008, "Color universal design", without yellow, which is too pale for thin lines on
+/// white; the most different ones first.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -15,13 +15,13 @@ const COLOURS: [RGBColor; 7] = [
 ];
 
 const GREY: RGBColor = RGBColor(110, 110, 110);
-/// The colour and the marker of guides: none of the lists.
+/// Index of the colour and marker of guides, outside the lists.
 const GUIDE: usize = usize::MAX;
 
-/// Pixels drawn and left out in turn; the first is a whole line.
+/// Dash patterns, pixels drawn and omitted; the first is a solid line.
 const DASHES: [Option<(u32, u32)>; 4] = [None, Some((9, 4)), Some((2, 3)), Some((16, 6))];
 
-/// The look of a series: one of 7 colours, 4 dashes and 5 markers.
+/// Style of a series: one of 7 colours, 4 dashes and 5 markers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Style {
     colour: usize,
@@ -30,7 +30,7 @@ pub struct Style {
 }
 
 impl Style {
-    /// The k-th look: first the colours change, then the dashes with them.
+    /// The k-th style: colours change first, then dashes.
     #[must_use]
     pub fn nth(k: usize) -> Self {
         let round = k / COLOURS.len();
@@ -41,7 +41,7 @@ impl Style {
         }
     }
 
-    /// A member of a family that shares a colour: its dash and its marker are the `member`-th.
+    /// Style of a family with a common colour; `member` selects dash and marker.
     #[must_use]
     pub fn family(colour: usize, member: usize) -> Self {
         Self {
@@ -51,7 +51,7 @@ impl Style {
         }
     }
 
-    /// A line to compare with, thin and grey without markers; its dash is the `member`-th.
+    /// Style of a guide line: thin and grey, without markers; `member` selects the dash.
     #[must_use]
     pub fn guide(member: usize) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Style {
     }
 }
 
-/// What stands on some of a series' points.
+/// Marker at some of a series' points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Marker {
     Circle,

@@ -1,6 +1,6 @@
-//! Where an axis has its marks, and what they say.
+//! Ticks of axes and their labels.
 
-/// Marks with a label, and fine marks between them, in places along the axis.
+/// Labelled ticks, and minor ticks between them, as positions along the axis.
 #[derive(Clone)]
 pub(crate) struct Ticks {
     pub(crate) labelled: Vec<(f64, String)>,
@@ -8,7 +8,7 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
-    /// What the mark at a place says.
+    /// Label of the tick at a position.
     pub(crate) fn label(&self, place: f64) -> String {
         let at = |(p, _): &&(f64, String)| *p == place;
         let found = self.labelled.iter().find(at);
@@ -25,7 +25,7 @@ pub(crate) fn linear(from: f64, to: f64, most: usize) -> Ticks {
     let step = step.unwrap_or(10.0 * decade);
     let decimals = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
     let labelled = multiples(from, to, step)
-        // −0 would be written with its sign.
+        // Adding zero removes the sign of −0.
         .map(|place| (place, format!("{:.decimals$}", place + 0.0)))
         .collect();
     Ticks {
@@ -34,8 +34,7 @@ pub(crate) fn linear(from: f64, to: f64, most: usize) -> Ticks {
     }
 }
 
-/// Whole decades, every second, fifth … one where there are many; the fine marks are 2, 3 … 9 times
-/// each, as far as there is room.
+/// Labelled ticks at powers of ten, at most `most` of them; minor ticks at 2, 3 … 9 times each, if they fit.
 pub(crate) fn log(from: f64, to: f64, most: usize) -> Ticks {
     let decades = (to - from).max(1.0);
     let steps = [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0];
@@ -59,7 +58,7 @@ pub(crate) fn log(from: f64, to: f64, most: usize) -> Ticks {
         })
     };
     if labelled.len() < 2 {
-        // Less than two decades: name numbers in between.
+        // Less than two decades: label numbers in between too.
         let named = between(&[2, 5]).filter(|(_, _, place)| within(place));
         labelled.extend(named.map(|(decade, factor, place)| (place, times_ten(factor, decade))));
     }
@@ -75,14 +74,14 @@ pub(crate) fn log(from: f64, to: f64, most: usize) -> Ticks {
 }
 
 fn multiples(from: f64, to: f64, step: f64) -> impl Iterator<Item = f64> {
-    // A hair of room: an end that is a multiple is one in spite of rounding.
+    // Tolerance for rounding: an end that is a multiple of the step has a tick.
     let room = 1e-9 * (to - from);
     let first = ((from - room) / step).ceil() as i64;
     let last = ((to + room) / step).floor() as i64;
     (first..=last).map(move |k| k as f64 * step)
 }
 
-/// Plain where that is short: 0.01 … 10 000, else 10⁻⁶.
+/// Plain notation if it is short: 0.01 … 10 000, else 10⁻⁶.
 fn power_of_ten(decade: i32) -> String {
     match decade {
         -3..=-1 => format!("{:.*}", decade.unsigned_abs() as usize, 10_f64.powi(decade)),

@@ -1,10 +1,9 @@
-//! The legend stands right of every line and marker, whatever the names and the data.
+//! Promise: the legend is to the right of every line and marker, for any names and data.
 #![allow(clippy::unwrap_used)]
 
 use kinopt_charts::{Axis, Chart, Figure, Series, Style};
 
-/// Where the samples of the legend begin: the only lines without a neighbour to their right are
-/// beyond every axis, so the rightmost grid line separates the two.
+/// Right end of the plotting area: the rightmost grid line.
 fn rightmost_grid(svg: &str) -> f64 {
     let grid = svg.lines().filter(|line| line.contains("#CDCDCD"));
     let ends = grid.filter_map(|line| attribute(line, "x2").or_else(|| last_x(line)));
@@ -26,7 +25,7 @@ fn last_x(line: &str) -> Option<f64> {
         })
 }
 
-/// The x of the text elements that hold one of the names.
+/// The x of the text elements with one of the names.
 fn legend_texts(svg: &str, names: &[&str]) -> Vec<f64> {
     let mut found = Vec::new();
     let mut lines = svg.lines().peekable();

@@ -1,4 +1,4 @@
-//! What cannot be drawn is an error that names it.
+//! Promise: invalid data are an error that names them.
 #![allow(clippy::unwrap_used)]
 
 use kinopt_charts::{Axis, Chart, ChartError, Figure};

@@ -1,4 +1,4 @@
-//! A model that is an armature with clips, and no joints with limits: what files of animation hold.
+//! Armatures with clips, without joint limits: the content of animation files.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -111,7 +111,7 @@ impl AnimatedArmature {
 
     /// Where the bones are in the model, by index.
     pub(crate) fn placements(&self, pose: &Pose) -> Outcome<Vec<Placement<f64>>> {
-        // As many places as there are bones; what is in them does not matter.
+        // Initial values do not matter, only the number of bones.
         let mut model_from_bone = self.armature.rest_from_model().to_vec();
         self.armature.local_to_model(pose, &mut model_from_bone)?;
         let placements = model_from_bone.iter().map(|bone| {

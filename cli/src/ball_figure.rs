@@ -1,4 +1,4 @@
-//! `--joints ball` and `--cones`: a figure whose bones turn on ball joints.
+//! `--joints ball` and `--cones`: skeletons on ball joints.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `--base-joint` and `--base-room`: what a robot's root moves on.
+//! `--base-joint` and `--base-room`: joint between a robot's root and the world.
 
 use clap::{Args, ValueEnum};
 use kinopt::model::Limits;

@@ -1,4 +1,4 @@
-//! `kinopt bench` in builds without it.
+//! `kinopt bench` in builds without the feature.
 
 use std::ffi::OsString;
 

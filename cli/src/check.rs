@@ -1,4 +1,4 @@
-//! `kinopt check`: whether a robot touches a world or itself.
+//! `kinopt check`: collisions of a robot with a world and with itself.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Options that take one of a few names, each of which stands for a value of the library.
+//! Options with a fixed set of names for values of the library.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kinopt::task::Axis;

@@ -1,4 +1,4 @@
-//! Loops in `kinopt fk`: passive joints follow those that are given.
+//! Loop closure in `kinopt fk`: passive joints follow from the given ones.
 
 use kinopt::ik::{LoopClosure, LoopClosureError, LoopGap};
 use kinopt::model::JointId;

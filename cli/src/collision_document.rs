@@ -1,4 +1,4 @@
-//! Two things that touch, for programs.
+//! Collisions in JSON.
 
 use kinopt::collision::Collision;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! A robot's collision shapes, and which of its links are kept apart.
+//! Collision shapes and enabled collision pairs of a robot.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! The configuration that a command works on.
+//! Configuration of a command.
 
 use std::path::Path;
 

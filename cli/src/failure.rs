@@ -1,4 +1,4 @@
-//! Why a command did not do what was asked.
+//! Failures of a command.
 
 use std::fmt::Display;
 
@@ -31,7 +31,7 @@ pub(crate) type Outcome<T> = Result<T, Failure>;
 
 impl Failure {
     pub(crate) fn new(reason: impl Display) -> Self {
-        // A file's name may hold anything, but the reason stays one line.
+        // A file name may contain line breaks, but the reason stays on one line.
         Self::Reason(one_line(reason))
     }
 

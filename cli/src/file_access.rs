@@ -1,4 +1,4 @@
-//! Files that the command may open, as its options say.
+//! Files that the command may open, by its options.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -1,4 +1,4 @@
-//! `kinopt fk`: from a configuration to frames.
+//! `kinopt fk`: forward kinematics of a configuration.
 
 use std::path::PathBuf;
 
@@ -75,7 +75,7 @@ pub(crate) struct Arguments {
     clip: Option<String>,
 
     /// With --time: repeat the keyframes instead of holding the ends. Default: off.
-    // Not `requires` alone: clap waives that for what conflicts with an argument given.
+    // Not `requires` alone: clap waives it for arguments that conflict with a given one.
     #[arg(long = "loop", requires = "time", conflicts_with_all = ["q", "q_file"])]
     looped: bool,
 

@@ -1,4 +1,4 @@
-//! Which frame a name on the command line means.
+//! Frame names on the command line.
 
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, UnknownName};
@@ -20,7 +20,7 @@ impl LoadedModel {
     /// name does too, and `/tip` or `/tail` may follow either. In a robot: a link's name.
     pub(crate) fn frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
         let Some(rig) = &self.rig else {
-            // A robot's frames are its links, and that is what its user calls them.
+            // The frames of a robot are its links, so the message says `link`.
             let link = |mut error: UnknownName| {
                 error.kind = "link";
                 error.with_note("`kinopt info` lists all")
@@ -76,7 +76,7 @@ mod tests {
             model_from_rest: Placement::identity(),
             limits: [Limits::UNBOUNDED; 3],
         };
-        // The last one is named after another's number.
+        // The last one has the name of another one's number.
         let bones = ["hip", "arm/left", "bone/0"].map(bone).to_vec();
         let skeleton = Skeleton::new("named", bones).unwrap();
         LoadedModel::of_skeleton("named.json".to_owned(), skeleton)
@@ -95,7 +95,7 @@ mod tests {
                 assert_eq!(index(&tail, bare), 2 * bone);
             }
         }
-        // Numbers win, so that they always work.
+        // Numbers have priority, so that they always work.
         assert_eq!(index("bone/0", BareName::Tail), 0);
     }
 

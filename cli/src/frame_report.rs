@@ -1,4 +1,4 @@
-//! Where frames stand, for people and for programs.
+//! Report of frame poses, as text and JSON.
 
 use kinopt::spatial::{Placement, Quaternion};
 use serde::{Serialize, Serializer};
@@ -33,7 +33,7 @@ impl Serialize for FrameReport {
 fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     let Quaternion { w, v } = Quaternion::from_matrix(&placement.rotation);
     let quaternion = [w, v.x, v.y, v.z];
-    // Adding zero turns −0 into 0.
+    // Adding zero changes −0 to 0.
     quaternion.map(|c| if w < 0.0 { -c + 0.0 } else { c + 0.0 })
 }
 

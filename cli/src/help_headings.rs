@@ -1,4 +1,4 @@
-//! What options are listed under in `--help`.
+//! Headings of option groups in `--help`.
 
 pub(crate) const TARGETS: &str = "Targets";
 pub(crate) const MODEL: &str = "Model";

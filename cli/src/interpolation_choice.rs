@@ -1,4 +1,4 @@
-//! `--interpolation`: what runs between a rig's keyframes.
+//! `--interpolation`: interpolation between keyframes of a rig.
 
 use kinopt::animation::curve::TensionContinuityBias;
 use kinopt::animation::{EulerInterpolation, EulerTrack, Playback};

@@ -1,4 +1,4 @@
-//! Numbers that belong to joints by name, such as the columns of a file.
+//! Numbers by joint name, such as the columns of a file.
 
 use kinopt::model::{ParameterMap, Source, UnknownName};
 
@@ -150,10 +150,10 @@ pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
     let x = leaders.map(|&leader| q.get(leader).copied().unwrap_or(0.0));
     let x: Vec<f64> = x.collect();
     let mut expanded = q.to_vec();
-    // What is no configuration of the model stays as it is, for who uses it to refuse.
+    // An invalid configuration is returned unchanged; its user reports the error.
     match map.expand(&x, &mut expanded) {
         Ok(()) => {
-            // A ball follows nothing; its quaternion is no variable.
+            // A ball is no mimic joint, and its quaternion is no variable.
             for ((value, own), source) in expanded.iter_mut().zip(q).zip(map.sources()) {
                 if matches!(source, Source::Rotation { .. }) {
                     *value = *own;

@@ -1,4 +1,4 @@
-//! JSON out of files, with a reason in one line where there is none.
+//! JSON files, with one-line errors.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Whatever file a model comes from, as one thing.
+//! Models loaded from any supported file.
 
 use std::path::Path;
 
@@ -329,7 +329,7 @@ impl LoadedModel {
         let mut within = q.to_vec();
         let mut x = vec![0.0; map.variables()];
         let read = map.reduce(q, &mut x);
-        // What is no configuration of the model stays as it is, for who uses it to refuse.
+        // An invalid configuration is returned unchanged; its user reports the error.
         match read.and_then(|()| map.expand_within_limits(&x, &mut within)) {
             Ok(()) => within,
             Err(_) => q.to_vec(),

@@ -1,4 +1,4 @@
-//! `--connect`, `--weld`, `--passive` and `--without-loops`: the loops of a robot.
+//! `--connect`, `--weld`, `--passive` and `--without-loops`: loops of a robot.
 
 use clap::Args;
 use kinopt::model::{FrameId, Loop, LoopKind};

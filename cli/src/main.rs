@@ -1,7 +1,7 @@
 //! The `kinopt` command.
 //!
-//! Exit codes: 0 done (a target that is out of reach is an answer, not a failure), 1 failed with a
-//! one-line reason on standard error, 2 wrong usage, 3 a target was missed and --fail-on-miss was given.
+//! Exit codes: 0 done (a target that is not reached is a result, not a failure), 1 failed with a one-line reason on
+//! standard error, 2 wrong usage, 3 a target was missed and --fail-on-miss was given.
 
 #[macro_use]
 mod failure;
@@ -154,8 +154,7 @@ fn main() -> ExitCode {
     let command = match parsed() {
         Ok(command) => command,
         Err(error) => {
-            // Help, version or wrong usage; clap knows which stream and code. A closed stream
-            // leaves nobody to tell.
+            // Help, version or wrong usage: clap chooses stream and exit code. A closed stream is ignored.
             let _ = error.print();
             if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
                 && let Some((_, way)) = ELSEWHERE.iter().find(|(elsewhere, _)| elsewhere == word)

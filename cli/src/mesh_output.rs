@@ -1,4 +1,4 @@
-//! Writing the mesh in a pose.
+//! Output of the mesh in a pose.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Solvers and derivative routes by name.
+//! Solvers and derivative modes by name.
 
 use clap::builder::PossibleValuesParser;
 use kinopt::Solver;

@@ -1,4 +1,4 @@
-//! How a model's file is taken.
+//! Options of reading a model's file.
 
 use std::path::{Path, PathBuf};
 

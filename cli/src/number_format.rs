@@ -1,4 +1,4 @@
-//! Numbers for people: as many digits as the model's size makes sense of.
+//! Number format of texts, with a precision that suits the model's size.
 
 /// Digits after the point for lengths of a model.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,7 @@ impl LengthFormat {
             true => size.log10().floor(),
             false => 0.0,
         };
-        // Clamped before the conversion, so nothing is lost by it.
+        // Clamped before the conversion, which is then exact.
         let decimals = (6.0 - leading).clamp(0.0, 15.0) as usize;
         Self { decimals }
     }

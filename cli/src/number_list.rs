@@ -1,4 +1,4 @@
-//! Numbers as people type them: separated by commas, spaces or both.
+//! Lists of numbers separated by commas, spaces or both.
 
 use std::time::Duration;
 

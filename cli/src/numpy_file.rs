@@ -1,7 +1,7 @@
-//! NumPy's files: arrays from .npy, and several of them to .npz.
+//! NumPy files: arrays from .npy, and several of them to .npz.
 //!
-//! A .npy is a magic word, a version, a header (a Python dictionary in ASCII) and the numbers ("NumPy Enhancement
-//! Proposal 1"); a .npz is a ZIP archive of such files, here not compressed.
+//! A .npy is a magic string, a version, a header (a Python dictionary in ASCII) and the numbers ("NumPy Enhancement
+//! Proposal 1"); a .npz is a ZIP archive of such files, here uncompressed.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -143,7 +143,7 @@ fn npy(shape: &[usize], column: &Column<'_>) -> Vec<u8> {
     header.push('\n');
     let mut bytes = MAGIC.to_vec();
     bytes.extend([1, 0]);
-    // A header of names and three lengths is short.
+    // A header of names and three lengths fits 16 bits.
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.bytes());
     bytes.extend(data);

@@ -1,4 +1,4 @@
-//! What is printed, and where: results on standard output, everything else on standard error.
+//! Output streams: results on standard output, everything else on standard error.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Joints that are beyond their limits.
+//! Joints outside their limits.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! Where a loaded model's frames stand.
+//! Frame poses of a loaded model.
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, UnknownName};

@@ -1,4 +1,4 @@
-//! A line on standard error while something takes long, on a terminal only.
+//! Progress line on standard error during long work, on a terminal only.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,4 +1,4 @@
-//! Writing a scene's file with all that it holds: in a pose, or with a clip more.
+//! Lossless output of a scene's file: in a pose, or with an added clip.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `--skinning`: ways to move skin by name.
+//! `--skinning`: skinning methods by name.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kinopt::skinning::SkinningMethod;

@@ -1,4 +1,4 @@
-//! `kinopt spheres`: from a robot's shapes to spheres that cover them.
+//! `kinopt spheres`: spheres that cover the shapes of a robot.
 
 use std::path::{Path, PathBuf};
 
@@ -130,7 +130,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 
 /// Spheres that stick out by a fiftieth of the reach, or where a link is too large for that by a share of the largest.
 fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel> {
-    // A robot of one joint's turn reaches nowhere, and has shapes all the same.
+    // A robot with a single revolute joint may have reach 0, but has shapes.
     let finest = match reach > 0.0 && reach.is_finite() {
         true => SHARE * reach,
         false => SHARE,

@@ -1,4 +1,4 @@
-//! `--target` and `--ray` as they are typed.
+//! `--target` and `--ray` in their text form.
 
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 

@@ -1,4 +1,4 @@
-//! The file of `--targets`, checked: every complaint names the file and the place in it.
+//! The file of `--targets`, validated: every error names the file and the position in it.
 
 use std::path::Path;
 

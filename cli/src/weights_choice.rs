@@ -1,4 +1,4 @@
-//! `--skin-weights`: how a rig's mesh follows its bones.
+//! `--skin-weights`: methods of automatic skin weights.
 
 use clap::ValueEnum;
 use kinopt::mesh::TriangleMesh;

@@ -1,4 +1,4 @@
-//! Worlds out of files, and what is let touch in them.
+//! Worlds from files, with their allowed collisions.
 
 use std::path::Path;
 

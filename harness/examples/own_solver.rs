@@ -1,4 +1,4 @@
-//! Your own solver beside those of this project, in a few lines.
+//! A custom solver compared with those of this project, in a few lines.
 //!
 //! `cargo run --release -p kinopt-harness --example own_solver`
 #![allow(clippy::print_stdout, clippy::expect_used)]
@@ -11,7 +11,7 @@ use kinopt::solver::LeastSquares;
 use kinopt_harness::contenders::{ArgminAdapter, SolverAdapter};
 use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace, report};
 
-/// Turns one joint after the other a little either way, and keeps what helps.
+/// Moves one joint after another by a small angle in both directions, and keeps improvements.
 struct CoordinateSearch;
 
 impl Adapter for CoordinateSearch {

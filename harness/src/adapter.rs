@@ -1,4 +1,4 @@
-//! What a solver must do to be compared.
+//! Interface of a solver under test.
 
 use std::time::{Duration, Instant};
 
@@ -9,61 +9,60 @@ use kinopt::spatial::Placement;
 
 use crate::{Budget, ProblemSet, Trace};
 
-/// A solver under test. Only [`name`](Self::name) and [`solve`](Self::solve) must be written.
+/// A solver under test. Only [`name`](Self::name) and [`solve`](Self::solve) are required.
 pub trait Adapter {
-    /// Its name in tables and pictures; unique within a bench.
+    /// Name in tables and pictures; unique within a bench.
     fn name(&self) -> &str;
 
-    /// Where it comes from: solvers of a family share a panel in pictures.
+    /// Family: solvers of one family share a panel in pictures.
     fn family(&self) -> &str {
         "others"
     }
 
-    /// What a reader should know about how it was set up: limits of one attempt, options.
+    /// Settings for the report: limits of one attempt, options.
     fn setting(&self) -> String {
         String::new()
     }
 
-    /// The derivative routes that change how it works; it runs once by each. A solver that takes no
-    /// derivatives from the problem runs once, by none.
+    /// Derivative modes that affect it; it runs once for each. A solver without derivatives of the problem runs once.
     fn routes(&self) -> &[Derivatives] {
         &[]
     }
 
-    /// Prepares for a problem set and a budget, outside all timing.
+    /// Prepares for a problem set and a budget; not timed.
     ///
     /// # Errors
-    /// Why the solver cannot take part, in a few words; it then sits out and the results say so.
+    /// Returns a short reason if the solver does not support the problem set. The results report it.
     fn prepare(&mut self, set: &ProblemSet, budget: Budget) -> Result<(), String> {
         let _ = (set, budget);
         Ok(())
     }
 
-    /// Solves one problem within the budget. `trace` takes marks of the way there
-    /// ([`Trace::mark`]); a solver that marks nothing has the time of its end for every accuracy.
+    /// Solves one problem within the budget. `trace` receives intermediate configurations ([`Trace::mark`]). A solver
+    /// without marks has its total time for every accuracy.
     fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer;
 }
 
-/// One problem, as every solver sees it.
+/// One problem, equal for all solvers.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
-    /// The model, the frames and the tolerances.
+    /// Model, frames and tolerances.
     pub set: &'a ProblemSet,
-    /// The problem with its targets in place and the derivative route chosen.
+    /// Problem with its targets and derivative mode.
     pub problem: problem::Question<'a>,
     /// world_from_target of each frame of the set.
     pub targets: &'a [Placement<f64>],
-    /// Where to start: a configuration within the limits.
+    /// Start configuration, within the limits.
     pub start: &'a [f64],
-    /// What may be spent.
+    /// Budget of the solve.
     pub budget: Budget,
-    /// A seed for whatever is random: one for each case, the same for every solver.
+    /// Seed for random numbers: one for each case, equal for all solvers.
     pub seed: u64,
 }
 
 impl Question<'_> {
-    /// Where attempt `index` starts: 0 is the case's own start, the others are random configurations
-    /// within the limits, the same for every solver.
+    /// Start of attempt `index`: 0 is the start of the case, the others are random configurations within the limits,
+    /// equal for all solvers.
     #[must_use]
     pub fn start_of_attempt(&self, index: usize) -> Vec<f64> {
         match u64::try_from(index) {
@@ -74,7 +73,7 @@ impl Question<'_> {
         }
     }
 
-    /// A cost below which every target is within the tolerances.
+    /// Cost below which every target is within the tolerances.
     #[must_use]
     pub fn sufficient_cost(&self) -> f64 {
         let weighted = self
@@ -85,27 +84,25 @@ impl Question<'_> {
     }
 }
 
-/// What a solver answers.
+/// Result of a solver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// The configuration (shape: the model's degrees of freedom).
+    /// Configuration (shape: the model's degrees of freedom).
     pub q: Vec<f64>,
-    /// Whether the solver thinks that it has solved the problem. It ends [`attempts`]; the verdict
-    /// is the harness' own.
+    /// True if the solver considers the problem solved. It ends [`attempts`]; the judge of the harness decides.
     pub reached: bool,
-    /// ½ Σ‖W r‖² at `q` as the solver knows it; infinity where it does not. It chooses among
-    /// [`attempts`].
+    /// ½ Σ‖W r‖² at `q` according to the solver; infinity if unknown. [`attempts`] selects by it.
     pub cost: f64,
-    /// Steps of all attempts together.
+    /// Iterations of all attempts together.
     pub iterations: usize,
-    /// Attempts made.
+    /// Number of attempts.
     pub attempts: usize,
     /// Evaluations of all attempts together.
     pub counts: Counts,
 }
 
 impl Answer {
-    /// A configuration about which nothing else is known.
+    /// Result with a configuration only.
     #[must_use]
     pub fn at(q: Vec<f64>) -> Self {
         Self {
@@ -132,9 +129,9 @@ impl From<&Solution> for Answer {
     }
 }
 
-/// Tries again from random starts while a local solver misses, as the budget allows: the restarts
-/// of every solver that has none of its own. `attempt` gets the start, its number, and the time that
-/// is left. The attempt that reaches, or else the one with the lowest cost, is the answer.
+/// Restarts a local solver from random starts after a miss, within the budget: for solvers without restarts of their
+/// own. `attempt` receives the start, the index of the attempt, and the remaining time. Returns the attempt that
+/// reaches, else the one with the lowest cost.
 pub fn attempts(
     question: &Question<'_>,
     mut attempt: impl FnMut(&[f64], usize, Duration) -> Answer,

@@ -1,18 +1,18 @@
-//! What every solver may spend on one problem.
+//! Budget of a solver for one problem.
 
 use std::time::Duration;
 
-/// The same for every solver.
+/// Budget, equal for all solvers.
 ///
-/// Answers do not depend on the machine as long as the clock ends no search: give a long time limit
-/// where runs must repeat exactly.
+/// Results do not depend on the machine unless the time limit ends a search: set a long time limit for reproducible
+/// runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// The limit of one problem. Solvers look at the wall clock; an answer that took a tenth longer
-    /// by the clock that times them does not count as solved.
+    /// Time limit of one problem. Solvers read the wall clock; a solve that takes over a tenth longer by the measuring
+    /// clock does not count as solved.
     pub time_limit: Duration,
-    /// How many starts each solver may try: the case's own and, where that misses, random ones,
-    /// the same for all. Solvers with restarts of their own use those.
+    /// Number of starts of each solver: that of the case and, after a miss, random ones, equal for all. Solvers with
+    /// restarts of their own use those.
     pub attempts: usize,
 }
 
@@ -27,8 +27,8 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// Whether an answer after `taken` came too late: solvers look at the clock between steps only,
-    /// so a tenth more is let pass.
+    /// True if a solve that took `taken` was too late. A tenth of tolerance is allowed, because solvers read the clock
+    /// between iterations only.
     #[must_use]
     pub fn is_late(&self, taken: Duration) -> bool {
         taken > self.time_limit.mul_f64(1.1)

@@ -1,14 +1,14 @@
-//! The clock that solvers are timed by.
+//! Clock of the measurements.
 
 use std::time::Duration;
 
-/// What it measures, in words.
+/// Description of the clock.
 #[cfg(target_os = "linux")]
 pub(crate) const NAME: &str = "processor time of the solver's thread";
 #[cfg(not(target_os = "linux"))]
 pub(crate) const NAME: &str = "wall clock";
 
-/// The processor time of this thread: what other programs take meanwhile is not in it.
+/// Processor time of this thread, which excludes other programs.
 #[cfg(target_os = "linux")]
 pub(crate) fn now() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
@@ -16,14 +16,14 @@ pub(crate) fn now() -> Duration {
     Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
 }
 
-/// Where the system's processor time is not at hand, the wall clock.
+/// Wall clock, on systems without a processor time clock.
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn now() -> Duration {
     static FIRST: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
     FIRST.get_or_init(std::time::Instant::now).elapsed()
 }
 
-/// How long some work takes.
+/// Runs a function and measures its time.
 pub(crate) fn time<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let begun = now();
     let result = work();

@@ -1,4 +1,4 @@
-//! What can go wrong before solvers are compared.
+//! Errors of benches and reports.
 
 use std::path::PathBuf;
 
@@ -7,43 +7,44 @@ use kinopt::model::ModelError;
 use kinopt::problem::ProblemError;
 use kinopt_charts::ChartError;
 
-/// Why a bench or its report cannot be made. A solver that fails is no error: it has not solved.
+/// Reason why a bench or its report cannot be created. A solver that fails is no error: its problem counts as not
+/// solved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HarnessError {
-    /// There is nothing to ask.
+    /// A problem set without cases.
     #[error("the problem set on model `{model}` has no cases")]
     NoCases {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// A case of the wrong shape.
     #[error("case {case} has {given} {what}, model `{model}` takes {expected}")]
     CaseShape {
-        /// Its position.
+        /// Index of the case.
         case: usize,
         /// "targets" or "numbers in its start".
         what: &'static str,
-        /// How many were given.
+        /// Given number.
         given: usize,
-        /// How many it takes.
+        /// Expected number.
         expected: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// A tolerance that nothing or everything meets.
+    /// A tolerance out of range.
     #[error("the tolerance {tolerance} is not within (0, 0.1]")]
     Tolerance {
-        /// What was given.
+        /// Given tolerance.
         tolerance: f64,
     },
-    /// The problem cannot be stated.
+    /// An invalid problem.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// A frame of another model.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
-    /// Joints that follow in a ring and the like.
+    /// An invalid model, for example with a cycle of mimic joints.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A picture that cannot be drawn.
@@ -55,9 +56,9 @@ pub enum HarnessError {
     /// A file that cannot be written.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
 }

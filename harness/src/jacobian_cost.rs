@@ -1,6 +1,6 @@
-//! What one Jacobian costs on chains of more and more bones.
+//! Cost of one Jacobian on chains of increasing length.
 //!
-//! The source documents promise O(m) for m bones where finite differences take O(m²).
+//! The analytic mode is expected to cost O(m) for m bones, finite differences O(m²).
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -18,25 +18,24 @@ use serde::{Deserialize, Serialize};
 use crate::clock;
 use crate::route::route_name;
 
-/// Chains of 1, 2, 4 … bones; every bone has three free angles.
+/// Lengths of the chains, in bones; every bone has three free angles.
 pub const BONES: [usize; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
-/// A batch of evaluations takes at least so long; the fastest of the batches counts.
+/// Least duration of a batch of evaluations; the fastest batch counts.
 const BATCH: Duration = Duration::from_micros(500);
 const BATCHES: usize = 5;
 
-/// The cost of one Jacobian by one route.
+/// Cost of one Jacobian by one derivative mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JacobianCost {
-    /// The route.
+    /// Derivative mode.
     pub route: String,
-    /// Bones and microseconds.
+    /// Number of bones, and microseconds.
     pub points: Vec<(usize, f64)>,
 }
 
 impl JacobianCost {
-    /// p in cost ∝ mᵖ, by the last two points with four times the bones between them; `None` where
-    /// there are too few.
+    /// Exponent p in cost ∝ mᵖ, from the longest chain and one of a quarter of its length; `None` without the latter.
     #[must_use]
     pub fn exponent(&self) -> Option<f64> {
         let (&(bones, micros), before) = self.points.split_last()?;
@@ -45,8 +44,8 @@ impl JacobianCost {
     }
 }
 
-/// Measures all routes on chains of up to `most` bones, with a target for the last tip. `progress` is
-/// asked between two measurements; what is measured is kept.
+/// Measures all derivative modes on chains of up to `most` bones, with a target for the last tip. `progress` is called
+/// between two measurements and may break; finished measurements are returned.
 ///
 /// # Errors
 /// None with these chains.
@@ -80,7 +79,7 @@ pub fn measure(
     Ok(costs)
 }
 
-/// Bones one behind the other along x, each 1 / `bones` long, every angle free.
+/// Chain of bones along x, each 1 / `bones` long, with free angles.
 fn chain(bones: usize) -> Result<Skeleton, SkeletonError> {
     let length = 1.0 / bones as f64;
     let mut builder = Skeleton::builder("chain");
@@ -102,7 +101,7 @@ fn micros_of_one(problem: &Problem) -> f64 {
     let mut scratch = problem.scratch();
     let mut evaluation = Evaluation::new(problem, &mut scratch);
     let mut jacobian = DMatrix::zeros(problem.rows(), problem.variables());
-    // Two places in turn, so that no forward pass is used twice.
+    // Alternates between two configurations, so that no forward pass is reused.
     let here: Vec<f64> = (0..problem.variables())
         .map(|k| 0.3 * (k as f64).sin())
         .collect();

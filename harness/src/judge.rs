@@ -1,4 +1,4 @@
-//! The verdict on an answer: by forward kinematics and the limits at q, never by the solver's word.
+//! Verdict on a configuration by forward kinematics and limits, independent of the solver.
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::problem::{Evaluation, Question, Scratch};
@@ -8,33 +8,33 @@ use serde::{Deserialize, Serialize};
 
 use crate::{HarnessError, ProblemSet};
 
-/// A follower may be off by rounding, in radians or metres.
+/// Largest deviation of a mimic joint from its relation, radians or metres.
 const FOLLOWS: f64 = 1e-9;
-/// A joint within this share of its range from a limit stands on it: changes of variables come
-/// close to a limit without landing.
+/// A joint within this fraction of its range from a limit counts as at the limit: changes of variables approach limits
+/// without reaching them.
 const ON_LIMIT: f64 = 1e-6;
 
-/// How far a frame is from its target.
+/// Distance of a frame from its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TaskError {
-    /// In metres (rigs: their own unit).
+    /// Position error in metres (for rigs, the rig's unit).
     pub position: f64,
-    /// In radians, 0 … π; `None` where orientations do not count.
+    /// Orientation error in radians, 0 … π; `None` if orientations do not count.
     pub orientation: Option<f64>,
 }
 
-/// What is true of a configuration.
+/// Verdict on a configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// Within the limits to the bit, and every target within the tolerances.
+    /// True if exactly within the limits, and every target is within the tolerances.
     pub solved: bool,
-    /// Within the limits to the bit; joints that follow others do.
+    /// True if exactly within the limits, and mimic joints satisfy their relations.
     pub within_limits: bool,
-    /// The largest error of any target: a share of the model's size, or radians.
+    /// Largest error of any target: relative to the model's size, or in radians.
     pub error: f64,
-    /// ½ Σ‖W r‖², in squared metres (rigs: their own unit).
+    /// ½ Σ‖W r‖², in squared metres (for rigs, the rig's unit).
     pub cost: f64,
-    /// One a frame.
+    /// Errors, one for each frame.
     pub tasks: Vec<TaskError>,
 }
 
@@ -48,10 +48,10 @@ pub struct Judge<'s> {
 }
 
 impl<'s> Judge<'s> {
-    /// A judge of one set.
+    /// Creates a judge of one set.
     ///
     /// # Errors
-    /// A frame of another model.
+    /// Returns an error for a frame of another model.
     pub fn new(set: &'s ProblemSet) -> Result<Self, HarnessError> {
         Ok(Self {
             set,
@@ -61,8 +61,7 @@ impl<'s> Judge<'s> {
         })
     }
 
-    /// The truth about `q`. A configuration of the wrong length or with a number that is not finite
-    /// is off by infinity.
+    /// Verdict on `q`. A configuration of the wrong length or with a number that is not finite has infinite errors.
     pub fn verdict<'a>(
         &mut self,
         question: impl Into<Question<'a>>,
@@ -103,7 +102,7 @@ impl<'s> Judge<'s> {
         }
     }
 
-    /// The joints that stand on a limit at `q`, by name; locked ones are not told.
+    /// Names of the joints at a limit at `q`, without locked ones.
     #[must_use]
     pub fn active_limits(&self, q: &[f64]) -> Vec<String> {
         let model = self.set.model();

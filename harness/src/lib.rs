@@ -1,11 +1,9 @@
-//! Compares inverse kinematics solvers on the same problems.
+//! Comparison of inverse kinematics solvers on equal problems.
 //!
-//! A [`ProblemSet`] is a model, the frames that have targets, and cases: targets with a start. An
-//! [`Adapter`] is a solver under test; [`contenders::all`] are those of this project, and your own is
-//! a type with two methods. A [`Bench`] asks every adapter every case, by every derivative route
-//! that it can use, and judges each answer itself, by forward kinematics and the joint limits at the
-//! configuration that came back. [`Results`] hold everything; [`report`] turns them into a table and
-//! pictures.
+//! A [`ProblemSet`] is a model, the frames with targets, and cases: targets with a start. An [`Adapter`] is a solver
+//! under test; [`contenders::all`] are those of this project, and a custom one is a type with two methods. A [`Bench`]
+//! runs every adapter on every case, with every derivative mode that it supports. It judges each result by forward
+//! kinematics and the joint limits. [`Results`] hold all data; [`report`] renders them as a table and pictures.
 //!
 //! ```
 //! use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace};
@@ -19,7 +17,7 @@
 //! # let elbow = builder.revolute("elbow", Some(shoulder), link, z, limits);
 //! # let tip = builder.frame("tip", Some(elbow), link);
 //! # let model = builder.build()?;
-//! /// Stays where it starts.
+//! /// Returns its start.
 //! struct Lazy;
 //!
 //! impl Adapter for Lazy {
@@ -40,17 +38,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # How times are taken
+//! # Measurement of times
 //!
-//! By the processor time of the solver's thread where the system tells it (Linux), so that other
-//! programs do not count, else by the wall clock; solvers themselves look at the wall clock for their time limit.
+//! Times are the processor time of the solver's thread if the system reports it (Linux), which excludes other programs,
+//! else the wall clock. Solvers use the wall clock for their time limit.
 //!
-//! Each question is asked twice. The plain ask is timed as a whole, watched by nobody; where it
-//! takes less than 2 ms it is repeated and the shortest time counts, and where it takes less than
-//! 50 µs sixteen at once are timed. The traced ask finds out when
-//! which accuracy was reached: the adapter marks where it stands after each step, and the clock
-//! stands still while a mark is taken; errors are computed when the search is over. What is left of the cost of
-//! watching goes too: the traced times are scaled so that their end is the plain time.
+//! Each problem is solved twice. The untraced solve is timed as a whole. Below 2 ms it is repeated and the shortest
+//! time counts; below 50 µs sixteen solves are timed together. The traced solve measures when each accuracy was
+//! reached: the adapter marks its configuration after each iteration, with the clock stopped during a mark; errors are
+//! computed after the search. The remaining cost of tracing is removed: traced times are scaled so that their end
+//! equals the untraced time.
 
 mod adapter;
 mod bench;

@@ -1,12 +1,12 @@
-//! Curves that compare solvers over many problems.
+//! Curves that compare solvers over several problems.
 
-/// The performance profile of Dolan & Moré 2002, "Benchmarking optimization software with
-/// performance profiles": for each solver s the share of problems p that it solves within τ times
-/// the time of the fastest, ρ_s(τ) = |{p : t_ps / min_s t_ps ≤ τ}| / |P|.
+/// The performance profile of Dolan & Moré 2002, "Benchmarking optimization software with performance profiles": for
+/// each solver s the fraction of problems p that it solves within τ times the time of the fastest, ρ_s(τ) = |{p : t_ps
+/// / min_s t_ps ≤ τ}| / |P|.
 ///
-/// `times` has a list for each solver with one entry a problem, all equally long: any positive
-/// measure of cost, `None` where the problem was not solved. The points of each curve are (τ, ρ) by
-/// ascending τ ≥ 1; ρ holds from one to the next. Problems that nobody solves count in |P|.
+/// `times` has a list for each solver with one entry for each problem: any positive measure of cost, `None` if the
+/// problem was not solved. The points of each curve are (τ, ρ) by ascending τ ≥ 1; ρ is constant between points.
+/// Problems that no solver solves count in |P|.
 #[must_use]
 pub fn performance_profile(times: &[Vec<Option<f64>>]) -> Vec<Vec<(f64, f64)>> {
     let problems = times.iter().map(Vec::len).max().unwrap_or(0);
@@ -28,8 +28,8 @@ pub fn performance_profile(times: &[Vec<Option<f64>>]) -> Vec<Vec<(f64, f64)>> {
     times.iter().map(ratios).collect()
 }
 
-/// The share of `problems` that is solved within t, as points (t, share) by ascending t; `times` are
-/// those of the problems that were solved at all.
+/// Fraction of `problems` solved within t, as points (t, fraction) by ascending t; `times` are those of the solved
+/// problems.
 #[must_use]
 pub fn share_within(times: impl Iterator<Item = f64>, problems: usize) -> Vec<(f64, f64)> {
     let mut sorted: Vec<f64> = times.collect();
@@ -45,7 +45,7 @@ pub fn share_within(times: impl Iterator<Item = f64>, problems: usize) -> Vec<(f
     points
 }
 
-/// The middle of some numbers, or the mean of the two in the middle; `None` of none.
+/// Median of some numbers, the mean of the middle two for an even count; `None` without numbers.
 #[must_use]
 pub fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = numbers.collect();

@@ -1,4 +1,4 @@
-//! Everything that a bench found, as it goes into `results.json`.
+//! Results of a bench, in the form of `results.json`.
 
 use std::path::Path;
 
@@ -7,104 +7,104 @@ use serde::{Deserialize, Serialize};
 use crate::jacobian_cost::JacobianCost;
 use crate::{HarnessError, TaskError};
 
-/// One bench.
+/// Results of one bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Where the numbers come from; filled in by whoever runs the bench.
+    /// Origin of the numbers; set by the caller.
     pub provenance: Provenance,
-    /// What was solved on.
+    /// Model of the problem set.
     pub model: ModelSummary,
-    /// What was asked.
+    /// Problem set and budget.
     pub setting: Setting,
-    /// How many problems every solver was asked; fewer than in the setting after an interruption.
+    /// Number of problems that every solver has finished; lower than in the setting after an interruption.
     pub problems: usize,
-    /// One for each solver and derivative route.
+    /// One for each solver and derivative mode.
     pub runs: Vec<Run>,
-    /// The way of each run through the chosen problem.
+    /// Convergence history of each run on the chosen problem.
     pub courses: Vec<ConvergenceHistory>,
-    /// What one Jacobian costs by each route on chains of more and more bones.
+    /// Cost of one Jacobian by derivative mode on chains of increasing length.
     pub jacobian_cost: Vec<JacobianCost>,
 }
 
-/// Who measured, when and where.
+/// Origin of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// The program and its version.
+    /// Program with its version.
     pub tool: String,
-    /// RFC 3339.
+    /// Date in RFC 3339.
     pub date: String,
-    /// The machine.
+    /// Machine of the measurement.
     pub machine: Machine,
-    /// What was typed, if anything.
+    /// Command line, if any.
     pub command: String,
 }
 
-/// A machine.
+/// Hardware of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// The processor's name for itself.
+    /// Name of the processor.
     pub cpu: String,
-    /// How many threads it runs at once.
+    /// Number of hardware threads.
     pub cores: usize,
 }
 
-/// The model in figures.
+/// Summary of the model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelSummary {
-    /// Its name.
+    /// Name of the model.
     pub name: String,
-    /// Free variables.
+    /// Number of free variables.
     pub variables: usize,
-    /// What tolerances are shares of, in metres (rigs: their own unit).
+    /// Size, in metres (for rigs, the rig's unit). Tolerances are relative to it.
     pub size: f64,
-    /// The frames that have targets.
+    /// Names of the frames with targets.
     pub frames: Vec<String>,
-    /// Whether orientations count.
+    /// True if orientations count.
     pub turns: bool,
 }
 
-/// What was asked, and what was allowed.
+/// Problem set and budget of a bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setting {
-    /// Problems in the set.
+    /// Number of problems in the set.
     pub problems: usize,
-    /// What everything random comes from.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Solved within so much of the size, and so many radians.
+    /// Tolerance: relative to the size, and in radians.
     pub tolerance: f64,
-    /// The wall-clock limit of one problem, in seconds.
+    /// Wall-clock limit of one problem, in seconds.
     pub time_limit: f64,
-    /// What times are measured by.
+    /// Clock of the measurements.
     pub clock: String,
-    /// Attempts of each solver without restarts of its own.
+    /// Number of attempts of each solver without restarts of its own.
     pub attempts: usize,
-    /// Shares of the size, and radians: when each was reached is in the records, in this order.
+    /// Accuracies, relative to the size and in radians. The records list their times in this order.
     pub accuracies: Vec<f64>,
-    /// The problem whose course is kept.
+    /// Index of the problem with recorded convergence history.
     pub chosen: usize,
 }
 
-/// One solver by one derivative route.
+/// One solver with one derivative mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// The solver's name.
+    /// Name of the solver.
     pub solver: String,
-    /// Where it comes from.
+    /// Family of the solver.
     pub family: String,
-    /// The derivative route, if it takes any.
+    /// Derivative mode, if any.
     pub route: Option<String>,
-    /// How the solver was set up.
+    /// Settings of the solver.
     pub about: String,
-    /// Why it sat out.
+    /// Reason why the solver did not take part, if any.
     pub sat_out: Option<String>,
-    /// Whether it marks its way; otherwise every accuracy has the time of the end.
+    /// True if the solver makes marks; otherwise every accuracy has its total time.
     pub traced: bool,
-    /// One a problem; empty where it sat out.
+    /// One for each problem; empty if the solver did not take part.
     pub records: Vec<Record>,
 }
 
 impl Run {
-    /// The solver, and its route in brackets.
+    /// Name of the solver, with its derivative mode in parentheses.
     #[must_use]
     pub fn title(&self) -> String {
         match &self.route {
@@ -113,35 +113,35 @@ impl Run {
         }
     }
 
-    /// How many problems were solved in time.
+    /// Number of problems solved in time.
     #[must_use]
     pub fn solved(&self) -> usize {
         self.records.iter().filter(|record| record.counts()).count()
     }
 }
 
-/// One answer to one problem.
+/// Result for one problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// The problem's position in the set.
+    /// Index of the problem in the set.
     pub problem: usize,
-    /// By forward kinematics and the limits at the configuration that came back.
+    /// True if solved, by forward kinematics and the limits at the returned configuration.
     pub solved: bool,
-    /// Whether the solver said so.
+    /// True if the solver reported success.
     pub claimed: bool,
-    /// Within the limits to the bit, followers following.
+    /// True if exactly within the limits, and mimic joints satisfy their relations.
     pub within_limits: bool,
-    /// The largest error of any target: a share of the size, or radians. `None`: not finite.
+    /// Largest error of any target: relative to the size, or in radians. `None`: not finite.
     pub error: Option<f64>,
     /// ½ Σ‖W r‖². `None`: not finite.
     pub cost: Option<f64>,
-    /// One a frame.
+    /// Errors, one for each frame.
     pub tasks: Vec<TaskError>,
-    /// Joints that stand on a limit.
+    /// Names of the joints at a limit.
     pub active_limits: Vec<String>,
-    /// Steps of all attempts together.
+    /// Iterations of all attempts together.
     pub iterations: usize,
-    /// Attempts made.
+    /// Number of attempts.
     pub attempts: usize,
     /// Residual evaluations.
     pub residuals: usize,
@@ -149,44 +149,44 @@ pub struct Record {
     pub jacobians: usize,
     /// Gradient evaluations without a Jacobian.
     pub gradients: usize,
-    /// Time of the plain ask, in microseconds.
+    /// Time of the untraced solve, in microseconds.
     pub micros: f64,
-    /// Whether it took too long to count.
+    /// True if the solve took too long to count.
     pub late: bool,
-    /// When each accuracy of the setting was first reached, in microseconds; `None` where never.
+    /// Time to each accuracy of the setting, in microseconds; `None` if it was not reached.
     pub micros_to: Vec<Option<f64>>,
 }
 
 impl Record {
-    /// Solved, and in time.
+    /// True if solved in time.
     #[must_use]
     pub fn counts(&self) -> bool {
         self.solved && !self.late
     }
 
-    /// The time of an answer that counts, in microseconds.
+    /// Time of a solve that counts, in microseconds.
     #[must_use]
     pub fn solved_micros(&self) -> Option<f64> {
         self.counts().then_some(self.micros)
     }
 }
 
-/// The lowest cost so far by steps, all attempts one after the other.
+/// Lowest cost so far by iterations, over all attempts in sequence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConvergenceHistory {
-    /// The solver's name.
+    /// Name of the solver.
     pub solver: String,
-    /// The derivative route, if it takes any.
+    /// Derivative mode, if any.
     pub route: Option<String>,
-    /// Steps and ½ Σ‖W r‖²: at the start, where it fell, and at the end.
+    /// Iterations and ½ Σ‖W r‖²: at the start, where it decreased, and at the end.
     pub points: Vec<(usize, f64)>,
 }
 
 impl Results {
-    /// Writes everything as JSON.
+    /// Writes all results as JSON.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_json(&self, path: impl AsRef<Path>) -> Result<(), HarnessError> {
         let mut text = serde_json::to_string(self)?;
         text.push('\n');

@@ -1,8 +1,8 @@
-//! The names of derivative routes in tables and files.
+//! Names of derivative modes in tables and files.
 
 use kinopt::problem::Derivatives;
 
-/// The name of a derivative route in results and on the command line.
+/// Name of a derivative mode in results and on the command line.
 pub(crate) fn route_name(route: Derivatives) -> &'static str {
     match route {
         Derivatives::Analytic => "analytic",

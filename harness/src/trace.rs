@@ -1,4 +1,4 @@
-//! Where a solver stood when, taken with the clock stopped.
+//! Trace of a solver's configurations, recorded with the clock stopped.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -6,33 +6,33 @@ use std::time::Duration;
 
 use crate::clock;
 
-/// A trace stops growing here: 100 000 steps of 60 variables are 50 MB.
+/// Largest number of marks: 100 000 of 60 variables are 50 MB.
 const MOST_MARKS: usize = 100_000;
 
-/// A place after a step, and how long the solver had worked until then.
+/// Configuration after an iteration, with the solver's time until then.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mark {
     pub(crate) at: Duration,
     pub(crate) place: Vec<f64>,
 }
 
-/// Where adapters mark what they pass. Off in the plain ask, on in the traced one. Clones share the
-/// marks, so that an observer that must own what it writes to can.
+/// Recorder of a solver's marks. Off in the untraced solve, on in the traced one. Clones share the marks, for observers
+/// that must own their recorder.
 #[derive(Clone, Debug)]
 pub struct Trace(Option<Rc<RefCell<Recording>>>);
 
 #[derive(Debug)]
 struct Recording {
     worked: Duration,
-    /// By [`clock::now`].
+    /// Time of the last resume, by [`clock::now`].
     resumed: Duration,
     marks: Vec<Mark>,
-    /// Marks before this one are configurations already.
+    /// Number of marks that are configurations already.
     translated: usize,
 }
 
 impl Trace {
-    /// A trace that takes no marks.
+    /// A trace that records no marks.
     #[must_use]
     pub fn off() -> Self {
         Self(None)
@@ -48,15 +48,14 @@ impl Trace {
         }))))
     }
 
-    /// Whether marks are taken.
+    /// True if marks are recorded.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Marks where the solver stands after a step, and its start before the first one. A
-    /// configuration; or numbers of the solver's own, which [`translate`](Self::translate) then
-    /// turns into configurations. The clock stands still meanwhile.
+    /// Records the configuration after an iteration, and the start before the first. Variables of the solver's own need
+    /// a later [`translate`](Self::translate). The clock is stopped meanwhile.
     pub fn mark(&self, place: &[f64]) {
         self.paused(|recording| {
             if recording.marks.len() < MOST_MARKS {
@@ -68,8 +67,7 @@ impl Trace {
         });
     }
 
-    /// Turns the marks since the last translation into configurations. The clock stands still
-    /// meanwhile.
+    /// Converts the marks since the last translation to configurations. The clock is stopped meanwhile.
     pub fn translate(&self, configuration: impl Fn(&[f64]) -> Vec<f64>) {
         self.paused(|recording| {
             let first = recording.translated;
@@ -80,7 +78,7 @@ impl Trace {
         });
     }
 
-    /// The marks, and how long the solver worked.
+    /// Returns the marks, and the total time of the solver.
     pub(crate) fn finish(self) -> (Vec<Mark>, Duration) {
         let mut found = (Vec::new(), Duration::ZERO);
         self.paused(|recording| {
@@ -92,7 +90,7 @@ impl Trace {
     fn paused(&self, work: impl FnOnce(&mut Recording)) {
         let Some(shared) = &self.0 else { return };
         let now = clock::now();
-        // Taken only if an adapter marks from within its own translation: that mark is dropped.
+        // Fails only if an adapter marks within its own translation: that mark is dropped.
         let Ok(mut recording) = shared.try_borrow_mut() else {
             return;
         };

@@ -1,5 +1,5 @@
-//! Promise: where no clock ends a search, the same seed makes the same results, times apart; another
-//! seed makes others.
+//! Promise: if no clock ends a search, equal seeds give equal results, except for times; another seed gives other
+//! results.
 #![allow(clippy::unwrap_used)]
 
 mod two_links;
@@ -10,7 +10,7 @@ use kinopt_harness::{Bench, ProblemSet, contenders};
 use serde_json::Value;
 use two_links::{patient, two_links};
 
-/// Results without what depends on the clock.
+/// Results without the parts that depend on the clock.
 fn without_times(value: &mut Value) {
     match value {
         Value::Object(entries) => {

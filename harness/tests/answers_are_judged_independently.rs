@@ -1,5 +1,4 @@
-//! Promise: an answer counts as solved by forward kinematics and the limits at its configuration,
-//! whatever the solver says.
+//! Promise: forward kinematics and the limits decide if a result counts as solved, independent of the solver's report.
 #![allow(clippy::unwrap_used)]
 
 mod two_links;
@@ -10,7 +9,7 @@ use std::time::Duration;
 use kinopt_harness::{Adapter, Answer, Bench, Budget, Case, Question, Trace};
 use two_links::{points, run, two_links};
 
-/// Answers what it is told to, and says that it has reached.
+/// Returns a given configuration, and reports success.
 struct Claims(fn(&Question<'_>) -> Vec<f64>);
 
 impl Adapter for Claims {
@@ -27,7 +26,7 @@ impl Adapter for Claims {
     }
 }
 
-/// Elbow and shoulder in closed form, by the law of cosines: independent of every solver here.
+/// Shoulder and elbow in closed form, by the law of cosines: independent of every solver here.
 fn closed_form(question: &Question<'_>) -> Vec<f64> {
     let [x, y, _] = question.targets[0].translation.to_array();
     let elbow = ((x * x + y * y) / 2.0 - 1.0).clamp(-1.0, 1.0).acos();
@@ -85,7 +84,7 @@ fn too_late_does_not_count() {
         fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
             let begun = std::time::Instant::now();
             let mut q = closed_form(question);
-            // Works on, far beyond the limit on any clock.
+            // Continues far beyond the limit on any clock.
             while begun.elapsed() < Duration::from_millis(400) {
                 q = closed_form(question);
             }
@@ -110,7 +109,7 @@ fn too_late_does_not_count() {
 
 #[test]
 fn beyond_a_limit_nothing_is_solved() {
-    // A whole turn further the tip stands on the same place.
+    // After a full turn the tip is at an equal position.
     let beyond = |question: &Question<'_>| {
         let mut q = closed_form(question);
         q[0] += std::f64::consts::TAU;

@@ -1,5 +1,4 @@
-//! Promise: a bench that is told to stop keeps the problems that every solver was asked, and only
-//! those.
+//! Promise: an interrupted bench keeps the problems that every solver has finished, and only those.
 #![allow(clippy::unwrap_used)]
 
 mod two_links;
@@ -21,7 +20,7 @@ fn all_solvers_keep_the_same_problems() {
     });
     let a_problem = total / 6;
     assert_eq!(whole.unwrap().problems, 6);
-    // In the middle of the third problem, and between the third and the fourth.
+    // Interrupts in the middle of the third problem, between the third and the fourth, and at the start.
     for (stop, kept) in [(2 * a_problem + 4, 2), (3 * a_problem, 3), (0, 0)] {
         let results = bench.run(&mut |progress| match progress.answered == stop {
             true => ControlFlow::Break(()),

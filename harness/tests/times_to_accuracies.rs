@@ -1,5 +1,5 @@
-//! Promise: an accuracy is reached at the mark that first comes so close, coarser ones no later than
-//! finer ones, and none later than the end.
+//! Promise: an accuracy is reached at the first mark within it, coarser ones no later than finer ones, and none later
+//! than the end.
 #![allow(clippy::unwrap_used)]
 
 mod two_links;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use kinopt_harness::{Adapter, Answer, Bench, Case, ProblemSet, Question, Trace, contenders};
 use two_links::{patient, points, run, two_links};
 
-/// Stands off by 0.15, then by 0.015 …, with a pause before each mark.
+/// Has an error of 0.15, then of 0.015 …, with a pause before each mark.
 struct Approaches;
 
 const PAUSE: Duration = Duration::from_millis(2);
@@ -53,8 +53,8 @@ fn each_mark_counts_from_where_it_stands() {
     let results = run(&set.with_cases(vec![case]).unwrap(), Approaches);
     let record = &results.runs[0].records[0];
     assert_eq!(results.setting.accuracies.len(), 6);
-    // 0.1 at the second mark, 0.01 at the third, 0.001 at the fourth, finer ones never: quarters of
-    // the whole time two, three and four.
+    // 0.1 at the second mark, 0.01 at the third, 0.001 at the fourth, finer ones never: at two, three and four quarters
+    // of the total time.
     let [tenth, hundredth, thousandth, none @ ..] = record.micros_to.as_slice() else {
         unreachable!()
     };

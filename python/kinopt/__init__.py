@@ -1,8 +1,8 @@
-"""Inverse kinematics by optimisation: robot arms and skeletons, hard limits, honest results.
+"""Inverse kinematics by optimisation for robot arms and skeletons, with hard limits.
 
-Placements are 4 x 4 arrays (or what has ``homogeneous``, ``as_matrix()`` or ``A``), metres and radians;
-``world_from_tip`` maps tip coordinates to world coordinates. Many of anything come first:
-``(N, 4, 4)`` targets give ``(N, dof)`` configurations.
+Placements are 4 x 4 arrays (or objects with ``homogeneous``, ``as_matrix()`` or ``A``), metres and radians;
+``world_from_tip`` maps tip coordinates to world coordinates. The batch axis comes first: ``(N, 4, 4)`` targets give
+``(N, dof)`` configurations.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> ModuleType:
-    # Their extras need not be installed for the rest.
+    # Imported on demand, because their optional dependencies may be missing.
     if name in ("jax", "ray", "torch", "view"):
         return importlib.import_module(f"kinopt.{name}")
     raise AttributeError(f"module 'kinopt' has no attribute {name!r}")

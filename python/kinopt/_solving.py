@@ -1,5 +1,5 @@
-"""Solving and its reverse product on numpy arrays, for what differentiates: one question or many, whose leading axes
-are the batch."""
+"""Solving and its reverse product on numpy arrays, for automatic differentiation: one query or several, with leading
+batch axes."""
 
 from __future__ import annotations
 
@@ -16,42 +16,42 @@ from .types import Floats
 Missing: TypeAlias = Literal["nan", "zero", "raise"]
 Targets: TypeAlias = Any
 
-# How many axes one target has, where it is not one.
+# Number of axes of one target, by kind of task; 1 for other kinds.
 _AXES = {"pose": 2, "orientation": 2, "distance": 0, "joint coupling": 0}
-# Targets of which only a part is a parameter of the solution.
+# Kinds of tasks whose target is not fully a parameter of the solution.
 _NOT_BY = ("plane", "ray", "frame velocity")
-# The solver of problems without one: the same for all, so that questions compare equal.
+# Default solver. One object, so that queries compare equal.
 _SOLVER = Solver()
 _SHAPES = "a target must have shape (..., 4, 4), (..., 3, 3) or (..., n) to be differentiated by"
 
 
 class NoDerivativeError(KinoptError):
-    """A solution has no derivative by its target: it is on a limit that nothing pushes it to, singular, or no
+    """A solution has no derivative with respect to its target: at a limit without force, singular, or not a
     solution."""
 
 
 @dataclass(frozen=True)
 class ArmQuestion:
-    """An arm, asked for poses of its tool."""
+    """Pose query of an arm."""
 
     arm: Arm
     missing: Missing
 
     @property
     def length(self) -> int:
-        """How many numbers a configuration has."""
+        """Length of a configuration."""
         return self.arm.degrees_of_freedom
 
     def target_axes(self, index: int) -> int:
-        """How many axes one target has."""
+        """Number of axes of one target."""
         return 2
 
     def solve(self, targets: Sequence[Floats], starts: Floats) -> Floats:
-        """N configurations for N targets."""
+        """Solves N targets for N configurations."""
         return self.arm.solve_batch(targets[0], starts).q
 
     def pull(self, targets: Sequence[Floats], q: Floats, by_q: Floats) -> list[Floats]:
-        """Slopes by N targets from those by their configurations."""
+        """Pulls gradients with respect to N configurations back to their targets."""
         derivative = self.arm.derivative(targets[0], q)
         slopes = np.einsum("nd,ndk->nk", by_q, derivative.by_target)
         for index, existence in enumerate(derivative.existence):
@@ -61,8 +61,8 @@ class ArmQuestion:
 
 @dataclass(frozen=True)
 class ProblemQuestion:
-    """A problem, asked with targets for some of its tasks; behind them, as if they were targets too, come weights and
-    joints' origins."""
+    """Query of a problem with targets for some of its tasks, followed by weights and joint origins as further
+    parameters."""
 
     problem: Problem
     solver: Solver
@@ -73,11 +73,11 @@ class ProblemQuestion:
 
     @property
     def length(self) -> int:
-        """How many numbers a configuration has."""
+        """Length of a configuration."""
         return self.problem.configuration_len
 
     def task(self, name: str | int) -> int:
-        """The number of a task."""
+        """Index of a task."""
         if isinstance(name, int):
             return name
         names = self.problem.task_names
@@ -86,7 +86,7 @@ class ProblemQuestion:
         return names.index(name)
 
     def target_axes(self, index: int) -> int:
-        """How many axes one target has."""
+        """Number of axes of one target."""
         if index >= len(self.names):
             return 1
         task = self.problem.tasks[self.task(self.names[index])]
@@ -96,7 +96,7 @@ class ProblemQuestion:
         return _AXES.get(kind, 1)
 
     def restated(self, others: Sequence[Floats]) -> Problem:
-        """The problem with one set of weights and origins."""
+        """The problem with one set of weights and joint origins."""
         problem = self.problem
         if self.is_weighed:
             problem = problem.with_weights(others[0])
@@ -106,7 +106,7 @@ class ProblemQuestion:
         return problem
 
     def problems(self, targets: Sequence[Floats], rows: int) -> list[tuple[Problem, list[int]]]:
-        """The problems of N questions, each with the questions that it is asked."""
+        """The distinct problems of N queries, each with the indices of its queries."""
         others = targets[len(self.names) :]
         same: dict[bytes, list[int]] = {}
         for row in range(rows):
@@ -114,7 +114,7 @@ class ProblemQuestion:
         return [(self.restated([other[own[0]] for other in others]), own) for own in same.values()]
 
     def solve(self, targets: Sequence[Floats], starts: Floats) -> Floats:
-        """N configurations for N targets."""
+        """Solves N targets for N configurations."""
         q = np.empty((len(starts), self.length))
         for problem, own in self.problems(targets, len(starts)):
             by_name = {name: target[own] for name, target in zip(self.names, targets, strict=False)}
@@ -122,7 +122,7 @@ class ProblemQuestion:
         return q
 
     def pull(self, targets: Sequence[Floats], q: Floats, by_q: Floats) -> list[Floats]:
-        """Slopes by N targets from those by their configurations."""
+        """Pulls gradients with respect to N configurations back to their targets."""
         slopes = [np.zeros_like(target) for target in targets]
         for problem, own in self.problems(targets, len(q)):
             for index in own:
@@ -133,7 +133,7 @@ class ProblemQuestion:
     def _pull(
         self, problem: Problem, index: int, targets: Sequence[Floats], q: Floats, by_q: Floats
     ) -> list[Floats]:
-        """The slopes of one question."""
+        """Gradients of one query."""
         own = dict(zip(self.names, (target[index] for target in targets), strict=False))
         derivative = problem.derivative(q[index], own)
         gradient = derivative.gradient(by_q=by_q[index])
@@ -169,7 +169,7 @@ def question(
     weights: Any = None,
     joint_origins: Mapping[str, Any] | None = None,
 ) -> tuple[Question, list[Any]]:
-    """What is asked, and what it is differentiated by in a list."""
+    """Creates a query, and a list of the parameters of differentiation."""
     if missing not in ("nan", "zero", "raise"):
         raise InvalidValueError(f'missing is {missing!r}: "nan", "zero" or "raise"')
     if isinstance(asked, Arm):
@@ -191,7 +191,7 @@ def question(
 def check_shapes(
     own: Question, targets: Sequence[tuple[int, ...]], start: tuple[int, ...]
 ) -> None:
-    """Raises ``InvalidValueError`` for shapes of targets and of a start that do not go with the question or with each other."""
+    """Raises ``InvalidValueError`` for shapes of targets and of a start that do not match the query or each other."""
     batch = [start[:-1]]
     for k, shape in enumerate(targets):
         axes = own.target_axes(k)
@@ -212,7 +212,7 @@ def check_shapes(
 def batched(
     own: Question, targets: Sequence[Floats], start: Floats
 ) -> tuple[tuple[int, ...], list[Floats], Floats]:
-    """The batch's axes, and N of every target and start."""
+    """Returns the batch axes, and N rows of every target and of the start."""
     axes = [target.ndim - own.target_axes(k) for k, target in enumerate(targets)]
     shapes = [target.shape[:axis] for target, axis in zip(targets, axes, strict=True)]
     batch = np.broadcast_shapes(*shapes, start.shape[:-1])
@@ -228,13 +228,13 @@ def batched(
 
 
 def solve(own: Question, targets: Sequence[Floats], start: Floats) -> Floats:
-    """The configurations, with the batch's axes in front."""
+    """Returns the configurations, with the batch axes in front."""
     batch, many, starts = batched(own, targets, start)
     return own.solve(many, starts).reshape(*batch, own.length)
 
 
 def pull(own: Question, targets: Sequence[Floats], start: Floats, q: Floats, by_q: Floats) -> list[Floats]:
-    """The slopes by the targets, each of its target's own shape."""
+    """Returns the gradients with respect to the targets, with the shapes of the targets."""
     batch, many, _ = batched(own, targets, start)
     rows = int(np.prod(batch, dtype=int))
     slopes = own.pull(many, q.reshape(rows, -1), by_q.reshape(rows, -1))
@@ -245,7 +245,7 @@ def pull(own: Question, targets: Sequence[Floats], start: Floats, q: Floats, by_
 
 
 def _summed(slope: Floats, shape: tuple[int, ...]) -> Floats:
-    """What was broadcast is summed."""
+    """Sums over broadcast axes."""
     slope = slope.sum(axis=tuple(range(slope.ndim - len(shape))))
     kept = tuple(k for k, length in enumerate(shape) if length == 1 and slope.shape[k] != 1)
     summed: Floats = slope.sum(axis=kept, keepdims=True)
@@ -265,11 +265,12 @@ def _cross(v: Floats) -> Floats:
 
 
 def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
-    """The slope by the numbers of a posture from that by its velocity: of each quaternion p G with <G, p ⊗ (0, v / 2)>
-    = slope · v for every turn v in the ball's own axes, and nothing along p, as its length does not count."""
+    """Gradient with respect to the numbers of a posture, from that with respect to its velocity. For each quaternion p
+    it is G with <G, p ⊗ (0, v / 2)> = slope · v for every rotation v in the ball's own axes, and zero along p, because
+    its length has no effect."""
     while not isinstance(model, Model):
         model = model.model
-    # Joints that follow others share their coordinate.
+    # Mimic joints share the coordinate of their source joint.
     is_ball = {
         joint.coordinate: joint.kind == "ball"
         for joint in model.joints
@@ -295,8 +296,8 @@ def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
 
 
 def _on_target(target: Floats, slope: Floats) -> Floats:
-    """The slope by the numbers of a target from that by its own motion: G with <G, T ξ> = slope · ξ for every motion
-    ξ of a pose T, so that the chain rule holds however a pose is made."""
+    """Gradient with respect to the numbers of a target, from that with respect to its motion. It is G with <G, T ξ> =
+    slope · ξ for every motion ξ of a pose T, so that the chain rule holds for any parametrisation of a pose."""
     if target.shape == (4, 4):
         own = np.zeros((4, 4))
         own[:3, :3] = 0.5 * target[:3, :3] @ _cross(slope[3:])

@@ -1,13 +1,13 @@
-"""Motion over time: keyframes, what is between them, poses, and what goes over them.
+"""Animation: keyframes, interpolation, poses, blending, and inverse kinematics on poses and clips.
 
 - Bones: an ``Armature``, made of bones or of a skeleton, and its ``Pose``.
-- Between keys: ``KeyedCurve``, ``RotationCurve``, ``EulerCurve``.
-- Over time: a ``Clip``; a ``Playhead`` says where playback is and which events it passes.
-- Together: ``Pose.cross_fade``, ``blend_poses``, ``Layer`` under a ``BoneMask``, and a ``StateMachine``, which each
-  character runs by its own ``StateMachineRun``.
-- Over the pose: ``Limb`` and ``Aim`` in closed form, ``ReachLayer`` by the optimiser. Over a clip: ``Clip.with_ik`` of a
-  ``Reach``, and feet that stand.
-- Many of them: a ``Crowd``. A skeleton's stacked angles: an ``EulerClip``, ``PoseAngles``.
+- Interpolation: ``KeyedCurve``, ``RotationCurve``, ``EulerCurve``.
+- Time: a ``Clip``; a ``Playhead`` has the playback time, and its passages give the events.
+- Blending: ``Pose.cross_fade``, ``blend_poses``, ``Layer`` with a ``BoneMask``, and a ``StateMachine`` with one
+  ``StateMachineRun`` for each character.
+- IK on poses: analytic ``Limb`` and ``Aim``, numerical ``ReachLayer``. IK on clips: ``Clip.with_ik`` with ``Reach``,
+  and planted feet.
+- Crowds: a ``Crowd``. Stacked angles of a skeleton: an ``EulerClip``, ``PoseAngles``.
 """
 
 from __future__ import annotations
@@ -85,11 +85,11 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Reach:
-    """A bone whose origin, of a rig's its tip, goes to a point over a span of a clip: of `Clip.with_ik`.
+    """A bone whose origin (for a rig, its tip) goes to a point over a span of a clip: for `Clip.with_ik`.
 
-    `target` is a point in the model, shape (3,), or a curve through points, shape (N, 3), at `times` in seconds of the clip, or
-    without them evenly over the span. `span` is (from, to) in seconds, the whole clip unless set. Over `fade` seconds
-    at either end the bone is led there and back: 0.2, or half of a shorter span, unless set.
+    `target` is a point in the model, shape (3,), or a curve through points, shape (N, 3), at `times` in seconds of the
+    clip; by default the points are uniform over the span. `span` is (from, to) in seconds, by default the whole clip.
+    `fade` is the duration of the blend at either end, in seconds: by default 0.2, or half of a shorter span.
     """
 
     bone: str

@@ -1,23 +1,23 @@
-"""What is raised: the library's own messages, below the exceptions that Python has for such cases."""
+"""Exceptions of kinopt, derived from the matching built-in exceptions."""
 
 
 class KinoptError(Exception):
-    """Everything that kinopt raises."""
+    """Base class of all exceptions of kinopt."""
 
 
 class InvalidValueError(KinoptError, ValueError):
-    """A value that cannot be: a wrong shape, NaN, a matrix that is no rotation, an option out of range."""
+    """An invalid value: a wrong shape, NaN, a matrix that is not a rotation, an option out of range."""
 
 
 class UnknownNameError(InvalidValueError, KeyError):
-    """A joint, frame or bone that does not exist; the message lists those that do."""
+    """An unknown joint, frame or bone; the message lists the valid names."""
 
     # KeyError would put quotes around the message.
     __str__ = Exception.__str__
 
 
 class InvalidFileError(KinoptError, ValueError):
-    """A file that says what cannot be; the message names the file, the place and the problem."""
+    """A file with invalid content; the message names the file, the position and the problem."""
 
 
 class FileError(KinoptError, OSError):

@@ -1,6 +1,6 @@
-"""Files of meshes, tables and motion; rigs, scenes and captures read and write themselves.
+"""Functions for files of meshes, tables and motion; rigs, scenes and captures have methods for theirs.
 
-Functions are called after the format and what they do: ``ply_read`` reads a PLY file.
+Function names consist of the format and the operation: ``ply_read`` reads a PLY file.
 """
 
 from ._kinopt.io import (

@@ -1,4 +1,4 @@
-"""Whether a residual's own Jacobian is the derivative of its function."""
+"""Comparison of a residual's Jacobian with finite differences."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .types import HasModel
 
 Array = NDArray[np.float64]
 
-#: Radians and metres of each step; central differences err by its square.
+#: Step of the central differences, radians and metres; their error is of second order in it.
 STEP = 1e-5
 
 
 def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float) -> None:
-    """As ``tasks.Residual.check_jacobian``, of the ``tasks.Residual`` given."""
+    """Implements ``tasks.Residual.check_jacobian`` for a ``tasks.Residual``."""
     if residual.jacobian is None:
         raise InvalidValueError("the residual has no Jacobian of its own: differences stand in for it")
     own = model if isinstance(model, Model) else model.model
@@ -41,7 +41,7 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
             f"what the residual's jacobian returned has shape {claimed.shape}, expected ({rows}, {columns})"
         )
     motions = _motions(len(residual.frames), parts, values)
-    # By each motion; the four numbers of a ball's quaternion move together, in three ways.
+    # One column for each motion; the four numbers of a ball's quaternion have three motions.
     said = claimed @ np.array([motion.rate for motion in motions]).T
     true = np.empty_like(said)
     for column, motion in enumerate(motions):
@@ -49,7 +49,7 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
             called(residual.function, *motion.moved(places, values, step)).reshape(rows) for step in (STEP, -STEP)
         )
         true[:, column] = (ahead - behind) / (2 * STEP)
-    # A row's largest derivative says what is small in it; NaN is never small.
+    # Relative to the largest derivative of the row, at least 1. The negated test below fails for NaN.
     off = np.abs(said - true) / np.maximum(1.0, np.abs(true).max(axis=1, initial=0.0))[:, None]
     wrong = np.argwhere(~(off <= tolerance))
     if len(wrong):
@@ -62,7 +62,7 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
 
 
 def _parts(model: Model, joints: Sequence[str]) -> list[tuple[str, int, int]]:
-    """The name of each joint read, and where its numbers begin and end in a configuration."""
+    """Name of each joint of the residual, with the range of its numbers in a configuration."""
     moving = {joint.name: joint for joint in model.joints if joint.coordinate is not None}
     missing = [joint for joint in joints if joint not in moving]
     if missing:
@@ -72,7 +72,7 @@ def _parts(model: Model, joints: Sequence[str]) -> list[tuple[str, int, int]]:
 
 
 def _values(model: Model, parts: Sequence[tuple[str, int, int]], q: Array) -> Array:
-    """What the residual reads of the joints, quaternions of unit length."""
+    """Joint inputs of the residual, with unit quaternions."""
     if q.shape != (model.configuration_len,):
         raise InvalidValueError(f"q has shape {q.shape}, expected ({model.configuration_len},)")
     read = [model.normalise(q)[first:end] for _, first, end in parts]
@@ -81,18 +81,18 @@ def _values(model: Model, parts: Sequence[tuple[str, int, int]], q: Array) -> Ar
 
 @dataclass(frozen=True)
 class _Motion:
-    """A way in which what the residual reads may move."""
+    """A motion of the residual's inputs."""
 
     frame: int
     way: int
     joint: str
-    #: Where the joint's numbers are among the values.
+    #: Range of the joint's numbers in the values.
     at: slice
-    #: How fast every column's number changes.
+    #: Rates of all columns.
     rate: Array
 
     def moved(self, places: Array, values: Array, step: float) -> tuple[Array, Array]:
-        """What the residual reads after a small motion."""
+        """Inputs of the residual after a small motion."""
         places, values = places.copy(), values.copy()
         if self.joint:
             own = values[self.at] + step * self.rate[6 * len(places) :][self.at]
@@ -108,7 +108,7 @@ class _Motion:
         return places, values
 
     def name(self, frames: Sequence[str]) -> str:
-        """What a derivative is by, in words."""
+        """Text for the variable of a derivative."""
         if self.joint and self.at.stop - self.at.start == 4:
             return f"the turn about {'xyz'[self.way]} of the joint {self.joint!r}"
         if self.joint:
@@ -118,7 +118,7 @@ class _Motion:
 
 
 def _motions(frames: int, parts: Sequence[tuple[str, int, int]], values: Array) -> list[_Motion]:
-    """Every way in which what the residual reads may move."""
+    """All motions of the residual's inputs."""
     columns = 6 * frames + len(values)
     units = np.eye(columns)
     motions = [_Motion(k // 6, k % 6, "", slice(0, 0), units[k]) for k in range(6 * frames)]

@@ -1,8 +1,8 @@
 """Inverse kinematics as a function of JAX: ``pip install 'kinopt[jax]'``.
 
 ``solve`` works under ``jit``, ``vmap`` and ``grad``: the solver runs on the host, and the gradient follows from the
-implicit function theorem at the solution (``custom_vjp``). With 32-bit numbers, JAX's default, targets are rounded to
-those; ``jax.config.update("jax_enable_x64", True)`` keeps all digits.
+implicit function theorem at the solution (``custom_vjp``). With JAX's default 32-bit numbers, targets are rounded;
+``jax.config.update("jax_enable_x64", True)`` avoids it.
 """
 
 from __future__ import annotations
@@ -37,19 +37,19 @@ def solve(
     solver: Solver | None = None,
     missing: Missing = "nan",
 ) -> Any:
-    """The configurations that reach ``targets``, differentiable by them: shape (..., nq).
+    """Solves for the configurations of ``targets``, with gradients: shape (..., nq).
 
     For an arm ``targets`` is an array of shape (..., 4, 4), base_from_tool, metres. For a problem it is a dict of
-    arrays by task: (..., 4, 4) for a pose, (..., 3) for a place, (..., 3, 3) for an orientation, (..., n) for a
-    posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient by a pose is
-    that by its motions, so that it may be made in any way that keeps it one.
+    arrays by task: (..., 4, 4) for a pose, (..., 3) for a position, (..., 3, 3) for an orientation, (..., n) for a
+    posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient of a pose is
+    that of its motions, so any parametrisation of a pose gives correct gradients.
 
-    A problem is differentiable by what else it is made of too: ``weights``, an array of shape (..., rows of
-    ``Solution.rows``), in the place of ``problem.weights``, and ``joint_origins``, a dict by joint of arrays of shape
-    (..., 3), metres in the parent's axes: the lengths of links.
+    Further parameters of a problem are differentiable: ``weights``, an array of shape (..., rows of ``Solution.rows``),
+    which replaces ``problem.weights``, and ``joint_origins``, a dict by joint of arrays of shape (..., 3), metres in
+    the parent's axes: the lengths of links.
 
-    Where a solution has no derivative, its gradient is NaN, zero, or an error, as ``missing`` says; where there are
-    many solutions, it is that of the shortest change.
+    ``missing`` selects the gradient of a solution without a derivative: "nan", "zero", or "raise" for an error. If
+    solutions are not isolated, the gradient is that of the shortest change.
 
     Raises ``InvalidValueError`` for other shapes.
     """
@@ -81,7 +81,7 @@ def _pull_on_host(
     return tuple(slope.astype(target.dtype) for slope, target in zip(slopes, targets, strict=True))
 
 
-# Compiled once for each question and shape: questions are hashable and equal where they ask the same.
+# Compiled once for each query and shape: queries are hashable, and equal queries compare equal.
 @partial(jax.jit, static_argnums=0)
 def _solve_traced(own: _solving.Question, targets: tuple[Any, ...], start: Any) -> Any:
     shapes = [target.shape[: target.ndim - own.target_axes(k)] for k, target in enumerate(targets)]

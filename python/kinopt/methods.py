@@ -1,7 +1,7 @@
-"""The methods of a ``kinopt.Solver``.
+"""Methods of a ``kinopt.Solver``.
 
-Levenberg-Marquardt is the one to take. The geometric ones (``Ccd``, ``Fabrik``, ``TwoBone``) need no
-derivatives and take points and poses alone; all keep joint limits to the bit.
+Levenberg-Marquardt is the recommended method. The geometric methods (``Ccd``, ``Fabrik``, ``TwoBone``) need no
+derivatives and support points and poses only. All methods satisfy joint limits exactly.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from ._kinopt import tasks as _compiled
 class LevenbergMarquardt:
     """Damped least squares with hard bounds.
 
-    ``damping`` follows the ``"gain_ratio"`` (Nielsen 1999) or is ``"error_proportional"`` (Chan & Lawrence
-    1988). ``initial_damping`` is its first value, positive: a share of the largest diagonal entry for the gain
-    ratio (1e-3 unless given), a multiple of the cost otherwise (0.1). Settings out of range raise
-    ``InvalidValueError`` where a ``kinopt.Solver`` is made of it.
+    ``damping`` is ``"gain_ratio"`` (Nielsen 1999) or ``"error_proportional"`` (Chan & Lawrence 1988).
+    ``initial_damping`` is its first value, positive: relative to the largest diagonal entry for the gain ratio (default
+    1e-3), a multiple of the cost otherwise (default 0.1). ``kinopt.Solver`` raises ``InvalidValueError`` for settings
+    out of range.
     """
 
     damping: Literal["gain_ratio", "error_proportional"] = "gain_ratio"
@@ -34,8 +34,8 @@ class LevenbergMarquardt:
 class GaussNewton:
     """Least squares by a rank-revealing factorisation, with a line search.
 
-    Diagonal entries below ``rank_tolerance`` (1e-8 unless given; from the machine's epsilon to 0.5) times the
-    largest count as zero. One out of range raises ``InvalidValueError`` where a ``kinopt.Solver`` is made of it.
+    Diagonal entries below ``rank_tolerance`` (default 1e-8; from the machine epsilon to 0.5) times the largest count as
+    zero. ``kinopt.Solver`` raises ``InvalidValueError`` for a value out of range.
     """
 
     rank_tolerance: float | None = None
@@ -47,8 +47,8 @@ class GaussNewton:
 class ProjectedGradient:
     """Steepest descent along the projected path.
 
-    ``first_step`` is the step that is tried first and halved, positive, or ``"barzilai_borwein"`` for one by the
-    last change of gradient. One out of range raises ``InvalidValueError`` where a ``kinopt.Solver`` is made of it.
+    ``first_step`` is the initial step length, positive, which is halved, or ``"barzilai_borwein"`` for a step length
+    from the last change of the gradient. ``kinopt.Solver`` raises ``InvalidValueError`` for a value out of range.
     """
 
     first_step: float | Literal["barzilai_borwein"] = 10_000.0
@@ -58,24 +58,24 @@ class ProjectedGradient:
 
 @dataclass(frozen=True)
 class Ccd:
-    """Cyclic coordinate descent: every joint in turn does the best it can. Points, poses, orientations."""
+    """Cyclic coordinate descent: optimises one joint after another. Supports points, poses and orientations."""
 
     _kind: ClassVar[str] = "ccd"
 
 
 @dataclass(frozen=True)
 class Fabrik:
-    """Forward and backward reaching on points, then the joints that come nearest. For chains of ball joints."""
+    """Forward and backward reaching on points, then the nearest joint values. For chains of ball joints."""
 
     _kind: ClassVar[str] = "fabrik"
 
 
 @dataclass(frozen=True, eq=False)
 class TwoBone:
-    """The closed form for a limb of two bones and one point for its end; everything else is locked.
+    """Closed form for a limb of two bones with one point task for its end; all other joints are locked.
 
-    ``elbow`` is the side on which the bones meet: ``"positive"``, ``"negative"``, or a point of the world (the
-    pole), shape (3,), metres, towards which it goes. A pole of another shape raises ``InvalidValueError``.
+    ``elbow`` is the bend direction: ``"positive"``, ``"negative"``, or a pole, a point of the world, shape (3,),
+    metres, towards which the limb bends. A pole of another shape raises ``InvalidValueError``.
     """
 
     elbow: Literal["positive", "negative"] | ArrayLike = "positive"
@@ -88,7 +88,7 @@ class TwoBone:
 
 
 Method = Union[LevenbergMarquardt, GaussNewton, ProjectedGradient, Ccd, Fabrik, TwoBone]
-"""Any of them."""
+"""Any method."""
 
 __all__ = [
     "Ccd",

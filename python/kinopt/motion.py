@@ -1,4 +1,4 @@
-"""What stands still over a span of a motion."""
+"""Contacts over a span of a trajectory."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Contact:
-    """Points of a frame that stand still from frame `start` up to, not including, `stop` of a `MotionProblem`.
+    """Points of a frame that are locked in place from sample `start` up to, not including, `stop` of a `MotionProblem`.
 
-    `at` are the points in the frame's coordinates, metres, shape (N, 3): three that are on no line hold its pose. Where they
-    stand is found with the motion; where they should, a task says.
+    `at` are the points in the frame's coordinates, metres, shape (N, 3): three that are not collinear lock its pose.
+    The solver determines their positions in the world; a task can set a target for them.
     """
 
     frame: str

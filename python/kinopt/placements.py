@@ -1,4 +1,4 @@
-"""Placements of positions and rotations, however those are written."""
+"""Placements from positions and rotations in several representations."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from .errors import InvalidValueError
 from .types import Floats
 
-#: How far a given rotation may be from one: what is left of numbers that were written with two digits.
+#: Largest deviation of a given matrix from a rotation: the rounding error of numbers with two digits.
 _ROUGH = 0.02
 
 
@@ -19,15 +19,15 @@ def placement(
     xyzw: ArrayLike | None = None,
     matrix: ArrayLike | None = None,
 ) -> Floats:
-    """A placement of shape (4, 4), or (N, 4, 4) of N of each: targets for arms, tools, poses.
+    """A placement of shape (4, 4), or N placements of shape (N, 4, 4): targets for arms, tools, poses.
 
-    ``position`` has shape (3,) or (N, 3), metres. The rotation is one of: a quaternion ``wxyz`` (scalar first)
-    or ``xyzw`` (scalar last), shape (4,) or (N, 4), of any length but 0; or a ``matrix``, shape (3, 3) or
-    (N, 3, 3), which is taken to the nearest rotation, so that rounded numbers will do (a (4, 4) is taken too,
-    and brings its position). Without any there is none.
+    ``position`` has shape (3,) or (N, 3), metres. The rotation is one of: a quaternion ``wxyz`` (scalar first) or
+    ``xyzw`` (scalar last), shape (4,) or (N, 4), of any length but 0; or a ``matrix``, shape (3, 3) or (N, 3, 3), which
+    is projected to the nearest rotation, so rounded numbers are accepted (a (4, 4) is accepted too, with its position).
+    The default is the identity.
 
-    Raises ``InvalidValueError``: wrong shapes, numbers that are not finite, quaternions of length 0, matrices that mirror
-    or are further than 0.02 from a rotation, more than one rotation.
+    Raises ``InvalidValueError``: wrong shapes, numbers that are not finite, quaternions of length 0, matrices that
+    mirror or deviate by more than 0.02 from a rotation, more than one rotation.
     """
     given = {"wxyz": wxyz, "xyzw": xyzw, "matrix": matrix}
     given = {name: value for name, value in given.items() if value is not None}
@@ -89,7 +89,7 @@ def _of_quaternion(wxyz: Floats, name: str) -> Floats:
 
 
 def _nearest_rotation(matrix: Floats) -> Floats:
-    """The nearest rotation: U Vᵀ of the singular value decomposition (Schönemann 1966)."""
+    """Nearest rotation: U Vᵀ of the singular value decomposition (Schönemann 1966)."""
     if matrix.shape[-2:] != (3, 3) or matrix.ndim > 3:
         raise InvalidValueError(f"matrix has shape {matrix.shape}, expected (3, 3), (4, 4) or N of them")
     left, _, right = np.linalg.svd(matrix)

@@ -1,4 +1,4 @@
-"""Bars for long computations."""
+"""Progress bars for long computations."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 
 def bar() -> Callable[[int, int], None]:
-    """A bar by tqdm that is called with (done, total); without tqdm it shows nothing."""
+    """A tqdm progress bar, called with (done, total); without tqdm it shows nothing."""
     try:
         from tqdm.auto import tqdm
     except ImportError:

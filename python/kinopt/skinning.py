@@ -1,10 +1,10 @@
-"""Skinning: moving a mesh with the handles it is bound to.
+"""Skinning: deformation of a mesh by bones and handles.
 
-- Bones: ``SkinWeights`` (given, by ``AutomaticWeights``, or by ``HeatWeights``), made ready as ``MeshWeights``,
-  which move vertices by linear blend ("lbs") or dual quaternions ("dqs").
-- Points: ``PointHandle``, whose transforms move skin as those of bones do. Cages: ``CageBinding``.
-- ``MorphTargets`` shape the mesh at rest, before any of these; ``BlendShapes`` are whole poses of it.
-- ``BoneBoxes``: boxes around skinned meshes that need no skinning.
+- Bones: ``SkinWeights`` (given, by ``AutomaticWeights``, or by ``HeatWeights``), prepared as ``MeshWeights``, which
+  skin vertices by linear blend ("lbs") or dual quaternions ("dqs").
+- Points: ``PointHandle``, with transforms like those of bones. Cages: ``CageBinding``.
+- ``MorphTargets`` deform the mesh at rest, before skinning; ``BlendShapes`` are whole shapes of it.
+- ``BoneBoxes``: bounding boxes of skinned meshes, without skinning.
 """
 
 from ._kinopt.skinning import (

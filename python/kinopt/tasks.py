@@ -1,28 +1,27 @@
-"""What the frames of a model should do: the tasks of a ``kinopt.Problem``.
+"""Tasks of a ``kinopt.Problem``.
 
-Frames and joints are given by name. Every task takes, as keywords:
+Frames and joints are given by name. Every task has these keywords:
 
 ``name``
-    what reports and targets call it; otherwise its kind and first frame do.
+    its name in reports and targets; by default its kind and first frame.
 ``weight``
-    multiplies its rows: a number, or a dict by quantity such as ``{"metres": 1.0, "radians": 0.2}``. Unset it
-    is 1 per metre, pixel and joint unit, and a quarter of the model's reach per radian. Rows of weight 0 are
-    not asked for: they tell their error but never count as missed.
+    factor of its rows: a number, or a dict by quantity such as ``{"metres": 1.0, "radians": 0.2}``. The default is 1
+    per metre, pixel and joint unit, and a quarter of the model's reach per radian. Rows of weight 0 report their error
+    but never count as missed.
 ``times``
-    multiplies all its weights, given or default.
+    factor of all its weights, given or default.
 ``tolerance``
     the error, before weighting, within which it counts as reached: a number, or a dict by quantity.
 ``role``
-    ``"goal"``, which must be met, or ``"preference"``, which pulls within what the goals leave free.
+    ``"goal"``, a required task, or ``"preference"``, a soft task in the null space of the required tasks.
 ``level``
-    a strict level, a whole number: goals of level 0 are met first, as if they were alone; those of level 1 come
-    as near as they can at no cost to level 0, and so on, whatever their weights, which count within a level.
-    Preferences come after all goals, by their own levels.
+    a strict priority level, a whole number. Goals of level 0 are solved as if they were alone; goals of level 1 are
+    minimised at no cost to level 0, and so on. Weights count within a level only. Preferences come after all goals, by
+    their own levels.
 
-Weights and tolerances below 0, names that do not exist and targets that are not finite raise
-``kinopt.InvalidValueError`` where the problem is made; wrong shapes where the task is. Quantities are
-``"metres"``, ``"radians"``, ``"pixels"``, ``"joint units"``, ``"joint units per second"``, ``"metres per second"``,
-``"radians per second"`` and ``"ratio"``.
+Weights and tolerances below 0, unknown names and targets that are not finite raise ``kinopt.InvalidValueError`` when
+the problem is created; wrong shapes when the task is created. Quantities are ``"metres"``, ``"radians"``, ``"pixels"``,
+``"joint units"``, ``"joint units per second"``, ``"metres per second"``, ``"radians per second"`` and ``"ratio"``.
 """
 
 from __future__ import annotations
@@ -45,16 +44,16 @@ from .jacobian_check import check
 from .types import HasModel, PlacementLike
 
 
-# Masses on frames in kilograms, at the frame's origin or at a place in its coordinates, shape (3,), metres.
+# Masses of frames in kilograms, at the frame's origin or at a position in its coordinates, shape (3,), metres.
 Masses = Mapping[str, float | tuple[float, ArrayLike]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Task:
-    """What all tasks have: a name, weights, tolerances, a role, a level. See the module for what they say.
+    """Common fields of all tasks: name, weights, tolerances, role, level. The module's documentation defines them.
 
-    Raises ``InvalidValueError`` for a name that is no text, for what are no numbers, and for a level that is no
-    whole number of at least 0.
+    Raises ``InvalidValueError`` for a name that is not a text, for values that are not numbers, and for a level that is
+    not a whole number of at least 0.
     """
 
     name: str | None = field(default=None, kw_only=True)
@@ -79,7 +78,7 @@ class Task:
         self._keep("level", _level(self.level))
 
     def _with(self, given: Mapping[str, object]) -> Task:
-        """The same but for these keywords."""
+        """The task with other values of these keywords."""
         changed = copy(self)
         for name, value in given.items():
             changed._keep(name, value)
@@ -142,12 +141,12 @@ class Task:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Point(Task):
-    """A point of ``frame`` should be at ``target``, shape (3,), metres: three rows in metres.
+    """Position of a point of ``frame`` at ``target``, shape (3,), metres: three rows in metres.
 
-    ``at`` is the point in the frame's own coordinates, shape (3,), its origin unless given. The target is in
-    the world, or in the frame ``base``, which may move with the joints.
+    ``at`` is the point in the frame's own coordinates, shape (3,), by default its origin. The target is in the world,
+    or in the frame ``base``, which may move with the joints.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -166,13 +165,13 @@ class Point(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pose(Task):
-    """``frame`` should stand at ``target``, a placement of shape (4, 4): three rows in metres, three in radians.
+    """Pose of ``frame`` at ``target``, a placement of shape (4, 4): three rows in metres, three in radians.
 
-    ``tool``, shape (4, 4), is what should stand there instead of the frame itself, in the frame's coordinates.
-    ``goal``, a ``kinopt.Goal``, says which components count and how exactly. The target is in the world, or in
-    the frame ``base``, which may move with the joints.
+    ``tool``, shape (4, 4), is the placement in the frame that goes to the target; by default the frame itself.
+    ``goal``, a ``kinopt.Goal``, sets the goal bounds. The target is in the world, or in the frame ``base``, which may
+    move with the joints.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -195,12 +194,12 @@ class Pose(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Orientation(Task):
-    """The axes of ``frame`` should be the columns of ``target``, shape (3, 3): three rows in radians.
+    """Orientation of ``frame``: its axes are the columns of ``target``, shape (3, 3): three rows in radians.
 
-    The target may also be a placement, or an object of another library that stands for a rotation. It is in the
-    world, or in the frame ``base``, which may move with the joints.
+    The target may also be a placement, or a rotation object of another library. It is in the world, or in the frame
+    ``base``, which may move with the joints.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -217,12 +216,12 @@ class Orientation(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LookAt(Task):
-    """``axis`` of ``frame``, shape (3,), should point from its origin to ``target``, shape (3,), metres.
+    """Direction of ``axis`` of ``frame``, shape (3,), from its origin to ``target``, shape (3,), metres.
 
-    The axis is in the frame's coordinates, of any length but zero. Three rows in radians; their length is the
-    angle that is missing.
+    The axis is in the frame's coordinates, of any length but zero. Three rows in radians; their norm is the angle
+    between axis and direction.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -240,9 +239,9 @@ class LookAt(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Distance(Task):
-    """The origins of the frames ``a`` and ``b`` should be ``distance`` metres apart: one row in metres.
+    """Distance between the origins of the frames ``a`` and ``b``, equal to ``distance`` metres: one row in metres.
 
-    Raises ``InvalidValueError`` for what are no names and for what is no number.
+    Raises ``InvalidValueError`` for names that are not texts and for a distance that is not a number.
     """
 
     a: str
@@ -259,11 +258,11 @@ class Distance(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plane(Task):
-    """The origin of ``frame`` should lie in the plane through ``point`` across ``normal``: one row in metres.
+    """The origin of ``frame`` lies in the plane through ``point`` with the normal ``normal``: one row in metres.
 
     Both are in the world, shape (3,); the normal is of any length but zero. The row is the signed distance.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -281,11 +280,11 @@ class Plane(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ray(Task):
-    """The origin of ``frame`` should lie on the line through ``eye`` and ``through``: three rows in metres.
+    """The origin of ``frame`` lies on the line through ``eye`` and ``through``: three rows in metres.
 
-    Both are points of the world, shape (3,), metres, apart from each other: ``Camera.viewing_ray`` gives them.
+    Both are different points of the world, shape (3,), metres, as from ``Camera.viewing_ray``.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -303,9 +302,9 @@ class Ray(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pixel(Task):
-    """``camera`` should see the origin of ``frame`` at ``target``, a pixel (u, v), shape (2,): two rows in pixels.
+    """``camera`` sees the origin of ``frame`` at ``target``, a pixel (u, v), shape (2,): two rows in pixels.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     frame: str
@@ -324,15 +323,15 @@ class Pixel(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Posture(Task):
-    """Joints should be near ``reference``: one row a joint, in joint units. A preference unless told otherwise.
+    """Nominal posture: joints near ``reference``, one row for each joint, in joint units. A preference by default.
 
-    The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
-    ``joint_weights`` multiplies the rows of each joint by a number of at least 0: one for each of ``joint_names``, or a dict of
-    some joints', the others 1, or ``"by range"``, which counts each joint in half its range, so that all give the
-    same share of theirs, or ``"upright"``: what several limbs hang on (a back, the turn of a free base) counts five times
-    as much as limbs do, and where a free base is not at all, so that legs bend where a back would.
+    The reference is a configuration, shape (nq,), or a dict of some joints' values, radians or metres.
+    ``joint_weights`` are factors of the joints' rows, at least 0: one for each of ``joint_names``, or a dict of some
+    joints', the others 1. ``"by range"`` makes rows relative to half of each joint's range. With ``"upright"``, joints
+    that carry several limbs (a back, the rotation of a free base) weigh five times as much as limbs. The position of a
+    free base then weighs nothing, so that legs bend before the back does.
 
-    Raises ``InvalidValueError`` for what are no numbers.
+    Raises ``InvalidValueError`` for values that are not numbers.
     """
 
     reference: ArrayLike | Mapping[str, float]
@@ -355,12 +354,12 @@ class Posture(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Smoothness(Task):
-    """Joints should move slowly from ``previous``, shape (dof,), where they stood ``time_step_s`` seconds ago.
+    """Slow motion of joints from ``previous``, shape (nq,), their values ``time_step_s`` seconds ago.
 
-    One row a joint, in joint units per second. A preference unless told otherwise. ``joint_weights`` are those of
-    a `Posture`.
+    One row for each joint, in joint units per second. A preference by default. ``joint_weights`` are those of a
+    `Posture`.
 
-    Raises ``InvalidValueError`` for other shapes and for what are no names.
+    Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
 
     previous: ArrayLike
@@ -378,9 +377,9 @@ class Smoothness(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimitCentring(Task):
-    """Joints should stay away from their limits: 0 in the middle, 1 on a limit, one row a joint with two limits.
+    """Joints near the middle of their limits: 0 in the middle, 1 at a limit, one row for each joint with two limits.
 
-    A ratio. A preference unless told otherwise.
+    A ratio. A preference by default.
 
     Raises as ``Task``.
     """
@@ -390,12 +389,12 @@ class LimitCentring(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RelativePose(Task):
-    """``frame`` should stand at ``target`` in the frame ``base``, whichever of the two moves: a placement, (4, 4).
+    """Pose of ``frame`` at ``target`` in the frame ``base``, with either of them moving: a placement, (4, 4).
 
-    Three rows in metres, three in radians, in the axes of the base. It is a `Pose` whose ``base`` comes second;
-    ``tool`` and ``goal`` are as there.
+    Three rows in metres, three in radians, in the axes of the base. It is a `Pose` with ``base`` as the second
+    argument; ``tool`` and ``goal`` are those of `Pose`.
 
-    Raises ``InvalidValueError`` for other shapes, what is no rigid placement and what are no names.
+    Raises ``InvalidValueError`` for other shapes, a placement that is not rigid and names that are not texts.
     """
 
     frame: str
@@ -419,15 +418,15 @@ class RelativePose(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CenterOfMass(Task):
-    """The centre of mass should be at ``target``: (x, y, z), or (x, y) at any height, metres.
+    """Position of the centre of mass at ``target``: (x, y, z), or (x, y) at any height, metres.
 
-    A row in metres for each axis but those of ``free``, such as ``"z"`` or ``"xy"``; the target is in the world, or
-    in the frame ``base``, which may move with the joints, and so are the axes. Masses are those of the robot's file,
-    but for what stands in the world, or of a rig by the volume of its mesh; ``masses`` gives others:
-    ``{"frame": kg}``, or ``{"frame": (kg, (x, y, z))}`` with a place in the frame's coordinates.
+    A row in metres for each axis except those of ``free``, such as ``"z"`` or ``"xy"``. Target and axes are those of
+    the world, or of the frame ``base``, which may move with the joints. Masses are those of the robot's file, without
+    links fixed in the world, or of a rig by the volume of its mesh; ``masses`` replaces them: ``{"frame": kg}``, or
+    ``{"frame": (kg, (x, y, z))}`` with a position in the frame's coordinates.
 
-    Raises ``InvalidValueError`` for other shapes and what are no names; where the problem is made also for masses
-    that are negative or none at all.
+    Raises ``InvalidValueError`` for other shapes and names that are not texts; when the problem is created, also for
+    masses that are negative or missing.
     """
 
     target: ArrayLike
@@ -454,15 +453,15 @@ class CenterOfMass(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SupportPolygon(Task):
-    """The centre of mass, seen from above, should be within the convex hull of points of support.
+    """The vertical projection of the centre of mass is within the convex hull of support points.
 
-    ``points`` are in the world, shape (N, 3), ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in
-    the frame's coordinates: the corners of a foot's sole. One-sided: within the polygon, less ``margin`` metres
-    from its edges, it costs nothing. Two rows in metres across ``up``, their length the distance from there.
-    ``masses`` are as for `CenterOfMass`.
+    ``points`` are in the world, shape (N, 3), ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in the
+    frame's coordinates: the corners of a foot's sole. One-sided: there is no cost within the polygon, reduced by
+    ``margin`` metres from its edges. Two rows in metres across ``up``; their norm is the distance from the reduced
+    polygon. ``masses`` are as for `CenterOfMass`.
 
-    Raises ``InvalidValueError`` for other shapes and what are no names; where the problem is made also for a
-    margin that leaves nothing.
+    Raises ``InvalidValueError`` for other shapes and names that are not texts; when the problem is created, also for a
+    margin that leaves no polygon.
     """
 
     points: ArrayLike | None = None
@@ -490,12 +489,12 @@ class SupportPolygon(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Gaze(Task):
-    """``axis`` of ``frame``, shape (3,), should point into a cone of ``half_angle``, radians within (0, pi).
+    """Direction of ``axis`` of ``frame``, shape (3,), within a cone of ``half_angle``, radians within (0, pi).
 
-    The cone is about the line of sight from the frame's origin to ``target``, metres, or about ``direction``, both
-    in the world, shape (3,); one of the two is given. One-sided: one row in radians, how far outside the cone.
+    The cone is about the line of sight from the frame's origin to ``target``, metres, or about ``direction``, both in
+    the world, shape (3,); exactly one of the two is given. One-sided: one row in radians, the angle outside the cone.
 
-    Raises ``InvalidValueError`` for other shapes, what are no names, and both or none of target and direction.
+    Raises ``InvalidValueError`` for other shapes, names that are not texts, and both or none of target and direction.
     """
 
     frame: str
@@ -518,12 +517,12 @@ class Gaze(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrameVelocity(Task):
-    """``frame`` should have moved at a velocity since it stood at ``previous``, (4, 4), ``time_step_s`` seconds ago.
+    """Velocity of ``frame`` since its pose ``previous``, (4, 4), ``time_step_s`` seconds ago.
 
-    ``linear`` is in m/s, of its origin, ``angular`` in rad/s, both in world axes, shape (3,), and zero unless given.
-    Three rows in metres per second and three in radians per second.
+    ``linear`` is in m/s, of its origin, ``angular`` in rad/s, both in world axes, shape (3,), default zero. Three rows
+    in metres per second and three in radians per second.
 
-    Raises ``InvalidValueError`` for other shapes, what is no rigid placement and what are no names.
+    Raises ``InvalidValueError`` for other shapes, a placement that is not rigid and names that are not texts.
     """
 
     frame: str
@@ -545,11 +544,12 @@ class FrameVelocity(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointCoupling(Task):
-    """The joints should keep a linear relation: the sum of ``coefficients`` times their values is ``offset``.
+    """Linear relation of joints: the sum of ``coefficients`` times their values is ``offset``.
 
-    ``coefficients`` is a dict by joint; one row, in radians where the first joint turns, in metres where it slides.
+    ``coefficients`` is a dict by joint; one row, in radians if the first joint is revolute, in metres if it is
+    prismatic.
 
-    Raises ``InvalidValueError`` for what are no names and no numbers.
+    Raises ``InvalidValueError`` for names that are not texts and values that are not numbers.
     """
 
     coefficients: Mapping[str, float]
@@ -570,13 +570,13 @@ class JointCoupling(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Manipulability(Task):
-    """``frame`` should be able to move every way: Yoshikawa's measure, the square root of det(J J^T), at least ``least``.
+    """Manipulability of ``frame``: Yoshikawa's measure, the square root of det(J J^T), is at least ``least``.
 
-    J is the Jacobian of the frame by the joints that move it against ``base``, the world unless given; ``of`` says
-    which of its rows count: ``"pose"``, all six, ``"position"`` or ``"orientation"``. One row without a unit, 1 at a
-    singularity and 0 from ``least`` on: one-sided. A preference unless told otherwise; as a goal give it a tolerance.
+    J is the Jacobian of the frame with respect to the joints that move it relative to ``base``, by default the world.
+    ``of`` selects its rows: ``"pose"``, all six, ``"position"`` or ``"orientation"``. One row without a unit, 1 at a
+    singularity and 0 from ``least`` on: one-sided. A preference by default; as a goal it needs a tolerance.
 
-    Raises ``InvalidValueError`` for what are no names and no numbers.
+    Raises ``InvalidValueError`` for names that are not texts and values that are not numbers.
     """
 
     frame: str
@@ -596,18 +596,19 @@ class Manipulability(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Within(Task):
-    """Another task whose rows cost only what lies beyond an interval: a room, a floor, a least distance.
+    """Interval of another task: its rows cost only the part outside it, as for a workspace, a floor, a least distance.
 
-    ``half_width`` stands for the interval from -half_width to half_width; otherwise it goes from ``lower`` to
-    ``upper``, either of which may be infinite. All rows share it, in their own unit. Name, weights, tolerance,
-    role and level are those of the task inside unless given here.
+    ``half_width`` is the interval from -half_width to half_width; otherwise it is from ``lower`` to ``upper``, either
+    of which may be infinite. It applies to every row, in its own unit. Name, weights, tolerance, role and level are by
+    default those of the inner ``task``.
 
-    A limit that depends on other joints is one of these, penalised and not refused::
+    A limit that depends on other joints is an example; it is a penalty, not a hard bound::
 
         beyond = tasks.Residual(lambda q: [q[0] + 0.5 * q[1] - 1.2], joints=["wrist", "elbow"], rows={"radians": 1})
         problem = kinopt.Problem(robot, [tasks.Within.at_most(beyond, 0.0), tasks.Point("hand", [0.4, 0.1, 0.3])])
 
-    Raises ``InvalidValueError`` for what is no task, or another ``Within``, and for an interval given twice.
+    Raises ``InvalidValueError`` for another object than a task, for a nested ``Within``, and for an interval given
+    twice.
     """
 
     task: Task
@@ -652,24 +653,23 @@ class Within(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Residual(Task):
-    """A task of one's own: a function of numpy arrays that is zero when all is as it should be.
+    """A custom task: a function of numpy arrays that is zero at the target.
 
-    ``function`` is called with what the residual reads and returns ``rows`` numbers:
-    ``function(placements)`` where it reads ``frames`` (their names; placements of shape (F, 4, 4), world from
-    frame), ``function(q)`` where it reads ``joints`` (their names or ``"all"``; values of shape (J,), radians or
-    metres), ``function(placements, q)`` where it reads both. ``rows`` says how many numbers it returns and what
-    they measure, such as ``{"metres": 3, "radians": 1}``, in that order; a number alone counts metres, and
-    ``"chords"`` are rows whose norm is the chord 2 sin(angle / 2).
+    ``function`` is called with the inputs of the residual and returns ``rows`` numbers: ``function(placements)`` if it
+    reads ``frames`` (their names; placements of shape (F, 4, 4), world from frame), ``function(q)`` if it reads
+    ``joints`` (their names or ``"all"``; values of shape (J,), radians or metres), ``function(placements, q)`` if it
+    reads both. ``rows`` is the number of rows by quantity, such as ``{"metres": 3, "radians": 1}``, in that order; a
+    plain number counts metres, and ``"chords"`` are rows whose norm is the chord 2 sin(angle / 2).
 
-    ``jacobian``, called with the same, returns the derivatives, shape (rows, 6 F + J): for each frame those by
-    its velocity and its angular velocity, in world axes at the frame's own origin, then those by the joints.
-    Without it they are taken by central differences.
+    ``jacobian``, called with equal arguments, returns the derivatives, shape (rows, 6 F + J): for each frame those with
+    respect to its velocity and its angular velocity, in world axes at the frame's own origin, then those with respect
+    to the joints. The default is central differences.
 
-    It may be called from any thread, one call at a time in each. What it raises comes out of the solve
-    unchanged; numbers that are not finite end the search as "non_finite". It pickles as far as its functions do.
+    It may be called from any thread, one call at a time in each. Its exceptions propagate out of the solve; numbers
+    that are not finite end the search as "non_finite". It can be pickled if its functions can.
 
-    Raises ``InvalidValueError`` for what is no function, for names that are no texts, for a residual that reads
-    nothing or returns nothing; for wrong derivatives see ``check_jacobian``.
+    Raises ``InvalidValueError`` for an object that is not a function, for names that are not texts, for a residual
+    without inputs or rows. ``check_jacobian`` finds wrong derivatives.
     """
 
     function: Callable[..., Any]
@@ -700,18 +700,17 @@ class Residual(Task):
         self._keep("rows", {quantity: int(count) for quantity, count in rows.items()})
 
     def check_jacobian(self, model: Model | HasModel, q: ArrayLike, *, tolerance: float = 1e-5) -> None:
-        """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (dof,).
+        """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (nq,).
 
-        Where an entry is off by more than ``tolerance`` of the largest of its row (of 1 where all are smaller)
-        it raises ``InvalidValueError``, which names the row and the motion, and tells both numbers. A wrong
-        Jacobian goes unnoticed otherwise: searches only become slow or stop too early. ``model`` is a model, a
-        robot, a skeleton or a rig.
+        Raises ``InvalidValueError`` if an entry differs by more than ``tolerance`` times the largest of its row (at
+        least 1); the message names the row, the motion and both numbers. A wrong Jacobian otherwise only makes searches
+        slow or ends them too early. ``model`` is a model, a robot, a skeleton or a rig.
         """
         check(self, model, q, tolerance)
 
 
 def _points(what: str, points: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Points, shape (N, 3), also a single one or none."""
+    """Reads points, shape (N, 3), also a single one or none."""
     try:
         rows = np.asarray(points, dtype=float)
     except (TypeError, ValueError):
@@ -730,7 +729,7 @@ def _names(what: str, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _level(level: object) -> int:
-    """A level as a plain number; ``numpy``'s whole numbers are some too."""
+    """Reads a level as an int; accepts ``numpy``'s integers too."""
     whole = operator.index(level) if hasattr(level, "__index__") and not isinstance(level, bool) else -1
     if not 0 <= whole < 2**32:
         raise InvalidValueError(f"level must be a whole number of at least 0, not {level!r}")

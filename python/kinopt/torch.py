@@ -1,7 +1,7 @@
 """Inverse kinematics as a layer of PyTorch: ``pip install 'kinopt[torch]'``.
 
-``solve`` is an ordinary function of tensors, whose gradient follows from the implicit function theorem at the
-solution: no step of the solver is recorded.
+``solve`` is a function of tensors, whose gradient follows from the implicit function theorem at the solution: no step
+of the solver is recorded.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ def solve(
     solver: Solver | None = None,
     missing: Missing = "nan",
 ) -> Any:
-    """The configurations that reach ``targets``, differentiable by them: shape (..., nq).
+    """Solves for the configurations of ``targets``, with gradients: shape (..., nq).
 
     For an arm ``targets`` is a tensor of shape (..., 4, 4), base_from_tool, metres. For a problem it is a dict of
-    tensors by task (or an empty dict): (..., 4, 4) for a pose, (..., 3) for a place, (..., 3, 3) for an orientation,
-    (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient
-    by a pose is that by its motions, so that it may be made in any way that keeps it one.
+    tensors by task (or an empty dict): (..., 4, 4) for a pose, (..., 3) for a position, (..., 3, 3) for an orientation,
+    (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The
+    gradient of a pose is that of its motions, so any parametrisation of a pose gives correct gradients.
 
-    A problem is differentiable by what else it is made of too: ``weights``, a tensor of shape (..., rows of
-    ``Solution.rows``), in the place of ``problem.weights``, and ``joint_origins``, a dict by joint of tensors of shape
-    (..., 3), metres in the parent's axes: the lengths of links.
+    Further parameters of a problem are differentiable: ``weights``, a tensor of shape (..., rows of ``Solution.rows``),
+    which replaces ``problem.weights``, and ``joint_origins``, a dict by joint of tensors of shape (..., 3), metres in
+    the parent's axes: the lengths of links.
 
-    Where a solution has no derivative, its gradient is NaN, zero, or an error, as ``missing`` says; where there are
-    many solutions, it is that of the shortest change. ``solver`` is that of a problem; one with tight tolerances and
-    no time limit is best.
+    ``missing`` selects the gradient of a solution without a derivative: "nan", "zero", or "raise" for an error. If
+    solutions are not isolated, the gradient is that of the shortest change. ``solver`` is that of a problem; tight
+    tolerances and no time limit give the best gradients.
 
-    Raises ``InvalidValueError`` for other shapes, and ``NoDerivativeError`` where ``missing`` is "raise".
+    Raises ``InvalidValueError`` for other shapes, and ``NoDerivativeError`` if ``missing`` is "raise".
     """
     own, tensors = _solving.question(asked, targets, solver, missing, weights, joint_origins)
     some = next((own for own in [*tensors, start] if isinstance(own, torch.Tensor)), None)
@@ -64,7 +64,7 @@ def _numbers(tensor: Any) -> Floats:
 
 
 class _Solve(torch.autograd.Function):  # type: ignore[misc]
-    """The solution forward, the reverse product backward."""
+    """Solves in the forward pass, applies the reverse product in the backward pass."""
 
     @staticmethod
     def forward(ctx: Any, own: _solving.Question, start: Any, *targets: Any) -> Any:

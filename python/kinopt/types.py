@@ -1,4 +1,4 @@
-"""What functions take and give, for annotations."""
+"""Types of arguments and results, for annotations."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ Floats = NDArray[np.float64]
 
 
 BaseJoint = Literal["fixed", "free", "planar", "slide-x", "slide-y", "slide-z"]
-"""What a robot's root moves on."""
+"""Joint between a robot's root and the world."""
 
 
 class HasHomogeneous(Protocol):
-    """A pose of pinocchio's: ``SE3``."""
+    """Pose type of pinocchio: ``SE3``."""
 
     @property
     def homogeneous(self) -> Any: ...
 
 
 class HasAsMatrix(Protocol):
-    """A pose that gives its matrix by a method, as viser's and jaxlie's do."""
+    """Pose with a method that returns its matrix, as in viser and jaxlie."""
 
     def as_matrix(self) -> Any: ...
 
 
 class HasA(Protocol):
-    """A pose of spatialmath's: ``SE3``."""
+    """Pose type of spatialmath: ``SE3``."""
 
     @property
     def A(self) -> Any: ...  # noqa: N802
 
 
 PlacementLike = Union[ArrayLike, HasHomogeneous, HasAsMatrix, HasA]
-"""One placement: an array of shape (4, 4), or an object that has one."""
+"""One placement: an array of shape (4, 4), or an object with one."""
 
 PlacementsLike = Union[ArrayLike, "list[PlacementLike]", "tuple[PlacementLike, ...]"]
-"""Many placements: an array of shape (N, 4, 4), or a list of placements."""
+"""Several placements: an array of shape (N, 4, 4), or a list of placements."""
 
 
 class HasModel(Protocol):

@@ -1,5 +1,5 @@
-//! Numbers from Python: arrays of float64 (of float32 where vertices are meant) in C order are read
-//! where they lie, everything else that numpy can make such an array of is converted.
+//! Conversion between numpy arrays and slices. float64 arrays (float32 for vertices) in C order are borrowed; other
+//! array-likes are converted.
 
 use std::ops::Deref;
 
@@ -25,7 +25,7 @@ impl<D: Dimension, T: Element> Numbers<'_, D, T> {
 }
 
 impl<D: Dimension, T: Element> Numbers<'_, D, T> {
-    /// The array itself, for keeping.
+    /// Returns the array object, to store it.
     pub(crate) fn keep(&self) -> Py<PyAny> {
         self.0.as_any().clone().unbind()
     }
@@ -35,31 +35,31 @@ impl<D: Dimension, T: Element> Deref for Numbers<'_, D, T> {
     type Target = [T];
 
     fn deref(&self) -> &[T] {
-        // `numbers` lets through what is contiguous alone.
+        // `numbers` accepts contiguous arrays only.
         self.0.as_slice().unwrap_or_default()
     }
 }
 
-/// One configuration, or another list of numbers.
+/// One-dimensional array of numbers, such as a configuration.
 pub(crate) type Vector<'py> = Numbers<'py, Ix1>;
-/// A table of numbers, rows one after another.
+/// Two-dimensional array of numbers in row order.
 pub(crate) type Rows<'py> = Numbers<'py, Ix2>;
 
-/// A list of numbers; `what` is its name in messages.
+/// Reads a list of numbers; `what` names it in messages.
 pub(crate) fn vector<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vector<'py>> {
     numbers(value, what, "one list of numbers")
 }
 
-/// One question or many: configurations of shape (k,) or (N, k), numbers of shape () or (N,).
+/// One query or several: configurations of shape (k,) or (N, k), numbers of shape () or (N,).
 pub(crate) struct Questions<'py> {
     numbers: Numbers<'py, IxDyn>,
     columns: usize,
-    /// How many, where it is not one alone.
+    /// Number of queries; `None` for a single one without an axis.
     count: Option<usize>,
 }
 
 impl<'py> Questions<'py> {
-    /// Configurations of so many numbers each; `what` is their name in messages.
+    /// Reads configurations of `columns` numbers each; `what` names them in messages.
     pub(crate) fn rows(value: &Bound<'py, PyAny>, what: &str, columns: usize) -> PyResult<Self> {
         let numbers: Numbers<'py, IxDyn> = numbers(value, what, "an array")?;
         let count = match numbers.shape() {
@@ -79,9 +79,9 @@ impl<'py> Questions<'py> {
         })
     }
 
-    /// Single numbers, such as times.
+    /// Reads single numbers, such as times.
     pub(crate) fn numbers(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
-        // Converting makes a list of one number of a number, so it is asked first.
+        // The conversion makes a list of a scalar, so the axes are counted first.
         let one = axes(value)? == 0;
         let numbers: Numbers<'py, IxDyn> = numbers(value, what, "a number or a list of numbers")?;
         let count = match numbers.shape() {
@@ -102,28 +102,28 @@ impl<'py> Questions<'py> {
         })
     }
 
-    /// Whether there is an axis of questions.
+    /// True if there is an axis of queries.
     pub(crate) fn is_table(&self) -> bool {
         self.count.is_some()
     }
 
-    /// All numbers, one question after another.
+    /// All numbers, one query after another.
     pub(crate) fn all(&self) -> &[f64] {
         &self.numbers
     }
 
-    /// How many there are.
+    /// Number of queries.
     pub(crate) fn count(&self) -> usize {
         self.count.unwrap_or(1)
     }
 
-    /// The shape of answers that have the shape `each` for one question.
+    /// Shape of results that have the shape `each` for one query.
     pub(crate) fn shape(&self, each: &[usize]) -> Vec<usize> {
         self.count.iter().chain(each).copied().collect()
     }
 
-    /// Calls `work` with each question and its part of the room, without the GIL; looks at signals
-    /// after every so many.
+    /// Calls `work` with each query and its part of `room`, without the GIL. Checks for signals after every `at_a_time`
+    /// queries.
     pub(crate) fn each<T: Send>(
         &self,
         py: Python<'py>,
@@ -147,7 +147,7 @@ impl<'py> Questions<'py> {
     }
 }
 
-/// The numbers of a list, copied: quicker than [`vector`] for a configuration, whose borrow would be booked.
+/// Copies a list of numbers. Faster than [`vector`] for one configuration, because it registers no borrow.
 pub(crate) fn copied(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
     if let Ok(array) = value.cast::<PyArray1<f64>>() {
         if let Ok(numbers) = array.to_vec() {
@@ -157,7 +157,7 @@ pub(crate) fn copied(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>>
     Ok(vector(value, what)?.to_vec())
 }
 
-/// A list of `length` numbers.
+/// Reads a list of `length` numbers.
 pub(crate) fn vector_of<'py>(
     value: &Bound<'py, PyAny>,
     what: &str,
@@ -173,14 +173,14 @@ pub(crate) fn vector_of<'py>(
     }
 }
 
-/// A fixed number of numbers.
+/// Reads a fixed number of numbers.
 pub(crate) fn array<const N: usize>(value: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; N]> {
     let mut array = [0.0; N];
     array.copy_from_slice(&vector_of(value, what, N)?);
     Ok(array)
 }
 
-/// A table with so many columns.
+/// Reads a table of `columns` columns.
 pub(crate) fn rows<'py>(
     value: &Bound<'py, PyAny>,
     what: &str,
@@ -197,7 +197,7 @@ pub(crate) fn rows<'py>(
     }
 }
 
-/// A table of a fixed shape.
+/// Reads a table of a fixed shape.
 pub(crate) fn table<const R: usize, const C: usize>(
     value: &Bound<'_, PyAny>,
     what: &str,
@@ -216,7 +216,7 @@ pub(crate) fn table<const R: usize, const C: usize>(
     Ok(table)
 }
 
-/// Matrices of a fixed shape, one after another.
+/// Reads matrices of a fixed shape, shape (N, height, width).
 pub(crate) fn matrices<'py>(
     value: &Bound<'py, PyAny>,
     what: &str,
@@ -233,7 +233,7 @@ pub(crate) fn matrices<'py>(
     }
 }
 
-/// How many axes an array-like has, for arguments that may be one thing or many.
+/// Number of axes of an array-like, for arguments that accept one item or several.
 pub(crate) fn axes(value: &Bound<'_, PyAny>) -> PyResult<usize> {
     match value.cast::<PyUntypedArray>() {
         Ok(array) => Ok(array.ndim()),
@@ -247,7 +247,7 @@ pub(crate) fn numpy(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import(intern!(py, "numpy"))
 }
 
-/// Numbers with as many axes as `D` has.
+/// Reads numbers with the number of axes of `D`.
 pub(crate) fn numbers<'py, D: Dimension, T: Element>(
     value: &Bound<'py, PyAny>,
     what: &str,
@@ -284,7 +284,7 @@ fn readonly<'py, D: Dimension, T: Element>(
     }
 }
 
-/// A shape as Python writes it.
+/// Shape in the notation of Python.
 pub(crate) fn shape_text(shape: &[usize]) -> String {
     match shape {
         [length] => format!("({length},)"),
@@ -295,7 +295,7 @@ pub(crate) fn shape_text(shape: &[usize]) -> String {
     }
 }
 
-/// An array of `T` in C order of whatever holds real numbers.
+/// Converts a value that holds real numbers to an array of `T` in C order.
 pub(crate) fn convert<'py, T: Element>(
     value: &Bound<'py, PyAny>,
     what: &str,
@@ -308,7 +308,7 @@ pub(crate) fn convert<'py, T: Element>(
         .map_err(no_numbers)?;
     let dtype = array.getattr(intern!(py, "dtype"))?;
     let kind: String = dtype.getattr(intern!(py, "kind"))?.extract()?;
-    // Complex numbers would lose a part, texts and dates are no numbers.
+    // Complex numbers would lose their imaginary part; texts and dates are not numbers.
     if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
         return Err(invalid(format!("{what} holds no real numbers but {dtype}")));
     }
@@ -317,7 +317,7 @@ pub(crate) fn convert<'py, T: Element>(
     let converted = numpy
         .call_method(intern!(py, "ascontiguousarray"), (array,), Some(&arguments))
         .map_err(no_numbers)?;
-    // The numbers of a buffer of bytes may lie where the processor cannot read them.
+    // The data of a byte buffer may be misaligned.
     let aligned = converted
         .cast::<PyUntypedArray>()
         .is_ok_and(|array| array.is_aligned());
@@ -327,12 +327,12 @@ pub(crate) fn convert<'py, T: Element>(
     }
 }
 
-/// Bytes of an array that is asked of NumPy's own function, which raises where memory does not suffice.
+/// Size in bytes from which numpy allocates the array: it raises an error when memory does not suffice.
 const LARGE: usize = 1 << 20;
 
-/// A new array of zeros.
+/// Allocates an array of zeros.
 ///
-/// Raises `MemoryError` where memory does not suffice.
+/// Raises `MemoryError` when memory does not suffice.
 pub(crate) fn zeros<'py, T: Element, D: Dimension>(
     py: Python<'py>,
     shape: D,
@@ -346,13 +346,13 @@ pub(crate) fn zeros<'py, T: Element, D: Dimension>(
     let array = numpy(py)?.call_method1(intern!(py, "zeros"), (lengths, T::get_dtype(py)));
     let array = array.map_err(|error| match error.is_instance_of::<PyMemoryError>(py) {
         true => error,
-        // An array that no machine could address.
+        // Larger than the address space.
         false => PyMemoryError::new_err(format!("an array of shape {told} is too large: {error}")),
     })?;
     Ok(array.cast_into::<PyArray<T, D>>()?)
 }
 
-/// An array of the caller's to write rows into, or a new one.
+/// Returns the caller's array to write rows into, or a new one.
 pub(crate) fn room<'py>(
     py: Python<'py>,
     out: Option<&Bound<'py, PyAny>>,
@@ -363,7 +363,7 @@ pub(crate) fn room<'py>(
     Ok(array.cast_into::<PyArray2<f64>>()?)
 }
 
-/// An array of the caller's of any shape to write into, or a new one.
+/// Returns the caller's array of any shape to write into, or a new one.
 pub(crate) fn room_of<'py, T: Element>(
     py: Python<'py>,
     out: Option<&Bound<'py, PyAny>>,
@@ -390,7 +390,7 @@ pub(crate) fn room_of<'py, T: Element>(
     }
 }
 
-/// Calls `fill` with the numbers of an array in C order, which nobody else may read or write then.
+/// Calls `fill` with exclusive access to the numbers of an array in C order.
 pub(crate) fn fill<T: Element, D: Dimension>(
     array: &Bound<'_, PyArray<T, D>>,
     fill: impl FnOnce(&mut [T]) -> PyResult<()>,
@@ -404,20 +404,20 @@ pub(crate) fn fill<T: Element, D: Dimension>(
     fill(numbers)
 }
 
-/// A new list of numbers.
+/// New list of numbers.
 pub(crate) fn list<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_slice(py, values)
 }
 
-/// What an index takes of a row of things, as numpy has it.
+/// Result of indexing a sequence, as in numpy.
 pub(crate) enum Picked {
-    /// One of them, which a whole number names; it may count from the end.
+    /// One item, selected by a whole number; negative numbers count from the end.
     One(usize),
-    /// Some of them, by a slice, a mask or a list of numbers: their places.
+    /// Several items, selected by a slice, a mask or a list of numbers: their indices.
     Some(Vec<usize>),
 }
 
-/// Reads an index of one of `count` things, or of some of them.
+/// Reads an index of one or several of `count` items.
 pub(crate) fn pick(index: &Bound<'_, PyAny>, count: usize) -> PyResult<Picked> {
     let py = index.py();
     match index.extract::<isize>() {
@@ -441,7 +441,7 @@ pub(crate) fn pick(index: &Bound<'_, PyAny>, count: usize) -> PyResult<Picked> {
     }
 }
 
-/// The place of an index that may count from the end.
+/// Resolves an index that may count from the end.
 pub(crate) fn place(i: isize, count: usize) -> PyResult<usize> {
     let place = if i < 0 {
         i.checked_add_unsigned(count)
@@ -458,7 +458,7 @@ fn out_of_range(i: impl std::fmt::Display, count: usize) -> PyErr {
     PyIndexError::new_err(format!("index {i} is out of range: there are {count}"))
 }
 
-/// A new list of numbers that nobody can write to, as what is written there would be lost.
+/// New read-only list of numbers: writes to it would be lost.
 pub(crate) fn frozen(
     py: Python<'_>,
     values: impl IntoIterator<Item = f64>,
@@ -468,7 +468,7 @@ pub(crate) fn frozen(
     Ok(array)
 }
 
-/// Makes an array one that nobody can write to.
+/// Makes an array read-only.
 pub(crate) fn freeze<T: Element, D: Dimension>(array: &Bound<'_, PyArray<T, D>>) -> PyResult<()> {
     match array.try_readwrite() {
         Ok(writable) => drop(writable.make_nonwriteable()),
@@ -477,7 +477,7 @@ pub(crate) fn freeze<T: Element, D: Dimension>(array: &Bound<'_, PyArray<T, D>>)
     Ok(())
 }
 
-/// A number of things, for arguments: what is no whole number of at least 0 is told by its value.
+/// Reads a whole number of at least 0. The error shows the value.
 pub(crate) fn whole<T: TryFrom<u64>>(value: &Bound<'_, PyAny>) -> PyResult<T> {
     let number = value.extract::<u64>().ok();
     let number = number.and_then(|number| T::try_from(number).ok());
@@ -489,7 +489,7 @@ pub(crate) fn whole<T: TryFrom<u64>>(value: &Bound<'_, PyAny>) -> PyResult<T> {
     })
 }
 
-/// As [`whole`], or None.
+/// As [`whole`], or `None`.
 pub(crate) fn whole_or_none<T: TryFrom<u64>>(value: &Bound<'_, PyAny>) -> PyResult<Option<T>> {
     match value.is_none() {
         true => Ok(None),
@@ -497,19 +497,19 @@ pub(crate) fn whole_or_none<T: TryFrom<u64>>(value: &Bound<'_, PyAny>) -> PyResu
     }
 }
 
-/// A number alone; `what` is its name in messages.
+/// Reads one number; `what` names it in messages.
 pub(crate) fn number(value: &Bound<'_, PyAny>, what: &str) -> PyResult<f64> {
     let number = value.extract();
     number.map_err(|_| invalid(format!("{what} must be a number, not {}", shown(value))))
 }
 
-/// A name, such as a joint's; `what` says of what in messages.
+/// Reads a name, such as that of a joint; `what` describes it in messages.
 pub(crate) fn name(value: &Bound<'_, PyAny>, what: &str) -> PyResult<String> {
     let name = value.extract();
     name.map_err(|_| invalid(format!("{what} must be a name, not {}", shown(value))))
 }
 
-/// One of several words; which it is, is for who asks.
+/// Reads a word. The caller compares it with `valid`, which the error lists.
 pub(crate) fn word(value: &Bound<'_, PyAny>, what: &str, valid: &[&str]) -> PyResult<String> {
     value.extract().map_err(|_| {
         let valid = valid.join(", ");
@@ -520,7 +520,7 @@ pub(crate) fn word(value: &Bound<'_, PyAny>, what: &str, valid: &[&str]) -> PyRe
     })
 }
 
-/// A number that is neither NaN nor infinite.
+/// Returns the number if it is neither NaN nor infinite.
 pub(crate) fn finite(value: f64, what: &str) -> PyResult<f64> {
     match value.is_finite() {
         true => Ok(value),
@@ -528,7 +528,7 @@ pub(crate) fn finite(value: f64, what: &str) -> PyResult<f64> {
     }
 }
 
-/// A share from nothing to all.
+/// Returns the number if it is within [0, 1].
 pub(crate) fn share(value: f32, what: &str) -> PyResult<f32> {
     match (0.0..=1.0).contains(&value) {
         true => Ok(value),
@@ -538,14 +538,14 @@ pub(crate) fn share(value: f32, what: &str) -> PyResult<f32> {
     }
 }
 
-/// What a person sees of a value in messages.
+/// Text of a value in messages.
 pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
     value
         .repr()
         .map_or_else(|_| "that".to_owned(), |text| text.to_string())
 }
 
-/// Numbers as a `repr` shows them: to four places, the middle left out where there are many.
+/// Numbers in a `repr`: four decimals, the middle of long lists omitted.
 pub(crate) fn few(values: &[f64]) -> String {
     const ENDS: usize = 4;
     let texts = |values: &[f64]| {

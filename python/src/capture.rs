@@ -13,7 +13,7 @@ use crate::contents::text_or_bytes;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 
-/// What a BVH file holds: a skeleton and what it does frame by frame, in the file's unit of length.
+/// Content of a BVH file: a skeleton and its motion by capture frame, in the file's unit of length.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionCapture {
     pub(crate) inner: bvh::MotionCapture,
@@ -35,16 +35,16 @@ impl From<bvh::MotionCapture> for MotionCapture {
 impl MotionCapture {
     /// Reads a BVH file.
     ///
-    /// Raises `FileError` where it cannot be opened, `InvalidFileError` naming the line.
+    /// Raises `FileError` if it cannot be opened, `InvalidFileError` with the line if it is malformed.
     #[classmethod]
     fn read(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
         let capture = class.py().detach(|| bvh::read(&path));
         capture.or_raise().map(Self::from)
     }
 
-    /// Reads motion capture from the text or the bytes of a BVH file; `name` is for messages and the clip.
+    /// Reads motion capture from the text or the bytes of a BVH file. `name` is used in messages and names the clip.
     ///
-    /// Raises `InvalidFileError` naming the line.
+    /// Raises `InvalidFileError` with the line.
     #[classmethod]
     #[pyo3(signature = (data, name = "capture.bvh"))]
     fn from_bytes(
@@ -57,7 +57,7 @@ impl MotionCapture {
         capture.or_raise().map(Self::from)
     }
 
-    /// A bone for each joint and End Site, in the order of the file.
+    /// One bone for each joint and End Site, in the order of the file.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
@@ -69,13 +69,13 @@ impl MotionCapture {
         Clip::of(&self.armature, Arc::clone(&self.clip))
     }
 
-    /// How many frames there are.
+    /// Number of capture frames.
     #[getter]
     fn frames(&self) -> usize {
         self.inner.frames
     }
 
-    /// From one frame to the next, in seconds.
+    /// Time from one capture frame to the next, in seconds.
     #[getter]
     fn frame_time(&self) -> f64 {
         self.inner.frame_time
@@ -88,7 +88,7 @@ impl MotionCapture {
         self.inner.channels.iter().map(names).collect()
     }
 
-    /// What reading left out, one text each.
+    /// Parts of the file that the reader ignored, one text each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.inner.notes.iter().map(ToString::to_string).collect()

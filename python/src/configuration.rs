@@ -1,4 +1,4 @@
-//! Configurations moved, compared and mixed, one or many.
+//! Operations on one configuration or several: integration, difference, interpolation.
 
 use kinopt::model::ModelError;
 use numpy::ndarray::IxDyn;
@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use crate::arrays::{Questions, fill};
 use crate::error::{OrRaise, invalid};
 
-/// Rows between two looks at signals.
+/// Rows between two checks for signals.
 const PIECE: usize = 4096;
 
-/// One row for each row of numbers: a list for a list, a table for a table.
+/// Computes one row for each row of numbers: a list for a list, a table for a table.
 pub(crate) fn of_one<'py>(
     given: (&Bound<'py, PyAny>, &str, usize),
     width: usize,
@@ -19,8 +19,7 @@ pub(crate) fn of_one<'py>(
     of_two(given, given, width, |q, _, computed| compute(q, computed))
 }
 
-/// One row for each of two that go together: lists of numbers, tables of as many rows, or one list for all rows of
-/// a table.
+/// Computes one row for each pair of rows. Each argument is a list or a table; one list pairs with all rows of a table.
 pub(crate) fn of_two<'py>(
     (first, first_is, first_width): (&Bound<'py, PyAny>, &str, usize),
     (second, second_is, second_width): (&Bound<'py, PyAny>, &str, usize),
@@ -42,7 +41,7 @@ pub(crate) fn of_two<'py>(
     let shape: Vec<usize> = table.then_some(count).into_iter().chain([width]).collect();
     let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&shape))?;
     let (first, second) = (first.all(), second.all());
-    // The only row goes with every other.
+    // A single row pairs with every row of the other argument.
     let at = |row: usize, rows: usize, width: usize| {
         let first = if rows == 1 { 0 } else { row * width };
         first..first + width

@@ -1,4 +1,4 @@
-//! What is in files: texts, bytes, and what a function of the caller's opens.
+//! Contents of files: texts, bytes, and files opened by a function of the caller.
 
 use kinopt::io::{Place, ReadError};
 use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
@@ -7,7 +7,7 @@ use pyo3::types::PyBytes;
 
 use crate::error::{Fault, OrRaise, invalid};
 
-/// The bytes of a text, or bytes as they are.
+/// Returns the bytes of a text, or bytes unchanged.
 pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u8>> {
     if let Ok(text) = value.extract::<String>() {
         return Ok(text.into_bytes());
@@ -16,7 +16,7 @@ pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Ve
     bytes.map_err(|_| invalid(format!("{what} must be a text or bytes")))
 }
 
-/// What `parse` makes of bytes, with other files by a function of the caller's, whose exception comes first.
+/// Parses bytes. `open` reads further files; an exception that it raises has priority over the parse error.
 pub(crate) fn parsed<T, E: Fault>(
     open: Option<&Bound<'_, PyAny>>,
     parse: impl FnOnce(&mut dyn FnMut(&str) -> Result<Vec<u8>, ReadError>) -> Result<T, E>,
@@ -29,7 +29,7 @@ pub(crate) fn parsed<T, E: Fault>(
     }
 }
 
-/// A file's bytes by a function of the caller's, whose exception is kept.
+/// Reads a file with `open` and stores an exception in `raised`.
 fn opened(
     open: Option<&Bound<'_, PyAny>>,
     file: &str,

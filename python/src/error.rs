@@ -1,4 +1,4 @@
-//! The library's errors as exceptions, with its own messages.
+//! Conversion of the library's errors to exceptions with the library's messages.
 
 use kinopt::animation::{ClipNameError, ParameterError, ReachError};
 use kinopt::io::bvh::BvhError;
@@ -9,16 +9,16 @@ use kinopt::skinning::UnknownSkinning;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-/// The exceptions of `kinopt.errors`.
+/// Exceptions of `kinopt.errors`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
-    /// A value that cannot be: below `ValueError`.
+    /// An invalid value: a subclass of `ValueError`.
     InvalidValue,
-    /// A name that does not exist: below `ValueError` and `KeyError`.
+    /// An unknown name: a subclass of `ValueError` and `KeyError`.
     UnknownName,
-    /// A file that says what cannot be: below `ValueError`.
+    /// A file with invalid content: a subclass of `ValueError`.
     InvalidFile,
-    /// A file that cannot be read or written: below `OSError`.
+    /// A file that cannot be read or written: a subclass of `OSError`.
     File,
 }
 
@@ -33,7 +33,7 @@ impl Kind {
     }
 }
 
-/// An exception of this kind.
+/// Creates an exception of this kind.
 pub(crate) fn raise(kind: Kind, message: impl Into<String>) -> PyErr {
     static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
     let message = message.into();
@@ -47,14 +47,14 @@ pub(crate) fn raise(kind: Kind, message: impl Into<String>) -> PyErr {
     })
 }
 
-/// A value that cannot be.
+/// Creates an exception for an invalid value.
 pub(crate) fn invalid(message: impl Into<String>) -> PyErr {
     raise(Kind::InvalidValue, message)
 }
 
 /// An error of the library.
 pub(crate) trait Fault: std::error::Error + Sized {
-    /// The exception it becomes.
+    /// Kind of the exception.
     fn kind(&self) -> Kind {
         Kind::InvalidValue
     }
@@ -252,7 +252,7 @@ impl Fault for ReadError {
 impl Fault for WriteError {
     fn kind(&self) -> Kind {
         match self.problem.kind() {
-            // What is written cannot be said in the format, or not under this name.
+            // The format cannot represent the data, or the file name is not allowed.
             std::io::ErrorKind::InvalidInput => Kind::InvalidValue,
             _ => Kind::File,
         }
@@ -268,9 +268,9 @@ impl Fault for RobotFileError {
     }
 }
 
-/// Results of the library as results for Python.
+/// Conversion of the library's results to those of Python.
 pub(crate) trait OrRaise<T> {
-    /// The value, or the exception with the library's message.
+    /// Returns the value, or an exception with the library's message.
     fn or_raise(self) -> PyResult<T>;
 }
 

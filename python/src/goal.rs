@@ -1,4 +1,4 @@
-//! Which components of a pose count.
+//! Goal bounds: components of a pose that are constrained.
 
 use kinopt::task::Axis;
 use pyo3::prelude::*;
@@ -8,10 +8,10 @@ use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 
-/// How far each component of a pose may be from its target, in the target's axes (where the placed frame's
-/// own axes come to lie). Tolerances come on top.
+/// Allowed offset of a frame's pose from its target, for each component, along the target's axes. Tolerances are added
+/// to it.
 ///
-/// Made by `Goal.pose()`, `Goal.position()`, `Goal.free_about("z")`, `Goal.free_along("x")` or
+/// Created by `Goal.pose()`, `Goal.position()`, `Goal.free_about("z")`, `Goal.free_along("x")` or
 /// `Goal.within(half_widths)`.
 #[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, Copy, PartialEq)]
@@ -33,13 +33,13 @@ impl Goal {
         kinopt::task::Goal::pose().into()
     }
 
-    /// Position alone, any orientation.
+    /// Exact position, any orientation.
     #[classmethod]
     fn position(_class: &Bound<'_, PyType>) -> Self {
         kinopt::task::Goal::position().into()
     }
 
-    /// The full pose but for turns about one axis of the frame, "x", "y" or "z", which are free: a drill, a
+    /// The full pose except for rotations about one axis of the frame, "x", "y" or "z", which are free: for a drill, a
     /// pen, a suction cup.
     ///
     /// Raises `UnknownNameError` for another axis.
@@ -48,7 +48,7 @@ impl Goal {
         Ok(kinopt::task::Goal::free_about(self::axis(axis)?).into())
     }
 
-    /// The full pose but for slides along one axis of the frame, "x", "y" or "z", which are free.
+    /// The full pose except for translations along one axis of the frame, "x", "y" or "z", which are free.
     ///
     /// Raises `UnknownNameError` for another axis.
     #[classmethod]
@@ -56,9 +56,9 @@ impl Goal {
         Ok(kinopt::task::Goal::free_along(self::axis(axis)?).into())
     }
 
-    /// An interval of plus and minus a half width for each component: shape (6,), three in metres along
-    /// the axes x, y, z, three in radians about them. 0 is exact, inf (for angles pi or more) is free;
-    /// negative ones and NaN raise `InvalidValueError`.
+    /// An interval of plus and minus a half width for each component: shape (6,), three in metres along the axes x, y,
+    /// z, three in radians about them. 0 is exact; inf is free, and so are angles of pi or more. Negative numbers and
+    /// NaN raise `InvalidValueError`.
     #[classmethod]
     fn within(_class: &Bound<'_, PyType>, half_widths: &Bound<'_, PyAny>) -> PyResult<Self> {
         let half_widths = arrays::array(half_widths, "half_widths")?;
@@ -71,7 +71,7 @@ impl Goal {
         }
     }
 
-    /// The half widths: three in metres, three in radians; inf where a component is free.
+    /// Half widths: three in metres, three in radians; inf for a free component.
     #[getter]
     fn half_widths(&self) -> [f64; 6] {
         self.inner.half_widths()
@@ -85,7 +85,7 @@ impl Goal {
     fn __hash__(&self) -> u64 {
         let mut hash = 0_u64;
         for width in self.half_widths() {
-            // What is equal has the same bits but for zeros of both signs.
+            // Equal numbers have equal bits except for the sign of zero.
             hash = hash.rotate_left(7) ^ (width + 0.0).to_bits();
         }
         hash

@@ -1,4 +1,4 @@
-//! Whatever has a model.
+//! Access to the model of an object.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::error::invalid;
 use crate::model::Model;
 use crate::robot::Robot;
 
-/// The model of a `Model`, or of what has one.
+/// Returns a `Model`, or the model of an object that has one.
 pub(crate) fn model_of(value: &Bound<'_, PyAny>) -> PyResult<Arc<kinopt::Model>> {
     if let Ok(model) = value.cast::<Model>() {
         return Ok(Arc::clone(&model.get().inner));

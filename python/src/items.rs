@@ -1,11 +1,11 @@
-//! One item after another of what has a length and an index.
+//! Iteration over objects that have a length and an index.
 
 use pyo3::PyClass;
 use pyo3::prelude::*;
 
 use crate::arrays;
 
-/// Goes over the items of something in order.
+/// Iterator over the items of an object in order.
 #[pyclass(module = "kinopt")]
 pub(crate) struct Items {
     owner: Py<PyAny>,
@@ -38,7 +38,7 @@ impl Items {
     }
 }
 
-/// The text of one of `count` things, or a list of all their texts.
+/// Returns the text of item `i`, or a list of all `count` texts without `i`.
 pub(crate) fn explained<'py>(
     py: Python<'py>,
     i: Option<isize>,

@@ -1,4 +1,4 @@
-//! Where frames stand and how they move, for one configuration or many.
+//! Forward kinematics and Jacobians, for one configuration or several.
 
 use kinopt::kinematics::{
     ForwardKinematics as Kinematics, Jacobian as Derivative, KinematicsError,
@@ -15,41 +15,41 @@ use crate::pickling;
 use crate::placement::to_numbers;
 use crate::pool::Pool;
 
-/// Configurations between two looks at signals.
+/// Configurations between two checks for signals.
 const PIECE: usize = 4096;
 
-/// Places frames of one model: built once, asked as often as wanted, from any number of threads.
+/// Forward kinematics of frames of a model: compiled once, usable from any number of threads.
 ///
-/// `model` is a model, a robot, a skeleton or a rig; `frames` names of frames, None for all of them. Raises
-/// `UnknownNameError` for a frame that there is not.
+/// `model` is a model, a robot, a skeleton or a rig; `frames` are names of frames, None for all of them. Raises
+/// `UnknownNameError` for an unknown frame.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ForwardKinematics {
     frames: Frames,
     pool: Pool<Kinematics>,
 }
 
-/// The Jacobians of frames of one model: built once, asked as often as wanted, from any number of threads.
+/// Jacobians of frames of a model: compiled once, usable from any number of threads.
 ///
-/// Six rows a frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes
-/// (Pinocchio's `LOCAL_WORLD_ALIGNED`), for velocities as of `Model.integrate`: a column a degree of freedom. `model` is a model, a robot, a
-/// skeleton or a rig; `frames` names of frames, None for all of them. Raises `UnknownNameError` for a frame
-/// that there is not.
+/// Six rows for each frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes
+/// (Pinocchio's `LOCAL_WORLD_ALIGNED`). One column for each degree of freedom, for velocities as in `Model.integrate`.
+/// `model` is a model, a robot, a skeleton or a rig; `frames` are names of frames, None for all of them. Raises
+/// `UnknownNameError` for an unknown frame.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Jacobian {
     frames: Frames,
     pool: Pool<Derivative>,
 }
 
-/// The frames that are asked for, by name.
+/// Frames by name.
 struct Frames {
     names: Vec<String>,
-    /// Which model's, and which were given; None for all.
+    /// Model of the frames and the names as given; None for all.
     model: Py<PyAny>,
     given: Option<Vec<String>>,
 }
 
 impl Frames {
-    /// The frames and their compiled kinematics.
+    /// Resolves the frames and compiles their kinematics.
     fn compile(
         model: &Bound<'_, PyAny>,
         given: Option<Vec<String>>,
@@ -76,14 +76,14 @@ impl Frames {
         Ok((frames, kinematics))
     }
 
-    /// What a class made of them is pickled as.
+    /// Pickles a class from its arguments.
     fn pickled<'py, T: pyo3::PyTypeInfo>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         pickling::by_class::<T>(py, (self.model.bind(py), self.given.clone()))
     }
 }
 
-/// Computes `length` numbers for each configuration: an array of shape `shape` for one of shape (nq,), of
-/// shape (N, ...) for N of them.
+/// Computes numbers for each configuration: an array of shape `shape` for one of shape (nq,), of shape (N, ...) for N
+/// of them.
 fn for_each_configuration<'py, T: Clone + Send + Sync>(
     q: &Bound<'py, PyAny>,
     shape: &[usize],
@@ -149,8 +149,8 @@ impl ForwardKinematics {
         self.frames.names.clone()
     }
 
-    /// world_from_frame of each frame: shape (frames, 4, 4) for `q` of shape (nq,), (N, frames, 4, 4) for
-    /// (N, nq); radians and metres, within limits or not.
+    /// world_from_frame of each frame: shape (frames, 4, 4) for `q` of shape (nq,), (N, frames, 4, 4) for (N, nq);
+    /// radians and metres. Limits do not matter.
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn place<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -191,8 +191,7 @@ impl Jacobian {
         self.frames.names.clone()
     }
 
-    /// J at a configuration: shape (6 * frames, dof) for `q` of shape (nq,), (N, 6 * frames, dof) for
-    /// (N, nq).
+    /// Jacobian at a configuration: shape (6 * frames, dof) for `q` of shape (nq,), (N, 6 * frames, dof) for (N, nq).
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn at<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -208,7 +207,7 @@ impl Jacobian {
     }
 }
 
-/// J of so many frames at one configuration or many.
+/// Computes the Jacobians of `frames` frames at one configuration or several.
 pub(crate) fn jacobians<'py>(
     q: &Bound<'py, PyAny>,
     pool: &Pool<Derivative>,
@@ -227,10 +226,10 @@ pub(crate) fn jacobians<'py>(
     for_each_configuration(q, &[6 * frames, columns], pool, at, width)
 }
 
-/// Where one frame stands: world_from_frame, shape (4, 4) for `q` of shape (nq,), (N, 4, 4) for (N, nq).
+/// Placement of one frame: world_from_frame, shape (4, 4) for `q` of shape (nq,), (N, 4, 4) for (N, nq).
 ///
-/// `ForwardKinematics` does the same without compiling each time, and for several frames. Raises
-/// `UnknownNameError` for the frame, `InvalidValueError` for a `q` of another shape or one that is not finite.
+/// `ForwardKinematics` compiles once, and takes several frames. Raises `UnknownNameError` for the frame,
+/// `InvalidValueError` for a `q` of another shape or one that is not finite.
 #[pyfunction]
 pub(crate) fn frame_placement<'py>(
     model: &Bound<'py, PyAny>,
@@ -241,11 +240,11 @@ pub(crate) fn frame_placement<'py>(
     without_frames(&kinematics.place(q)?, 3)
 }
 
-/// The Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin; shape
-/// (6, dof) for `q` of shape (nq,), (N, 6, dof) for (N, nq).
+/// Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin; shape (6, dof) for `q`
+/// of shape (nq,), (N, 6, dof) for (N, nq).
 ///
-/// `Jacobian` does the same without compiling each time, and for several frames. Raises `UnknownNameError` for
-/// the frame, `InvalidValueError` for a `q` of another shape or one that is not finite.
+/// `Jacobian` compiles once, and takes several frames. Raises `UnknownNameError` for the frame, `InvalidValueError` for
+/// a `q` of another shape or one that is not finite.
 #[pyfunction]
 pub(crate) fn frame_jacobian<'py>(
     model: &Bound<'py, PyAny>,
@@ -255,7 +254,7 @@ pub(crate) fn frame_jacobian<'py>(
     Jacobian::new(model, Some(vec![frame]))?.at(q)
 }
 
-/// Takes the axis of frames, which has one entry, out of an array; it is the third from the last.
+/// Removes the axis of frames, which has length 1 and index `-from_last`, from an array.
 fn without_frames<'py>(array: &Bound<'py, PyAny>, from_last: isize) -> PyResult<Bound<'py, PyAny>> {
     array.call_method1("squeeze", (-from_last,))
 }

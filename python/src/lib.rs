@@ -1,7 +1,7 @@
-//! The extension module of the Python package `kinopt`: the same concepts under the same names as in
-//! the Rust library, with arrays where that has slices.
+//! Extension module of the Python package `kinopt`: the concepts and names of the Rust library, with arrays instead of
+//! slices.
 //!
-//! Every class here holds what rebuilds it, so that it can be pickled and copied; none can be changed
+//! Every class stores the data that rebuild it, for pickling and copying. No object changes through another one.
 //! behind another's back.
 
 use pyo3::prelude::*;
@@ -47,7 +47,7 @@ mod transforms;
 mod vertices;
 mod world;
 
-/// Inverse kinematics by optimisation: the compiled part.
+/// Compiled part of kinopt: inverse kinematics by optimisation.
 #[pymodule]
 mod _kinopt {
     #[pymodule_export]
@@ -101,7 +101,7 @@ mod _kinopt {
 
     use super::*;
 
-    /// Cameras, and what tasks are made with.
+    /// Cameras, and helpers for tasks.
     #[pymodule]
     mod tasks {
         #[pymodule_export]
@@ -118,7 +118,7 @@ mod _kinopt {
     }
 }
 
-/// Makes the modules inside `module` importable under their own names.
+/// Makes the submodules of `module` importable under their full names.
 fn register(module: &Bound<'_, PyModule>, inside: &[&str]) -> PyResult<()> {
     let loaded = module.py().import("sys")?.getattr("modules")?;
     for name in inside {

@@ -1,4 +1,4 @@
-//! Closed loops, and forward kinematics of models that have them.
+//! Closed loops, and forward kinematics of models with loops.
 
 use std::sync::Arc;
 
@@ -17,13 +17,14 @@ use crate::placement;
 use crate::problem::parameters_of;
 use crate::robot::Robot;
 
-/// Rows between two looks at signals.
+/// Rows between two checks for signals.
 const PIECE: usize = 16;
 
-/// A loop as it is told: its name, "connect" or "weld", the frames' names, and where on them.
+/// Loop in the form of Python: its name, "connect" or "weld", the names of its frames, and the placements in these
+/// frames.
 pub(crate) type LoopParts<'py> = (String, &'static str, [String; 2], Bound<'py, PyArray3<f64>>);
 
-/// The loops of a model.
+/// Returns the loops of a model.
 pub(crate) fn loop_parts<'py>(
     py: Python<'py>,
     model: &kinopt::Model,
@@ -37,7 +38,7 @@ pub(crate) fn loop_parts<'py>(
     loops.collect()
 }
 
-/// A loop whose frames have names.
+/// Loop with frames by name.
 #[derive(Clone)]
 pub(crate) struct NamedLoop {
     pub(crate) name: String,
@@ -47,7 +48,7 @@ pub(crate) struct NamedLoop {
 }
 
 impl NamedLoop {
-    /// As it is given; places that are not, are the frames themselves.
+    /// Creates a loop; missing placements are the identity.
     pub(crate) fn new(
         name: String,
         frames: [String; 2],
@@ -73,7 +74,7 @@ impl NamedLoop {
         })
     }
 
-    /// With the frames that are meant.
+    /// Returns the loop between these frames.
     pub(crate) fn of(&self, frames: [FrameId; 2]) -> Loop {
         let own = match self.kind {
             LoopKind::Weld => Loop::weld(&self.name, frames),
@@ -82,7 +83,7 @@ impl NamedLoop {
         own.at(self.places)
     }
 
-    /// What `new` takes.
+    /// Arguments of `new`.
     pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<LoopParts<'py>> {
         let places = placement::to_arrays(py, &self.places)?;
         let frames = self.frames.clone();
@@ -90,13 +91,12 @@ impl NamedLoop {
     }
 }
 
-/// Forward kinematics of a model with loops: the joints that nothing drives follow from those that are given.
+/// Forward kinematics of a model with loops: the dependent joints follow from the given ones.
 ///
-/// `model` is a model or a robot; `dependent` names the joints that close its loops. Without it they are those of a
-/// robot's `passive_joints` that move a loop.
+/// `model` is a model or a robot; `dependent` names the joints that close its loops. Default: those of a robot's
+/// `passive_joints` that move a loop.
 ///
-/// Raises `UnknownNameError` for a joint that there is not, `InvalidValueError` where no joint is passive or one
-/// does not move.
+/// Raises `UnknownNameError` for an unknown joint, `InvalidValueError` if no joint is passive or a joint does not move.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct LoopClosure {
     of: Py<PyAny>,
@@ -105,7 +105,7 @@ pub(crate) struct LoopClosure {
 }
 
 impl LoopClosure {
-    /// Asks the library's, which borrows its model.
+    /// Calls `question` with the loop closure of the library, which borrows the model.
     fn ask<T>(
         &self,
         py: Python<'_>,
@@ -152,12 +152,12 @@ impl LoopClosure {
             .collect()
     }
 
-    /// The configuration with its dependent joints where all loops are closed, to 1e-9 m and rad, and those that
-    /// follow others with them; the rest keep their values. Shape (nq,), or (N, nq). Of several ways to close a loop
-    /// it is the one that the dependent joints' own values lead to.
+    /// The configuration with its dependent joints such that all loops are closed to 1e-9 m and rad; mimic joints
+    /// follow. The other joints keep their values. Shape (nq,), or (N, nq). If a loop closes at several values, the
+    /// values of the dependent joints in `q` select one.
     ///
-    /// Raises `InvalidValueError`, which names the loop and its gap, where one does not close; for other shapes,
-    /// numbers that are not finite, and joints outside their limits that should keep their values.
+    /// Raises `InvalidValueError`, which names the loop and its closure error, if a loop does not close; for other
+    /// shapes, numbers that are not finite, and given joints outside their limits.
     fn close<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = q.py();
         let width = self.model.configuration_len();
@@ -174,8 +174,8 @@ impl LoopClosure {
         Ok(array.into_any())
     }
 
-    /// How far each loop is open at a configuration: tuples of its name, the gap in metres, and the angle in radians,
-    /// 0 for a "connect".
+    /// Closure error of each loop at a configuration: tuples of its name, the distance in metres, and the angle in
+    /// radians, 0 for a "connect".
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn gaps(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<(String, f64, f64)>> {
@@ -185,11 +185,11 @@ impl LoopClosure {
         Ok(told.collect())
     }
 
-    /// A configuration within all limits whose loops are closed, shape (nq,): from a random one all joints that move
-    /// a loop go where they close it. Not all such configurations are as likely. `seed` is a whole number or a
+    /// A configuration within all limits whose loops are closed, shape (nq,). Starts from a random configuration and
+    /// moves all joints of the loops. The distribution is not uniform. `seed` is a whole number or a
     /// `numpy.random.Generator`.
     ///
-    /// Raises `InvalidValueError` for another seed, and for loops that none of 32 random configurations closes.
+    /// Raises `InvalidValueError` for another seed, and if none of 32 random configurations leads to closed loops.
     #[pyo3(signature = (seed = None))]
     fn random_configuration<'py>(
         &self,

@@ -1,4 +1,4 @@
-//! The masses of whatever has some.
+//! Centres of mass of robots and rigs.
 
 use std::sync::Arc;
 
@@ -12,13 +12,13 @@ use crate::error::{OrRaise, invalid};
 use crate::rig::Rig;
 use crate::robot::Robot;
 
-/// Of flesh, kg/m³.
+/// Density of flesh, kg/m³.
 pub(crate) const DENSITY: f64 = 1000.0;
 
-/// Rows between two looks at signals.
+/// Rows between two checks for signals.
 const PIECE: usize = 256;
 
-/// Where the centre of masses is at one configuration, shape (3,), or at many, shape (N, 3).
+/// Centre of mass at one configuration, shape (3,), or at several, shape (N, 3).
 pub(crate) fn centres<'py>(
     q: &Bound<'py, PyAny>,
     model: &kinopt::Model,
@@ -36,7 +36,7 @@ pub(crate) fn centres<'py>(
     Ok(array.into_any())
 }
 
-/// How that moves: shape (3, nv), or (N, 3, nv).
+/// Jacobian of the centre of mass: shape (3, nv), or (N, 3, nv).
 pub(crate) fn centres_jacobians<'py>(
     q: &Bound<'py, PyAny>,
     model: &kinopt::Model,
@@ -55,7 +55,7 @@ pub(crate) fn centres_jacobians<'py>(
     Ok(array.into_any())
 }
 
-/// Those of a robot's file, or of a rig by the volume of its mesh.
+/// Masses of a robot from its file, or of a rig by the volume of its mesh.
 pub(crate) fn masses_of(value: &Bound<'_, PyAny>) -> PyResult<Masses> {
     if let Ok(robot) = value.cast::<Robot>() {
         return robot.get().inner.masses().or_raise();

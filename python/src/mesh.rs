@@ -10,19 +10,18 @@ use crate::error::OrRaise;
 use crate::pickling;
 use crate::vertices::{into_array, to_array, vectors};
 
-/// A triangle mesh whose indices are in range and whose numbers are finite; nothing changes it.
+/// Immutable triangle mesh whose indices are in range and whose numbers are finite.
 ///
-/// Positions are in the model's own unit (metres for robots). Triangles are counter-clockwise seen from
-/// outside.
+/// Positions are in the unit of the model (metres for robots). Triangles are counter-clockwise seen from outside.
 ///
-/// A mesh of `positions`, shape (V, 3), `triangles`, shape (F, 3), whole numbers from 0, and `normals`,
-/// shape (V, 3), of any length, or None.
+/// A mesh of `positions`, shape (V, 3), `triangles`, shape (F, 3), whole numbers from 0, and `normals`, shape (V, 3),
+/// of any length, or None.
 ///
-/// Raises `InvalidValueError` where a number is not finite, an index is out of range or counts disagree.
+/// Raises `InvalidValueError` if a number is not finite, an index is out of range or counts disagree.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct TriangleMesh {
     pub(crate) inner: Arc<kinopt::mesh::TriangleMesh>,
-    // Made when first asked for, and the same array from then on.
+    // Created at the first access, then shared.
     positions: PyOnceLock<Py<PyArray2<f32>>>,
     normals: PyOnceLock<Py<PyArray2<f32>>>,
     triangles: PyOnceLock<Py<PyArray2<u32>>>,
@@ -64,7 +63,7 @@ impl TriangleMesh {
         mesh.or_raise().map(Self::from)
     }
 
-    /// The vertices' positions, shape (V, 3), float32, in the model's own unit; read-only.
+    /// Positions of the vertices, shape (V, 3), float32, in the unit of the model; read-only.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let made = self
@@ -73,7 +72,7 @@ impl TriangleMesh {
         Ok(made?.bind(py).clone())
     }
 
-    /// The vertices' normals as given, shape (V, 3), float32, read-only; None where there are none.
+    /// Normals of the vertices as given, shape (V, 3), float32, read-only; None without normals.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         if self.inner.normals().is_empty() {
@@ -85,7 +84,7 @@ impl TriangleMesh {
         Ok(Some(made?.bind(py).clone()))
     }
 
-    /// The triangles' vertex indices from 0, shape (F, 3), uint32, read-only.
+    /// Vertex indices of the triangles from 0, shape (F, 3), uint32, read-only.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let made = self.triangles.get_or_try_init(py, || {
@@ -96,7 +95,7 @@ impl TriangleMesh {
         Ok(made?.bind(py).clone())
     }
 
-    /// The same triangles over other positions, shape (V, 3), and normals, shape (V, 3) or None.
+    /// The mesh with other positions, shape (V, 3), and normals, shape (V, 3) or None.
     ///
     /// Raises `InvalidValueError` for another number of vertices and for numbers that are not finite.
     #[pyo3(signature = (positions, normals = None))]
@@ -120,33 +119,31 @@ impl TriangleMesh {
         mesh.with_computed_normals().into()
     }
 
-    /// Unit vertex normals, shape (V, 3), float32: the sum of the adjoining triangles' normals weighted by
-    /// their areas. Zero for a vertex that no triangle uses or whose triangles have no area.
+    /// Unit vertex normals, shape (V, 3), float32: the sum of the normals of adjacent triangles, weighted by area. Zero
+    /// for a vertex without triangles, or with triangles of zero area only.
     fn vertex_normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         into_array(py, self.inner.vertex_normals())
     }
 
-    /// The lowest and highest corner of the box around all vertices, shape (2, 3), float32; None without
-    /// vertices.
+    /// Lowest and highest corner of the bounding box of all vertices, shape (2, 3), float32; None without vertices.
     fn bounding_box<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         let corners = self.inner.bounding_box();
         corners.map(|corners| to_array(py, &corners, 3)).transpose()
     }
 
-    /// The diagonal of the bounding box, in the model's own unit; 0 without vertices.
+    /// Diagonal of the bounding box, in the unit of the model; 0 without vertices.
     #[getter]
     fn size(&self) -> f64 {
         self.inner.size()
     }
 
-    /// Whether the triangles bound a solid consistently: every directed edge occurs once, and its opposite
-    /// too.
+    /// True if the triangles bound a solid consistently: every directed edge occurs once, and so does its opposite.
     fn is_closed(&self) -> bool {
         self.inner.is_closed()
     }
 
-    /// The enclosed volume in cubic units: positive where triangles are counter-clockwise seen from
-    /// outside. It means something for closed meshes only.
+    /// Enclosed volume in cubic units: positive if triangles are counter-clockwise seen from outside. Only meaningful
+    /// for closed meshes.
     fn signed_volume(&self) -> f64 {
         self.inner.signed_volume()
     }
@@ -170,7 +167,7 @@ impl TriangleMesh {
     }
 }
 
-/// An array that nobody writes to.
+/// Read-only array.
 fn kept<T: numpy::Element>(array: Bound<'_, PyArray2<T>>) -> PyResult<Py<PyArray2<T>>> {
     array
         .getattr("flags")?

@@ -23,11 +23,11 @@ use crate::trajectory::Trajectory;
 #[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Reconfiguration {
-    /// The row of `q` that it leads to; 0 for the step that closes a cyclic path.
+    /// Row of `q` at the end of the step; 0 for the step that closes a cyclic path.
     index: usize,
-    /// Name of the joint that moves furthest.
+    /// Name of the joint that moves farthest.
     joint: String,
-    /// How far it moves, radians; a slide by the metres that weigh as much.
+    /// Distance that it moves, radians; for a prismatic joint metres, converted by its weight.
     distance: f64,
     /// Weighted joint length of the step.
     length: f64,
@@ -66,13 +66,13 @@ impl Reconfiguration {
 #[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct MissedPoint {
-    /// The row of `q`.
+    /// Row of `q`.
     index: usize,
-    /// By how much, metres beyond what the goal leaves free.
+    /// Position error beyond the goal bounds, metres.
     position_error: f64,
-    /// And radians.
+    /// Orientation error beyond the goal bounds, radians.
     orientation_error: f64,
-    /// Why: beyond reach, touching, or not found.
+    /// Reason: out of reach, in collision, or not found.
     reason: String,
 }
 
@@ -100,61 +100,63 @@ impl MissedPoint {
     }
 }
 
-/// The lists of a solution, pickled.
+/// Lists of a solution in pickled form.
 type Lists<'py> = (
     Vec<Bound<'py, Reconfiguration>>,
     Vec<Bound<'py, MissedPoint>>,
     Vec<(usize, Bound<'py, Collision>)>,
 );
 
-/// Joints for a whole path.
+/// Joint path for a Cartesian path.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct PathSolution {
     q: Vec<f64>,
     /// Names of the joints, the columns of `q`.
     #[pyo3(get)]
     joint_names: Vec<String>,
-    /// Which point of the path the first row is for: 0 unless it may be entered anywhere.
+    /// Index of the point of the first row: 0 except for traversal "any-start".
     #[pyo3(get)]
     entry: usize,
-    /// The steps in which the arm leaves its branch, in order.
+    /// Steps in which the arm leaves its branch, in order.
     #[pyo3(get)]
     reconfigured_at: Vec<Reconfiguration>,
     /// Weighted joint length of all steps.
     #[pyo3(get)]
     length: f64,
-    /// How far the tool is from the path at most between two rows, metres: a bound, not a sample.
+    /// Upper bound of the tool's distance from the path between rows, metres.
     #[pyo3(get)]
     largest_deviation: f64,
-    /// The row that the step leads to in which that is.
+    /// Row at the end of the step with `largest_deviation`.
     #[pyo3(get)]
     largest_deviation_at: usize,
-    /// How far it is turned from the path at most, radians.
+    /// Upper bound of the tool's rotation from the path between rows, radians.
     #[pyo3(get)]
     largest_turn: f64,
-    /// The row that the step leads to in which that is.
+    /// Row at the end of the step with `largest_turn`.
     #[pyo3(get)]
     largest_turn_at: usize,
-    /// The points that are not reached, in order.
+    /// Points that are not reached, in order.
     #[pyo3(get)]
     missed: Vec<MissedPoint>,
-    /// The steps that are not surely free, of an arm with a world: (row that it leads to, `Collision`).
+    /// Steps that are not proven collision-free, for an arm with a world: (row at the end of the step, `Collision`).
     #[pyo3(get)]
     blocked: Vec<(usize, Collision)>,
-    /// How a file was read; None of an array.
+    /// Interpretation of a file's columns; None for an array.
     #[pyo3(get)]
     read_as: Option<String>,
-    /// The arm's own, rad/s or m/s, and a second squared.
+    /// Velocity and acceleration limits of the arm, rad/s or m/s, and rad/s² or m/s².
     rates: [Vec<f64>; 2],
 }
 
 #[pymethods]
 impl PathSolution {
-    /// Time of each row, shape (N,), seconds, the first at 0: the fastest under joint acceleration and velocity limits, shape (dof,) or one
-    /// number for all joints. They default to the arm's own; accelerations come from `Robot.with_joint_limits`. The arm rests before
-    /// and after a reconfiguration. Same as `trajectory(acceleration_limits, velocity_limits).times`.
+    /// Time of each row, shape (N,), seconds, starting at 0: time-optimal under joint acceleration and velocity limits,
+    /// shape (dof,) or one number for all joints. Default: the limits of the arm; accelerations come from
+    /// `Robot.with_joint_limits`. The arm is at rest before and after a reconfiguration. Equal to
+    /// `trajectory(acceleration_limits, velocity_limits).times`.
     ///
-    /// Raises `InvalidValueError` for limits that are not above 0, and if no joint that moves has a finite acceleration limit.
+    /// Raises `InvalidValueError` for limits that are not above 0, and if no moving joint has a finite acceleration
+    /// limit.
     #[pyo3(signature = (acceleration_limits = None, velocity_limits = None))]
     fn times<'py>(
         &self,
@@ -167,14 +169,17 @@ impl PathSolution {
         Ok(PyArray1::from_slice(py, solved.times()))
     }
 
-    /// Time-optimal `Trajectory` along the rows, from rest to rest, under joint limits, shape (dof,) or one number for all joints.
+    /// Time-optimal `Trajectory` along the rows, from rest to rest, under joint limits, shape (dof,) or one number for
+    /// all joints.
     ///
-    /// `acceleration_limits` and `velocity_limits`: as for `times`. `jerk_limits`: largest rates of change of accelerations, unbounded by
-    /// default. `tool_linear_limits` and `tool_angular_limits`: largest speed and acceleration of the tool, in metres or radians and
-    /// seconds, of the `arm` that has to be given for them. `corner_tolerance`: largest distance of a joint from the path where a corner is
-    /// blended, radians or metres; with 0 the arm stops at corners. `grid_points`: of the speed profile over the whole path.
+    /// `acceleration_limits` and `velocity_limits`: as for `times`. `jerk_limits`: largest rates of change of
+    /// accelerations, unbounded by default. `tool_linear_limits` and `tool_angular_limits`: largest speed and
+    /// acceleration of the tool, in metres or radians and seconds; they require `arm`. `corner_tolerance`: largest
+    /// distance of a joint from the path at a blended corner, radians or metres; with 0 the arm stops at corners.
+    /// `grid_points`: number of samples of the speed profile over the whole path.
     ///
-    /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError`, which names option and joint.
+    /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError` with the
+    /// option and joint.
     #[pyo3(signature = (acceleration_limits = None, velocity_limits = None, *, jerk_limits = None, arm = None,
         tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords")]
@@ -208,7 +213,7 @@ impl PathSolution {
             .with_corner_tolerance(corner_tolerance)
             .with_grid_points(grid_points);
         let inner = py.detach(|| own.timed(&limits)).or_raise()?;
-        // Made again from the solution when it is unpickled.
+        // Unpickling recreates the trajectory from the solution.
         let options = PyDict::new(py);
         for (name, value) in [
             ("acceleration_limits", acceleration_limits),
@@ -230,20 +235,20 @@ impl PathSolution {
         })
     }
 
-    /// One configuration a point, shape (N, dof), in the order in which the path is gone.
+    /// One configuration for each point, shape (N, dof), in the order of traversal.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let width = self.joint_names.len();
         arrays::list(py, &self.q).reshape([self.q.len() / width.max(1), width])
     }
 
-    /// How often the arm leaves its branch.
+    /// Number of reconfigurations.
     #[getter]
     fn reconfigurations(&self) -> usize {
         self.reconfigured_at.len()
     }
 
-    /// Whether all points are reached on one branch, and all steps are free.
+    /// True if all points are reached on one branch, and all steps are collision-free.
     #[getter]
     fn is_whole(&self) -> bool {
         self.reconfigured_at.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
@@ -322,7 +327,7 @@ impl PathSolution {
 }
 
 impl PathSolution {
-    /// One number a joint, from as many or from one for all.
+    /// Returns one number for each joint, from a list or from one number for all.
     fn one_each(&self, given: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
         match given.extract::<f64>() {
             Ok(one) => Ok(vec![one; self.joint_names.len()]),
@@ -330,7 +335,7 @@ impl PathSolution {
         }
     }
 
-    /// Limits of joints, the arm's own by default.
+    /// Joint limits, by default those of the arm.
     fn timing_limits(
         &self,
         acceleration_limits: Option<&Bound<'_, PyAny>>,
@@ -352,20 +357,22 @@ impl PathSolution {
     }
 }
 
-/// Joints for a whole path of an arm's tool, with the fewest reconfigurations, then the shortest: a `PathSolution`.
+/// Solves a Cartesian path of an arm's tool with the fewest reconfigurations, then the shortest: a `PathSolution`.
 ///
-/// `path` is placements of shape (N, 4, 4) or a list of them, points of shape (N, 7) (x, y, z, then a quaternion w, x, y, z) or
-/// (N, 3), or a table's file, whose columns go by its header (`order`, "w-first" or "w-last", is that of quaternions without names).
-/// Between two points the tool goes straight and turns evenly. The arm says what counts of a point and what it keeps clear of.
+/// `path` has one of three forms. Placements: shape (N, 4, 4) or a list of them. Points: shape (N, 7) (x, y, z, then a
+/// quaternion w, x, y, z) or (N, 3). A table: the path of its file, whose header names the columns. `order`, "w-first"
+/// or "w-last", is that of unnamed quaternion columns. Between two points the tool moves straight and rotates at a
+/// constant rate. The arm defines the goal bounds and the obstacles.
 ///
-/// `times`: seconds, shape (N,), where `keep_times` makes a step that a joint is too slow for a reconfiguration too. `traversal`: "open", "cyclic"
-/// (round and round, back in the same configuration) or "any-start" (round once from whichever point is best). `start` and `end`:
-/// configurations that stand at the ends. `joint_weights`: what a radian or metre of each joint weighs in lengths. `max_step`: the
-/// furthest that a joint moves on the same branch from point to point, radians. `samples`: configurations known of a place at most.
-/// `tools`: for `tool_of_points` (N,), or a table's column `tool`, which arm each point is for: 0 this one, 1 and so on those of `tools`
+/// `times`: seconds, shape (N,). With `keep_times`, a step that is too fast for a joint also counts as a
+/// reconfiguration. `traversal`: "open", "cyclic" (repeatedly, ends in its first configuration) or "any-start" (once
+/// around, from the best point). `start` and `end`: configurations of the first and last row. `joint_weights`: weight
+/// of a radian or metre of each joint in lengths. `max_step`: largest joint displacement from point to point on one
+/// branch, radians. `samples`: largest number of configurations for each point. `tools`: for `tool_of_points` (N,), or
+/// the column `tool` of a table, which give the arm of each point: 0 is this one, 1 and so on are those of `tools`
 /// (`arm.with_tool`).
 ///
-/// Raises `InvalidValueError`, which names the point or option, and `FileError` or `InvalidFileError` of a file.
+/// Raises `InvalidValueError` with the point or option, and `FileError` or `InvalidFileError` for a file.
 #[pyfunction]
 #[pyo3(signature = (arm, path, *, times = None, keep_times = false, traversal = None, start = None, end = None, joint_weights = None,
     max_step = 0.2, samples = 256, tools = None, tool_of_points = None, order = None))]
@@ -479,7 +486,7 @@ fn tell(
     }
 }
 
-/// A path from placements, from points, or from a file, and how that was read.
+/// Reads a path from placements, points or a file, with the interpretation of the file's columns.
 fn read(
     path: &Bound<'_, PyAny>,
     order: Option<&Bound<'_, PyAny>>,
@@ -516,7 +523,7 @@ fn read(
     Ok((CartesianPath::new(points).or_raise()?, None))
 }
 
-/// What a word says; the first of all without one.
+/// Returns the value of a word; the first of all without a word.
 fn one_of<const N: usize, T: Copy>(
     given: Option<&Bound<'_, PyAny>>,
     what: &str,
@@ -546,7 +553,7 @@ fn point(row: usize, numbers: &[f64], order: QuaternionOrder) -> PyResult<Placem
         QuaternionOrder::WLast => (d, Vector3::new(a, b, c)),
     };
     let length = (w * w + v.norm_squared()).sqrt();
-    // NaN is not near to anything.
+    // Negated test: NaN fails it.
     let unit = (length - 1.0).abs() <= 1e-3;
     if !unit {
         return Err(invalid(format!(

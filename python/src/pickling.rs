@@ -1,4 +1,4 @@
-//! What `__reduce__` answers: how a thing is made again.
+//! Return values of `__reduce__`.
 
 use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::OrRaise;
 
-/// By the class itself, called with these arguments.
+/// Rebuilds by the class itself, called with these arguments.
 pub(crate) fn by_class<'py, T: PyTypeInfo>(
     py: Python<'py>,
     arguments: impl IntoPyObject<'py>,
@@ -17,7 +17,7 @@ pub(crate) fn by_class<'py, T: PyTypeInfo>(
         .into_any())
 }
 
-/// By the class's `_rebuild`, called with these arguments.
+/// Rebuilds by the class's `_rebuild`, called with these arguments.
 pub(crate) fn by_rebuild<'py, T: PyTypeInfo>(
     py: Python<'py>,
     arguments: impl IntoPyObject<'py>,
@@ -25,7 +25,7 @@ pub(crate) fn by_rebuild<'py, T: PyTypeInfo>(
     by_method(py.get_type::<T>().as_any(), "_rebuild", arguments)
 }
 
-/// By a method of something that pickles, called with these arguments.
+/// Rebuilds by a method of an object that pickles, called with these arguments.
 pub(crate) fn by_method<'py>(
     owner: &Bound<'py, PyAny>,
     method: &str,
@@ -35,7 +35,7 @@ pub(crate) fn by_method<'py>(
     Ok((rebuild, arguments).into_pyobject(owner.py())?.into_any())
 }
 
-/// By the class's `_rebuild` of JSON.
+/// Rebuilds by the class's `_rebuild`, called with JSON.
 pub(crate) fn by_json<'py, T: PyTypeInfo>(
     py: Python<'py>,
     value: &impl Serialize,
@@ -43,7 +43,7 @@ pub(crate) fn by_json<'py, T: PyTypeInfo>(
     by_rebuild::<T>(py, (serde_json::to_string(value).or_raise()?,))
 }
 
-/// By the class itself, called with arguments and keywords.
+/// Rebuilds by the class itself, called with arguments and keywords.
 pub(crate) fn by_keywords<'py, T: PyTypeInfo>(
     py: Python<'py>,
     arguments: &Bound<'py, PyTuple>,

@@ -1,4 +1,4 @@
-//! Placements as 4 x 4 arrays, and as what other libraries hand over for one.
+//! Placements as 4 x 4 arrays, and conversion from other libraries.
 
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use numpy::{PyArray2, PyArray3, PyArrayMethods, PyUntypedArrayMethods};
@@ -8,10 +8,10 @@ use pyo3::prelude::*;
 use crate::arrays::{self, shape_text};
 use crate::error::invalid;
 
-/// How far the last row may be from 0 0 0 1.
+/// Largest deviation of the last row from 0 0 0 1.
 const LAST_ROW: f64 = 1e-9;
 
-/// Placements of any number of targets, as numbers where they lie.
+/// Placements of targets, borrowed as numbers.
 pub(crate) struct Placements<'py>(arrays::Numbers<'py, numpy::ndarray::Ix3>);
 
 impl Placements<'_> {
@@ -19,17 +19,17 @@ impl Placements<'_> {
         self.0.shape()[0]
     }
 
-    /// All numbers, sixteen a placement, rows first.
+    /// All numbers, sixteen for each placement, row-major.
     pub(crate) fn numbers(&self) -> &[f64] {
         &self.0
     }
 
-    /// The array that they lie in, for keeping.
+    /// Returns the array object, to store it.
     pub(crate) fn keep(&self) -> Py<PyAny> {
         self.0.keep()
     }
 
-    /// All of them, checked.
+    /// All placements, checked.
     pub(crate) fn to_vec(&self, what: &str) -> PyResult<Vec<Placement<f64>>> {
         let mut placements = Vec::with_capacity(self.len());
         read_all(self.numbers(), what, 0, &mut placements)?;
@@ -37,7 +37,7 @@ impl Placements<'_> {
     }
 }
 
-/// Reads placements of sixteen numbers each; `first` is the number of the first in messages.
+/// Reads placements of sixteen numbers each; `first` is the index of the first in messages.
 pub(crate) fn read_all(
     numbers: &[f64],
     what: &str,
@@ -55,7 +55,7 @@ pub(crate) fn read_all(
     Ok(())
 }
 
-/// A placement of the sixteen numbers of a matrix.
+/// Converts the sixteen numbers of a matrix to a placement.
 fn of_matrix(numbers: &[f64], what: &str) -> PyResult<Placement<f64>> {
     let numbers = numbers
         .try_into()
@@ -65,7 +65,7 @@ fn of_matrix(numbers: &[f64], what: &str) -> PyResult<Placement<f64>> {
 
 fn of_numbers(m: &[f64; 16]) -> Option<Placement<f64>> {
     let last = [m[12], m[13], m[14], m[15] - 1.0];
-    // NaN is not near to anything.
+    // Negated test: NaN fails it.
     let fine = last.iter().all(|value| value.abs() <= LAST_ROW);
     let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
     fine.then(|| {
@@ -83,12 +83,12 @@ fn bad_last_row(what: &str, m: &[f64; 16]) -> PyErr {
     ))
 }
 
-/// One placement: a 4 x 4 array, anything that numpy makes one of, or an object that has `homogeneous`
-/// (pinocchio's SE3), `as_matrix()` or `A` (spatialmath's).
+/// Reads one placement: a 4 x 4 array-like, or an object that has `homogeneous` (pinocchio's SE3), `as_matrix()` or `A`
+/// (spatialmath).
 pub(crate) fn placement(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Placement<f64>> {
     if let Ok(array) = value.cast::<PyArray2<f64>>() {
         if array.shape() == [4, 4] && array.is_c_contiguous() {
-            // Copied, as booking a borrow would take longer.
+            // A copy is faster than registering a borrow.
             if let Ok(numbers) = array.to_vec() {
                 return of_matrix(&numbers, what);
             }
@@ -108,8 +108,8 @@ pub(crate) fn placement(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Placem
     }
 }
 
-/// Axes in columns: a 3 x 3 array, the rotation of a placement, or an object that has `as_matrix()` (scipy's
-/// Rotation) or `A` (spatialmath's).
+/// Reads a rotation matrix: a 3 x 3 array, the rotation of a placement, or an object that has `as_matrix()` (scipy's
+/// Rotation) or `A` (spatialmath).
 pub(crate) fn rotation(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Matrix3<f64>> {
     let matrix = matrix_of(value)?;
     let rows: usize = matrix.len().unwrap_or(0);
@@ -121,7 +121,7 @@ pub(crate) fn rotation(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Matrix3
     Ok(Matrix3::from_columns(column(0), column(1), column(2)))
 }
 
-/// Many placements: an array of shape (N, 4, 4), or a list of what [`placement`] takes.
+/// Reads several placements: an array of shape (N, 4, 4), or a list of values that [`placement`] reads.
 pub(crate) fn placements<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Placements<'py>> {
     if value.cast::<PyArray3<f64>>().is_ok() {
         return Ok(Placements(arrays::matrices(value, what, [4, 4])?));
@@ -150,7 +150,7 @@ pub(crate) fn placements<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult
     Ok(Placements(arrays::matrices(array.as_any(), what, [4, 4])?))
 }
 
-/// The matrix of an object of another library, or the object itself.
+/// Returns the matrix of an object of another library, or the object itself.
 fn matrix_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = value.py();
     if let Some(matrix) = value.getattr_opt(intern!(py, "homogeneous"))? {
@@ -165,7 +165,7 @@ fn matrix_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Ok(value.clone())
 }
 
-/// Sixteen numbers, rows first.
+/// Sixteen numbers, row-major.
 pub(crate) fn to_numbers(placement: &Placement<f64>) -> [f64; 16] {
     let Matrix3 { x, y, z } = placement.rotation;
     let t = placement.translation;

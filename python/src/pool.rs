@@ -1,8 +1,8 @@
-//! Working memory for calls from many threads at once.
+//! Workspaces for calls from several threads at once.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Copies of one thing, each lent to one call at a time.
+/// Copies of a template, each used by one call at a time.
 pub(crate) struct Pool<T> {
     template: T,
     free: Mutex<Vec<T>>,
@@ -14,12 +14,12 @@ impl<T: Clone> Pool<T> {
         Self { template, free }
     }
 
-    /// What is copied.
+    /// The template of the copies.
     pub(crate) fn template(&self) -> &T {
         &self.template
     }
 
-    /// Runs something with a copy of its own.
+    /// Runs a function with exclusive access to a copy.
     pub(crate) fn with<R>(&self, run: impl FnOnce(&mut T) -> R) -> R {
         let free = || self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = free().pop();

@@ -1,18 +1,18 @@
-//! How far a long computation is.
+//! Progress reports of long computations.
 
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 
 use crate::error::invalid;
 
-/// Hears how much is done: nothing, a callable of the user's, or a bar.
+/// Receiver of progress: none, a callable of the user, or a progress bar.
 pub(crate) struct Progress {
     report: Option<Py<PyAny>>,
     total: usize,
 }
 
 impl Progress {
-    /// Of what the user gave: None, a callable of (done, total), or True for a bar.
+    /// Reads None, a callable of (done, total), or True for a progress bar.
     pub(crate) fn new(
         py: Python<'_>,
         given: Option<&Bound<'_, PyAny>>,
@@ -34,7 +34,7 @@ impl Progress {
         Ok(Self { report, total })
     }
 
-    /// Says that so many are done. What the callable raises ends the computation.
+    /// Reports that `done` items are finished. An exception of the callable ends the computation.
     pub(crate) fn done(&self, done: usize) -> PyResult<()> {
         match &self.report {
             Some(report) => Python::attach(|py| report.call1(py, (done, self.total)).map(drop)),

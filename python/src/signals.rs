@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 
 use crate::problem::{is_raised, raise_later, raised};
 
-/// Time between two looks at signals.
+/// Time between two checks for signals.
 const PERIOD: Duration = Duration::from_millis(5);
-/// Calls between two looks at the clock, which costs more than the rest.
+/// Calls between two reads of the clock, which costs more than the rest of a call.
 const CALLS: u32 = 16;
 
 thread_local! {
@@ -18,7 +18,7 @@ thread_local! {
     static NEXT: Cell<Option<Instant>> = const { Cell::new(None) };
 }
 
-/// Runs `work` without the GIL. A signal whose handler raises ends it, and its exception is raised.
+/// Runs `work` without the GIL. If a signal handler raises, the work stops and its exception is raised.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send,

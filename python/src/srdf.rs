@@ -1,4 +1,4 @@
-//! SRDF: what a robot's description does not say.
+//! SRDF: semantic description of a robot.
 
 use std::path::PathBuf;
 
@@ -14,8 +14,8 @@ use crate::problem::ParameterMap;
 use crate::robot::Robot;
 use crate::robot::text_of;
 
-/// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be
-/// kept apart. Made by `read` and `parse`.
+/// Content of an SRDF file: groups of joints, group states, passive joints, and disabled collision pairs of a robot.
+/// Created by `read` and `parse`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Srdf {
     inner: kinopt::robot::Srdf,
@@ -60,7 +60,7 @@ impl Srdf {
         &self.robot.get().model.frames()[frame.index()].name
     }
 
-    /// The numbers of a configuration, or of neutral.
+    /// Returns the numbers of a configuration, or of neutral.
     fn configuration(&self, q: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         let model = &self.robot.get().model;
         match q {
@@ -74,7 +74,7 @@ impl Srdf {
         }
     }
 
-    /// The joints that do not follow others.
+    /// Returns the joints that are not mimic joints.
     fn leading(&self, joints: &[JointId]) -> Vec<JointId> {
         let mimics = self.robot.get().inner.mimics();
         let follows = |joint: &JointId| mimics.iter().any(|mimic| mimic.joint == *joint);
@@ -88,11 +88,11 @@ impl Srdf {
 
 #[pymethods]
 impl Srdf {
-    /// Reads a file that speaks of a robot. With `lenient` what names a joint, link or group that there is not is
-    /// left out, and listed in `repairs`.
+    /// Reads the SRDF file of a robot. With `lenient`, elements with unknown names of joints, links or groups are
+    /// ignored and listed in `repairs`.
     ///
-    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is wrong in
-    /// it: joints, links and groups that there are not, groups that contain themselves, values that are no numbers.
+    /// Raises `FileError` if the file cannot be read. Raises `InvalidFileError`, which names the element, for unknown
+    /// joints, links and groups, groups that contain themselves, and values that are not numbers.
     #[classmethod]
     #[pyo3(signature = (path, robot, *, lenient = false))]
     fn read(
@@ -105,7 +105,7 @@ impl Srdf {
         Self::of(text, robot, file, lenient)
     }
 
-    /// Reads a document from a string; `name` is what messages call it, `lenient` as of `read`.
+    /// Reads a document from a string; `name` is its name in messages, `lenient` is as in `read`.
     ///
     /// Raises `InvalidFileError` as `read`.
     #[classmethod]
@@ -120,14 +120,14 @@ impl Srdf {
         Self::of(text, robot, name.to_owned(), lenient)
     }
 
-    /// What a lenient reading left out, one text each.
+    /// Elements that a lenient read ignored, one text each.
     #[getter]
     fn repairs(&self) -> Vec<String> {
         let repairs = self.inner.repairs.iter();
         repairs.map(ToString::to_string).collect()
     }
 
-    /// The joints that move of each group, parents before children, by the group's name.
+    /// The moving joints of each group, parents before children, by the name of the group.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let groups = PyDict::new(py);
@@ -137,18 +137,19 @@ impl Srdf {
         Ok(groups)
     }
 
-    /// The names of the states, each with the group that it is of.
+    /// Names of the group states, each with its group.
     #[getter]
     fn states(&self) -> Vec<(&str, &str)> {
         let states = self.inner.states.iter();
         states.map(|state| (&*state.name, &*state.group)).collect()
     }
 
-    /// A state as a whole configuration, shape (nq,): its values, and those of `at` (neutral's without it) for all
-    /// other joints; radians and metres. A name that several groups have is all of them, `group/name` one's alone.
+    /// A group state as a whole configuration, shape (nq,): its values, and those of `at` (default: neutral) for all
+    /// other joints; radians and metres. A name that several groups define merges their states; `group/name` selects
+    /// one.
     ///
-    /// Raises `UnknownNameError` for a state that there is not, `InvalidValueError` for an `at` of another shape
-    /// and for numbers that are not finite.
+    /// Raises `UnknownNameError` for an unknown state, `InvalidValueError` for an `at` of another shape and for numbers
+    /// that are not finite.
     #[pyo3(signature = (name, at = None))]
     fn state<'py>(
         &self,
@@ -161,13 +162,13 @@ impl Srdf {
         Ok(arrays::list(py, &state))
     }
 
-    /// Joints that nothing drives, which move.
+    /// Passive joints that move.
     #[getter]
     fn passive_joints(&self) -> Vec<String> {
         self.joint_names(&self.inner.passive_joints)
     }
 
-    /// Grippers, tools and feet: (name, its group, the link it is fixed to, the group that carries it or None).
+    /// End effectors: (name, its group, the link it is fixed to, the group that carries it or None).
     #[getter]
     fn end_effectors(&self) -> Vec<(&str, &str, &str, Option<&str>)> {
         let ends = self.inner.end_effectors.iter();
@@ -178,8 +179,8 @@ impl Srdf {
         .collect()
     }
 
-    /// How the robot stands in the world, which `from_urdf(base_joint=)` does: (name, "fixed", "floating" or
-    /// "planar", the frame it stands on, the robot's link).
+    /// Virtual joints, as in `from_urdf(base_joint=)`: (name, "fixed", "floating" or "planar", the parent frame, the
+    /// child link).
     #[getter]
     fn virtual_joints(&self) -> Vec<(&str, &str, &str, &str)> {
         let joints = self.inner.virtual_joints.iter();
@@ -191,7 +192,7 @@ impl Srdf {
             .collect()
     }
 
-    /// Links that collision checks may leave out: (link, link, reason).
+    /// Disabled collision pairs: (link, link, reason).
     #[getter]
     fn disabled_pairs(&self) -> Vec<(&str, &str, &str)> {
         let pairs = self.inner.disabled_pairs.iter();
@@ -203,10 +204,10 @@ impl Srdf {
             .collect()
     }
 
-    /// The parameter map in which only a group's joints move, the others held as `at`, shape (nq,), has them
-    /// (neutral without it).
+    /// The parameter map in which only the joints of a group move. The others are locked at the values of `at`, shape
+    /// (nq,) (default: neutral).
     ///
-    /// Raises `UnknownNameError` for a group that there is not, `InvalidValueError` for an `at` of another shape.
+    /// Raises `UnknownNameError` for an unknown group, `InvalidValueError` for an `at` of another shape.
     #[pyo3(signature = (group, at = None))]
     fn only<'py>(
         &self,
@@ -222,8 +223,8 @@ impl Srdf {
         class.call((self.robot.bind(py),), Some(&options))
     }
 
-    /// The parameter map in which joints that nothing drives are held as `at`, shape (nq,), has them (neutral
-    /// without it), but those that follow others.
+    /// The parameter map in which passive joints, except mimic joints, are locked at the values of `at`, shape (nq,)
+    /// (default: neutral).
     ///
     /// Raises `InvalidValueError` for an `at` of another shape.
     #[pyo3(signature = (at = None))]

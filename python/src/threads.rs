@@ -1,4 +1,4 @@
-//! Threads by number.
+//! Thread pools by number of threads.
 
 use std::sync::{Arc, Mutex};
 
@@ -7,23 +7,24 @@ use rayon::ThreadPool;
 
 use crate::error::invalid;
 
-/// Threads that wait for the next call: starting sixteen takes half a millisecond, in which two hundred poses are solved.
+/// Idle thread pool for the next call: starting sixteen threads takes half a millisecond, the time of two hundred
+/// poses.
 struct Waiting {
-    /// The process that started them: one that was forked off has none of them.
+    /// Process that started the threads: a forked process has none of them.
     process: u32,
     pool: Arc<ThreadPool>,
 }
 
 static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
 
-/// A pool of so many threads (None: one a core) for so many jobs, or none where one is enough. It has at most as many threads as
-/// there are jobs and cores.
+/// Returns a pool of `threads` threads (None: one for each core), at most as many as there are jobs and cores. Returns
+/// `None` if one thread suffices.
 pub(crate) fn pool(threads: Option<usize>, jobs: usize) -> PyResult<Option<Arc<ThreadPool>>> {
     let threads = count(threads, jobs)?;
     if threads <= 1 {
         return Ok(None);
     }
-    // Who finds it locked, or was forked off while it was, starts threads of its own.
+    // If the lock is taken, or was during a fork, this call starts a pool of its own.
     let mut waiting = WAITING.try_lock().ok();
     let process = std::process::id();
     let mut pools = waiting.iter().flat_map(|pools| pools.iter());
@@ -41,7 +42,7 @@ pub(crate) fn pool(threads: Option<usize>, jobs: usize) -> PyResult<Option<Arc<T
     Ok(Some(pool))
 }
 
-/// So many threads (None: one a core) for so many jobs, at most as many as there are jobs and cores.
+/// Number of threads: `threads` (None: one for each core), at most the number of jobs and cores.
 pub(crate) fn count(threads: Option<usize>, jobs: usize) -> PyResult<usize> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     match threads {

@@ -1,4 +1,4 @@
-//! Trajectories along solved paths.
+//! Trajectories along joint paths.
 
 use kinopt::motion::path;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
@@ -19,14 +19,14 @@ pub(crate) struct Trajectory {
     pub(crate) options: Py<PyDict>,
 }
 
-/// Joints at one time of a trajectory, or at several.
+/// Joint state at one time of a trajectory, or at several.
 #[pyclass(frozen, get_all, module = "kinopt")]
 pub(crate) struct TrajectoryPoint {
     /// Joint values, radians or metres, shape (dof,) at one time and (T, dof) at several.
     q: Py<PyArrayDyn<f64>>,
-    /// Joint velocities, radians or metres a second; same shape.
+    /// Joint velocities, rad/s or m/s; shape of `q`.
     velocity: Py<PyArrayDyn<f64>>,
-    /// Joint accelerations, radians or metres a second squared; same shape.
+    /// Joint accelerations, rad/s² or m/s²; shape of `q`.
     acceleration: Py<PyArrayDyn<f64>>,
 }
 
@@ -44,10 +44,10 @@ impl Trajectory {
         self.inner.duration()
     }
 
-    /// Joint values, velocities and accelerations at a time in seconds, or at several of shape (T,). Before the start and after the end the
-    /// arm rests.
+    /// Joint values, velocities and accelerations at a time in seconds, or at several of shape (T,). Before the start
+    /// and after the end the arm is at rest.
     ///
-    /// Raises `InvalidValueError` for what is neither a number nor numbers.
+    /// Raises `InvalidValueError` if `time` holds no numbers.
     fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<TrajectoryPoint> {
         let times = arrays::Questions::numbers(time, "time")?;
         let width = self.joint_names.len();

@@ -1,5 +1,5 @@
-//! Transforms in the precision of meshes: 4 x 4 matrices of float32, rows first; and quaternions by the
-//! order in which their names say the numbers stand.
+//! Single-precision transforms of meshes: 4 x 4 matrices of float32, row-major. Quaternions in the component order of
+//! their argument names.
 
 use kinopt::glam::{Affine3A, Mat3A, Quat, Vec3A, Vec4};
 use numpy::ndarray::{Ix2, IxDyn};
@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::invalid;
 
-/// How far the last row may be from 0 0 0 1.
+/// Largest deviation of the last row from 0 0 0 1.
 const LAST_ROW: f32 = 1e-6;
 
-/// Sixteen numbers, rows first.
+/// Sixteen numbers, row-major.
 pub(crate) fn to_numbers(transform: &Affine3A) -> [f32; 16] {
     let Mat3A {
         x_axis: x,
@@ -52,7 +52,7 @@ pub(crate) fn one_to_array<'py>(
     shaped(py, to_numbers(transform).to_vec(), &[4, 4])
 }
 
-/// A new array of these numbers.
+/// New array of these numbers.
 pub(crate) fn shaped<'py, T: numpy::Element>(
     py: Python<'py>,
     numbers: Vec<T>,
@@ -61,7 +61,7 @@ pub(crate) fn shaped<'py, T: numpy::Element>(
     PyArray1::from_vec(py, numbers).reshape(shape)
 }
 
-/// Transforms of shape (..., 4, 4), and the shape before the matrices.
+/// Reads transforms of shape (..., 4, 4), with the leading axes of the shape.
 pub(crate) fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<Affine3A>, Vec<usize>)> {
     let numbers: Numbers<'_, IxDyn, f32> = arrays::numbers(value, what, "(..., 4, 4)")?;
     let shape = match numbers.shape() {
@@ -75,7 +75,7 @@ pub(crate) fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<Affine
     };
     let transforms = numbers.chunks_exact(16).enumerate().map(|(i, m)| {
         let last = [m[12], m[13], m[14], m[15] - 1.0];
-        // NaN is not near to anything.
+        // Negated test: NaN fails it.
         if !last.iter().all(|value| value.abs() <= LAST_ROW) {
             return Err(invalid(format!(
                 "{what} {i}: the last row of the matrix is {:?}, not [0, 0, 0, 1]",
@@ -91,7 +91,7 @@ pub(crate) fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<Affine
     Ok((transforms.collect::<PyResult<_>>()?, shape))
 }
 
-/// One 4 x 4 transform.
+/// Reads one 4 x 4 transform.
 pub(crate) fn read_one(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Affine3A> {
     let (transforms, shape) = read(value, what)?;
     match (transforms.as_slice(), shape.as_slice()) {
@@ -100,7 +100,7 @@ pub(crate) fn read_one(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Affine3
     }
 }
 
-/// One transform for each of so many bones, shape (bones, 4, 4).
+/// Reads one transform for each bone, shape (bones, 4, 4).
 pub(crate) fn read_list(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Affine3A>> {
     let (transforms, shape) = read(value, what)?;
     match shape.as_slice() {
@@ -109,7 +109,7 @@ pub(crate) fn read_list(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Af
     }
 }
 
-/// Where the numbers of a quaternion stand.
+/// Component order of a quaternion.
 #[derive(Clone, Copy)]
 pub(crate) enum Order {
     Xyzw,
@@ -139,7 +139,7 @@ impl Order {
     }
 }
 
-/// Which of two arguments was given, one for each order.
+/// Returns the given one of two arguments, with its order.
 pub(crate) fn given<'a, 'py>(
     xyzw: Option<&'a Bound<'py, PyAny>>,
     wxyz: Option<&'a Bound<'py, PyAny>>,
@@ -153,7 +153,7 @@ pub(crate) fn given<'a, 'py>(
     }
 }
 
-/// Quaternions, shape (N, 4).
+/// Reads quaternions, shape (N, 4).
 pub(crate) fn quaternions(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Vec<Quat>> {
     let rows = four_columns(value, order)?;
     let rows = rows.chunks_exact(4);
@@ -162,7 +162,7 @@ pub(crate) fn quaternions(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Ve
         .collect())
 }
 
-/// Rates of quaternions' components, shape (N, 2, 4).
+/// Reads the derivatives of quaternion components, shape (N, 2, 4).
 pub(crate) fn quaternion_rates(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Vec<[Vec4; 2]>> {
     let numbers: Numbers<'_, IxDyn, f32> = arrays::numbers(value, "tangents", "(N, 2, 4)")?;
     match numbers.shape() {
@@ -180,13 +180,13 @@ pub(crate) fn quaternion_rates(value: &Bound<'_, PyAny>, order: Order) -> PyResu
         .collect())
 }
 
-/// One quaternion, shape (4,).
+/// Reads one quaternion, shape (4,).
 pub(crate) fn quaternion(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Quat> {
     let numbers = numbers(value, order.name(), Some(4))?;
     Ok(Quat::from_vec4(order.of_slice(&numbers)))
 }
 
-/// A quaternion whose numbers are finite, shape (4,).
+/// Reads a quaternion whose numbers are finite, shape (4,).
 pub(crate) fn finite_quaternion(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Quat> {
     let quaternion = quaternion(value, order)?;
     match quaternion.is_finite() {
@@ -207,7 +207,7 @@ fn four_columns<'py>(value: &Bound<'py, PyAny>, order: Order) -> PyResult<Number
     }
 }
 
-/// A list of numbers of single precision, of a length that is known or not.
+/// Reads a list of numbers of single precision, of a fixed length or any.
 pub(crate) fn numbers(
     value: &Bound<'_, PyAny>,
     what: &str,
@@ -224,12 +224,12 @@ pub(crate) fn numbers(
     }
 }
 
-/// A point or direction, shape (3,).
+/// Reads a point or direction, shape (3,).
 pub(crate) fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec3A> {
     Ok(Vec3A::from_slice(&numbers(value, what, Some(3))?))
 }
 
-/// A point or direction whose numbers are finite, shape (3,).
+/// Reads a point or direction whose numbers are finite, shape (3,).
 pub(crate) fn finite_vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec3A> {
     let vector = vector(value, what)?;
     for part in vector.to_array() {
@@ -238,13 +238,13 @@ pub(crate) fn finite_vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Ve
     Ok(vector)
 }
 
-/// Points or directions, shape (N, 3).
+/// Reads points or directions, shape (N, 3).
 pub(crate) fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec3A>> {
     let vectors = crate::vertices::vectors(value, what)?;
     Ok(vectors.iter().map(|&v| v.into()).collect())
 }
 
-/// Vectors as numbers.
+/// Components of vectors, one after another.
 pub(crate) fn flat(vectors: &[Vec3A]) -> impl Iterator<Item = f32> + '_ {
     vectors.iter().flat_map(|v| v.to_array())
 }

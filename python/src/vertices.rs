@@ -1,4 +1,4 @@
-//! Vertices: float32 arrays of three columns, which are the library's vectors where they lie.
+//! Vertices: float32 arrays of three columns, borrowed as vectors of the library.
 
 use std::ops::Deref;
 
@@ -24,13 +24,13 @@ impl Deref for Vectors<'_> {
     }
 }
 
-/// Positions, normals or other vectors, shape (N, 3); `what` is their name in messages.
+/// Reads positions, normals or other vectors, shape (N, 3); `what` names them in messages.
 pub(crate) fn vectors<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vectors<'py>> {
     of_columns(value, what, 3).map(Vectors)
 }
 
-/// Tangents with the bitangent's sign, shape (N, 4). The library's lie on multiples of 16 bytes, so they are
-/// copied.
+/// Reads tangents with the sign of the bitangent, shape (N, 4). Copied, because the library's vectors are aligned to 16
+/// bytes.
 pub(crate) fn tangents(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec4>> {
     let rows = of_columns(value, what, 4)?;
     Ok(rows.chunks_exact(4).map(Vec4::from_slice).collect())
@@ -51,7 +51,7 @@ fn of_columns<'py>(
     }
 }
 
-/// A new array of shape (N, 3) that takes the vectors' memory over.
+/// New array of shape (N, 3) that takes over the memory of the vectors.
 pub(crate) fn into_array(py: Python<'_>, vectors: Vec<Vec3>) -> PyResult<Bound<'_, PyArray2<f32>>> {
     let count = vectors.len();
     let numbers: Vec<f32> = bytemuck::allocation::try_cast_vec(vectors)
@@ -59,7 +59,7 @@ pub(crate) fn into_array(py: Python<'_>, vectors: Vec<Vec3>) -> PyResult<Bound<'
     PyArray1::from_vec(py, numbers).reshape([count, 3])
 }
 
-/// A new array of shape (N, columns) of vectors of so many numbers.
+/// New array of shape (N, columns) of vectors with `columns` numbers.
 pub(crate) fn to_array<'py, V: bytemuck::Pod>(
     py: Python<'py>,
     vectors: &[V],
@@ -69,7 +69,7 @@ pub(crate) fn to_array<'py, V: bytemuck::Pod>(
     PyArray1::from_slice(py, numbers).reshape([vectors.len(), columns])
 }
 
-/// Calls `fill` with an array's numbers as vectors.
+/// Calls `fill` with the numbers of an array as vectors.
 pub(crate) fn fill(
     array: &Bound<'_, PyArrayDyn<f32>>,
     fill: impl FnOnce(&mut [Vec3]) -> PyResult<()>,
@@ -77,7 +77,7 @@ pub(crate) fn fill(
     arrays::fill(array, |numbers| fill(bytemuck::cast_slice_mut(numbers)))
 }
 
-/// What is asked of each vertex.
+/// Requested vertex attribute.
 #[derive(Clone, Copy)]
 pub(crate) enum Part {
     Positions,
@@ -85,7 +85,7 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// How many of them a mesh has.
+    /// Number of values of a mesh.
     pub(crate) fn count(self, mesh: &kinopt::mesh::TriangleMesh) -> usize {
         match self {
             Self::Positions => mesh.positions().len(),
@@ -93,7 +93,7 @@ impl Part {
         }
     }
 
-    /// Buffers that have room for this alone.
+    /// Output buffers for this attribute only.
     pub(crate) fn of(self, room: &mut [f32]) -> PosedVertices<'_> {
         let room = bytemuck::cast_slice_mut(room);
         match self {
@@ -109,7 +109,7 @@ impl Part {
     }
 }
 
-/// Indices of vertices by threes, shape (N, 3), of any whole type.
+/// Reads vertex indices of triangles, shape (N, 3), of any integer type.
 pub(crate) fn triangles(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let expected = "(N, 3)";
     if is_u32(value) {
@@ -130,7 +130,7 @@ pub(crate) fn triangles(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     Ok(bytemuck::cast_slice(&corners).to_vec())
 }
 
-/// Whole numbers of any type.
+/// Reads whole numbers of any integer type.
 pub(crate) fn whole<'py, D: numpy::ndarray::Dimension>(
     value: &Bound<'py, PyAny>,
     what: &str,

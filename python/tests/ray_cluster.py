@@ -1,4 +1,4 @@
-"""Ray on this machine alone, started as well as a busy one can."""
+"""A local Ray cluster, with a long time to start."""
 
 import os
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ ray = pytest.importorskip("ray", reason="SKIPPED LOUDLY: ray is not installed: p
 
 @contextmanager
 def ray_cluster() -> Iterator[None]:
-    """Ray with two workers, until it is left."""
-    # Workers step back behind all else that a machine does, and get no turn on a busy one.
+    """Ray with two workers, for the time of a context."""
+    # By default workers have a low priority, and do not run on a machine with other load.
     os.environ["RAY_worker_niceness"] = "0"
     wait_until(_started, seconds=400.0)
     assert ray.is_initialized()
@@ -24,7 +24,7 @@ def ray_cluster() -> Iterator[None]:
 
 
 def _started() -> bool:
-    """Ray gives up after half a minute, in which a busy machine does not begin."""
+    """Starts Ray; false after its timeout of half a minute, which a machine with other load exceeds."""
     try:
         ray.init("local", num_cpus=2, include_dashboard=False, log_to_driver=False, logging_level="error")
     except Exception as failure:  # noqa: BLE001 - it has no class of its own

@@ -1,4 +1,4 @@
-"""Clips, poses and blends: what is between keys, as numpy says it should be."""
+"""Clips, poses and blends, compared with interpolation in numpy."""
 
 import copy
 import pickle
@@ -27,14 +27,14 @@ MODELS = Path(__file__).parents[2] / "models"
 
 
 def about_z(angle):
-    """x, y, z, w"""
+    """Quaternion x, y, z, w of a rotation about z."""
     zero = np.zeros_like(angle)
     return np.stack([zero, zero, np.sin(angle / 2), np.cos(angle / 2)], axis=-1)
 
 
 @pytest.fixture(scope="module")
 def chain():
-    """Three bones along x, a metre each."""
+    """Three bones along x, one metre each."""
     return Armature(
         ["hips", "chest", "head"],
         [-1, 0, 1],

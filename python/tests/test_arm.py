@@ -1,4 +1,4 @@
-"""Arms solve what forward kinematics says they reach, alone, in batches and along paths."""
+"""Arms solve reachable targets by forward kinematics: single poses, batches and paths."""
 
 import copy
 import os
@@ -102,7 +102,7 @@ def test_a_batch_answers_as_single_questions_do_on_any_number_of_threads(arm, ta
 def test_threads_that_wait_are_not_waited_for_in_a_forked_process(arm, targets):
     batch = arm.solve_batch(targets, START, threads=2)
     with warnings.catch_warnings():
-        # Threads in a process that is forked are what is tried here.
+        # This test is about threads in a forked process.
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if child == 0:

@@ -1,4 +1,4 @@
-"""An arm that is given a world answers with what touches nothing, or says what is touched."""
+"""An arm with a world returns collision-free solutions, or names the colliding pairs."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_another_world_takes_the_same_arm(arm: kinopt.Arm) -> None:
     blocked = arm.with_world(crate)
     assert not blocked.solve(target, Q).reached
     assert arm.solve(target, Q).reached
-    # As it was when it was taken.
+    # The arm keeps the world at the time of its creation.
     crate.remove("crate")
     assert not blocked.solve(target, Q).reached
     assert blocked.with_world(crate, margin=0.0).solve(target, Q).reached
@@ -174,7 +174,7 @@ def test_no_servo_is_on_target_in_an_obstacle(panda: kinopt.Robot) -> None:
     q = np.array([0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8])
     pose = plain.base_from_tool(q)
     world = kinopt.World()
-    # Its top is 2 cm over the flange.
+    # Its top is 2 cm above the flange.
     world.add_box("table", (0.4, 0.4, 1.0), pose=pose[:3, 3] - (0, 0, 0.48))
     arm = kinopt.Arm(panda, "base", "flange", world=world)
     deep = arm.collisions(q)[0].distance
@@ -182,7 +182,7 @@ def test_no_servo_is_on_target_in_an_obstacle(panda: kinopt.Robot) -> None:
     step = servo.step(pose)
     assert step.status == "touching" and not step.reached
     assert step.collisions[0].second == "table" and np.isclose(step.collisions[0].distance, deep)
-    # A way up leads out of it.
+    # An upward motion leads out of it.
     for _ in range(100):
         pose[2, 3] += 0.002
         step = servo.step(pose)

@@ -1,7 +1,7 @@
-"""Whatever is thrown at it, the library answers by a named exception or an answer, never by ending the interpreter.
+"""For any input the library returns a result or raises a named exception, and never ends the interpreter.
 
-Every public class, function, method and property is called with arguments of all kinds, right ones among them, so
-that what comes in is wrong in one place as often as in all.
+Every public class, function, method and property is called with arguments of all kinds, including valid ones, so that
+calls with a single invalid argument occur as often as others.
 """
 
 import gc
@@ -21,12 +21,12 @@ import kinopt
 
 MODELS = Path(__file__).parents[2] / "models"
 CALLS = 6000
-# Files are written by these, or they wait for somebody.
+# These write files, or block.
 LEFT_ALONE = {"write", "save", "run", "serve", "show", "wait", "main"}
 
 
 def things():
-    """Right arguments by the dozen."""
+    """Several valid arguments of each kind."""
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     arm = kinopt.Arm(robot, "base", "flange", atlas=False, attempts=2)
     q = np.array([0.1, -1.2, 1.0, -1.3, -1.5, 0.2])
@@ -61,7 +61,7 @@ def things():
 
 
 def junk(draw):
-    """Wrong arguments of every kind."""
+    """Invalid arguments of every kind."""
     shape = draw.choice([(), (0,), (3,), (4, 4), (6,), (2, 6), (2, 4, 4), (1, 1, 1, 1), (4, 0)])
     dtype = draw.choice(["f8", "f4", "i8", "c16", "U3", "O", "?", "M8[s]"])
     kind = draw.randrange(10)
@@ -103,7 +103,7 @@ def public(module):
 
 
 def attempt(call):
-    """Calls, and says what came: an answer or an exception with a name."""
+    """Calls, and returns the result or the named exception."""
     try:
         return call()
     except (kinopt.KinoptError, TypeError, OverflowError, ValueError, AttributeError, IndexError):

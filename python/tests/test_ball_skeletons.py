@@ -1,4 +1,4 @@
-"""Bones on ball joints: the poses of files as configurations and back, solutions within their cones, what is refused."""
+"""Bones on ball joints: conversion between poses and configurations, solutions within their cones, invalid input."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_solutions_stay_within_cones_of_a_file_or_a_dict(wave: Path, tmp_path: P
     given = {"Arm": {"swing": math.radians(30), "twist": (-twist, twist)}}
     for cones in (side, given):
         figure = kinopt.BallSkeleton.read(wave, cones=cones)
-        # The hips turn too, so the target is where only the arm's swing leads.
+        # The hips rotate too, so only the arm's swing reaches the target.
         goal = tasks.Point("Arm/tip", [0.0, 7.0, 0.0])
         problem = kinopt.Problem(figure.model, [goal])
         solution = kinopt.Solver().solve(problem, figure.model.neutral())

@@ -1,4 +1,4 @@
-"""A problem that is given a world answers with what touches nothing, and drags slide along what is in their way."""
+"""A problem with a world returns collision-free solutions, and drags slide along obstacles."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_drag_slides_along_the_table(panda: kinopt.Robot) -> None:
         places.append(kinopt.frame_placement(panda, "tool", drag.q)[:3, 3])
     assert not solution.reached
     assert any(pair.second == "table" or pair.first == "table" for pair in solution.collisions)
-    # It rests on the table and went along it.
+    # It slides along the table.
     assert places[-1][2] > 0.17
     assert places[-1][0] > places[0][0] - 0.05
 

@@ -1,4 +1,4 @@
-"""Collision models: shapes of a robot, the pairs that are kept apart, and spheres that cover the shapes."""
+"""Collision models: shapes of a robot, enabled collision pairs, and spheres that cover the shapes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_a_model_is_covered_once_whatever_is_made_of_it(ur5e: kinopt.Robot) -> N
     model = ur5e.collision_model()
     assert not model._is_covered
     kinopt.Problem(ur5e, world=kinopt.World(), collision_model=model)
-    # Its links are covered by spheres once; another with other pairs is another.
+    # The spheres of a model are computed once; a model with other pairs computes its own.
     assert model._is_covered
     assert not model.with_ignored("base", "link6")._is_covered
     world = kinopt.World()
@@ -114,12 +114,12 @@ def test_an_arm_takes_spheres_and_grows_them_by_what_they_leave(tmp_path: Path) 
     by_shapes = kinopt.Arm(panda, "base", "flange", world=world, collision_model=shapes)
     start = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
     for q in random.uniform(arms[0].lower, arms[0].upper, (40, 7)):
-        # Only what nothing touches is free, and what is clear by spheres that cover is clear.
+        # Free means free of all contacts, and a configuration that passes the sphere check is free.
         is_free = not by_shapes.collisions(q)
         assert all(is_free or not arm.clear_by_spheres(q[None])[0] for arm in arms)
         solved = arms[1].solve(arms[1].base_from_tool(q), start)
         assert not solved.reached or not by_shapes.collisions(solved.q)
-    # They go with the shapes, whatever pairs are kept apart, and through pickles.
+    # Spheres stay with the shapes when pairs change, and in pickles.
     changed = shapes.with_spheres(small).with_ignored("base", "hand")
     poses = random.uniform(arms[0].lower, arms[0].upper, (200, 7))
     clear = [
@@ -143,7 +143,7 @@ def test_meshes_are_found_or_told(tmp_path: Path) -> None:
     (tmp_path / "lamp" / "robot.urdf").write_text(text)
     robot = kinopt.Robot.from_urdf(tmp_path / "lamp" / "robot.urdf")
     model = pickle.loads(pickle.dumps(robot)).collision_model(meshes="triangles")
-    # Pickles need no file of the mesh.
+    # Pickles do not need the mesh file.
     pickled = pickle.dumps(model)
     (tmp_path / "lamp" / "meshes" / "arm.obj").unlink()
     again = pickle.loads(pickled)

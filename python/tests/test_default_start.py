@@ -1,4 +1,4 @@
-"""An arm without a start begins at a state of its SRDF file or at the middle of its limits; a solution is true where it is reached."""
+"""An arm without a start uses a state of its SRDF file or the middle of its limits; `bool(solution)` is `reached`."""
 
 import pickle
 from pathlib import Path

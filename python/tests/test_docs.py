@@ -1,4 +1,4 @@
-"""Whatever is public says what it is, and what it raises."""
+"""Everything public has a docstring, which says what it raises."""
 
 import importlib
 import inspect
@@ -10,7 +10,7 @@ import kinopt
 
 MODULES = ["kinopt", "kinopt.animation", "kinopt.io", "kinopt.methods", "kinopt.ray", "kinopt.retargeting", "kinopt.skinning", "kinopt.tasks"]
 MODULES += ["kinopt.view"]
-# These have nothing to refuse: they take nothing, or nothing that their signature does not say.
+# These raise nothing: they have no arguments, or none that their signature does not check.
 CANNOT_RAISE = {
     "kinopt.CollisionModel.to_srdf",
     "kinopt.Contact",
@@ -102,12 +102,12 @@ CANNOT_RAISE = {
 
 
 def is_made_by_a_caller(found):
-    """Whether a class has a constructor of its own."""
+    """True if a class has a constructor of its own."""
     return found.__text_signature__ is not None or inspect.isfunction(found.__init__)
 
 
 def public():
-    """Every public thing once: its name, itself, and whether it is called."""
+    """Every public object once: its name, the object, and true if it is callable."""
     seen = set()
     for module_name in MODULES:
         try:
@@ -128,7 +128,7 @@ def public():
                 if not (member.startswith("_") or hasattr(object, member)):
                     own = inspect.getattr_static(found, member)
                     called = callable(own) or isinstance(own, (classmethod, staticmethod))
-                    # Fields of dataclasses that have defaults are values here; their class tells of them.
+                    # Fields of dataclasses with defaults are values here; the docstring of their class describes them.
                     told = called or isinstance(own, property) or inspect.isgetsetdescriptor(own)
                     if told and id(own) not in seen:
                         seen.add(id(own))

@@ -1,4 +1,4 @@
-"""Dragging: frame by frame, on one branch, as far as a frame allows."""
+"""Drags: frame by frame, on one branch, within the displacement limit of a frame."""
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

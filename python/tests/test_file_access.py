@@ -1,4 +1,5 @@
-"""Files open no other file outside of their folder and of the folders that the caller lists; damage raises `KinoptError` alone."""
+"""Readers open no files outside their folder and the folders of the caller; malformed files raise `KinoptError`
+only."""
 
 import json
 import os

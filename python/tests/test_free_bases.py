@@ -1,4 +1,4 @@
-"""Robots on free bases and models with ball joints: configurations as Pinocchio has them, solved within their limits."""
+"""Robots on free bases and models with ball joints: configurations as in Pinocchio, solved within their limits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UR5E = Path(__file__).parents[2] / "models" / "universal_ur5e.urdf"
 
 
 def matrix(q: np.ndarray) -> np.ndarray:
-    """The pose of x, y, z, w, x, y, z."""
+    """Pose of x, y, z, w, x, y, z."""
     w, x, y, z = q[3:7]
     out = np.eye(4)
     out[:3, 3] = q[:3]
@@ -124,7 +124,7 @@ def test_a_free_robot_reaches_what_its_arm_does_not(free: kinopt.Robot) -> None:
 
 
 def in_the_world() -> kinopt.Robot:
-    """A robot whose way from a frame in the world passes a floating joint."""
+    """A robot whose chain from a frame in the world contains a floating joint."""
     text = UR5E.read_text()
     begin = text.index("<link")
     joint = """<link name="anchor"/><joint name="float" type="floating"><parent link="anchor"/>

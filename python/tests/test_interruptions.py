@@ -18,7 +18,7 @@ MODELS = Path(__file__).parents[2] / "models"
 
 
 def interrupted(call: Callable[[], object], after: float = 0.3) -> float | None:
-    """How many seconds after the signal the call raised; None where it ended before."""
+    """Seconds from the signal to the exception of the call; None if the call ended before."""
 
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
@@ -51,9 +51,9 @@ def test_long_calls_react_to_an_interrupt() -> None:
     }.items():
         late = interrupted(call)
         assert late is not None, f"{name} ended"
-        # A busy machine takes its time; on a quiet one it is some milliseconds.
+        # Some milliseconds on an idle machine; the limit allows for other load.
         assert late < 5.0, f"{name}: {late} s"
-    # Nothing waits to be raised by the next call.
+    # No exception is left for the next call.
     assert kinopt.Arm(robot, "base", "flange").solve(arm.base_from_tool(np.full(7, -0.3))).reached
 
 

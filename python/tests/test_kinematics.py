@@ -1,4 +1,4 @@
-"""Frames stand where their joints take them, for one configuration and for many."""
+"""Forward kinematics of frames, for one configuration and for several."""
 
 import copy
 import pickle

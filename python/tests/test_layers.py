@@ -1,4 +1,4 @@
-"""State machines, limbs, aims, reach layers and crowds: what they promise, by geometry."""
+"""State machines, limbs, aims, reach layers and crowds, verified by geometry."""
 
 import pickle
 from pathlib import Path
@@ -136,7 +136,7 @@ def test_an_aim_points_at_its_target(leg):
         placed = leg.local_to_model(pose)[2]
         way = unit(target - placed[:3, 3])
         assert np.abs(placed[:3, 2] - way).max() < 1e-5
-        # What is up stays in the plane of the way and the asked direction.
+        # The up axis stays in the plane of the direction to the target and the requested direction.
         assert abs(placed[:3, 0] @ [0, 1, 0]) < 1e-5
     for wrong in (lambda: AimGoal([np.nan, 0, 0]), lambda: AimGoal([1, 0, 0], weight=np.nan), lambda: LimbGoal([0, np.inf, 0])):
         with pytest.raises(kinopt.InvalidValueError, match="not finite"):

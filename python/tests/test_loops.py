@@ -1,4 +1,4 @@
-"""Models with closed loops: what closes them, what a solution says of them, and forward kinematics."""
+"""Models with closed loops: closing joints, loops in solutions, and forward kinematics."""
 
 import copy
 import pickle
@@ -34,7 +34,7 @@ def four_bar():
 
 
 def freudenstein(crank, rocker):
-    """Zero where the loop is closed (Freudenstein 1954)."""
+    """Zero if the loop is closed (Freudenstein 1954)."""
     k3 = (CRANK**2 - COUPLER**2 + ROCKER**2 + GROUND**2) / (2 * CRANK * ROCKER)
     return GROUND / CRANK * np.cos(rocker) - GROUND / ROCKER * np.cos(crank) + k3 - np.cos(crank - rocker)
 

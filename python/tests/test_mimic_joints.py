@@ -1,4 +1,4 @@
-"""Mimic joints follow their source joints in every configuration that a robot gives, and restrict them only on request."""
+"""Mimic joints follow their source joints in every configuration of a robot, and restrict them only on request."""
 
 import pickle
 from pathlib import Path
@@ -13,7 +13,7 @@ MODELS = Path(__file__).parents[2] / "models"
 
 
 def gripper(own=(0.0, 0.5), offset=0.1, **options):
-    """A drive from -0.2 to 0.8 rad, and a second finger that follows it at twice its angle."""
+    """A drive from -0.2 to 0.8 rad, and a second finger, a mimic joint at twice its angle."""
     text = f"""<robot name="gripper"><link name="palm"/><link name="left"/><link name="right"/><link name="tip"/>
       <joint name="drive" type="revolute"><parent link="palm"/><child link="left"/><limit lower="-0.2" upper="0.8"/></joint>
       <joint name="other" type="revolute"><parent link="palm"/><child link="right"/><axis xyz="0 0 1"/>

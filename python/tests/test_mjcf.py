@@ -1,4 +1,4 @@
-"""Robots from MJCF: MuJoCo's placements, its `qpos`, copies that need no file, faults by name."""
+"""Robots from MJCF: MuJoCo's placements, its `qpos`, pickles without the file, errors with names."""
 
 import json
 import pickle

@@ -1,5 +1,5 @@
-"""Promise: whole motions in Python are those of the library: targets and weights by frame, limits to the bit, what is missed
-and which limits bind when, what stands still."""
+"""Promise: trajectory optimisation in Python gives the results of the library: targets and weights by sample, exact
+limits, misses, active limits, and contacts."""
 
 import pickle
 import threading
@@ -23,7 +23,7 @@ def arm() -> kinopt.Robot:
 
 
 def leap(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
-    """The tool leaps by 40 cm halfway, which its joints are too slow for."""
+    """The tool's target jumps by 40 cm halfway, too fast for its joints."""
     rest = np.array([0.0, -1.2, 1.5, -1.0, -1.5, 0.0])
     tip = arm.frame_names[-1]
     at = kinopt.frame_placement(arm, tip, rest)[:3, 3]
@@ -51,7 +51,7 @@ def test_a_motion_keeps_its_limits_and_tells_the_truth(arm: kinopt.Robot) -> Non
     speeds = np.abs(np.diff(solved.q, axis=0)) / STEP
     assert speeds.max() <= 0.8
     assert speeds.max() > 0.79
-    # It sets off before the leap, and the leap is missed in the middle.
+    # It starts before the jump, and the target is missed in the middle.
     assert not solved.reached
     missed = {miss.frame for miss in solved.missed if miss.task == "reach"}
     assert FRAMES // 2 in missed or FRAMES // 2 - 1 in missed
@@ -59,7 +59,7 @@ def test_a_motion_keeps_its_limits_and_tells_the_truth(arm: kinopt.Robot) -> Non
     assert limits and all(limit.bound == "speed" for limit in limits)
     assert all(limit.push > 0 and limit.side in ("lower", "upper") for limit in limits)
     assert solved.cost == pytest.approx(solved.frame_costs.sum() + solved.cost_of_rates)
-    # From near, in windows and pickled it is the same motion.
+    # From a near start, in windows, and pickled, the result is equal.
     near = motion.solve(solved.q)
     assert near.cost == pytest.approx(solved.cost, rel=1e-5)
     again = pickle.loads(pickle.dumps(motion)).solve(rest)
@@ -105,7 +105,7 @@ def test_other_threads_run_meanwhile(arm: kinopt.Robot) -> None:
 
     thread = threading.Thread(target=tick)
     thread.start()
-    # A solve takes milliseconds, and a busy machine lets the other thread wait for many of them.
+    # A solve takes milliseconds, and on a machine with other load the other thread may wait for several of them.
     while len(solves) < 1000 and sum(end - start for start, end in solves) < 2.0:
         start = time.monotonic()
         motion.solve(np.zeros(6))
@@ -113,7 +113,7 @@ def test_other_threads_run_meanwhile(arm: kinopt.Robot) -> None:
     done.set()
     thread.join()
     within = [moment for moment in ticks if any(start < moment < end for start, end in solves)]
-    # Were it kept waiting, it would wake between two solves alone.
+    # If it had to wait for the GIL, it would wake between two solves only.
     assert len(within) > len(ticks) / 4
 
 
@@ -151,7 +151,7 @@ def test_what_is_wrong_is_named(arm: kinopt.Robot) -> None:
 
 
 def between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The angles of the turns between quaternions (w, x, y, z), row by row."""
+    """Rotation angles between quaternions (w, x, y, z), row by row."""
     return 2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0, 1))
 
 

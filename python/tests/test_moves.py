@@ -1,4 +1,4 @@
-"""No joint goes further from the start than it may: one step of a controller."""
+"""No joint moves farther from the start than `max_move`: one step of a controller."""
 
 import numpy as np
 import pytest

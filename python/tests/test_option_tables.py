@@ -1,4 +1,4 @@
-"""The tables of docs/options.md name the options that there are, and no others."""
+"""The tables of docs/reference/options.md list exactly the existing options."""
 
 import inspect
 import re
@@ -8,11 +8,11 @@ import pytest
 
 import kinopt
 
-PAGE = (Path(__file__).parents[2] / "docs/options.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs/reference/options.md").read_text()
 
 
 def named(section):
-    """What a section's table has in its column of Python."""
+    """The Python column of the table of a section."""
     part = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
     rows = [line.split("|")[1:-1] for line in part.splitlines() if line.startswith("|")]
     column = [cell.strip() for cell in rows[0]].index("Python")
@@ -43,7 +43,7 @@ def test_a_table_has_every_keyword(section, there):
 
 
 def test_the_page_on_choosing_names_what_there_is():
-    page = (Path(__file__).parents[2] / "docs/choosing.md").read_text()
+    page = (Path(__file__).parents[2] / "docs/guide/choosing.md").read_text()
     dotted = keyword = 0
     for table in re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE):
         rows = [line.split("|")[1:-1] for line in table.splitlines()]

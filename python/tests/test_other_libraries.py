@@ -1,11 +1,11 @@
-"""Configurations in the order of Pinocchio and MuJoCo: frames are where those libraries have them."""
+"""Configurations in the order of Pinocchio and MuJoCo: frames have the poses of those libraries."""
 
 import numpy as np
 import pytest
 
 import kinopt
 
-# Joints that are not in the order of their names, a fixed one with children, continuous, planar, floating and mimic ones.
+# Joints not in the order of their names: a fixed one with children, continuous, planar, floating and mimic ones.
 URDF = """<robot name="tree"><link name="base"/><link name="z_hip"/><link name="foot"/><link name="a_arm"/><link name="hand"/>
   <link name="plate"/><link name="finger"/><link name="drone"/><link name="sled"/>
   <joint name="leg" type="continuous"><parent link="base"/><child link="z_hip"/><origin xyz="0 0.2 0"/><axis xyz="0 1 0"/></joint>
@@ -23,7 +23,7 @@ INERTIA = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" i
 
 
 def weighed(text):
-    """The links with masses, which MuJoCo wants."""
+    """The links with masses, which MuJoCo requires."""
     return text.replace("<link name=", "<link  name=").replace('"/><link', f'">{INERTIA}</link><link').replace(
         '"/>\n  <link', f'">{INERTIA}</link>\n  <link'
     ).replace('"/>\n  <joint name="leg"', f'">{INERTIA}</link>\n  <joint name="leg"')
@@ -51,7 +51,7 @@ def test_configuration_of_pinocchio_places_equal_frames(base):
 
 def test_configuration_of_mujoco_places_equal_frames():
     mujoco = pytest.importorskip("mujoco")
-    # MuJoCo reads floating joints only of the root.
+    # MuJoCo supports floating joints of the root only.
     text = "".join(line for line in URDF.splitlines(True) if 'name="air"' not in line)
     text = text.replace('<link name="drone"/>', "")
     robot = kinopt.Robot.from_urdf_text(text)

@@ -1,4 +1,4 @@
-"""A residual in Python is as good a task as the library's own."""
+"""A residual in Python behaves like a task of the library."""
 
 import copy
 import pickle
@@ -131,12 +131,12 @@ def test_what_it_raises_comes_out_unchanged(robot, after, where):
     else:
         task = tasks.Residual(at_target, jacobian=failing(slope_at_target), frames=["tool"], rows=3)
     problem = kinopt.Problem(robot, [task])
-    # More starts than one, so that also late calls come.
+    # Several starts, so that later calls occur too.
     with pytest.raises(Mine) as caught:
         for start in robot.random_configuration(5, 20):
             kinopt.Solver().solve(problem, start)
     assert caught.value is mine
-    # Nothing was computed on afterwards.
+    # No computation continues after the exception.
     assert calls[0] == after + 1
     assert kinopt.Solver().solve(kinopt.Problem(robot, [own()]), robot.neutral()).reached
 
@@ -289,7 +289,7 @@ def test_a_jacobian_by_a_ball_is_checked_along_its_turns():
 
     residual(slope).check_jacobian(model, q, tolerance=1e-8)
     residual(slope).check_jacobian(model, model.neutral(), tolerance=1e-8)
-    # What only leads off the unit sphere is no derivative: along q nothing is asked.
+    # A derivative along q is irrelevant, because it only leaves the unit sphere.
     residual(lambda joints: slope(joints) + np.outer([1.0, 2.0], [0.0, *joints[1:]])).check_jacobian(model, q)
     with pytest.raises(kinopt.InvalidValueError, match="turn about . of the joint 'wrist'"):
         residual(lambda joints: slope(joints) * [1, 1, 1.5, 1, 1]).check_jacobian(model, q)

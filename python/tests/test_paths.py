@@ -1,4 +1,4 @@
-"""Whole paths: the fewest reconfigurations, and the truth about what is between the points."""
+"""Cartesian paths: the fewest reconfigurations, and bounds of the deviation between the points."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_a_line_is_one_piece(arm: kinopt.Arm) -> None:
     assert np.allclose(arm.base_from_tool(solved.q), path, atol=2e-6)
     assert np.all(solved.q >= arm.lower) and np.all(solved.q <= arm.upper)
     assert np.isclose(solved.length, np.linalg.norm(np.diff(solved.q, axis=0), axis=1).sum())
-    # Nothing that is found between the rows is beyond what is told.
+    # No sample between the rows exceeds the reported bound.
     share = np.linspace(0, 1, 11)[:, None, None]
     between = solved.q[:-1] + share * np.diff(solved.q, axis=0)
     wanted = path[:-1, :3, 3] + share * np.diff(path[:, :3, 3], axis=0)
@@ -122,7 +122,7 @@ def test_times_keep_the_limits_of_a_file(arm: kinopt.Arm, tmp_path: Path) -> Non
         assert times.shape == (60,) and times[0] == 0.0 and np.all(np.diff(times) > 0)
         speeds = np.abs(np.diff(told.q, axis=0)) / np.diff(times)[:, None]
         assert speeds.max() <= 0.8 + 1e-9
-    # Slower joints take longer; one number stands for all.
+    # Slower joints take longer; a single number applies to all.
     assert solved.times(0.1)[-1] > solved.times()[-1]
     assert solved.times(velocity_limits=0.01)[-1] > 10 * solved.times()[-1]
     with pytest.raises(InvalidValueError, match="acceleration_limits"):

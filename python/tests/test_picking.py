@@ -1,4 +1,4 @@
-"""Batches, tracks and solutions are indexed as arrays are."""
+"""Batches, tracks and solutions are indexed like arrays."""
 
 import pickle
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Positions and rotations become placements however they are written, and rounded ones are made rigid."""
+"""Placements from positions and rotations in all representations; rounded ones become rigid."""
 
 import numpy as np
 import pytest

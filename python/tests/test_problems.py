@@ -1,4 +1,4 @@
-"""Problems: which joints are free, within which bounds; one problem serves many questions and threads."""
+"""Problems: free joints and bounds; one problem serves several queries and threads."""
 
 import copy
 import pickle
@@ -174,7 +174,7 @@ def test_every_kind_of_target_moves(robot):
 
 
 def stated_with(task, target):
-    """The same task with another target from the start."""
+    """The task with another target from the start."""
     match task:
         case tasks.Within():
             return replace(task, task=stated_with(task.task, target))

@@ -1,4 +1,4 @@
-"""Targets through Ray's workers: the same bits as without Ray, and nothing lost when one is killed."""
+"""Targets on Ray's workers: results are equal to those without Ray, and none is lost when a worker is killed."""
 
 import importlib.util
 import os
@@ -72,7 +72,7 @@ def folder(tmp_path, targets):
 
 
 def assert_same(answers, want):
-    """The same bits, in the order of numbers."""
+    """Asserts bitwise equal results, in the order of numbers."""
     answers = answers.sort_by("number")
     assert answers.column_names == ["number", *ANSWERS]
     assert answers["number"].to_pylist() == list(range(COUNT))
@@ -109,7 +109,7 @@ def test_targets_of_any_arrow_kind_are_read(targets, kind):
     column = pa.array(rows.tolist(), storage)
     if isinstance(kind, pa.ExtensionType):
         column = pa.ExtensionArray.from_storage(kind, column)
-    # In two pieces, of which the second begins within its memory.
+    # In two chunks, of which the second begins inside its buffer.
     column = pa.chunked_array([column[:2], column[2:]])
     assert np.array_equal(kr.numbers(pa.table({"target": column}), "target", (4, 4)), few)
     assert np.array_equal(kr.numbers(pa.table({"target": column}).slice(3), "target", (4, 4)), few[3:])
@@ -146,7 +146,7 @@ def test_what_does_not_fit_is_told_before_a_worker_starts(arm, start, targets):
 
 @pytest.fixture(scope="module")
 def problem():
-    """A humanoid's hand, eyes, foot and chest, and a joint that shall be somewhere."""
+    """A humanoid with tasks for hand, eyes, foot and chest, and a joint."""
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     rest = kinopt.ForwardKinematics(rig).place(np.zeros(rig.model.degrees_of_freedom))
     at = dict(zip(rig.model.frame_names, rest))
@@ -185,11 +185,11 @@ def test_problems_are_answered_as_without_tables(problem):
         assert np.array_equal(kr.numbers(answers, "q"), want.q)
         for name in ANSWERS[1:]:
             assert np.array_equal(answers[name].to_numpy(), getattr(want, name)), name
-    # Without targets there are as many questions as rows, here with starts of their own.
+    # Without targets there is one query for each row, here with its own start.
     starts = seeded.uniform(-0.2, 0.2, (3, len(start)))
     answers = kr.SolveProblem(problem, starts="from")(kr.table(**{"from": starts}))
     assert np.array_equal(kr.numbers(answers, "q"), kinopt.Solver().solve_batch(problem, starts).q)
-    # No joint moves further than it may.
+    # No joint moves farther than `max_move`.
     near = kr.SolveProblem(problem, start, targets=columns, max_move=0.05)(asked)
     want = kinopt.Solver().solve_batch(problem, start, targets, max_move=0.05)
     assert np.array_equal(kr.numbers(near, "q"), want.q) and np.abs(want.q - start).max() <= 0.05
@@ -288,23 +288,23 @@ def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
     job.wait()
     before = {name: (into / name).stat().st_mtime_ns for name in finished}
     assert sorted(path.name for path in into.glob("0*")) == finished
-    # What a job that was killed was writing, and a file whose end was lost with the machine.
+    # The partial file of a killed job, and a truncated file.
     (into / ".000003.parquet.x.part").write_bytes(b"PAR1")
     (into / "000004.parquet").write_bytes((into / finished[0]).read_bytes()[:-100])
 
     answers = kr.solve_files(folder / "targets", into, dies, workers=2)
     assert_same(answers.to_table(), want)
     assert {name: (into / name).stat().st_mtime_ns for name in finished} == before
-    # In the order of the targets, each file whole, and nothing else.
+    # In the order of the targets, each file complete, and nothing else.
     assert answers.to_table()["number"].to_pylist() == list(range(COUNT))
     names = sorted(path.name for path in (folder / "targets").iterdir())
     assert sorted(path.name for path in into.iterdir()) == names
 
-    # Answers to another question are not taken for these.
+    # Results of another query are not reused.
     with pytest.raises(kinopt.InvalidValueError, match="answers another question"):
         kr.solve_files(folder / "targets", into, kr.SolveArm(arm, -start))
 
-    # Files that changed are solved again; a bad one is named after the others are solved.
+    # Changed files are solved again; an invalid one is reported after the others are solved.
     bad = targets[:BLOCK].copy()
     bad[7, 0, 0] = np.nan
     changed = kr.table(target=[*bad, *targets[:100]], number=np.arange(BLOCK + 100))
@@ -342,7 +342,7 @@ def test_the_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, ca
     apart = np.linalg.norm(turned[:, None] - turned, axis=(2, 3)) + 9 * np.eye(80)
     assert apart.min() > 0.5
 
-    # As python/README.md asks for it, but coarser.
+    # The command of python/README.md, at a lower resolution.
     page = (Path(__file__).parents[1] / "README.md").read_text()
     (block,) = re.findall(r"^```sh with Ray\npython (.*)\n```", page, re.M)
     options = "--step 0.4 --directions 4 --turns 1 --starts 2 --workers 2 --picture map.png".split()

@@ -1,5 +1,7 @@
-"""What the README and other pages show runs."""
+"""Code blocks of the README and of the documentation pages run, and print the output shown."""
 
+import contextlib
+import io
 import os
 import re
 import shlex
@@ -12,19 +14,35 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["python/README.md", *sorted(f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md"))]
+FOLDERS = ["docs", "docs/guide", "docs/reference"]
+PAGES = ["python/README.md", *sorted(f"{folder}/{page.name}" for folder in FOLDERS for page in (ROOT / folder).glob("*.md"))]
 
 
 def blocks_of(page):
-    return re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.S | re.M)
+    """Python blocks of a page, each with the output that the page shows for it, or None."""
+    text = (ROOT / page).read_text()
+    blocks = list(re.finditer(r"^```python\n(.*?)^```", text, re.S | re.M))
+    ends = [block.start() for block in blocks[1:]] + [len(text)]
+    for block, end in zip(blocks, ends):
+        output = re.search(r"^Output in Python:\n\n```text\n(.*?)^```", text[block.end() : end], re.S | re.M)
+        yield block[1], output and output[1]
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks_of(page)])
+def without_counts(output):
+    """Output without numbers of iterations, which depend on the processor."""
+    return re.sub(r"\d+ (iteration|attempt)s?", r"N \1s", output).strip()
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if any(blocks_of(page))])
 def test_what_a_page_shows_runs(monkeypatch, page):
     monkeypatch.chdir(ROOT)
     names = {}
-    for block in blocks_of(page):
-        exec(compile(block, page, "exec"), names)  # noqa: S102
+    for block, output in blocks_of(page):
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(block, page, "exec"), names)  # noqa: S102
+        if output is not None:
+            assert without_counts(printed.getvalue()) == without_counts(output)
 
 
 OPENERS = [
@@ -51,7 +69,7 @@ def test_what_opens_a_page_opens_one(language, block):
         assert words[:3] == ["python", "-m", "kinopt.view"]
         command = [sys.executable, *words[1:], "--no-browser", "--port", str(a_free_port())]
     else:
-        # Where it waits for ever it says where its page is first.
+        # Code that waits for ever prints its address first.
         assert block.count("scene.wait()") == 1
         command = [sys.executable, "-c", block.replace("scene.wait()", "print(scene.url, flush=True); scene.wait()")]
     environment = {**os.environ, "BROWSER": "true"}
@@ -71,5 +89,6 @@ def test_some_pages_open_one():
     assert len(OPENERS) >= 4
 
 
-def test_most_pages_show_something():
-    assert sum(bool(blocks_of(page)) for page in PAGES) >= 12
+def test_pages_have_blocks_and_outputs():
+    assert sum(any(blocks_of(page)) for page in PAGES) >= 25
+    assert sum(output is not None for page in PAGES for _, output in blocks_of(page)) >= 40

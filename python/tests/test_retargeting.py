@@ -1,4 +1,4 @@
-"""People's movements on robots: whatever holds them, by a map or without, whole or as they come."""
+"""Motion capture on robots: all sources, with a map or without, whole or online."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def sway(frames: int = 30) -> Floats:
 
 
 def person(frames: int = 12) -> tuple[list[str], Floats]:
-    """A person of SMPL's joints, standing with arms that hang, who bends the knees."""
+    """A subject with SMPL's joints, standing with hanging arms, that bends the knees."""
     stands = {
         "pelvis": (0, 0, 0.95), "hip": (0, 0.1, 0.9), "spine1": (0, 0, 1.05), "knee": (0.02, 0.1, 0.5),
         "spine2": (0, 0, 1.2), "ankle": (0, 0.1, 0.08), "spine3": (0, 0, 1.3), "foot": (0.13, 0.1, 0.02),
@@ -63,7 +63,7 @@ def person(frames: int = 12) -> tuple[list[str], Floats]:
 
 @pytest.fixture(scope="module")
 def nao() -> kinopt.Robot:
-    # Its file states no speeds.
+    # Its file has no velocity limits.
     text = NAO.read_text().replace('velocity="0"', 'velocity="3"')
     return kinopt.Robot.from_urdf_text(text, NAO.name, base_joint="free")
 
@@ -74,10 +74,10 @@ def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> Non
         assert found.q.shape == (30, nao.configuration_len) and found.names == nao.coordinate_names
         assert found.fps == 30 and len(found) == 30
         assert all(nao.is_within_limits(q) for q in found.q)
-        # Speeds of hinges, from each frame to the next.
+        # Joint velocities, between successive frames.
         most = nao.velocity_limits[7:] / 30
         assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= most * (1 + 1e-12))
-        # What the arrays say is what forward kinematics says.
+        # The reported errors equal those of forward kinematics.
         assert found.driven == ["hips", "left", "right"] and found.errors.shape == (30, 3)
         assert np.isclose(found.errors.mean(), found.mean_error)
         assert found.standing == ["left_sole", "right_sole"] and found.contacts.all()
@@ -89,7 +89,7 @@ def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> Non
 
 
 def test_what_is_met_is_at_its_limit(nao: kinopt.Robot) -> None:
-    # Far aside in no time: speeds hold it back.
+    # A fast sideways motion, limited by the speed limits.
     places = sway(20)
     places[10:, 0, 1] += 0.3
     found = kinopt.retarget(places, nao, MAP)
@@ -158,7 +158,7 @@ def test_a_file_of_motion_capture_and_its_clip_are_the_same(nao: kinopt.Robot, t
     read = kinopt.MotionCapture.read(tmp_path / "squat.bvh")
     for source in (read, read_capture(read.clip, fps=25)):
         assert np.array_equal(kinopt.retarget(source, nao, {"drives": MAP["drives"]}).q, found.q)
-    # Feet have the names of none, so nothing stands until a map says so.
+    # No joint has the name of a foot, so there are no contacts without a map.
     assert found.contacts.shape == (5, 0) and found.standing == []
 
 
@@ -166,13 +166,13 @@ def test_the_body_that_ships_is_known(nao: kinopt.Robot) -> None:
     names, places = person()
     guess = kinopt.guess_map(Capture(places, names, 30), nao)
     assert (guess.skeleton, guess.body) == ("smpl", "nao")
-    # Its toes are in front of its ankles, though its feet's frames are not.
+    # Its toes are in front of its ankles, unlike the frames of its feet.
     assert guess.map["drives"]["left_foot"]["offset"][0] > 0
 
 
 def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
     names, places = person()
-    # With a link of another name the body is nobody that is known.
+    # With a renamed link the body is not recognised.
     text = NAO.read_text().replace('velocity="0"', 'velocity="3"').replace('"left_shank"', '"left_calf"')
     nao = kinopt.Robot.from_urdf_text(text, "stranger.urdf", base_joint="free")
     guess = kinopt.guess_map(Capture(places, names, 30), nao)
@@ -180,7 +180,7 @@ def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
     drives = guess.map["drives"]
     assert drives["left_knee"] == "left_calf" and drives["left_wrist"] == "left_wrist"
     assert drives["left_ankle"] == "left_ankle"
-    # SMPL's feet are toes, and the robot's are where its ankles are: both would pull at one place.
+    # SMPL's feet are toes, and the robot's feet are at its ankles: both would drive one point.
     assert "left_foot" not in drives
     assert "left_toe: `left_foot` is where `left_ankle` is, so it is left out" in guess.notes
     assert any(note.startswith("chest") for note in guess.notes)
@@ -191,7 +191,7 @@ def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
     guess.save(tmp_path / "map.json")
     again = kinopt.retarget(places, nao, tmp_path / "map.json", joints=names, fps=30)
     assert np.array_equal(again.q, by_name.q)
-    # As others call them.
+    # Names of another convention.
     other = [name.replace("left_", "L_").replace("right_", "R_").title() for name in names]
     assert len(kinopt.guess_map(Capture(places, other, 30), nao).map["drives"]) == len(drives)
 
@@ -213,13 +213,13 @@ def test_frames_can_come_one_by_one(nao: kinopt.Robot) -> None:
     assert np.array_equal(live.q, q[-1]) and live.names == nao.coordinate_names and live.map == MAP
     assert all(nao.is_within_limits(row) for row in q)
     soles = kinopt.ForwardKinematics(nao, ["left_sole", "right_sole"]).place(q)[:, :, :3, 3]
-    # Held once they are known to stand.
+    # Locked once they are known to be in contact.
     assert np.linalg.norm(soles[10:] - soles[10], axis=2).max() < 1e-3
     torso = kinopt.ForwardKinematics(nao, ["torso"]).place(q)[:, 0, 1, 3]
     known = kinopt.retarget(places, nao, MAP).q
     expected = kinopt.ForwardKinematics(nao, ["torso"]).place(known)[:, 0, 1, 3]
     assert np.abs(torso - expected)[10:].max() < 0.01
-    # Where the capture loses a joint, the body stays.
+    # If the capture loses a joint, the configuration stays.
     lost = places[5].copy()
     lost[1] = np.nan
     assert np.array_equal(live.step(lost), q[-1])
@@ -294,7 +294,7 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
     for source in (tmp_path / "empty.bvh", empty, empty.clip, pickle.loads(pickle.dumps(empty.clip))):
         with pytest.raises(InvalidValueError, match="no frames"):
             kinopt.retarget(source, nao, MAP)
-    # What is wrong with a file's numbers names the file.
+    # Errors about a file's numbers name the file.
     damaged = sway(4)
     damaged[2, 1, 0] = np.nan
     np.save(tmp_path / "nan.npy", damaged)
@@ -325,7 +325,7 @@ def test_a_robot_keeps_clear_of_a_world() -> None:
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
     places = sway(6) * np.array([1.0, 1.5, 1.0])
     plain = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
-    # A pole where the head is without it.
+    # A pole at the position of the head without the pole.
     head = kinopt.frame_placement(robot, "head", plain.q[3])[:3, 3]
     world = kinopt.World()
     world.add_box("pole", (0.04, 0.04, 2.0), head + [0.08, 0, 0])
@@ -335,7 +335,7 @@ def test_a_robot_keeps_clear_of_a_world() -> None:
         found = kinopt.retarget(places, robot, MAP, world=world, margin=0.002, whole=whole)
         assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
         assert len(found.touching) == 0
-    # Where the pole stands about a person, it is farther and thicker.
+    # A pole at the position near the subject is farther away and thicker.
     persons = world.scaled(1 / plain.stride)
     found = kinopt.retarget(places, robot, MAP, world=persons.scaled(plain.stride), margin=0.002)
     assert len(found.touching) == 0 and not any(apart.collisions(q) for q in found.q)
@@ -356,7 +356,7 @@ STEPS = MODELS / "captures" / "steps.bvh"
 
 
 def heights(clip: Any, bone: str, times: list[float]) -> list[float]:
-    """How high a bone is in a clip in whose file y points upward."""
+    """Heights of a bone in a clip whose file has y up."""
     places = []
     for time in times:
         pose = clip.sample(time)
@@ -365,20 +365,20 @@ def heights(clip: Any, bone: str, times: list[float]) -> list[float]:
 
 
 def test_a_figure_does_the_movement_in_its_own_file(tmp_path: Path) -> None:
-    # A person onto a body of the same bones, whose file has y upward: the movement comes back.
+    # Retargeting to a body with equal bones, whose file has y up, returns the motion itself.
     capture = kinopt.MotionCapture.read(STEPS)
     found = kinopt.retarget(STEPS, capture, fps=30)
     clip = found.clip(capture, "again")
     assert clip.name == "again" and np.isclose(clip.span[1], capture.clip.span[1], atol=1 / 30)
     times = [0.5, 2.0, 3.5]
     assert np.allclose(heights(clip, "Head", times), heights(capture.clip, "Head", times), rtol=0.04)
-    # By its file, by a target that says what is up, and after a pickle's journey.
+    # From its file, from a target with an upward axis, and after pickling.
     assert np.array_equal(kinopt.retarget(STEPS, STEPS, fps=30).q, found.q)
     figure = FigureTarget(capture, up="y")
     assert np.array_equal(kinopt.retarget(STEPS, figure, fps=30).q, found.q)
     back = pickle.loads(pickle.dumps(figure))
     assert back.up == "y" and back.model.joint_names == figure.model.joint_names
-    # A scene with the same bones keeps its file and gets a clip more.
+    # A scene with these bones keeps its content and gets an additional clip.
     scene = kinopt.Scene(capture.armature)
     scene.write(tmp_path / "body.glb")
     file = kinopt.SceneFile.read(tmp_path / "body.glb")

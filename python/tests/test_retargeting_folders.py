@@ -1,4 +1,4 @@
-"""Folders of movements: whole files or none, done once, by threads or by Ray's workers."""
+"""Folders of motion captures: complete files or none, done once, by threads or by Ray's workers."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
     assert set(first) == {"one.npz", "two.npz", "deeper/three.npz", "retarget.json"}
     with np.load(into / "one.npz") as read:
         assert np.array_equal(read["q"], kinopt.retarget(sway(10), NAO, MAP).q)
-    # As if it had been ended: one is missing, and half of it is there under another name.
+    # The state of an interrupted job: one file is missing, and a part of it exists under another name.
     (into / "two.npz").rename(into / ".part.two.npz")
     np.save(folder / "lost.npy", sway(5))
     again = retarget_folder(folder, NAO, into, MAP)
@@ -77,7 +77,7 @@ def test_what_changed_of_a_map_is_another_question(folder: Path, tmp_path: Path)
     into, file = tmp_path / "into", tmp_path / "map.json"
     file.write_text(json.dumps(MAP))
     retarget_folder(folder / "deeper", NAO, into, file)
-    # The same, however it is said.
+    # An equal job, in another notation.
     assert all(report.done_before for report in retarget_folder(folder / "deeper", NAO, into, dict(MAP)))
     file.write_text(json.dumps({**MAP, "drives": {"left": "left_sole", "right": "right_sole"}}))
     with pytest.raises(InvalidValueError, match=r"another question.*\(map\)"):
@@ -132,7 +132,7 @@ def test_ray_writes_the_same(folder: Path, tmp_path: Path) -> None:
         for name in ("one.npz", "two.npz", "deeper/three.npz"):
             with np.load(expected / name) as one, np.load(into / name) as other:
                 assert all(np.array_equal(one[key], other[key]) for key in one.files)
-        # What one left, the other goes on with.
+        # Either function continues the job of the other.
         os.remove(into / "two.npz")
         assert [report.done_before for report in retarget_folder(folder, robot, into, MAP)] == [True, True, False]
         assert all(report.done_before for report in kinopt.ray.retarget_files(folder, robot, into, MAP))

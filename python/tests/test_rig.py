@@ -301,7 +301,7 @@ def test_a_rig_balances_by_the_volume_of_its_mesh():
     corners = rig.mesh.positions
     low, high = corners.min(axis=0), corners.max(axis=0)
     centre = rig.center_of_mass(q)
-    # In the middle from side to side, as both sides are alike.
+    # In the middle from side to side, because the rig is symmetric.
     assert abs(centre[1] - (low + high)[1] / 2) < 0.01 * (high - low).max()
     assert np.all(centre > low) and np.all(centre < high)
     aim = centre + [0.02, -0.03, 0.01]

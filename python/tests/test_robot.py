@@ -1,4 +1,4 @@
-"""Robots say what they are, from files and from text, and travel to other processes."""
+"""Properties of robots, from files and from text, and pickling to other processes."""
 
 import copy
 import pickle

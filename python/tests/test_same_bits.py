@@ -1,4 +1,4 @@
-"""Python and Rust give the same bits to the same questions.
+"""Python and Rust give bitwise equal results.
 
 The Rust side is a small program of the repository, so these tests need cargo and a checkout.
 """
@@ -32,8 +32,8 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def rust():
-    """Asks the Rust program."""
-    # Beside the packages of `cargo test`, whose library it then shares: alone it would compile its own.
+    """Runs the Rust program."""
+    # Built with the packages of `cargo test`, to share its build of the library.
     packages = ["-p", "kinopt", "-p", "kinopt-cli", "-p", "kinopt-test-support"]
     build = ["cargo", "build", "--profile", "test", "--quiet", "--message-format=json", *packages, "--bin", "answers"]
     built = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -73,7 +73,7 @@ def test_a_hundred_problems_of_every_shipped_rig(rust, name):
     skeleton = kinopt.Rig.read(ROOT / path).skeleton
     bones = [tip.removesuffix("/tip") for tip in skeleton.tips]
     rest, count = skeleton.model.neutral(), 100
-    # Tips stand where a part of a random pose puts them, ten of them a little out of reach.
+    # Targets of the tips are a part of a random pose, ten of them slightly out of reach.
     poses = rest + 0.3 * (skeleton.model.random_configuration(21, count) - rest)
     tips = [skeleton.tip(bone) for bone in bones]
     places = [[kinopt.frame_placement(skeleton, tip, q)[:3, 3] for tip in tips] for q in poses]

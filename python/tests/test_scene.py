@@ -32,7 +32,7 @@ def rig():
 
 
 def wave(armature):
-    """Turns one bone back and forth, and lets another one grow."""
+    """Rotates one bone back and forth, and scales another one."""
     times = [0.0, 0.5, 1.0]
     half = np.sqrt(0.5)
     turn = animation.RotationCurve.slerp(times, xyzw=[[0, 0, 0, 1], [0, 0, half, half], [0, 0, 0, 1]])

@@ -1,4 +1,4 @@
-"""Scene files keep what they hold while clips are added and nodes posed; clips made of others."""
+"""Scene files keep their content while clips are added and nodes posed; clips from other clips."""
 
 import json
 from pathlib import Path
@@ -24,7 +24,7 @@ def scene(rig: kinopt.Rig) -> kinopt.Scene:
 
 
 def walk(armature: animation.Armature, name: str = "walk") -> animation.Clip:
-    """The root goes along x for two seconds, turning about y."""
+    """The root moves along x for two seconds, rotating about y."""
     times = [0.0, 1.0, 2.0]
     root = armature.names[0]
     half = np.sqrt(0.5)

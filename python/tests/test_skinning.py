@@ -1,4 +1,4 @@
-"""Skinning: what moves vertices, held against numpy and against what every method must keep."""
+"""Skinning, compared with numpy and with invariants of every method."""
 
 import pickle
 from pathlib import Path
@@ -96,7 +96,7 @@ def test_dual_quaternions_stretch_about_pivots_only(rig):
         MeshWeights(rig.weights).positions("dqs", one, rest)
     weights = MeshWeights(rig.weights, pivots=tails)
     assert np.isfinite(weights.positions("dqs", one, rest)).all()
-    # A stretch that is common to all bones stretches the whole mesh.
+    # A common scale of all bones scales the whole mesh.
     assert np.abs(weights.positions("dqs", grown, rest) - 2 * rest).max() < 1e-3
 
 
@@ -113,7 +113,7 @@ def test_out_takes_the_result(rig):
         weights.positions("lbs", posed, rest[1:])
     with pytest.raises(kinopt.UnknownNameError):
         weights.positions("ribs", posed, rest)
-    # Neither strides nor odd places in memory matter.
+    # Neither strides nor misaligned memory matter.
     strided = np.repeat(rest, 2, axis=0)[::2]
     raw = np.frombuffer(b"x" + rest.tobytes(), np.uint8)[1:].view(np.float32).reshape(-1, 3)
     assert not raw.flags.aligned
@@ -172,7 +172,7 @@ def test_weights_are_made_up_by_distance_and_by_heat():
         assert np.abs(weights.to_table().sum(axis=1) - 1).max() < 1e-9
         same = made.for_segments(rig.mesh, segments)
         assert np.array_equal(same.weights, weights.weights)
-        # Most vertices follow most the bone that is nearest.
+        # Most vertices have their largest weight at the nearest bone.
         near = np.array([distances(rig.mesh.positions, *segment) for segment in segments]).argmin(0)
         assert (weights.to_table().argmax(axis=1) == near).mean() > 0.7
     for wrong in (AutomaticWeights(falloff=0.0), AutomaticWeights(most=0), HeatWeights(heat=-1.0)):
@@ -189,7 +189,7 @@ def distances(points, tail, tip):
 
 
 def test_shared_scale_keeps_the_point_of_the_joint():
-    """A mesh in centimetres under a root of scale 0.01; both bones take (100, 0, 0) to (1, 0, 0)."""
+    """A mesh in centimetres under a root of scale 0.01; both bones map (100, 0, 0) to (1, 0, 0)."""
     weights = SkinWeights.from_table(np.array([[1, 0], [0.5, 0.5], [0, 1.0]]))
     rest = np.array([[0, 0, 0], [100, 0, 0], [200, 0, 0]], np.float32)
     first = np.diag([0.01, 0.01, 0.01, 1.0])

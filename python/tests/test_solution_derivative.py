@@ -1,5 +1,4 @@
-"""How solutions change with what is asked: the derivative from Python, in PyTorch and in JAX, is what solving again
-shows."""
+"""Derivatives of solutions, from Python, in PyTorch and in JAX, equal the differences of new solutions."""
 
 import pickle
 from pathlib import Path
@@ -37,7 +36,7 @@ def own_axes(target):
 
 
 def moved(target, twist):
-    """The target along and about its own axes, to second order."""
+    """The target moved along and about its own axes, to second order."""
     moved = target.copy()
     moved[:3, 3] += target[:3, :3] @ twist[:3]
     x, y, z = twist[3:]
@@ -69,7 +68,7 @@ def test_wrong_shapes_are_refused(arm, targets):
 
 @pytest.fixture(scope="module")
 def problem(robot):
-    """Redundant: a place for the hand, a posture for the rest."""
+    """A redundant problem: a position for the hand, a posture for the rest."""
     hand = tasks.Point("flange", [0.4, 0.3, 0.4], name="hand")
     posture = tasks.Posture(START, name="posture")
     return kinopt.Problem(robot, [hand, posture])
@@ -112,7 +111,7 @@ def test_other_targets_are_those_that_it_was_solved_with(problem):
         for by in (np.array([step, 0, 0]), np.array([-step, 0, 0]))
     ]
     shown = (moved[0] - moved[1]) / (2 * step)
-    # As near as preferences are followed.
+    # Within the accuracy of preferences.
     np.testing.assert_allclose(derivative.by_target("hand")[:, 0], shown, atol=0.1)
 
 
@@ -157,7 +156,7 @@ def test_a_free_base_turns_slopes_by_quaternions_into_its_own(robot):
 
 @pytest.mark.parametrize("length", [1.0, 2.5])
 def test_slopes_by_a_posture_are_by_its_own_numbers(length):
-    """Quaternions included, of whatever length they are given: those of finite differences."""
+    """Quaternions of any length included: equal to finite differences."""
     body = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf", base_joint="free")
     posture = np.concatenate([[0.1, 0.2, 0.3], [0.8, 0.2, -0.4, 0.4], START])
     posture[3:7] *= length / np.linalg.norm(posture[3:7])
@@ -187,7 +186,7 @@ def test_slopes_by_a_posture_are_by_its_own_numbers(length):
 
 
 def pose(module, base, twist):
-    """A pose made of six numbers, by a module's own matrices."""
+    """A pose from six numbers, by a module's own matrices."""
     x, y, z = twist[3], twist[4], twist[5]
     zero = 0 * x
     rows = [[zero, -z, y, twist[0]], [z, zero, -x, twist[1]], [-y, x, zero, twist[2]], [zero] * 4]
@@ -199,7 +198,7 @@ def pose(module, base, twist):
 
 
 def weighed(robot, target):
-    """A pose that a posture is traded against, so that the answer depends on weights and lengths."""
+    """A pose traded against a posture, so that the solution depends on weights and lengths."""
     asked = [tasks.Pose("flange", target, name="hand"), tasks.Posture(START, name="rest", weight=0.3)]
     solver = kinopt.Solver(gradient_tolerance=1e-13, attempts=1, max_iterations=500)
     return kinopt.Problem(robot, asked, preferences="traded"), solver

@@ -1,4 +1,4 @@
-"""Solvers: every method, every limit, observers, Ctrl-C, and many questions at once."""
+"""Solvers: every method, every limit, observers, Ctrl-C, and batches."""
 
 import copy
 import pickle
@@ -65,7 +65,7 @@ def test_methods_reach_points(robot, point, method):
 
 
 def chain(bones):
-    """Bones of half a metre along x with ball joints of three hinges."""
+    """Bones of half a metre along x, each with three revolute joints."""
     builder = kinopt.ModelBuilder("chain")
     parent, at = None, np.eye(4)
     for bone in range(bones):
@@ -291,7 +291,7 @@ def test_wrong_batches_are_told(problem, starts, given):
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs an interval timer")
 @pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c_stops_a_long_batch(robot, problem, threads):
-    """A signal's handler that raises, as Ctrl-C's does, ends a batch of minutes."""
+    """A raising signal handler, as for Ctrl-C, ends a batch of minutes."""
 
     def handler(number, frame):
         raise KeyboardInterrupt

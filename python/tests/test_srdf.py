@@ -1,4 +1,4 @@
-"""SRDF: groups, states and joints that nothing drives, of the robot that they are said of."""
+"""SRDF: groups, group states and passive joints of a robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Problems that grow task by task, and tasks on strict levels: a lower one never costs one above it."""
+"""Problems that grow task by task, and tasks on priority levels: a lower one costs nothing to a higher one."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def place(robot: kinopt.Robot, frame: str, q: np.ndarray) -> np.ndarray:
 
 
 def miss(robot: kinopt.Robot, q: np.ndarray, frame: str, target: np.ndarray) -> float:
-    """How far a frame's origin is from a point."""
+    """Distance of a frame's origin from a point."""
     return float(np.linalg.norm(place(robot, frame, q)[:3, 3] - target))
 
 
@@ -52,14 +52,14 @@ def test_a_problem_stated_task_by_task_is_the_one_stated_at_once(robot: kinopt.R
     assert np.array_equal(solution.q, solver.solve(at_once, start).q)
     assert [task.level for task in solution.tasks] == [0, 1]
     assert repr(problem.tasks) == repr(at_once.tasks) and repr(problem) == repr(at_once)
-    # Numbers are as good as names.
+    # Indices are as good as names.
     other = place(robot, "tool", robot.random_configuration(5))
     by_number = solver.solve(problem, start, {hand: other})
     assert by_number.tasks[hand].name == "hand"
     assert np.array_equal(by_number.q, solver.solve(at_once, start, {"hand": other}).q)
     for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem), problem.with_derivatives("dual")):
         assert repr(twin) == repr(problem) and repr(twin.tasks) == repr(problem.tasks)
-        # A twin goes its own way.
+        # A copy changes independently.
         twin.add(tasks.LimitCentring())
         assert len(problem.tasks) == 2
 
@@ -167,7 +167,7 @@ def test_a_lower_level_costs_the_first_one_nothing_however_heavy_it_is(robot: ki
         if not solution.reached:
             conflicts += 1
             assert "Level 1 gives way" in solution.explain()
-            # Not always nearer: it is the nearest on its own branch.
+            # Not always nearer, because it is the nearest on its own branch.
             nearer += miss(robot, solution.q, "link4", elbow) < miss(robot, by_itself.q, "link4", elbow)
     assert conflicts > 3 and nearer > conflicts / 2
 

@@ -1,4 +1,4 @@
-"""Every task measures what it says, by every derivative route, and says what is wrong with it."""
+"""Every task has the expected residual, by every derivative mode, and validates its arguments."""
 
 import copy
 import pickle
@@ -54,7 +54,7 @@ def beyond(value, lower, upper):
 
 
 def cases(robot):
-    """Each task beside its residual by numpy, of the placements by name and the configuration."""
+    """Each task with its residual in numpy, from placements by name and the configuration."""
     lower, upper = robot.lower, robot.upper
     rest = (lower + upper) / 2
 
@@ -83,7 +83,7 @@ def cases(robot):
         return np.sqrt(np.linalg.det(jacobian @ jacobian.T))
 
     def against(q):
-        # In the axes of link2, whose own motion is taken off.
+        # In the axes of link2, relative to its motion.
         tool, base = (kinopt.frame_jacobian(robot, frame, q) for frame in ("tool", "link2"))
         away = (kinopt.frame_placement(robot, "tool", q) - kinopt.frame_placement(robot, "link2", q))[:3, 3]
         linear = tool[:3] - base[:3] - np.cross(base[3:], away, axis=0)
@@ -155,7 +155,7 @@ def cases(robot):
             lambda f, q: [(np.linalg.inv(f["flange"]) @ np.r_[centre(f), 1])[1] - TARGET[1]],
         ),
         "support polygon": (
-            # A square: what is outside is outside in x and y each.
+            # A square: outside means outside in x and in y.
             tasks.SupportPolygon([[-0.1, -0.1, 5], [0.1, -0.1, 1], [0.1, 0.1, 2]], on={"base": [-0.1, 0.1, 3]},
                                  margin=0.02, masses=MASSES),
             lambda f, q: beyond(centre(f)[:2], -0.08, 0.08),
@@ -417,7 +417,7 @@ def test_inside_its_room_a_one_sided_task_costs_nothing():
     sole = [[x + i, y + j, 0.0] for i in (-0.1, 0.1) for j in (-0.1, 0.1)]
     problem = kinopt.Problem(robot, [tasks.SupportPolygon(sole, margin=0.05)])
     assert np.array_equal(problem.residual(q), [0, 0]) and not problem.jacobian(q).any()
-    # A residual of one's own may be one-sided too.
+    # A custom residual may be one-sided too.
     low = tasks.Residual(lambda places: places[0, 2, 3], frames=["trunk"], rows=1)
     height = kinopt.frame_placement(robot, "trunk", q)[2, 3]
     for limit, left in ((height + 0.1, 0.0), (height - 0.1, 0.1)):
@@ -428,7 +428,7 @@ def test_inside_its_room_a_one_sided_task_costs_nothing():
 def test_bodies_on_free_bases_balance_and_share():
     robot = kinopt.Robot.from_urdf(LEANING, base_joint="free")
     q = np.asarray(robot.random_configuration(4))
-    # The plate is no longer the world's.
+    # The plate is not fixed in the world here.
     assert robot.mass == pytest.approx(67.8) and len(q) == 11
     assert robot.center_of_mass_jacobian(q).shape == (3, 10)
     weights = np.linspace(0.5, 2.0, len(robot.joint_names))
@@ -440,7 +440,7 @@ def test_bodies_on_free_bases_balance_and_share():
     other = np.asarray(robot.random_configuration(5))
     targets = {"posture": other, "centre": robot.center_of_mass(other)}
     moved = kinopt.Solver().solve(problem, q, targets=targets)
-    # Both are met where the new reference is.
+    # Both are met at the new reference.
     assert moved.reached and max(abs(robot.difference(moved.q, other))) < 1e-3
     with pytest.raises(kinopt.InvalidValueError, match=r"shape \(9,\), expected \(11,\)"):
         kinopt.Solver().solve(problem, q, targets={"posture": other[:9]})

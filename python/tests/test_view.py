@@ -1,4 +1,4 @@
-"""Scenes: what is drawn is where the library says, and only what moved is sent."""
+"""Viewer scenes: drawn poses equal those of the library, and only changes are sent."""
 
 from pathlib import Path
 
@@ -99,7 +99,7 @@ def test_creases_split_sharp_edges_and_leave_smooth_ones():
 
 
 def sent(scene, kind):
-    """Transforms that wait for the page, by the node's name."""
+    """Transforms in the queue for the page, by the name of the node."""
     messages = scene.server._websock_server._broadcast_buffer.message_from_id.values()
     return {m.name: m for m in messages if type(m).__name__ == kind}
 
@@ -174,7 +174,7 @@ def test_only_parts_that_moved_are_sent(scene):
     assert scene.server._websock_server._broadcast_buffer.message_counter == before
     q[6] += 0.3
     body.q = q
-    # The seventh joint carries the hand alone.
+    # The seventh joint carries the hand only.
     moved = scene.server._websock_server._broadcast_buffer.message_counter - before
     assert 0 < moved < len(sent(scene, "SetPositionMessage"))
 
@@ -317,5 +317,5 @@ def test_a_robot_with_loops_stands_with_them_closed_and_sliders_keep_them_so(sce
         answer = posing.with_joint(joint, value, [])
         assert answer.q[names.index(joint)] == value
         assert is_closed(answer.q) and abs(answer.q[names.index(follows)]) > 0.2
-    # No farther than the rod goes.
+    # Not farther than the rod allows.
     np.testing.assert_array_equal(posing.with_joint("knee_motor", 1.6, []).q, body.q)

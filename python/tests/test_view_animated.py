@@ -1,4 +1,4 @@
-"""Scenes and captures on a page: drawn as the library poses them, dragged from wherever a clip has them."""
+"""Scenes and captures on a page: drawn in the library's poses, dragged from any pose of a clip."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ def test_a_scene_plays_as_the_library_poses_it(humanoid, opened, tmp_path):
         page.call(lambda seconds=seconds: page.time.show(seconds))
         expected = np.asarray(posing.positions(scene.clips[0].sample(seconds)))
         vertices = np.concatenate([piece.solid.vertices for piece in page.body.pieces()])
-        # The page makes one of vertices that are at one place.
+        # The page merges vertices of one position.
         assert np.abs(vertices.min(axis=0) - expected.min(axis=0)).max() < 1e-5
         assert np.abs(vertices.max(axis=0) - expected.max(axis=0)).max() < 1e-5
         assert np.abs(vertices.mean(axis=0) - expected.mean(axis=0)).max() < 2e-2
@@ -62,7 +62,7 @@ def test_a_scene_is_dragged_from_where_a_clip_has_it(humanoid, opened, tmp_path)
     drag(page, hand, [0.0, 0.08, 0.05])
     assert page.answer.solution.reached and off(page, hand) < 1e-4
     assert np.abs(page.body.frame(foot) - before[foot]).max() < 1e-4
-    # Playing on takes it back.
+    # Playback resets it.
     page.call(lambda: page.time.show(1.3))
     assert np.abs(page.body.frame(hand) - before[hand]).max() < 1e-6
     assert not page.body.q.any()
@@ -80,7 +80,7 @@ def test_a_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     hand = next(frame for frame in page.targets if "left_hand" in frame)
     drag(page, hand, [0.0, 0.05, 0.0])
     assert page.answer.solution.reached
-    # It begins anew after its end, where a busy machine would look too late.
+    # It starts again after its end; slow, for machines with other load.
     page.time._speed.value = "0.1"
     page.call(page.time.play)
     wait_until(lambda: page.time.now != 0.5)

@@ -1,4 +1,4 @@
-"""Movements on a page: bodies stand as they were found, people beside them as they were captured."""
+"""Retargeted motions on a page: bodies have the solved poses, subjects the captured positions."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def test_a_robot_and_a_person_move_together():
             drawn = np.asarray(clip.person._joints.points) / scene.drawn
             assert np.isclose(drawn[0, 2] - drawn[1, 2], 0.9 * movement.stride, rtol=1e-3)
             assert np.isclose(drawn[:, 2].min(), 0.0, atol=1e-6)
-        # Beyond its ends it stands at them.
+        # Beyond its ends it stays at them.
         clip.show(99.0)
         assert np.array_equal(body.q, movement.q[-1])
         other = scene.add(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf"))
@@ -66,7 +66,7 @@ def test_a_rig_moves_as_a_whole():
 
 
 def test_bones_join_what_keeps_its_distance():
-    # A chain of three whose ends come near each other, and one beside it.
+    # A chain of three whose ends come near each other, and one next to it.
     turn = np.linspace(0.0, 2.5, 40)
     places = np.zeros((40, 4, 3))
     places[:, 1, 0] = 1.0

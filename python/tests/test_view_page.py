@@ -1,4 +1,4 @@
-"""Pages without a browser: what a mouse would do is done by hand, and what comes of it is looked at."""
+"""Pages without a browser: mouse actions are called directly, and their effects are verified."""
 
 import io
 import json
@@ -39,7 +39,7 @@ def opened():
 
 
 def drag(page, frame, way, moves=20):
-    """Drags a frame's gizmo by `way`, and waits until all that follows rests."""
+    """Drags a frame's gizmo by `way`, and waits until all motion ends."""
     target = page.targets[frame]
     start = target.placement
 
@@ -247,12 +247,12 @@ def test_keyframes_play_and_pause(opened):
     page = opened(HUMANOID)
     assert page.time._clip.span == (0.0, 3.0)
     page.call(lambda: page.time.show(1.0))
-    # What is pinned goes along, and is held where the clip has it when something is dragged.
+    # Pinned targets follow the clip, and hold their frames there during a drag.
     assert all(off(page, frame) == 0.0 for frame in page.pinned)
     rig = page.body.thing
     expected = np.asarray(rig.clip.sample(1.0)).reshape(-1)
     assert np.abs(page.body.q - np.clip(expected, page.body.model.lower, page.body.model.upper)).max() < 1e-12
-    # It begins anew after its end, where a busy machine would look too late.
+    # It starts again after its end; slow, for machines with other load.
     page.time._speed.value = "0.1"
     page.call(page.time.play)
     wait_until(lambda: page.time.now != 1.0)
@@ -282,7 +282,7 @@ def test_a_pose_is_saved(opened, path):
     assert faces.min() == 1 and faces.max() == len(vertices)
     glb = trimesh.load_scene(io.BytesIO(saved(body, "glb")), file_type="glb")
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    # There y is up and -z to the left.
+    # In glTF y is up and -z to the left.
     assert np.allclose(glb.bounds, [[low[0], low[2], -high[1]], [high[0], high[2], -low[1]]], atol=1e-5)
 
 
@@ -318,11 +318,11 @@ def test_a_tool_that_is_dragged_into_a_table_slides_along_it(opened):
     asked = drag(page, "tool", [0.1, -0.2, -0.9], moves=40)
     assert stated.collisions(page.body.q) == []
     placed = page.body.frame("tool")[:3, 3]
-    # It went along above what is in the way, and what that is is told and red.
+    # It slides along the obstacle, which is named and red.
     assert np.linalg.norm(placed[:2] - start[:2]) > 0.05
     assert placed[2] > asked[2, 3] + 0.02
     assert "Missed" in page.status.text and page.obstacles._marked
-    # What is moved meanwhile is drawn where it is, and kept clear of.
+    # A moved obstacle is drawn at its new position, and avoided.
     name = world.names[0]
     world.move(name, [5.0, 5.0, 5.0])
     page.call(page.pose)

@@ -17,7 +17,7 @@ FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 
 
 def turned(angle: float, position: tuple[float, float, float]) -> np.ndarray:
-    """About z, then to a position."""
+    """Rotation about z, then translation."""
     pose = np.eye(4)
     pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     pose[:3, 3] = position
@@ -83,7 +83,7 @@ def test_a_world_is_pickled_copied_and_written(tmp_path) -> None:
         assert again.to_json() == world.to_json()
         for name in world.names:
             assert np.array_equal(again[name].placement, world[name].placement)
-    # A copy is its own.
+    # A copy is independent.
     again.remove("ball")
     assert "ball" in world
 

@@ -1,4 +1,4 @@
-//! A problem in its own variables: for argmin's derivative-free solvers, and for our methods.
+//! Problem in its own bounded variables, for argmin's derivative-free solvers and for kinopt's methods.
 
 use argmin::core::{CostFunction, Error, OptimizationResult, State};
 use nalgebra::{DMatrix, DVector};
@@ -11,16 +11,16 @@ use crate::problem::{Evaluation, Question, Share};
 use crate::search::variables_at;
 use crate::solver::{ConfigurationSpace, LeastSquares};
 
-/// How far the corners of a first simplex stand from the start, as a share of the range.
+/// Distance of the corners of an initial simplex from the start, as a fraction of the range.
 const SIMPLEX_SIZE: f64 = 0.1;
 
 /// A problem in its own variables x.
 ///
-/// To argmin it has a cost only, taken at the nearest point within the bounds: outside, the cost
-/// is that of the bound, and a solution is always within. So Nelder-Mead and particle swarm run on
-/// it, and a solver that needs derivatives, which would be wrong outside, does not compile.
+/// For argmin it implements only a cost, evaluated at the nearest point within the bounds. Outside the bounds the cost
+/// is that of the bound, and every solution is within them. Nelder-Mead and particle swarm run on it. A solver that
+/// needs derivatives does not compile, as they would be wrong outside the bounds.
 ///
-/// To our methods it is a [`LeastSquares`] with its bounds: run them with
+/// For kinopt's methods it is a [`LeastSquares`] problem with its bounds. Run them with
 /// [`ExecutorMethod`](super::ExecutorMethod).
 #[derive(Clone, Debug)]
 pub struct BoundedProblem<'p> {
@@ -29,7 +29,7 @@ pub struct BoundedProblem<'p> {
 }
 
 impl<'p> BoundedProblem<'p> {
-    /// Offers a problem, or a [question](Question) to it, to argmin.
+    /// Wraps a problem, or a [problem instance](Question), for argmin.
     #[must_use]
     pub fn new(question: impl Into<Question<'p>>) -> Self {
         let question = question.into();
@@ -39,21 +39,20 @@ impl<'p> BoundedProblem<'p> {
         }
     }
 
-    /// The variables of the configuration `q` (shape: degrees of freedom), projected into the
-    /// limits.
+    /// Variables of the configuration `q` (shape: degrees of freedom), projected into the limits.
     ///
     /// # Errors
-    /// A configuration of the wrong length or not finite.
+    /// Returns an error for a configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
         Ok(DVector::from_vec(variables_at(self.question, q)?))
     }
 
-    /// Where a search from `q` may look: the bounds, or π radians or the model's reach to either
-    /// side of the start where a variable has none. Lower corner, upper corner: what particle
-    /// swarm asks for.
+    /// Lower and upper corner of the box to search from `q`, as particle swarm requires.
+    ///
+    /// They are the bounds; an unbounded variable has π radians, or the model's reach, to either side of the start.
     ///
     /// # Errors
-    /// As [`start`](Self::start).
+    /// Returns the errors of [`start`](Self::start).
     pub fn search_box(&self, q: &[f64]) -> Result<(DVector<f64>, DVector<f64>), SolveError> {
         let start = self.start(q)?;
         let (mut low, mut high) = (start.clone(), start);
@@ -63,11 +62,13 @@ impl<'p> BoundedProblem<'p> {
         Ok((low, high))
     }
 
-    /// n + 1 corners for Nelder-Mead: the start, and one step of a tenth of the [box](Self::search_box) along each
-    /// variable, towards the farther end.
+    /// Initial simplex of n + 1 corners for Nelder-Mead.
+    ///
+    /// They are the start, and a step of a tenth of the [box](Self::search_box) along each variable, towards the
+    /// farther end.
     ///
     /// # Errors
-    /// As [`start`](Self::start).
+    /// Returns the errors of [`start`](Self::start).
     pub fn simplex(&self, q: &[f64]) -> Result<Vec<DVector<f64>>, SolveError> {
         let start = self.start(q)?;
         let (low, high) = self.search_box(q)?;
@@ -88,10 +89,10 @@ impl<'p> BoundedProblem<'p> {
         self.pool.with(self.question, evaluate);
     }
 
-    /// The best point of a run, measured: errors, limits and costs are those of the returned `q`.
+    /// Solution at the best point of a run, evaluated at the returned `q`: errors, limits and costs.
     ///
     /// # Errors
-    /// A run of another problem, or one without any parameter vector.
+    /// Returns an error for a run of another problem, or one without a parameter vector.
     pub fn solution<S, I>(
         &self,
         run: &OptimizationResult<Self, S, I>,

@@ -1,16 +1,16 @@
-//! Bounded variables as smooth functions of unbounded ones, x(y), one by one.
+//! Bounded variables as smooth functions x(y) of unbounded ones, one by one.
 //!
-//! The sine and square-root forms are those of MINUIT (James & Roos 1975, "Minuit: a system for
-//! function minimization", Comput. Phys. Commun. 10), scaled so that a step in y is about the same
-//! step in x away from the bounds.
+//! The sine and square-root forms are those of MINUIT (James & Roos 1975, "Minuit: a system for function minimization",
+//! Comput. Phys. Commun. 10). They are scaled so that away from the bounds a step in y is about the same step in x.
 
 use crate::scalar::elementary;
 
-/// How far from a bound a start is kept, as a share of half the range (or in the variable's own
-/// unit where only one side is bounded): on the bound dx/dy is 0 and no gradient could lead away.
+/// Smallest distance of a start from a bound: on it dx/dy is 0, and no gradient leads away.
+///
+/// It is a fraction of half the range, or in the variable's unit if only one side is bounded.
 const NUDGE: f64 = 0.01;
 
-/// What one bounded variable is of one unbounded y.
+/// Bounded variable as a function of one unbounded y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum BoundsTransform {
     /// No bounds: x = y.
@@ -44,7 +44,7 @@ impl BoundsTransform {
         }
     }
 
-    /// The x of y, within the bounds to the bit; NaN for a y that is not finite.
+    /// Image of y, exactly within the bounds; NaN for a y that is not finite.
     pub(super) fn image(self, y: f64) -> Image {
         let image = match self {
             Self::Identity => Image {
@@ -94,7 +94,7 @@ impl BoundsTransform {
         }
     }
 
-    /// A y whose x is `x`, first moved off the bounds by at least the nudge.
+    /// A y whose image is `x`, after `x` is moved off the bounds by at least `NUDGE`.
     pub(super) fn start(self, x: f64) -> f64 {
         let side = |away: f64| {
             let away = away.max(NUDGE);
@@ -122,7 +122,7 @@ fn rise(y: f64) -> f64 {
     y * (y / (elementary::hypot(y, 1.0) + 1.0))
 }
 
-/// Clamps; NaN stays NaN.
+/// Clamps a value; NaN stays NaN.
 fn within(value: f64, lower: f64, upper: f64) -> f64 {
     if value < lower {
         lower

@@ -1,26 +1,26 @@
-//! What can go wrong between argmin and us.
+//! Errors of the bridge to argmin.
 
 use std::sync::Arc;
 
 use argmin::core::{ArgminError, Error};
 use thiserror::Error as ThisError;
 
-/// Why a run has no solution to report.
+/// Error of a run without a solution.
 #[derive(Clone, Debug, ThisError)]
 #[non_exhaustive]
 pub enum BridgeError {
-    /// The run failed before it returned a state, and not for want of anything to improve.
+    /// The run failed before it returned a state, for another reason than a start at the optimum.
     #[error("argmin: {0:#}")]
     Argmin(Arc<Error>),
-    /// The state holds no parameter vector.
+    /// The state has no parameter vector.
     #[error("the argmin state holds no parameter vector: the solver was never initialised")]
     NoParameters,
-    /// The state is of another problem.
+    /// The state belongs to another problem.
     #[error("the argmin run has {given} variables, the problem has {expected}")]
     Variables {
-        /// Variables of the run.
+        /// Number of variables of the run.
         given: usize,
-        /// Variables of the problem.
+        /// Number of variables of the problem.
         expected: usize,
     },
 }
@@ -34,7 +34,7 @@ impl BridgeError {
     }
 }
 
-/// What an evaluation answers to a parameter vector of the wrong length.
+/// Returns argmin's error for a parameter vector of the wrong length.
 pub(super) fn check_length(given: usize, expected: usize) -> Result<(), Error> {
     if given == expected {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Our methods as solvers of argmin's executor.
+//! Methods of kinopt as solvers of argmin's executor.
 
 use argmin::core::{
     ArgminError, Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
@@ -9,23 +9,27 @@ use serde::{Deserialize, Serialize};
 use super::executor_search::{ExecutorSearch, Running};
 use crate::solver::{LeastSquares, Method, Progress, SolverState, Stopping, Termination};
 
-/// The state in which our methods run: parameters x, gradient Jᵀr and residuals r.
+/// State of the executor for kinopt's methods: parameters x, gradient Jᵀr and residuals r.
 pub type MethodState = IterState<DVector<f64>, DVector<f64>, (), (), DVector<f64>, f64>;
 
-/// One of our methods under argmin's `Executor`, on any [`LeastSquares`], such as a
-/// [`BoundedProblem`](super::BoundedProblem): the same steps and the same tests as
-/// [`minimise`](crate::solver::minimise), bit for bit, with argmin's observers, counters, timeout
-/// and checkpoints.
+/// A method of kinopt under argmin's `Executor`, on any [`LeastSquares`] such as a
+/// [`BoundedProblem`](super::BoundedProblem).
 ///
-/// The start is the state's `param`, projected into the bounds. Iterations are counted and limited
-/// by the executor (`max_iters`, without limit by default). Observers see as key-values `control`
-/// (λ for Levenberg-Marquardt, the step length for the others), `projected_gradient` and `step`,
-/// and in the state `param`, `cost`, `gradient` (when the goals were missed) and `residuals`.
-/// A search ends as `SolverConverged` where the goals are reached or no free variable lowers the
-/// cost, and as `SolverExit` with the name of our [`Termination`] otherwise.
+/// It makes bitwise the same steps and tests as [`minimise`](crate::solver::minimise), with argmin's observers,
+/// counters, timeout and checkpoints.
 ///
-/// It serialises whole, settings and search, between two iterations: a resumed run takes the same
-/// steps as one that was never interrupted. Evaluations that a resumed search repeats are counted.
+/// The start is the state's `param`, projected into the bounds. The executor counts and limits iterations (`max_iters`,
+/// unlimited by default). The state holds `param`, `cost`, `residuals` and, if the goals are not reached, `gradient`.
+/// Observers also receive these key-values:
+/// - `control`: λ for Levenberg-Marquardt, the step length for the other methods.
+/// - `projected_gradient`.
+/// - `step`.
+///
+/// A search ends as `SolverConverged` if the goals are reached or no free variable lowers the cost. Otherwise it ends
+/// as `SolverExit` with the name of the [`Termination`].
+///
+/// Settings and search serialise together between two iterations. A resumed run makes the same steps as an
+/// uninterrupted one. Evaluations that it repeats are counted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(
     serialize = "M: Serialize, M::State: Serialize",
@@ -36,12 +40,12 @@ pub struct ExecutorMethod<M: Method> {
     gradient_tolerance: f64,
     step_tolerance: f64,
     search: ExecutorSearch<M::State>,
-    /// How the search ended, if it has.
+    /// Termination of the search, if it has ended.
     ended: Option<Termination>,
 }
 
 impl<M: Method> ExecutorMethod<M> {
-    /// Runs `method` with the default tolerances of [`Stopping`].
+    /// Creates a solver from `method` with the default tolerances of [`Stopping`].
     #[must_use]
     pub fn new(method: M) -> Self {
         let stopping = Stopping::default();
@@ -54,8 +58,9 @@ impl<M: Method> ExecutorMethod<M> {
         }
     }
 
-    /// Takes the gradient and step tolerances of `stopping`. Its limits of iterations and time are
-    /// the executor's to set.
+    /// Sets the gradient and step tolerances to those of `stopping`.
+    ///
+    /// The executor sets the limits of iterations and time.
     #[must_use]
     pub fn with_tolerances_of(mut self, stopping: &Stopping) -> Self {
         self.gradient_tolerance = stopping.gradient_tolerance();
@@ -64,9 +69,9 @@ impl<M: Method> ExecutorMethod<M> {
     }
 
     getters! {
-        /// The method, with its settings.
+        /// Method with its settings.
         pub fn method(&self) -> &M = &self.method;
-        /// Which test ended the search; `None` while it goes on, or where the executor ended it.
+        /// Termination of the search; `None` while it runs, or if the executor ended it.
         pub fn termination(&self) -> Option<Termination> = self.ended;
     }
 
@@ -76,7 +81,7 @@ impl<M: Method> ExecutorMethod<M> {
             .with_step_tolerance(self.step_tolerance)
     }
 
-    /// Looks at where the search stands, judges it and writes it down.
+    /// Evaluates the current point, tests for termination, and records the point in the state.
     fn look<O: LeastSquares>(
         &mut self,
         problem: &mut Problem<O>,
@@ -179,7 +184,7 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
     }
 }
 
-/// argmin takes the problem out now and then; a solver should never see it so.
+/// The problem of the executor, which argmin takes out at times, but not during a solver's step.
 fn inner<O>(problem: &mut Problem<O>) -> Result<&mut O, ArgminError> {
     let inner = problem.problem.as_mut();
     inner.ok_or_else(|| ArgminError::NotInitialized {

@@ -1,11 +1,11 @@
-//! A search under an executor: not begun, on its way, or read from a checkpoint.
+//! Search under an executor: not started, running, or read from a checkpoint.
 
 use argmin::core::ArgminError;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::solver::{LeastSquares, Method, Progress, Snapshot, SolverState};
 
-/// `S` is the method's own state.
+/// Search with the method's state `S`.
 #[derive(Clone, Debug, Default)]
 pub(super) enum ExecutorSearch<S> {
     #[default]
@@ -14,7 +14,7 @@ pub(super) enum ExecutorSearch<S> {
     Suspended(Box<Suspended<S>>),
 }
 
-/// A search on its way.
+/// A running search.
 #[derive(Clone, Debug)]
 pub(super) struct Running<S> {
     pub(super) progress: Progress,
@@ -22,7 +22,7 @@ pub(super) struct Running<S> {
     pub(super) own: S,
 }
 
-/// A search as a checkpoint keeps it.
+/// A search as stored in a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Suspended<S> {
     snapshot: Snapshot,
@@ -30,7 +30,7 @@ pub(super) struct Suspended<S> {
 }
 
 impl<S: Clone> ExecutorSearch<S> {
-    /// The search, brought back to where it stood if it was suspended.
+    /// Running search; a suspended one is restored first.
     pub(super) fn running<M: Method<State = S>>(
         &mut self,
         problem: &mut dyn LeastSquares,

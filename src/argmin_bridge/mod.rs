@@ -1,15 +1,14 @@
-//! argmin's solvers on our problems, and our methods under argmin's executor (feature `argmin`).
+//! Bridge to argmin: its solvers on kinopt's problems, and kinopt's methods under its executor (feature `argmin`).
 //!
-//! argmin hands a problem out by shared reference and knows no bounds. Two wrappers offer a
-//! [`Problem`](crate::Problem) to it, and which one a solver accepts follows from the traits it
-//! asks for:
+//! argmin passes a problem by shared reference and has no bounds. Two wrappers adapt a [`Problem`](crate::Problem) to
+//! it. The traits that a solver requires determine which wrapper it accepts:
 //!
 //! | wrapper | variables | for |
 //! |---|---|---|
 //! | [`UnboundedProblem`] | y, any real number; x(y) is always within the bounds | L-BFGS, trust region, conjugate gradients, …: cost, gradient, Jacobian, Hessian |
-//! | [`BoundedProblem`] | x, the problem's own; evaluated at the nearest point within the bounds | Nelder-Mead and particle swarm (cost only), and our methods through [`ExecutorMethod`] |
+//! | [`BoundedProblem`] | x, those of the problem; evaluated at the nearest point within the bounds | Nelder-Mead and particle swarm (cost only), and kinopt's methods through [`ExecutorMethod`] |
 //!
-//! Either turns the result of a run into a [`Solution`](crate::Solution) by one call.
+//! Both convert the result of a run to a [`Solution`](crate::Solution) by one call.
 //!
 //! ```
 //! use argmin::core::Executor;

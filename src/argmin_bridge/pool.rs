@@ -1,4 +1,4 @@
-//! Evaluating a problem through a shared reference, from any thread.
+//! Evaluation of a problem through a shared reference, from any thread.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use crate::problem::{Question, Scratch};
 
-/// The memory of one evaluation.
+/// Memory of one evaluation.
 #[derive(Debug)]
 pub(super) struct Buffers {
     pub(super) scratch: Scratch,
@@ -16,8 +16,9 @@ pub(super) struct Buffers {
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// Buffers not in use. A thread takes one, or makes one where none is left, and puts it back: the
-/// lock is held for the taking only. Clones share the pool.
+/// Pool of unused buffers, shared by clones.
+///
+/// A thread takes one, or creates one if none is left, and puts it back. The lock is held only for that.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pool(Arc<Mutex<Vec<Buffers>>>);
 

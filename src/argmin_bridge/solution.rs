@@ -1,4 +1,4 @@
-//! From the end of an argmin run to the truth about it.
+//! Solutions from the results of argmin runs.
 
 use std::collections::HashMap;
 
@@ -13,9 +13,9 @@ use crate::problem::{Evaluation, Question, Share};
 use crate::search::End;
 use crate::solver::{Counts, LeastSquares, SolverState, Stopping, Termination};
 
-/// What an argmin state holds as its parameters: a vector, or a particle of a swarm.
+/// Parameters of an argmin state: a vector, or a particle of a swarm.
 pub trait Place {
-    /// The variables.
+    /// Variables of the point.
     fn coordinates(&self) -> &DVector<f64>;
 }
 
@@ -31,8 +31,7 @@ impl Place for Particle<DVector<f64>, f64> {
     }
 }
 
-/// What the best point of a run solves, measured; `variables` makes the question's own of its
-/// parameters.
+/// Solution at the best point of a run; `variables` converts its parameters to the problem's variables.
 pub(super) fn solution_of<O, S, I>(
     (question, pool): (Question<'_>, &Pool),
     run: &OptimizationResult<O, S, I>,
@@ -50,8 +49,9 @@ where
     Ok(solution_at(question, pool, &variables(best), run))
 }
 
-/// Projects x, evaluates there, and reports; `run` is the state and the evaluations of a run,
-/// `None` for one that failed where it started.
+/// Projects x, evaluates it, and returns the solution there.
+///
+/// `run` is the state and the evaluations of a run, or `None` for one that failed at its start.
 pub(super) fn solution_at<I: State>(
     question: Question<'_>,
     pool: &Pool,
@@ -77,7 +77,7 @@ pub(super) fn solution_at<I: State>(
         };
         let mut solution = Solution::default();
         let memory = &mut SolverState::default();
-        // A start counts as the optimum by our solvers' default test.
+        // The default test of kinopt's solvers decides if a start is the optimum.
         let slope = solution.measure(&end, &Stopping::default(), scratch, memory);
         solution.attempts = 1;
         if let Some((state, counts)) = run {
@@ -99,7 +99,7 @@ pub(super) fn solution_at<I: State>(
     })
 }
 
-/// Whether a run that failed where it started failed because there was nothing left to improve.
+/// Returns true if a run failed at its start because nothing was left to improve.
 pub(super) fn is_finished_at(solution: &Solution) -> bool {
     matches!(
         solution.termination,
@@ -119,10 +119,10 @@ fn counts_from(counts: &HashMap<&'static str, u64>) -> Counts {
     }
 }
 
-/// argmin's reasons in our words. `finished`: the goals are reached and nothing else is wanted.
+/// Converts argmin's reasons. `finished` is true if the goals are reached and there are no soft tasks.
 fn termination_of(status: &TerminationStatus, finished: bool) -> Termination {
     let reason = match status {
-        // Taken from a run that somebody interrupted.
+        // From a run that was interrupted.
         TerminationStatus::NotTerminated => return Termination::Cancelled,
         TerminationStatus::Terminated(reason) => reason,
     };
@@ -132,12 +132,12 @@ fn termination_of(status: &TerminationStatus, finished: bool) -> Termination {
         TerminationReason::Interrupt => Termination::Cancelled,
         _ if finished => Termination::Reached,
         TerminationReason::SolverConverged => Termination::Stationary,
-        // The caller's own mark, which our tolerances do not know.
+        // A target cost of the caller, unrelated to the tolerances.
         TerminationReason::TargetCostReached => Termination::Cancelled,
         TerminationReason::SolverExit(why) if why == Termination::NonFinite.name() => {
             Termination::NonFinite
         }
-        // A line search without an acceptable step, ours or argmin's.
+        // A line search without an acceptable step, of kinopt or of argmin.
         TerminationReason::SolverExit(_) => Termination::SmallStep,
     }
 }

@@ -1,4 +1,4 @@
-//! A problem for argmin's solvers that know no bounds.
+//! Problem for argmin's solvers without bounds.
 
 use argmin::core::{
     CostFunction, Error, Gradient, Hessian, Jacobian, Operator, OptimizationResult, State,
@@ -14,25 +14,22 @@ use crate::problem::{Evaluation, Question};
 use crate::search::variables_at;
 use crate::solver::{LeastSquares, half_squared};
 
-/// Keeps the Gauss-Newton Hessian of a redundant arm invertible, as a share of its largest
-/// diagonal entry.
+/// Smallest diagonal entry of the Hessian, relative to its largest: keeps it invertible for redundant arms.
 const HESSIAN_FLOOR: f64 = 1e-10;
 
-/// A problem over unbounded variables y: every y gives an x(y) within the bounds, and all
-/// derivatives are those by y, exactly.
+/// A problem over unbounded variables y: every y gives an x(y) within the bounds, and all derivatives are by y.
 ///
-/// A variable with two bounds is x = mid + half · sin(y / half), one with one bound
-/// x = bound ± (√(y² + 1) − 1), one without is y itself. Where a solution stands on a bound,
-/// dx/dy is 0, so solvers approach it quadratically rather than land on it, and a start on a bound
-/// would never leave it: [`start`](Self::start) nudges it inwards. Our own methods need none of
-/// this, see [`ExecutorMethod`](super::ExecutorMethod).
+/// A variable with two bounds is x = mid + half · sin(y / half). One with one bound is x = bound ± (√(y² + 1) − 1). One
+/// without bounds is y itself. At a bound dx/dy is 0: solvers approach a solution there quadratically, and would never
+/// leave a start there. [`start`](Self::start) therefore moves it inwards. kinopt's methods need none of this, see
+/// [`ExecutorMethod`](super::ExecutorMethod).
 ///
-/// Implements argmin's `CostFunction` (½‖r‖²), `Gradient`, `Operator` (the weighted residual r),
-/// `Jacobian` (∂r/∂y) and `Hessian`. The Hessian is Gauss-Newton's JᵀJ, plus the non-negative part
-/// of the exact term that the change of variables adds, plus 1e-10 of its largest diagonal entry:
-/// positive definite, as the dogleg method needs, on redundant arms too.
+/// Implements argmin's `CostFunction` (½‖r‖²), `Gradient`, `Operator` (the weighted residual r), `Jacobian` (∂r/∂y) and
+/// `Hessian`. The Hessian is Gauss-Newton's JᵀJ, plus the non-negative part of the exact term from the change of
+/// variables, plus 1e-10 of its largest diagonal entry. It is positive definite, as the dogleg method requires, also
+/// for redundant arms.
 ///
-/// Clones share their memory; evaluation from several threads at once is fine.
+/// Clones share their memory. Several threads may evaluate at the same time.
 #[derive(Clone, Debug)]
 pub struct UnboundedProblem<'p> {
     question: Question<'p>,
@@ -41,7 +38,7 @@ pub struct UnboundedProblem<'p> {
 }
 
 impl<'p> UnboundedProblem<'p> {
-    /// Offers a problem, or a [question](Question) to it, to argmin.
+    /// Wraps a problem, or a [problem instance](Question), for argmin.
     #[must_use]
     pub fn new(question: impl Into<Question<'p>>) -> Self {
         let question = question.into();
@@ -55,18 +52,19 @@ impl<'p> UnboundedProblem<'p> {
         }
     }
 
-    /// The y of the configuration `q` (shape: degrees of freedom), projected into the limits and
-    /// then kept off them by 1 % of half the range, or by 0.01 where there is one limit only.
+    /// The y of the configuration `q` (shape: degrees of freedom), projected into the limits.
+    ///
+    /// It stays off the limits by at least 1 % of half the range, or by 0.01 if there is only one limit.
     ///
     /// # Errors
-    /// A configuration of the wrong length or not finite.
+    /// Returns an error for a configuration of the wrong length or not finite.
     pub fn start(&self, q: &[f64]) -> Result<DVector<f64>, SolveError> {
         let x = variables_at(self.question, q)?;
         let y = self.transforms.iter().zip(x).map(|(t, x)| t.start(x));
         Ok(DVector::from_iterator(self.transforms.len(), y))
     }
 
-    /// The variables x(y) of the problem, within its bounds to the bit. NaN where y is not finite.
+    /// Variables x(y) of the problem, exactly within its bounds. NaN if y is not finite.
     #[must_use]
     pub fn variables_at(&self, y: &DVector<f64>) -> Vec<f64> {
         let mut x: Vec<f64> = self.images(y).map(|image| image.value).collect();
@@ -74,10 +72,10 @@ impl<'p> UnboundedProblem<'p> {
         x
     }
 
-    /// The best point of a run, measured: errors, limits and costs are those of the returned `q`.
+    /// Solution at the best point of a run, evaluated at the returned `q`: errors, limits and costs.
     ///
     /// # Errors
-    /// A run of another problem, or one without any parameter vector.
+    /// Returns an error for a run of another problem, or one without a parameter vector.
     pub fn solution<S, I>(
         &self,
         run: &OptimizationResult<Self, S, I>,
@@ -89,12 +87,13 @@ impl<'p> UnboundedProblem<'p> {
         solution_of((self.question, &self.pool), run, |y| self.variables_at(y))
     }
 
-    /// As [`solution`](Self::solution), also for a run that failed. argmin's line searches answer
-    /// an error when they are started at the optimum: where nothing within the bounds improves on
-    /// `start` (the y that the run began at), `start` is the solution.
+    /// Solution of a run as by [`solution`](Self::solution), also for a run that failed.
+    ///
+    /// argmin's line searches return an error if they start at the optimum. If nothing within the bounds improves on
+    /// `start`, the y at which the run began, `start` is the solution.
     ///
     /// # Errors
-    /// Any other failure of the run, and the errors of [`solution`](Self::solution).
+    /// Returns the errors of [`solution`](Self::solution), and any other failure of the run.
     pub fn solution_from<S, I>(
         &self,
         start: &DVector<f64>,
@@ -124,7 +123,7 @@ impl<'p> UnboundedProblem<'p> {
         pairs.map(|(transform, &y)| transform.image(y))
     }
 
-    /// Evaluates x(y) and r(x) and lets `work` go on from there.
+    /// Evaluates x(y) and r(x), and calls `work` with them.
     fn evaluate<T>(
         &self,
         y: &DVector<f64>,
@@ -135,7 +134,7 @@ impl<'p> UnboundedProblem<'p> {
             for (x, image) in buffers.x.iter_mut().zip(self.images(y)) {
                 *x = image.value;
             }
-            // Swings are within an ellipse, which no change of single variables is.
+            // Swings are within an ellipse, which a transform of single variables does not ensure.
             self.question.space().project(&mut buffers.x);
             Evaluation::new(self.question, &mut buffers.scratch)
                 .residual(&buffers.x, &mut buffers.residual);
@@ -143,7 +142,7 @@ impl<'p> UnboundedProblem<'p> {
         }))
     }
 
-    /// ∂r/∂y of buffers that hold x.
+    /// ∂r/∂y for buffers that hold x.
     fn jacobian_of(&self, y: &DVector<f64>, buffers: &mut Buffers) -> DMatrix<f64> {
         Evaluation::new(self.question, &mut buffers.scratch)
             .jacobian(&buffers.x, &mut buffers.jacobian);
@@ -156,7 +155,7 @@ impl<'p> UnboundedProblem<'p> {
 }
 
 impl Buffers {
-    /// Jᵀr by x of buffers that hold x and r.
+    /// Computes Jᵀr by x for buffers that hold x and r.
     pub(super) fn differentiate_cost(&mut self, question: Question<'_>) {
         Evaluation::new(question, &mut self.scratch).gradient(
             &self.x,
@@ -224,7 +223,7 @@ impl Hessian for UnboundedProblem<'_> {
             buffers.differentiate_cost(problem);
             let mut hessian = jacobian.tr_mul(&jacobian);
             for (k, image) in self.images(y).enumerate() {
-                // ∂cost/∂x · d²x/dy²: positive where a bound holds the solution.
+                // ∂cost/∂x · d²x/dy²: positive if a bound holds the solution.
                 hessian[(k, k)] += (buffers.gradient[k] * image.curvature).max(0.0);
             }
             let largest = hessian.diagonal().iter().copied().fold(0.0, f64::max);

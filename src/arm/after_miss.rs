@@ -1,4 +1,4 @@
-//! What is done where the first attempts at a question miss.
+//! Fallbacks of a query whose first attempts fail.
 
 use super::arm::Arm;
 use super::follower::LONG_STEP;
@@ -11,14 +11,15 @@ use crate::problem::NEARBY;
 use crate::search::Found;
 use crate::solver::Termination;
 
-/// Short steps from the start to a place near it.
+/// Largest number of short steps from the start towards a near solution.
 const NEAR_STEPS: usize = 100;
 
 impl Arm {
-    /// Continues attempts that gave up, with the general solver: the first one, whose end is in the workspace's x, then the
-    /// best of all, then the attempts that are left. For a target near the start all that a single attempt would do comes
-    /// before the attempts that are left. If none reaches, the result is the end of the first attempt, unless the arm searches
-    /// everywhere on a miss.
+    /// Continues failed attempts with the general solver: the first, whose end is in the workspace's x, then the best,
+    /// then the remaining ones.
+    ///
+    /// For a target near the start, all that a search of one attempt does comes before the remaining attempts. If none
+    /// reaches, the result is the end of the first attempt, unless the arm searches globally on failure.
     pub(super) fn finish(
         &self,
         workspace: &mut ArmWorkspace,
@@ -29,7 +30,7 @@ impl Arm {
             return;
         }
         let best = found.number;
-        // Under `First` the own end is the best of all.
+        // Under `First`, x is the best of all attempts already.
         if self.options.search != Search::First {
             found.number = 0;
         }
@@ -75,7 +76,8 @@ impl Arm {
         }
     }
 
-    /// Whether the target is so near to the tool at the start that the first attempt is continued before others are made.
+    /// Returns true if the target is near the tool at the start, so that the first attempt is finished before others
+    /// begin.
     pub(super) fn is_nearby(&self, workspace: &mut ArmWorkspace) -> bool {
         // Taken out and put back, so that nothing is allocated.
         let start = std::mem::take(&mut workspace.start);
@@ -85,14 +87,14 @@ impl Arm {
         2.0 * self.cost(errors) < radians * radians
     }
 
-    /// Keeps what the first attempt has come to, whose end is in the workspace's x.
+    /// Saves the end of the first attempt, which is in the workspace's x.
     fn keep_first(&self, workspace: &mut ArmWorkspace, found: &Found) -> (Found, Errors) {
         let ArmWorkspace { kept, x, .. } = workspace;
         kept.copy_from_slice(x);
         (*found, workspace.errors)
     }
 
-    /// Returns to what was kept of the first attempt.
+    /// Restores the saved end of the first attempt.
     fn return_to_first(
         &self,
         workspace: &mut ArmWorkspace,
@@ -105,8 +107,9 @@ impl Arm {
         workspace.errors = *errors;
     }
 
-    /// Replaces an end far from the start by the nearest place that short steps from the start lead to, if that
-    /// is near: an attempt's long steps may have led past it.
+    /// Replaces an end far from the start by the minimum that short steps from the start lead to, if that is near.
+    ///
+    /// The long steps of an attempt may have passed it. An end near the start is only moved off a ridge.
     fn stay_near(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
         let moved = |workspace: &ArmWorkspace| self.longest_move(&workspace.start, &workspace.x).1;
         if moved(workspace) <= LONG_STEP {
@@ -136,8 +139,10 @@ impl Arm {
         }
     }
 
-    /// Continues from beside an end near the start if that is a ridge: a stretched arm whose target is within reach is
-    /// stationary there. The end stays where that does not reach the target near the start.
+    /// Continues from a perturbed configuration if an end near the start is a ridge.
+    ///
+    /// A stretched arm whose target is within reach is stationary there. The end stays unless the continuation reaches
+    /// the target near the start.
     fn leave_ridge(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
         let first = self.keep_first(workspace, found);
         if workspace.step_off_ridge() {
@@ -149,7 +154,7 @@ impl Arm {
         }
     }
 
-    /// How a question ended that was taken to its end.
+    /// Termination of a finished query.
     pub(super) fn ended(&self, found: &Found, late: bool) -> Termination {
         if found.reached {
             Termination::Reached
@@ -158,7 +163,7 @@ impl Arm {
         } else if self.options.max_move.is_some() {
             Termination::CannotContinue
         } else {
-            // A hair's breadth short of the tolerance is not reached.
+            // The descent stopped as reached, but the error is slightly above the tolerance.
             match found.termination {
                 Termination::Reached => Termination::SmallStep,
                 other => other,
@@ -166,8 +171,9 @@ impl Arm {
         }
     }
 
-    /// Makes the attempts that are left and continues the best of them; the lower of two ends, of the workspace's x and of
-    /// that one, is in x and found.
+    /// Runs the remaining attempts and continues the best of them.
+    ///
+    /// The better of its end and the workspace's x is then in x and `found`.
     fn make_attempts_left(
         &self,
         workspace: &mut ArmWorkspace,

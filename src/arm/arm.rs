@@ -1,4 +1,4 @@
-//! The arm, and single questions to it.
+//! Arm and its single queries.
 
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -17,16 +17,15 @@ use crate::model::{JointId, Limits};
 use crate::problem::ReportNames;
 use crate::spatial::Placement;
 
-/// An arm that answers pose questions. It never changes, and is `Send` and `Sync`: share it.
+/// Inverse kinematics of the tool of a robot arm. It is immutable, `Send` and `Sync`: share it between threads.
 ///
-/// Everywhere at this door a configuration has one number for each free joint between base and
-/// tip, in that order ([`joints`](Self::joints)), radians or metres; a joint that follows one
-/// outside the chain is known by the one it follows. Targets are `base_from_tool`, metres.
+/// A configuration has one number per free joint between base and tip, in that order ([`joints`](Self::joints)),
+/// radians or metres. A mimic joint whose source is outside the chain is represented by its source. Targets are
+/// `base_from_tool`, metres.
 ///
-/// The same question has the same answer bit for bit on any number of threads, unless there is a
-/// time limit. Joints that turn without limits, or further than a turn, come out as near to the
-/// start as whole turns bring them; from a start beyond a million radians, where sines lose their
-/// digits, as near to the start less whole turns (within half a turn of zero).
+/// Equal queries give bitwise equal results on any number of threads, unless there is a time limit. A joint with a
+/// range of a revolution or more ends as near to the start as whole revolutions allow. Whole revolutions are first
+/// taken off a start beyond a million radians, where sines lose digits.
 #[derive(Clone, Debug)]
 pub struct Arm {
     pub(super) serial: Serial,
@@ -34,25 +33,24 @@ pub struct Arm {
     pub(super) lanes: Option<PoseSolver>,
     pub(super) coordinates: Coordinates,
     pub(super) names: Arc<ReportNames>,
-    /// What a radian or metre of each joint counts as, radians.
+    /// Radians that a radian or metre of each joint counts as.
     pub(super) scale: Vec<f64>,
     pub(super) rates: RateLimits<f64>,
     pub(super) default_start: Vec<f64>,
-    /// Seeds of a chain that the lane engine cannot express, made for the first question that needs
-    /// them.
+    /// Sampled configurations of a chain that the SIMD solver does not support, built on first use.
     pub(super) seeds: OnceLock<SeedTable>,
-    /// What it keeps clear of.
+    /// Collision avoidance, if the arm has a checker.
     #[cfg(feature = "collision")]
     pub(super) collisions: Option<std::sync::Arc<super::keep_clear::KeepClear>>,
     workspaces: Workspaces,
 }
 
-/// Memory of the slower ways, taken out while one is under way.
+/// Pool of workspaces for queries that the SIMD solver alone does not finish.
 #[allow(clippy::vec_box, reason = "kilobytes, moved twice a question")]
 #[derive(Debug)]
 struct Workspaces(Mutex<Vec<Box<ArmWorkspace>>>);
 
-/// A copy makes its own.
+/// A clone begins with an empty pool.
 impl Clone for Workspaces {
     fn clone(&self) -> Self {
         Self(Mutex::default())
@@ -92,7 +90,7 @@ impl Arm {
         })
     }
 
-    /// The same arm for another chain and other options, which leave joints and names as they are.
+    /// The same arm with another chain and other options, which leave joints and names as they are.
     pub(super) fn changed(
         &self,
         serial: Serial,
@@ -115,18 +113,21 @@ impl Arm {
     }
 
     getters! {
-        /// Ids of the free joints in the model the arm was built from, base to tip.
+        /// Ids of the free joints in the source model, base to tip.
         pub fn joint_ids(&self) -> &[JointId] = &self.serial.joints;
-        /// Acceleration limits of the free joints, base to tip, rad/s² or m/s², infinite for none: those of the robot's
-        /// [files](crate::robot::Robot::acceleration_limit), and of the mimic joints that a free joint drives.
+        /// Acceleration limits of the free joints, base to tip, rad/s² or m/s²; infinite for none.
+        ///
+        /// They come from the robot's [files](crate::robot::Robot::acceleration_limit), and include the limits of the
+        /// mimic joints that a free joint drives.
         pub fn acceleration_limits(&self) -> &[f64] = &self.rates.acceleration;
-        /// Jerk limits of the free joints, base to tip, rad/s³ or m/s³, infinite for none, by the same rules.
+        /// Jerk limits of the free joints and of the mimic joints that they drive, base to tip, rad/s³ or m/s³;
+        /// infinite for none.
         pub fn jerk_limits(&self) -> &[f64] = &self.rates.jerk;
-        /// Number of free joints: the length of a configuration.
+        /// Number of free joints, the length of a configuration.
         pub fn joint_count(&self) -> usize = self.serial.joints.len();
     }
 
-    /// The bounds of the free joints, base to tip, radians or metres.
+    /// Position limits of the free joints, base to tip, radians or metres.
     pub fn limits(&self) -> impl ExactSizeIterator<Item = Limits> + '_ {
         let map = &self.serial.map;
         map.lower()
@@ -135,10 +136,10 @@ impl Arm {
             .map(|(&lower, &upper)| Limits::new(lower, upper))
     }
 
-    /// Where the tool stands at a configuration.
+    /// Pose of the tool in the base frame at a configuration.
     ///
     /// # Errors
-    /// A configuration of the wrong length, or one that is not finite.
+    /// Returns an error for a configuration of the wrong length or with a value that is not finite.
     pub fn base_from_tool(&self, q: &[f64]) -> Result<Placement<f64>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
         self.check_finite(q)?;
@@ -148,15 +149,15 @@ impl Arm {
         self.with_workspace(|workspace| workspace.base_from_tool(&self.serial, q))
     }
 
-    /// Solves for one target from one start (which may lie outside the limits and is then projected
-    /// into them). A target that is not reached is answered by the nearest place on the start's own
-    /// way, unless the arm searches
-    /// [everywhere](super::ArmBuilder::with_global_search_on_miss) or for the
-    /// [first](super::Search::First).
+    /// Solves for one target from one start. A start outside the limits is clamped to them.
+    ///
+    /// If the target is not reached, the result is the closest pose reached from the start. An arm that searches
+    /// [globally](super::ArmBuilder::with_global_search_on_miss) or for the [first](super::Search::First) solution
+    /// returns the best of all attempts instead.
     ///
     /// # Errors
-    /// A start of the wrong length or not finite; a target that is not a rigid motion. A target out
-    /// of reach is none: see [`Solution::reached`] and [`Solution::explain`].
+    /// Returns an error for a start of the wrong length or not finite, or a target that is not a rigid motion. An
+    /// unreachable target is not an error: see [`Solution::reached`] and [`Solution::explain`].
     pub fn solve(
         &self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -167,11 +168,12 @@ impl Arm {
         Ok(solution)
     }
 
-    /// As [`solve`](Self::solve), into a solution whose memory is used again: after the first few
-    /// questions nothing is allocated for a target that is reached.
+    /// Solves as [`solve`](Self::solve) does, into an existing solution.
+    ///
+    /// After the first few queries nothing is allocated for a target that is reached.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_into(
         &self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -186,12 +188,12 @@ impl Arm {
     }
 
     pub(super) fn deadline(&self) -> Option<Instant> {
-        // A limit beyond what the clock can tell is none.
+        // A limit beyond the range of the clock counts as none.
         let limit = self.options.time_limit?;
         Instant::now().checked_add(limit)
     }
 
-    /// Changes all memory that is not in use.
+    /// Changes all workspaces of the pool.
     #[cfg(feature = "collision")]
     pub(super) fn for_each_workspace(&mut self, change: impl FnMut(&mut Box<ArmWorkspace>)) {
         let workspaces = self.workspaces.0.get_mut();
@@ -199,7 +201,7 @@ impl Arm {
         workspaces.iter_mut().for_each(change);
     }
 
-    /// Runs something with memory of its own.
+    /// Runs a function with a workspace from the pool, or with a new one.
     pub(super) fn with_workspace<R>(&self, run: impl FnOnce(&mut ArmWorkspace) -> R) -> Reply<R> {
         let lock = || {
             self.workspaces
@@ -234,7 +236,7 @@ impl Arm {
         })
     }
 
-    /// Of one configuration, or of several one after another.
+    /// Checks one configuration, or several in sequence.
     #[allow(
         clippy::eq_op,
         reason = "what is not finite leaves itself no zero, and all are asked at once"
@@ -272,7 +274,7 @@ impl Arm {
                 value: start[bad],
             });
         }
-        // Quick for the everyday case, and the same limit as the lane engine's.
+        // Fast for exact rotations; slightly stricter than the SIMD solver's limit of 1e-6.
         match target.check_rigid(0.9e-6) {
             Ok(()) => Ok(()),
             Err(problem) => Err(QueryError::Target { query, problem }),

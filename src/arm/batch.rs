@@ -1,4 +1,4 @@
-//! Many questions at once.
+//! Batches of queries.
 
 use super::arm::Arm;
 use super::lanes_or_core::QUICK;
@@ -9,32 +9,33 @@ use crate::lanes::{Attempts, Work};
 use crate::search::Found;
 use crate::spatial::Placement;
 
-/// Questions that are handed to the lanes together: enough to keep them filled.
+/// Number of queries per batch of the SIMD solver: enough to keep the lanes filled.
 const CHUNK: usize = 128;
-/// Attempts of a question beside others; one that none of these reaches is answered alone. A question
-/// alone makes at least so many too, so that both ways come to the same answer.
+/// Largest number of attempts of a query in a batch; a query that they do not solve is solved alone.
+///
+/// A single query makes at least as many attempts, so that both give the same result.
 const TOGETHER: u32 = 8;
 
-/// Some of the questions, and room for their answers.
+/// Some of the queries and their output.
 struct Chunk<'a> {
     targets: &'a [Placement<f64>],
     starts: &'a [f64],
     solutions: &'a mut [Solution],
 }
 
-/// Answers one chunk.
+/// Function that solves one chunk.
 type AnswerChunk<'a> = dyn Fn(Chunk<'_>) -> Result<(), QueryError> + Sync + 'a;
 
 impl Arm {
-    /// Solves many targets; `starts` holds one configuration a target, one after another. The lanes
-    /// of the engine are filled with different questions, which is faster than one after another.
-    /// What a question gives depends on nothing but itself: the configuration and the errors are
-    /// [`solve`](Self::solve)'s bit for bit, but for [`Search::First`](super::Search::First), where
-    /// among the attempts the lowest that reaches wins and not the quickest. The counts of iterations
-    /// and attempts are those of the batch.
+    /// Solves for many targets; `starts` holds one configuration per target, in sequence.
+    ///
+    /// The SIMD lanes hold different queries, which is faster than single queries in sequence. A result depends on its
+    /// query alone: configurations and errors are bitwise those of [`solve`](Self::solve). The exception is
+    /// [`Search::First`](super::Search::First): there the lowest attempt that reaches wins, not the quickest. The
+    /// counts of iterations and attempts are those of the batch.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve); the error names the first bad question.
+    /// Returns the errors of [`solve`](Self::solve), for the first invalid query.
     pub fn solve_batch(
         &self,
         base_from_tools: &[Placement<f64>],
@@ -45,11 +46,10 @@ impl Arm {
         })
     }
 
-    /// [`solve_batch`](Self::solve_batch) over the threads of the current rayon pool, bit for bit
-    /// the same.
+    /// [`solve_batch`](Self::solve_batch) over the threads of the current rayon pool, with bitwise equal results.
     ///
     /// # Errors
-    /// As there.
+    /// Returns the errors of [`solve_batch`](Self::solve_batch).
     #[cfg(feature = "rayon")]
     pub fn solve_batch_parallel(
         &self,
@@ -62,11 +62,12 @@ impl Arm {
         })
     }
 
-    /// As [`solve_batch`](Self::solve_batch), into slices of the caller's: one configuration a
-    /// target into `q`, one outcome a target. Nothing is allocated after the first few questions.
+    /// Solves as [`solve_batch`](Self::solve_batch) does, into slices: one configuration and one outcome per target.
+    ///
+    /// After the first few queries nothing is allocated.
     ///
     /// # Errors
-    /// As there, and slices of the wrong length.
+    /// Returns the errors of [`solve_batch`](Self::solve_batch), and an error for slices of the wrong length.
     pub fn solve_batch_into(
         &self,
         base_from_tools: &[Placement<f64>],
@@ -78,11 +79,11 @@ impl Arm {
         self.outcomes_of_chunk(base_from_tools, starts, q, outcomes)
     }
 
-    /// [`solve_batch_into`](Self::solve_batch_into) over the threads of the current rayon pool, bit
-    /// for bit the same.
+    /// [`solve_batch_into`](Self::solve_batch_into) over the threads of the current rayon pool, with bitwise equal
+    /// results.
     ///
     /// # Errors
-    /// As there.
+    /// Returns the errors of [`solve_batch_into`](Self::solve_batch_into).
     #[cfg(feature = "rayon")]
     pub fn solve_batch_into_parallel(
         &self,
@@ -104,7 +105,7 @@ impl Arm {
             })
     }
 
-    /// Answers all questions; `run` hands out the chunks, one after another or to threads.
+    /// Solves all queries; `run` executes the chunks, in sequence or on threads.
     fn solve_chunks(
         &self,
         targets: &[Placement<f64>],
@@ -149,8 +150,10 @@ impl Arm {
         Ok(())
     }
 
-    /// Answers questions by the engine's batch, if that can: it knows no clock, and no budget so small that a
-    /// question alone may make fewer attempts. What touches something is not reached.
+    /// Solves queries by a batch of the SIMD solver. Returns false if the options rule that out.
+    ///
+    /// A batch ignores time limits and small budgets, under which a single query may make fewer attempts. Solutions in
+    /// collision are marked as not reached.
     fn run_together(
         &self,
         targets: &[Placement<f64>],

@@ -1,4 +1,4 @@
-//! What an arm knows of the branch that it follows: where its freedom leads, and its side where it is stretched out.
+//! Branch of a path follower or servo: null-space motion, and the side of a stretched arm.
 
 use super::arm::Arm;
 use super::elbow_side::Bend;
@@ -6,36 +6,39 @@ use super::null_space::Factor;
 use super::redundancy::{Easing, SHARE};
 use super::workspace::ArmWorkspace;
 
-/// What is left of the motion to ease each time that a target stays out of reach: where that motion lowers
-/// nothing but the distance from ease, it is over by then; else the nearest place is kept.
+/// Factor per step on the null-space motion while a target stays unreached.
+///
+/// The motion ends if it only approaches the nominal posture, so that the arm comes to rest at the closest pose.
 const LEFT_AT_REST: f64 = 0.9;
-/// What is left of it when it is over.
+/// Remaining fraction at which that motion counts as ended.
 const OVER: f64 = 1e-3;
-/// Share of a measured stiffness that is kept from step to step.
+/// Fraction of a measured stiffness that is kept from step to step.
 const STIFFNESS_KEPT: f64 = 0.9;
 
-/// What a follower and a servo carry from one step to the next.
+/// State that a path follower or servo carries from one step to the next.
 #[derive(Clone, Debug)]
 pub(super) struct Branch {
-    /// The posture that the freedom left is spent on.
+    /// Nominal posture of the null-space motion.
     ease: Vec<f64>,
     bend: Bend,
-    /// Whether the last step missed its target, and whether one did since the arm was at ease.
+    /// True if the last step did not reach its target.
     missed: bool,
+    /// True if a step has failed since the arm was last at its nominal posture.
     strayed: bool,
-    /// Whether the target is the last one's.
+    /// True if the target is that of the last step.
     rests: bool,
-    /// How much of the motion to ease is left where a target stays out of reach, 0 to 1.
+    /// Remaining fraction of the null-space motion while a target stays unreached, 0 to 1.
     left: f64,
-    /// Last step of the null-space motion, the slope there, and the stiffness along it that its change showed: the step is
-    /// the shorter the stiffer the null space is, so that it does not overshoot.
+    /// Last step of the null-space motion, radians per joint.
     last: Vec<f64>,
+    /// Slope at the start of that step, radians per joint.
     slope: Vec<f64>,
+    /// Stiffness along that step, measured by the change of the slope. Stiffer null spaces take shorter steps.
     stiffness: f64,
 }
 
 impl Branch {
-    /// The branch of an arm that begins at `start`.
+    /// Branch of an arm that begins at `start`.
     pub(super) fn begin(arm: &Arm, start: &[f64]) -> Self {
         Self {
             ease: arm.ease_from(start),
@@ -50,26 +53,26 @@ impl Branch {
         }
     }
 
-    /// Spends the freedom on what an arm would that began at `start`.
+    /// Sets the nominal posture to that of an arm that begins at `start`.
     pub(super) fn set_ease(&mut self, arm: &Arm, start: &[f64]) {
         self.ease = arm.ease_from(start);
     }
 
     getters! {
-        /// Whether the arm is where branches meet, and goes with care.
+        /// True if the arm is near a singularity, where branches meet.
         pub(super) fn asks_for_care(&self) -> bool = self.missed || self.bend.is_known();
-        /// Whether the arm is stretched out and knows its side.
+        /// True if the arm is stretched and its side is known.
         pub(super) fn is_stretched(&self) -> bool = self.bend.is_known();
-        /// Whether a target has stayed out of reach for so long that the motion to ease is over.
+        /// True if a target has stayed unreached until the null-space motion ended.
         pub(super) fn rests_long(&self) -> bool = self.missed && self.left < OVER;
     }
 
-    /// Whether a step spends freedom: one to another target, and those that lead back after a miss.
+    /// Returns true if a step includes null-space motion: towards a new target, or back after a failed step.
     pub(super) fn spends_freedom(&self, arm: &Arm) -> bool {
         arm.has_freedom() && (!self.rests || self.strayed)
     }
 
-    /// Notes whether the next step's target is the last one's.
+    /// Records whether the next step's target is the last one's.
     pub(super) fn take_target(&mut self, rests: bool) {
         self.rests = rests;
         self.left = match rests && self.missed {
@@ -78,8 +81,9 @@ impl Branch {
         };
     }
 
-    /// Moves the workspace's x to where a follower's step begins: on in the null space by at most `longest` radians a joint, and a
-    /// little to the side of a stretched arm.
+    /// Moves the workspace's x to the start of a step: in the null space, and slightly to the side of a stretched arm.
+    ///
+    /// The null-space motion is at most `longest` radians per joint.
     pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, longest: f64) {
         if arm.has_freedom() {
             self.lead_to_ease(arm, workspace, longest, SHARE);
@@ -89,8 +93,9 @@ impl Branch {
         }
     }
 
-    /// Moves the workspace's x on in the null space, by at most `longest` radians a joint and this share of the distance to the lowest
-    /// point; the largest motion of a joint, radians.
+    /// Moves the workspace's x in the null space and returns the largest motion of a joint, radians.
+    ///
+    /// The motion is at most `longest` radians per joint and `share` of the distance to the minimum.
     pub(super) fn lead_to_ease(
         &mut self,
         arm: &Arm,
@@ -107,8 +112,10 @@ impl Branch {
         moved.fold(0.0_f64, |most, by| most.max(by.abs()))
     }
 
-    /// Writes into the workspace's `projected` the motion to ease from x, radians a joint. The Jacobian at x is
-    /// there, and perhaps factored.
+    /// Writes the null-space motion from x towards the nominal posture to the workspace's `projected`, radians per
+    /// joint.
+    ///
+    /// The workspace must hold the Jacobian at x; `free` is its factorisation, if known.
     pub(super) fn aim_at_ease(
         &mut self,
         arm: &Arm,
@@ -135,7 +142,7 @@ impl Branch {
         self.last.copy_from_slice(&workspace.projected);
     }
 
-    /// Takes the workspace's x as a step's end.
+    /// Ends a step at the workspace's x.
     pub(super) fn arrive(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, reached: bool) {
         if reached {
             self.bend.note(arm, &workspace.x);
@@ -145,13 +152,13 @@ impl Branch {
         self.strayed |= self.missed;
     }
 
-    /// Takes q, which reaches its target, as a step's end.
+    /// Ends a step at q, which reaches its target.
     pub(super) fn arrive_at(&mut self, arm: &Arm, q: &[f64]) {
         self.bend.note(arm, q);
         self.missed = false;
     }
 
-    /// Goes on from q, to which the arm has jumped.
+    /// Restarts at q after a jump.
     pub(super) fn jump_to(&mut self, q: &[f64], reached: bool) {
         self.bend.begin(q);
         self.missed = !reached;

@@ -1,4 +1,4 @@
-//! Describes an arm: base, tip, what is free, and every option with its unit and default.
+//! Builder of an arm: base, tip, free joints and options.
 
 use std::time::Duration;
 
@@ -16,11 +16,11 @@ use crate::problem::NEARBY;
 use crate::robot::{Mimic, coupled};
 use crate::spatial::Placement;
 
-/// Where an arm begins: the frame that targets are given in.
+/// Base of an arm: the frame in which targets are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Base<'a> {
-    /// The model's world, which needs no frame.
+    /// The world of the model.
     World,
     /// A frame, by its id or its name.
     Frame(FrameRef<'a>),
@@ -32,21 +32,20 @@ impl<'a, F: Into<FrameRef<'a>>> From<F> for Base<'a> {
     }
 }
 
-/// Collects the options of an [`Arm`]; [`build`](Self::build) checks them and tells the first that is
-/// wrong. Frames and joints are given by id or by name.
+/// Builder of an [`Arm`]; [`build`](Self::build) checks the options and returns the first error.
 ///
-/// Options that have one number a joint take them base to tip, for the free joints only, in the
-/// order of [`joints`](Self::joints). Options without a value by default also take an `Option`.
+/// Frames and joints are given by id or by name. Options with one number per joint take them base to tip, for the free
+/// joints only, in the order of [`joints`](Self::joints). Options without a default value also accept an `Option`.
 #[derive(Clone, Debug)]
 pub struct ArmBuilder<'m> {
     model: &'m Model,
     followers: &'m [Mimic],
-    /// One a joint of the model.
+    /// Limits of each joint of the model.
     rates: RateLimits<Option<f64>>,
-    /// None for the world.
+    /// `None` is the world.
     base: Result<Option<FrameId>, UnknownName>,
     tip: Result<FrameId, UnknownName>,
-    /// The first joint that is not there.
+    /// First name of a joint that the model does not have.
     unknown_joint: Option<UnknownName>,
     tip_from_tool: Placement<f64>,
     locked: Vec<(JointId, f64)>,
@@ -57,11 +56,10 @@ pub struct ArmBuilder<'m> {
 }
 
 impl Arm {
-    /// The arm from `base` to the frame `tip`, with default options: see [`builder`](Self::builder)
-    /// for others.
+    /// Builds the arm from `base` to the frame `tip` with default options; see [`builder`](Self::builder) for others.
     ///
     /// # Errors
-    /// As [`ArmBuilder::build`].
+    /// Returns the errors of [`ArmBuilder::build`].
     pub fn new<'a>(
         mechanism: &impl Mechanism,
         base: impl Into<Base<'a>>,
@@ -70,9 +68,9 @@ impl Arm {
         Self::builder(mechanism, base, tip).build()
     }
 
-    /// Starts the description of the arm from `base` (a frame, or [`Base::World`]) to the frame `tip`.
-    /// Any two frames of the tree will do: from the base the way goes up to where both meet and down
-    /// to the tip.
+    /// Starts the builder of the arm from `base` (a frame, or [`Base::World`]) to the frame `tip`.
+    ///
+    /// Any two frames of the tree will do: the chain leads from the base up to the common ancestor and down to the tip.
     pub fn builder<'m, 'a>(
         mechanism: &'m impl Mechanism,
         base: impl Into<Base<'a>>,
@@ -100,7 +98,7 @@ impl Arm {
 }
 
 impl ArmBuilder<'_> {
-    /// The joint that is meant; the first that is not there is an error when building.
+    /// Resolves a joint, and keeps the first unknown name as an error for `build`.
     fn joint<'a>(&mut self, joint: impl Into<JointRef<'a>>) -> Option<JointId> {
         let resolved = joint.into().resolve(self.model);
         let unknown = &mut self.unknown_joint;
@@ -108,81 +106,89 @@ impl ArmBuilder<'_> {
     }
 
     setters! {
-        /// A tool on the tip: where it stands in the tip's frame, metres. Default: the tip itself.
+        /// Sets the placement of a tool in the tip's frame, metres. Default: the identity.
         pub fn with_tool(mut self, tip_from_tool: impl Into<Placement<f64>>) {
             self.tip_from_tool = tip_from_tool.into();
         }
-        /// How far the tool may be from its target, metres; positive. Default 1e-6.
+        /// Sets the largest distance of the tool from its target, metres; positive. Default 1e-6.
         pub fn with_position_tolerance(mut self, metres: f64) {
             self.options.position_tolerance = metres;
         }
-        /// How far the tool may be turned from its target, radians; positive. Default 1e-6.
+        /// Sets the largest angle between the tool and its target, radians; positive. Default 1e-6.
         pub fn with_orientation_tolerance(mut self, radians: f64) {
             self.options.orientation_tolerance = radians;
         }
-        /// Metres that weigh as much as one radian in the cost, which decides the compromise where a
-        /// target is out of reach; positive. Default: a quarter of the arm's length, so that answers do
-        /// not depend on the unit of length.
+        /// Sets the metres that weigh as much as one radian in the cost; positive.
+        ///
+        /// The weight decides the compromise for a target out of reach. Default: a quarter of the arm's reach, so that
+        /// results do not depend on the unit of length.
         pub fn with_metres_per_radian(mut self, metres: impl Into<Option<f64>>) {
             self.options.given_metres_per_radian = metres.into();
         }
-        /// Which components of the pose count, and how exactly. Default: the full pose.
+        /// Sets the components of the pose that count, and their bounds. Default: the full pose.
         pub fn with_goal(mut self, goal: Goal) { self.options.goal = goal }
-        /// Which of several solutions is wanted. Default [`Search::Start`].
+        /// Sets the preference among several solutions. Default [`Search::Start`].
         pub fn with_search(mut self, search: Search) { self.options.search = search }
-        /// What a radian or metre of each joint weighs in joint distances, one positive number a joint.
+        /// Sets the weights of a radian or metre of each joint in joint distances: one positive number per joint.
+        ///
         /// Default 1 for all. Used by [`Search::Nearest`], [`Search::Distinct`] and the posture.
         pub fn with_joint_weights(mut self, weights: &[f64]) {
             self.weights = Some(weights.to_vec());
         }
-        /// How far each joint may move from the start (from the start within its limits), radians or
-        /// metres, one number of at least 0 a joint; infinity for a joint that may go anywhere. A hard
-        /// bound: where no solution is found within it, the answer ends as
-        /// [`CannotContinue`](crate::solver::Termination::CannotContinue) at the nearest place on the
-        /// start's own way. Default: no bound.
+        /// Sets the largest motion of each joint from the start, radians or metres: one number of at least 0 per joint.
+        ///
+        /// Infinity leaves a joint unbounded. The motion counts from the start clamped to the limits. If no solution is
+        /// found within the bound, the result is the closest pose reached from the start, and ends as
+        /// [`CannotContinue`](crate::solver::Termination::CannotContinue). Default: no bound.
         pub fn with_max_move(mut self, max_move: &[f64]) {
             self.options.max_move = Some(max_move.to_vec());
         }
-        /// A posture to prefer where the pose leaves room, one number a joint, radians or metres,
-        /// clamped into the limits: the solution is moved towards it within the null space of the pose,
-        /// within limits, and stays within the tolerances. It goes with the searches `Start` and
-        /// `First`. Default: none.
+        /// Sets a nominal posture for the null space, one number per joint, radians or metres, clamped to the limits.
+        ///
+        /// The solution moves towards it within the null space of the pose, the limits and the tolerances. It is valid
+        /// for the searches `Start` and `First`. Default: none.
         pub fn with_posture(mut self, q_preferred: &[f64]) {
             self.options.posture = Some(q_preferred.to_vec());
         }
-        /// No attempt begins after so many iterations of all attempts of a query together, at least 1.
-        /// Default: none where [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
+        /// Sets the number of iterations of all attempts of a query after which no attempt begins, at least 1.
+        ///
+        /// Default: none if [`with_attempts`](Self::with_attempts) was given, 2 600 otherwise.
         pub fn with_iterations(mut self, iterations: impl Into<Option<u32>>) {
             self.options.iterations = iterations.into();
         }
-        /// Whether a target that no attempt reaches is answered by the best place that any of them came
-        /// to, wherever that is, and a path whose branch ends goes on by a jump to another. Otherwise a
-        /// miss stays on the start's own way, and a path on its branch, at the nearest place there.
-        /// [`Search::First`] has no start to stay near and always takes the best. Default false.
+        /// Sets whether a query that fails returns the best of all attempts, on any branch. Default false.
+        ///
+        /// A path whose branch ends then jumps to another branch. Otherwise a failed query returns the closest pose
+        /// reached from the start, and a path stays at the closest pose on its branch. [`Search::First`] always returns
+        /// the best of all attempts.
         pub fn with_global_search_on_miss(mut self, everywhere: bool) {
             self.options.leaps = everywhere;
         }
-        /// While following ([`Arm::track`], [`Arm::follower`], [`Arm::servo`]) the freedom that the goal leaves goes
-        /// to the posture that the arm began in, or to another that is [asked for](Self::with_posture), and keeps
-        /// joints off their limits. This is how strongly: a joint that comes onto its limit is drawn back as if it were so many
-        /// radians from that posture, less before, not at all in the inner 60 % of its range; one that begins in the
-        /// outer 5 % is drawn out of it. At least 0; 0 leaves limits to the posture. Default 4.
+        /// Sets the strength of limit avoidance while following, in radians; at least 0. Default 4.
+        ///
+        /// In [`Arm::track`], [`Arm::follower`] and [`Arm::servo`] the null space goes to a nominal posture: the start,
+        /// or the [given one](Self::with_posture). A joint at its limit is pulled back as if it were this far from that
+        /// posture. The pull is less before the limit, and none in the inner 60 % of the range. A joint that starts in
+        /// the outer 5 % is moved out of it. 0 leaves limits to the posture.
         pub fn with_limit_avoidance(mut self, radians: f64) {
             self.options.limit_avoidance = radians;
         }
-        /// A wall-clock limit for each query, looked at between lock-step iterations. Answers then
-        /// depend on the machine. Default: none.
+        /// Sets a wall-clock limit per query, checked between lock-step iterations. Default: none.
+        ///
+        /// With a limit, results depend on the machine.
         pub fn with_time_limit(mut self, limit: impl Into<Option<Duration>>) {
             self.options.time_limit = limit.into();
         }
-        /// The seed of everything random: attempt i starts from (seed, i). Default 0.
+        /// Sets the seed of all random numbers: attempt i is sampled from (seed, i). Default 0.
         pub fn with_seed(mut self, seed: u64) { self.options.seed = seed }
-        /// Whether to build the engine's seed atlas: a few megabytes and tens of milliseconds, for
-        /// several times fewer iterations. Default true.
+        /// Sets whether to build the seed atlas, which makes several times fewer iterations. Default true.
+        ///
+        /// The atlas takes a few megabytes, and tens of milliseconds to build.
         pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
-        /// Most attempts of one query, at least 1: a target that none reaches has so many, unless
-        /// [`with_iterations`](Self::with_iterations) or a time limit ends them first. Default: 200, and no
-        /// attempt begins after 2 600 iterations.
+        /// Sets the largest number of attempts of one query, at least 1.
+        ///
+        /// A failing query makes all of them, unless [`with_iterations`](Self::with_iterations) or a time limit ends it
+        /// first. Default: 200, and no attempt begins after 2 600 iterations.
         pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) {
             let attempts = attempts.into();
             self.options.attempts = attempts.unwrap_or(ATTEMPTS);
@@ -190,7 +196,8 @@ impl ArmBuilder<'_> {
         }
     }
 
-    /// Locks a joint at `value`, radians or metres, within its limits. A value up to 1e-3 outside, as sensors report it, is clamped.
+    /// Locks a joint at `value`, radians or metres, within its limits. A value up to 1e-3 outside, as from a sensor, is
+    /// clamped.
     #[must_use]
     pub fn with_locked<'a>(mut self, joint: impl Into<JointRef<'a>>, value: f64) -> Self {
         let joint = self.joint(joint);
@@ -198,8 +205,10 @@ impl ArmBuilder<'_> {
         self
     }
 
-    /// Frees only these joints; every other joint is held at its value in `q_model` (shape: the
-    /// model's degrees of freedom; [`build`](Self::build) refuses another), by the rule of [`with_locked`](Self::with_locked).
+    /// Frees only these joints; every other joint is locked at its value in `q_model`, as by
+    /// [`with_locked`](Self::with_locked).
+    ///
+    /// Shape of `q_model`: the model's degrees of freedom; otherwise [`build`](Self::build) returns an error.
     #[must_use]
     pub fn with_only<'a, J: Into<JointRef<'a>>>(
         mut self,
@@ -212,21 +221,25 @@ impl ArmBuilder<'_> {
         self
     }
 
-    /// The free joints, base to tip, in whose order options have one number a joint.
+    /// Free joints, base to tip: the order of options with one number per joint.
     ///
     /// # Errors
-    /// An unknown frame or joint, with the valid names; locked values outside limits; no free joint.
+    /// Returns an error for an unknown frame or joint (with the valid names), locked values outside limits, or no free
+    /// joint.
     pub fn joints(&self) -> Result<Vec<JointId>, ArmError> {
         let (parts, name) = self.way()?;
         let (full, tool) = (self.parameters()?, Placement::identity());
         Ok(Serial::new(self.model, &full, &parts, tool, name)?.joints)
     }
 
-    /// Checks everything and prepares the arm.
+    /// Checks the options and builds the arm.
     ///
     /// # Errors
-    /// An unknown frame or joint, with the valid names; the first option out of its range, by name;
-    /// locked values outside limits; no free joint; a joint that moves a loop of the model.
+    /// Returns an error for:
+    /// - An unknown frame or joint, with the valid names.
+    /// - The first option out of its range, by name.
+    /// - Locked values outside limits, or no free joint.
+    /// - A joint that moves a loop of the model.
     pub fn build(self) -> Result<Arm, ArmError> {
         let (parts, name) = self.way()?;
         check_tool(&self.tip_from_tool)?;
@@ -244,7 +257,7 @@ impl ArmBuilder<'_> {
         Arm::assemble(serial, options, lanes, coordinates, rates, name.1)
     }
 
-    /// The way from base to tip, and the names of the two.
+    /// Chain from base to tip, and the names of both.
     fn way(&self) -> Result<(Vec<Part>, (&str, &str)), ArmError> {
         let (base, tip) = (self.base.clone()?, self.tip.clone()?);
         let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
@@ -252,7 +265,7 @@ impl ArmBuilder<'_> {
         Ok((kinematic_path::parts(self.model, base, tip), name))
     }
 
-    /// Refuses joints that would open a loop, be it by those that follow them.
+    /// Returns an error if a free joint moves a loop of the model, directly or by its mimic joints.
     fn check_loops(&self, full: &ParameterMap, serial: &Serial) -> Result<(), ArmError> {
         for closed in self.model.loops() {
             for id in self.model.loop_joints(closed) {
@@ -271,7 +284,7 @@ impl ArmBuilder<'_> {
         Ok(())
     }
 
-    /// The whole model's map: followers follow, joints that cannot matter keep still.
+    /// Parameter map of the whole model, with mimic joints coupled and other joints locked.
     fn parameters(&self) -> Result<ParameterMap, ArmError> {
         if let Some(unknown) = &self.unknown_joint {
             return Err(unknown.clone().into());
@@ -286,7 +299,7 @@ impl ArmBuilder<'_> {
         Ok(map.build()?)
     }
 
-    /// The options, checked, with what goes by the arm's length and number of joints.
+    /// Checked options, including those that depend on the arm's reach and number of joints.
     fn options(&self, serial: &Serial) -> Result<Options, ArmError> {
         let mut options = self.options.clone();
         options.weigh_radians(serial.model.reach());
@@ -309,7 +322,7 @@ impl ArmBuilder<'_> {
             axes: options.goal.into(),
             attempts: options.attempts,
             seed: options.seed,
-            // Atlas seeds stand anywhere; a bound on moves keeps to the start.
+            // The atlas's configurations may be anywhere, but a bound on motions keeps to the start.
             atlas: self.atlas && options.max_move.is_none(),
             nearby: NEARBY,
             ..LaneOptions::default()
@@ -317,7 +330,7 @@ impl ArmBuilder<'_> {
     }
 }
 
-/// Whether a tool stands somewhere.
+/// Checks that a tool's placement is rigid.
 pub(super) fn check_tool(tip_from_tool: &Placement<f64>) -> Result<(), ArmError> {
     let rigid = tip_from_tool.check_rigid(1e-6);
     rigid.map_err(ArmError::Tool)

@@ -1,4 +1,4 @@
-//! Between the arm's numbers and a configuration of the whole model.
+//! Conversion between joint values of an arm and configurations of the whole model.
 
 use super::arm::Arm;
 use super::{QueryError, Reply};
@@ -6,12 +6,13 @@ use crate::Buffer;
 use crate::model::Source;
 
 impl Arm {
-    /// Writes the arm's joints into a configuration of the model the arm was built from (shape: its
-    /// degrees of freedom), with the joints between base and tip that are locked and all joints
-    /// that follow; the other numbers stay as they are.
+    /// Writes the arm's joint values into a configuration of the source model (shape: its degrees of freedom).
+    ///
+    /// Also writes the locked joints between base and tip, and the mimic joints of the arm's joints. Other values stay
+    /// unchanged.
     ///
     /// # Errors
-    /// Slices of the wrong length.
+    /// Returns an error for slices of the wrong length.
     pub fn configuration(&self, q_arm: &[f64], q_model: &mut [f64]) -> Result<(), QueryError> {
         self.check_lengths(q_arm, q_model)?;
         for (coordinate, source, limits) in &self.coordinates.entries {
@@ -23,10 +24,10 @@ impl Arm {
         Ok(())
     }
 
-    /// Reads the arm's joints out of a configuration of the model, into a slice of as many or a `Vec`.
+    /// Reads the arm's joint values from a configuration of the model, into a slice of that length or a `Vec`.
     ///
     /// # Errors
-    /// Slices of the wrong length, and values of the arm's joints that are not finite.
+    /// Returns an error for slices of the wrong length, and for joint values that are not finite.
     pub fn joint_values(
         &self,
         q_model: &[f64],

@@ -1,5 +1,4 @@
-//! What whole paths are made of: many configurations carried on to their next targets at once, attempts at one
-//! target, and the freedom that it leaves.
+//! Batch operations for whole paths: continuation of many configurations, attempts at one target, null-space data.
 
 use super::Reply;
 use super::arm::Arm;
@@ -11,27 +10,27 @@ use crate::spatial::Placement;
 
 pub(crate) use crate::lanes::PoseOutcome;
 
-/// Where configurations came to: one after another, and what each is.
+/// End configurations of several attempts, in sequence, and their outcomes.
 #[derive(Debug, Default)]
 pub(crate) struct Ends {
     pub(crate) q: Vec<f64>,
     pub(crate) outcomes: Vec<PoseOutcome>,
 }
 
-/// A joint of the chain, base to tip, as a bound on the tool's motion needs it.
+/// Joint of the chain, base to tip, as needed to bound the tool's motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChainMotion {
     pub(crate) slides: bool,
-    /// Its value is ratio × the arm's joint `variable` + offset.
+    /// Index of the arm's joint that drives it: the value is ratio × variable + offset.
     pub(crate) variable: usize,
     pub(crate) ratio: f64,
     pub(crate) offset: f64,
-    /// Length of the constant way from it to the next joint, or to the tool, metres.
+    /// Length of the constant translation to the next joint, or to the tool, metres.
     pub(crate) way_after: f64,
 }
 
 impl Arm {
-    /// Goes on from each start to its target by the start's own attempt alone.
+    /// Continues each start to its target by one attempt.
     pub(crate) fn continue_all(
         &self,
         targets: &[Placement<f64>],
@@ -63,7 +62,9 @@ impl Arm {
         Ok(())
     }
 
-    /// The same to one target, and only so closely that one can go on from there: within some 1e-4 of the arm's length where a target is reached.
+    /// Continues each start to one target by one attempt, to within about 1e-4 of the arm's length.
+    ///
+    /// That is close enough to continue from there.
     pub(crate) fn carry_all(
         &self,
         target: &Placement<f64>,
@@ -87,7 +88,7 @@ impl Arm {
         Ok(())
     }
 
-    /// Attempts `first`, `first + 1`, … at one target.
+    /// Runs attempts `first`, `first + 1`, … at one target.
     pub(crate) fn attempt_several(
         &self,
         target: &Placement<f64>,
@@ -118,7 +119,7 @@ impl Arm {
         })
     }
 
-    /// The same by the core's engine, one after another.
+    /// Runs attempts `first`, `first + 1`, … with the general solver, in sequence.
     fn attempts_alone(
         &self,
         target: &Placement<f64>,
@@ -146,17 +147,17 @@ impl Arm {
     }
 
     getters! {
-        /// What a radian or metre of each joint counts as, radians.
+        /// Radians that a radian or metre of each joint counts as.
         pub(crate) fn scales(&self) -> &[f64] = &self.scale;
-        /// Whether a target leaves freedom.
+        /// True if the goal leaves a null space.
         pub(crate) fn is_redundant(&self) -> bool = self.has_freedom();
-        /// How many joints there are beyond what a target takes.
+        /// Number of joints beyond the rows of the goal.
         pub(crate) fn spare_joints(&self) -> usize = self.joint_count().saturating_sub(self.options.goal.rows());
-        /// What of a pose counts.
+        /// Bounds of the pose's components.
         pub(crate) fn goal(&self) -> crate::task::Goal = self.options.goal;
     }
 
-    /// Which joints slide.
+    /// Flags of the prismatic joints.
     pub(crate) fn slides(&self) -> Vec<bool> {
         let (model, map) = (&self.serial.model, &self.serial.map);
         let joint = |&c: &usize| &model.joints()[model.moving_joints()[c].index()];
@@ -166,12 +167,12 @@ impl Arm {
             .collect()
     }
 
-    /// How far two poses are apart, radians, metres counted as the arm counts them.
+    /// Distance of two poses in radians; metres convert by the arm's weight.
     pub(crate) fn apart(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
         self.pose_distance(a, b)
     }
 
-    /// The errors at a configuration against a target: metres, radians, and whether both are within tolerance.
+    /// Errors at a configuration against a target: metres, radians, and true if both are within tolerance.
     pub(crate) fn errors_at(&self, target: &Placement<f64>, q: &[f64]) -> Reply<(f64, f64, bool)> {
         self.with_workspace(|workspace| {
             workspace.aim(target);
@@ -180,7 +181,8 @@ impl Arm {
         })
     }
 
-    /// The distance of a target from the chain's begin and the chain's reach, metres, where it is certainly too far.
+    /// Distance of a target from the chain's base and the chain's reach, metres; `None` unless it is proven
+    /// unreachable.
     pub(crate) fn falls_short(&self, target: &Placement<f64>) -> Option<(f64, f64)> {
         if !self.options.goal.is_exact_in_position() {
             return None;
@@ -194,7 +196,7 @@ impl Arm {
         )
     }
 
-    /// Writes what each joint does to the goal's residual at q, six rows a joint, in the arm's weights.
+    /// Writes the Jacobian of the goal's residual at q, six rows per joint, in the arm's weights.
     pub(crate) fn write_slopes(
         &self,
         target: &Placement<f64>,
@@ -212,7 +214,7 @@ impl Arm {
         })
     }
 
-    /// The joints of the chain, base to tip.
+    /// Joints of the chain, base to tip.
     pub(crate) fn chain_motions(&self) -> Vec<ChainMotion> {
         let (model, map) = (&self.serial.model, &self.serial.map);
         let way = |id: crate::model::JointId| {
@@ -250,8 +252,9 @@ mod tests {
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3, rotation_exp};
 
-    /// What is carried on stands within some 1e-4 of the arm's length of its target, also beside limits, where a closer look reaches it as
-    /// well; nothing is out of reach of everyone but reached.
+    /// Continued configurations stay within limits and end near their target.
+    ///
+    /// Nearly all starts that a full attempt brings to the target are also continued there.
     #[test]
     #[allow(clippy::unwrap_used)]
     fn what_is_carried_on_is_near_its_target() {
@@ -304,7 +307,7 @@ mod tests {
         );
     }
 
-    /// More starts than there are lanes, all alike: none inherits what another one before it in its lane has used up.
+    /// Many equal starts, more than lanes: every start has its full number of steps.
     #[test]
     #[allow(clippy::unwrap_used)]
     fn each_start_is_carried_by_as_many_steps() {

@@ -1,13 +1,13 @@
-//! Which coordinates of the model an arm moves or holds.
+//! Coordinates of the model that an arm moves or locks.
 
 use super::kinematic_path::Part;
 use super::serial_chain::{Serial, source_of};
 use crate::model::{FrameId, JointId, Limits, Model, ParameterMap, Source};
 
-/// Where the coordinates of the model that the arm moves or holds come from.
+/// Sources of the model's coordinates that the arm moves or locks.
 #[derive(Clone, Debug)]
 pub(super) struct Coordinates {
-    /// The frame that targets are given in; none for the world.
+    /// Frame in which targets are given; `None` for the world.
     #[cfg_attr(
         not(feature = "collision"),
         expect(dead_code, reason = "collisions alone ask")
@@ -16,7 +16,7 @@ pub(super) struct Coordinates {
     pub(super) degrees_of_freedom: usize,
     /// (coordinate, source in terms of the arm's joints, limits).
     pub(super) entries: Vec<(usize, Source, Limits)>,
-    /// The coordinate that each joint of the arm is.
+    /// Coordinate of each joint of the arm.
     pub(super) own: Vec<usize>,
 }
 
@@ -36,7 +36,7 @@ impl Coordinates {
                 Source::Constant(value) if held(joint_of(c)) => {
                     entries.push((c, Source::Constant(value), limits));
                 }
-                // No ball is on the way, and none elsewhere is moved.
+                // The chain has no ball joint, and the arm moves none elsewhere.
                 Source::Constant(_) | Source::Rotation { .. } => {}
                 Source::Variable {
                     variable,

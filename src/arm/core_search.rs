@@ -1,4 +1,4 @@
-//! The way of chains that the lane engine cannot express: the core's solver on the same problem.
+//! Search with the general solver, for chains that the SIMD solver does not support.
 
 use super::arm::Arm;
 use super::batch::outcome_of;
@@ -12,23 +12,21 @@ use crate::random::RandomStream;
 use crate::search::{Found, Schedule, run};
 use crate::solver::{LevenbergMarquardt, Silent, Stopping};
 
-/// Attempts from the start and beside it before seeds are looked up.
+/// Number of attempts from the start and from perturbations of it before the table is used.
 const OWN: usize = 2;
-/// Seeds that a question tries, and the steps without halving the cost after which one is given up.
-/// Of 11 600 reachable poses of random chains with followers random attempts alone missed 24; with
-/// seeds before them, of 240 000, 64 missed two and 128 none.
+/// Largest number of sampled configurations that a query tries: of 240 000 reachable poses 64 fail on two, 128 on none.
 const SEEDS: usize = 128;
+/// Number of steps without halving the cost after which an attempt from the table ends.
 const PATIENCE: usize = 10;
-/// Attempts that stop at the same miss before a target counts as out of reach, where no number of
-/// attempts is asked for.
+/// Number of attempts at the same minimum after which a target counts as out of reach, if no number of attempts is set.
 const AGREEING: usize = 10;
-/// Steps of all random attempts together where nothing else is asked for.
+/// Largest number of steps of all random attempts, if no number of iterations is set.
 const STEPS: usize = 2500;
 
 impl Arm {
-    /// The core's search from the workspace's start: the start's own attempts, then the seeds whose tool
-    /// stands nearest to the target, then random ones. Where one reaches, that is in the workspace's x;
-    /// else the start is, and the best of all in its best.
+    /// Searches from the workspace's start, then from sampled configurations near the target, then from random ones.
+    ///
+    /// A solution is left in the workspace's x. If there is none, x is the start and `best` the best of all attempts.
     pub(super) fn search_by_core(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Found {
         let attempts = self.attempts_at(query.target) as usize;
         let mut spent = 0;
@@ -46,7 +44,7 @@ impl Arm {
         found
     }
 
-    /// So many attempts at most.
+    /// Makes at most `attempts` attempts.
     fn make_attempts(
         &self,
         workspace: &mut ArmWorkspace,
@@ -54,7 +52,7 @@ impl Arm {
         attempts: usize,
     ) -> Found {
         let mut found = self.restart(workspace, query, attempts.min(OWN));
-        // Where moves are bounded, seeds from all over the limits are far outside.
+        // If motions are bounded, sampled configurations are far outside the bounds.
         let everywhere = self.options.max_move.is_none();
         for seeded in [true, false] {
             let left = attempts.saturating_sub(found.attempts);
@@ -77,7 +75,7 @@ impl Arm {
         found
     }
 
-    /// An attempt from each of the nearest seeds, until one reaches; the best is in x.
+    /// Makes an attempt from each of the nearest sampled configurations, until one reaches; the best is in x.
     fn try_seeds(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, most: usize) -> Found {
         self.look_up_seeds(workspace, most);
         let mut found = Found::default();
@@ -98,7 +96,7 @@ impl Arm {
         found
     }
 
-    /// One attempt from the workspace's x, which is then where it ended.
+    /// Makes one attempt from the workspace's x and leaves its end there.
     fn attempt_by_core(
         &self,
         workspace: &mut ArmWorkspace,
@@ -112,7 +110,7 @@ impl Arm {
         found
     }
 
-    /// Writes the rows of the seeds nearest to the target into the workspace's.
+    /// Writes the table's rows nearest to the target to the workspace.
     fn look_up_seeds(&self, workspace: &mut ArmWorkspace, most: usize) {
         let table = self
             .seeds
@@ -129,7 +127,9 @@ impl Arm {
         table.nearest(&target, weights, most, &mut workspace.rows);
     }
 
-    /// Attempts from the workspace's start, beside it and anywhere, into the workspace's x.
+    /// Makes attempts from the workspace's start, from perturbations of it and from random configurations.
+    ///
+    /// The best is in the workspace's x.
     fn restart(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, attempts: usize) -> Found {
         let options = &self.options;
         let (steps, agreeing) = match (options.iterations, options.attempts_asked) {
@@ -169,8 +169,7 @@ impl Arm {
         found
     }
 
-    /// Attempts `first`, `first + 1`, … of the core's solver, one an outcome, appended to the
-    /// configurations found.
+    /// Makes attempts `first`, `first + 1`, … with the general solver, and appends their configurations and outcomes.
     pub(super) fn attempts_by_core(
         &self,
         workspace: &mut ArmWorkspace,
@@ -181,7 +180,7 @@ impl Arm {
         self.look_up_seeds(workspace, SEEDS.min((first + count) as usize));
         for attempt in first..first + count {
             workspace.x.copy_from_slice(&workspace.start);
-            // Every other one from a seed, as far as they go.
+            // Every other attempt begins at a row of the table, as long as there are rows.
             let row = match attempt > 0 && attempt % 2 == 0 {
                 true => workspace.rows.get(attempt as usize / 2 - 1),
                 false => None,
@@ -204,7 +203,7 @@ impl Arm {
         }
     }
 
-    /// Adds whole turns to the workspace's x where joints can make them and nothing follows them.
+    /// Adds whole revolutions to joints of the workspace's x that can make them and drive no mimic joint.
     pub(super) fn unwrap_towards(&self, start: &[f64], workspace: &mut ArmWorkspace) {
         let (model, map) = (&self.serial.model, &self.serial.map);
         for (i, value) in workspace.x.iter_mut().enumerate() {

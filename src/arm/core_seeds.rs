@@ -1,5 +1,4 @@
-//! Where the tool of a chain comes to stand, for configurations all over its limits: seeds near a
-//! target for chains that the lane engine's atlas does not know.
+//! Table of sampled configurations and their tool poses, for chains without a seed atlas.
 
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
@@ -7,15 +6,15 @@ use crate::model::Limits;
 use crate::problem::Question;
 use crate::spatial::Placement;
 
-/// Configurations that are sampled: some 2.5 MB for seven joints, and a few milliseconds once.
+/// Number of sampled configurations: about 2.5 MB for seven joints, and a few milliseconds once.
 const SEEDS: usize = 16_384;
 
-/// Configurations and where they put the tool.
+/// Sampled configurations and their tool poses.
 #[derive(Clone, Debug)]
 pub(super) struct SeedTable {
-    /// One configuration after another.
+    /// Configurations, in sequence.
     values: Vec<f64>,
-    /// Of the tool in the base, one a configuration.
+    /// Pose of the tool in the base frame at each configuration.
     places: Vec<Placement<f64>>,
 }
 
@@ -23,7 +22,7 @@ impl SeedTable {
     /// Samples the chain by Roberts's R sequence, which fills a box more evenly than random numbers.
     pub(super) fn new(serial: &Serial, workspace: &mut ArmWorkspace) -> Self {
         let n = serial.map.variables();
-        // The root of x^(n + 1) = x + 1, halved towards; steps are its inverse powers.
+        // Root of x^(n + 1) = x + 1 by bisection; the steps are its inverse powers.
         let (mut low, mut high) = (1.0_f64, 2.0_f64);
         for _ in 0..60 {
             let root = 0.5 * (low + high);
@@ -58,14 +57,16 @@ impl SeedTable {
         table
     }
 
-    /// The configuration of a row.
+    /// Configuration of a row.
     pub(super) fn seed(&self, row: usize) -> &[f64] {
         let n = self.values.len() / self.places.len().max(1);
         self.values.get(row * n..(row + 1) * n).unwrap_or(&[])
     }
 
-    /// The `most` rows nearest to a target, nearest first: squared metres, and squared radians (as
-    /// chords) that count `metres_per_radian` each.
+    /// Writes the `most` rows nearest to a target to `rows`, nearest first.
+    ///
+    /// The squared distance is `position` per squared metre, plus the squared rotation chord times `metres_per_radian`
+    /// squared.
     pub(super) fn nearest(
         &self,
         target: &Placement<f64>,
@@ -116,7 +117,7 @@ mod tests {
     #[test]
     fn a_radian_counts_as_many_metres_as_it_is_said_to() {
         let mut turned = Placement::identity();
-        // A small angle, whose chord is as long as it is.
+        // A small angle, whose chord has the same length.
         let small = 1e-3;
         turned.rotation = turned
             .rotation

@@ -1,4 +1,4 @@
-//! Default start of an arm's searches.
+//! Default start configuration of an arm.
 
 #[cfg(feature = "xml")]
 use std::collections::HashMap;
@@ -7,11 +7,11 @@ use super::Arm;
 use crate::model::Limits;
 
 impl Arm {
-    /// The configuration to start from where nothing better is known, one number a free joint, base to tip, radians or metres.
+    /// Default start configuration: one number per free joint, base to tip, radians or metres.
     ///
-    /// It is the middle of each joint's limits, or the value closest to 0 for a joint that has no limit on one side. With
+    /// It is the middle of each joint's limits, or the value closest to 0 for a joint without a limit on one side. With
     /// [`with_srdf`](Self::with_srdf) it is the state `ready` or `home`. The middle is far from the limits and from the
-    /// configurations in which a stretched arm is singular.
+    /// singularities of a stretched arm.
     ///
     /// ```
     /// # use kinopt::arm::Arm;
@@ -29,8 +29,9 @@ impl Arm {
         &self.default_start
     }
 
-    /// The same arm with its [default start](Self::default_start) at the first of these states that the SRDF file has for joints of the
-    /// arm: `ready`, then `home`, in any case. Joints without a value in the state stay at the middle of their limits.
+    /// Sets the [default start](Self::default_start) to a state of the SRDF file: `ready`, else `home`, in any case.
+    ///
+    /// The state must have values for joints of the arm. Joints without a value stay at the middle of their limits.
     #[cfg(feature = "xml")]
     #[must_use]
     pub fn with_srdf(mut self, srdf: &crate::robot::Srdf) -> Self {
@@ -53,7 +54,7 @@ impl Arm {
     }
 }
 
-/// The SRDF states that an arm starts from, the first that exists.
+/// SRDF states for the default start, in order of preference.
 #[cfg(feature = "xml")]
 const STATES: [&str; 2] = ["ready", "home"];
 

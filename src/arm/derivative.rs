@@ -1,4 +1,4 @@
-//! How a solution moves with its target.
+//! Derivative of an arm's solution with respect to its target.
 
 use nalgebra::DMatrix;
 
@@ -7,22 +7,23 @@ use super::arm::Arm;
 use crate::ik::{Existence, SolutionDerivative};
 use crate::spatial::Placement;
 
-/// The derivative of an arm's solution by its target.
+/// Derivative of an arm's solution with respect to its target.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ArmDerivative {
-    /// A row for each free joint (radians or metres), base to tip, and six columns: for moving the target along
-    /// (metres) and turning it about (radians) its own axes.
+    /// One row per free joint (radians or metres), base to tip, and six columns.
+    ///
+    /// The columns are translations along (metres) and rotations about (radians) the target's own axes.
     pub by_target: DMatrix<f64>,
-    /// Whether it exists: look here before it is trusted.
+    /// Existence of the derivative: check it before using `by_target`.
     pub existence: Existence,
 }
 
 impl Arm {
-    /// The derivative by its target of the solution `q` that the arm has for it, reached or not.
+    /// Derivative of the solution `q` with respect to its target, which may be unreached.
     ///
-    /// Where the arm has more joints than the goal asks for, it is the
-    /// [shortest](Existence::ShortestOfMany) of many. A joint on a limit that holds it stays there.
+    /// For a redundant arm it is the [shortest](Existence::ShortestOfMany) of many. A joint held by a limit stays
+    /// there.
     ///
     /// ```
     /// # use kinopt::arm::Arm;
@@ -38,7 +39,7 @@ impl Arm {
     /// ```
     ///
     /// # Errors
-    /// A configuration of the wrong length or not finite; a target that is not a rigid motion.
+    /// Returns an error for a configuration of the wrong length or not finite, or a target that is not a rigid motion.
     pub fn derivative(
         &self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -54,7 +55,7 @@ impl Arm {
             let memory = &mut workspace.derivative;
             let derivative = SolutionDerivative::new(question.ask(), &workspace.q, memory);
             let joints = q.len();
-            // What could be wrong with it was looked at.
+            // The input was checked above.
             let Ok(mut derivative) = derivative else {
                 return ArmDerivative::nowhere(joints);
             };
@@ -62,7 +63,7 @@ impl Arm {
             let Ok(all) = derivative.by_target(0) else {
                 return ArmDerivative::nowhere(joints);
             };
-            // No ball is on the way, so that velocities are coordinates' rates.
+            // The chain has no ball joint, so velocities are rates of coordinates.
             ArmDerivative {
                 by_target: all.select_rows(map.leaders()),
                 existence,

@@ -1,41 +1,42 @@
-//! The side that an arm came from when it was stretched out.
+//! Branch side of a stretched arm.
 //!
-//! The nearest place to a target out of reach is singular: two ways of standing, an elbow's two sides, meet
-//! there, and q tells no more which of them the arm came from. So the direction back is remembered: what leaves
-//! the tool where it is (in first order) and bends away from the target (in second: r · ∂²r along it is
-//! above 0). While the target is missed it is carried along, and each step begins a little to that side.
+//! The closest pose to a target out of reach is singular. Two branches meet there, such as elbow up and elbow down, and
+//! q does not show the arm's branch. [`Bend`] therefore stores the direction back to it. Along it the tool is
+//! stationary to first order, and moves away from the target to second order (r · ∂²r > 0). While the target is not
+//! reached, the direction is carried along, and each step begins slightly on that side.
 
 use nalgebra::Vector6;
 
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
-/// Offset of a step's start to the side of a stretched arm, radians. It is constant: one that grows with the arm's motion
-/// along the side feeds on itself, and the arm swings.
+/// Offset of a step's start to the side of a stretched arm, radians; constant, as a growing one makes the arm swing.
 const LEANING: f64 = 2e-3;
-/// Directions that move the tool by less than this share of the longest column count as leaving it: where the
-/// arm bends away, and where it is stretched out.
+/// Tool motion below which a carried direction counts as null space, as a fraction of the longest Jacobian column.
 const BLUNT: f64 = 0.05;
+/// Tool motion below which a corrected direction counts as null space, as a fraction of the longest Jacobian column.
 const SHARP: f64 = 0.01;
-/// The share of a direction that must leave the tool where it is.
+/// Smallest fraction of a direction that must be in the null space.
 const LEAST_SHARE: f64 = 0.5;
-/// How strongly it must bend away, as a share of the error times the longest column.
+/// Smallest growth of the error along a new direction, as a fraction of the error times the longest column.
 const LEAST_BEND: f64 = 0.02;
-/// The way to a second difference, radians.
+/// Step of a central difference, radians.
 const PROBE: f64 = 1e-3;
-/// Turns to where it bends at first, and later.
+/// Number of corrections of a new direction; a carried one takes one.
 const ROUNDS: usize = 3;
-/// How far a joint moves until a place is noted, radians.
+/// Joint motion after which a configuration is recorded, radians.
 const STRIDE: f64 = 0.1;
 
-/// A direction of joints, radians each (a slide's by the metres that weigh as much), or none. Its length is 1
-/// where the target is missed, and shrinks as the arm bends away.
+/// Direction in joint space back to the arm's branch, radians (prismatic joints by the metres that weigh as much).
+///
+/// Its length is 1 while the target is not reached, and shrinks as the arm leaves the singularity.
 #[derive(Clone, Debug)]
 pub(super) struct Bend {
     way: Vec<f64>,
     known: bool,
-    /// Where the arm was lately, and before: by a stride of one joint apart.
+    /// Configuration recorded last.
     lately: Vec<f64>,
+    /// Configuration recorded before that, a stride of one joint away.
     earlier: Vec<f64>,
 }
 
@@ -53,14 +54,14 @@ impl Bend {
         self.known
     }
 
-    /// Begins anew where the arm has jumped to.
+    /// Restarts at a configuration after a jump.
     pub(super) fn begin(&mut self, q: &[f64]) {
         self.known = false;
         self.lately.copy_from_slice(q);
         self.earlier.copy_from_slice(q);
     }
 
-    /// Notes where the arm reached its target.
+    /// Records a configuration that reached its target, if a joint has moved far enough.
     pub(super) fn note(&mut self, arm: &Arm, q: &[f64]) {
         if arm.longest_move(&self.lately, q).1 > STRIDE {
             std::mem::swap(&mut self.earlier, &mut self.lately);
@@ -68,7 +69,7 @@ impl Bend {
         }
     }
 
-    /// Takes the part along this side off a motion, radians.
+    /// Removes the component along this direction from a motion, radians.
     pub(super) fn take_from(&self, motion: &mut [f64]) {
         let along: f64 = motion.iter().zip(&self.way).map(|(a, b)| a * b).sum();
         for (by, way) in motion.iter_mut().zip(&self.way) {
@@ -76,7 +77,7 @@ impl Bend {
         }
     }
 
-    /// Moves the workspace's x a little to this side, within the bounds.
+    /// Moves the workspace's x slightly to this side, within the bounds.
     pub(super) fn lean(&self, workspace: &mut ArmWorkspace) {
         if self.known {
             for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
@@ -86,8 +87,9 @@ impl Bend {
         }
     }
 
-    /// Carries the side on to the workspace's x, or finds it there, from where the arm was before. A side
-    /// is found where a target is missed, and lost where it does no more meet another.
+    /// Carries the direction to the workspace's x, or finds it there from an earlier configuration.
+    ///
+    /// It is found when a target is not reached, and lost when it is no longer in the null space.
     pub(super) fn carry_on(
         &mut self,
         arm: &Arm,
@@ -126,7 +128,7 @@ impl Bend {
         workspace.x = x;
     }
 
-    /// Turns to the side on which ease is: that of a redundant arm is where its freedom leads.
+    /// Points the direction to the side of the nominal posture, for a redundant arm.
     fn turn_to(&mut self, arm: &Arm, x: &[f64], ease: &[f64]) {
         let ways = self.way.iter().zip(ease).zip(x).zip(&arm.scale);
         let along: f64 = ways
@@ -137,8 +139,10 @@ impl Bend {
         }
     }
 
-    /// Keeps what of the way leaves the tool at x; whether that is most of it. The Jacobian at x is here. Of joints
-    /// that limits hold back next to nothing is left: no free joint makes up for their slope.
+    /// Projects the direction into the null space at x. Returns true if most of it remains.
+    ///
+    /// The workspace must hold the Jacobian at x. Little remains of joints that limits hold, as no free joint
+    /// compensates for them.
     fn turn_into_null(&mut self, workspace: &mut ArmWorkspace, x: &[f64], blunt: f64) -> bool {
         let blunt = blunt * workspace.longest_column();
         workspace.project_to_null(x, &self.way, blunt);
@@ -146,9 +150,11 @@ impl Bend {
         length(&self.way) > LEAST_SHARE
     }
 
-    /// Turns the way, of those that leave the tool, to the one along which the error grows (a step of the power
-    /// method on r · ∂²r), if there is one; how strongly it grows along the way that it was, as a share of the error
-    /// times the longest column.
+    /// Corrects the direction within the null space towards growth of the error, by a step of the power method on r ·
+    /// ∂²r.
+    ///
+    /// Returns the growth along the previous direction, as a fraction of the error times the longest column. Without
+    /// growth the direction stays.
     fn turn_where_it_bends(
         &mut self,
         workspace: &mut ArmWorkspace,
@@ -159,7 +165,7 @@ impl Bend {
         let mut bend = std::mem::take(&mut workspace.wanted);
         let mut trial = std::mem::take(&mut workspace.trial);
         bend.fill(0.0);
-        // That of x, which is needed again, stands by.
+        // The Jacobian at x is needed again: swap it out.
         std::mem::swap(&mut workspace.jacobian, &mut workspace.aside);
         for side in [PROBE, -PROBE] {
             for (i, trial) in trial.iter_mut().enumerate() {
@@ -186,7 +192,7 @@ impl Bend {
     }
 }
 
-/// Makes a way of length 1; one without a length stays.
+/// Scales a direction to length 1; zero stays.
 fn normalise(way: &mut [f64]) {
     let length = length(way);
     if length > 0.0 {

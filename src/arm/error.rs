@@ -1,4 +1,4 @@
-//! What can be wrong with an arm's description, and with a question to it.
+//! Errors of building an arm and of its queries.
 
 use thiserror::Error;
 
@@ -9,180 +9,179 @@ use crate::model::{ModelError, UnknownName};
 use crate::problem::ProblemError;
 use crate::spatial::RigidDefect;
 
-/// Why an arm cannot be built.
+/// Error of building an arm.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ArmError {
-    /// A frame or joint that the model does not have; the message lists the valid names.
+    /// The model has no such frame or joint; the message lists the valid names.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
-    /// Locked values or followers that do not fit the limits.
+    /// Locked values or mimic joints do not fit the limits.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Nothing between base and tip can move.
+    /// No joint between base and tip can move.
     #[error("no free joint between `{base}` and `{tip}`")]
     NoFreeJoint {
-        /// The base frame.
+        /// Name of the base frame.
         base: String,
-        /// The tip frame.
+        /// Name of the tip frame.
         tip: String,
     },
-    /// A ball joint between base and tip.
+    /// A ball joint is between base and tip.
     #[error("`{joint}` is a ball joint: an arm has joints of one number each, a `Problem` any")]
     BallJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A joint of the arm that moves a loop of the model, which an arm does not close.
+    /// A joint of the arm moves a loop of the model, which an arm does not close.
     #[error(
         "joint `{joint}` moves loop `{closed}`, which an arm does not close: a `Problem` on the model does \
          (or lock the joint)"
     )]
     InLoop {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The loop.
+        /// Name of the loop.
         closed: String,
     },
-    /// An option out of its range.
+    /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// An option that has one number a joint, given another number of them.
+    /// An option with one number per joint has another number of them.
     #[error(
         "option {option} has {given} numbers, the arm has {} free joints: {}",
         joints.len(), joints.join(", ")
     )]
     JointCount {
-        /// Which option.
+        /// Name of the option.
         option: &'static str,
-        /// Numbers given.
+        /// Number of values given.
         given: usize,
-        /// The free joints, base to tip.
+        /// Names of the free joints, base to tip.
         joints: Vec<String>,
     },
-    /// Two options that ask for different things.
+    /// Two options contradict each other.
     #[error("{0}")]
     Conflict(&'static str),
-    /// A margin out of its range.
+    /// A margin is out of its range.
     #[cfg(feature = "collision")]
     #[error(transparent)]
     Checker(#[from] crate::collision::CheckerError),
-    /// A checker of another model, told by its size.
+    /// The checker belongs to another model, recognised by its size.
     #[error("the checker's model has {given} numbers a configuration, the arm's has {expected}")]
     ForeignChecker {
-        /// Of the checker's model.
+        /// Degrees of freedom of the checker's model.
         given: usize,
-        /// Of the arm's.
+        /// Degrees of freedom of the arm's model.
         expected: usize,
     },
-    /// A configuration of the whole model that does not place it.
+    /// A configuration of the whole model is invalid for forward kinematics.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
     /// The tool's placement is not a rigid motion.
     #[error("the tool's placement is not a rigid motion: {0}")]
     Tool(RigidDefect),
-    /// The problem behind the arm.
+    /// The general problem of the arm is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The lane engine's options.
+    /// Options of the SIMD solver are invalid.
     #[error(transparent)]
     Lanes(#[from] LaneError),
 }
 
-/// What a question gives, or why it cannot be asked.
+/// Result of a query.
 pub(crate) type Reply<T> = Result<T, QueryError>;
 
-/// Why a question cannot be answered. Missing the target is no error: see
-/// [`Solution::reached`](crate::Solution).
+/// Error of a query. An unreached target is not an error: see [`Solution::reached`](crate::Solution).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// A slice of the wrong length.
+    /// A slice has the wrong length.
     #[error("{what} has {given} numbers, {expected} are needed ({joints} joints a configuration)")]
     Length {
-        /// Which argument.
+        /// Name of the argument.
         what: &'static str,
-        /// Its length.
+        /// Number of values given.
         given: usize,
-        /// The length it must have.
+        /// Number of values needed.
         expected: usize,
-        /// Free joints of the arm.
+        /// Number of free joints of the arm.
         joints: usize,
     },
-    /// A start that is NaN or infinite. Outside the limits is fine.
+    /// A start is NaN or infinite. A start outside the limits is valid.
     #[error("the start of query {query} holds {value} for joint `{joint}`, which is not finite")]
     StartNotFinite {
-        /// Which query of the batch, 0 for a single one.
+        /// Index of the query in the batch, 0 for a single one.
         query: usize,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value.
+        /// Value of the joint.
         value: f64,
     },
-    /// A target that is not finite or not a rigid motion to 1e-6.
+    /// A target is not finite or not a rigid motion to 1e-6.
     #[error("target {query}: {problem}")]
     Target {
-        /// Which query of the batch, 0 for a single one.
+        /// Index of the query in the batch, 0 for a single one.
         query: usize,
-        /// What is wrong.
+        /// Defect of the placement.
         problem: RigidDefect,
     },
-    /// A configuration that holds NaN or infinity.
+    /// A configuration contains NaN or infinity.
     #[error("q holds {value} for joint `{joint}`, which is not finite")]
     NotFinite {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value.
+        /// Value of the joint.
         value: f64,
     },
-    /// What an arm touches that keeps clear of nothing: it has no [checker](super::Arm::with_checker).
+    /// The arm has no [checker](super::Arm::with_checker), so its collisions are unknown.
     #[error(
         "what the arm touches is not known: it was made without a world or a margin to keep clear of"
     )]
     NothingToKeepClearOf,
-    /// A servo's time step that is no positive number of seconds.
+    /// The time step of a servo is not a positive number of seconds.
     #[error("the time step is {0} s: a positive finite number")]
     TimeStep(f64),
-    /// A servo's start state beyond a velocity or acceleration limit.
+    /// The start state of a servo exceeds a velocity or acceleration limit.
     #[error("joint `{joint}`: {rate} {value} exceeds its limit {limit}")]
     RateLimit {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// "velocity" or "acceleration".
         rate: &'static str,
-        /// Given, rad/s or m/s (or that a second).
+        /// Given value, rad/s or m/s, or rad/s² or m/s².
         value: f64,
-        /// The joint's limit.
+        /// Limit of the joint, in the same unit.
         limit: f64,
     },
-    /// A servo's start state whose acceleration cannot end before the velocity limit.
+    /// In the start state of a servo an acceleration cannot end before the velocity limit.
     #[error(
         "joint `{joint}`: its acceleration cannot end before its velocity is {velocity:.6}, beyond its limit {limit}"
     )]
     CannotCoast {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Velocity when the acceleration has ended, rad/s or m/s.
+        /// Velocity at the end of the acceleration, rad/s or m/s.
         velocity: f64,
-        /// The velocity limit, rad/s or m/s.
+        /// Velocity limit, rad/s or m/s.
         limit: f64,
     },
-    /// A servo's start state from which a joint cannot brake before a position limit.
+    /// In the start state of a servo a joint cannot brake before a position limit.
     #[error(
         "joint `{joint}` cannot brake before its position limit {limit}: it would pass it by {distance:.6} rad or m"
     )]
     CannotBrake {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The position limit, radians or metres.
+        /// Position limit, radians or metres.
         limit: f64,
         /// Distance beyond the limit at which the joint would come to rest, radians or metres.
         distance: f64,
     },
-    /// The problem behind the arm could not be set up once more; it could when the arm was built.
+    /// The general problem could not be set up again. It could when the arm was built.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The chain could not be compiled once more; it could when the arm was built.
+    /// The chain could not be compiled again. It could when the arm was built.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
 }

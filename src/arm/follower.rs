@@ -1,9 +1,8 @@
-//! One step of a path after another.
+//! Path follower: one step of a path per target.
 //!
-//! A step begins where the last one would go on to: most of the last motion is added once more
-//! (scaled by how far the target went), which takes the arm straight through singular
-//! configurations where branches meet. Of a redundant arm's motion, what leaves the tool where it is
-//! goes to [ease](super::redundancy) instead. The solver corrects the pose.
+//! A step begins at an extrapolation: most of the last motion is added again, scaled by the motion of the target. That
+//! leads straight through singular configurations where branches meet. The null-space part of a redundant arm's motion
+//! goes to the [nominal posture](super::redundancy) instead. The solver corrects the pose.
 
 use super::arm::Arm;
 use super::branch::Branch;
@@ -15,64 +14,67 @@ use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// The share of the last motion that a step begins with. Less than all of it, so that motion in the
-/// null space dies away.
+/// Fraction of the last motion with which a step begins; below 1, so that null-space motion decays.
 const MOMENTUM: f64 = 0.8;
-/// A target that goes further than this in a step is followed by small steps: radians.
+/// Distance between successive targets beyond which small steps are made, radians.
 const FAR: f64 = 0.05;
-/// Longest path step that draws to another way, radians.
+/// Longest path step that counts towards the attraction of another path, radians.
 const LONGEST_PULL: f64 = 0.1;
-/// The longest motion to ease in a step, radians.
+/// Longest null-space motion of a joint per step, radians.
 pub(super) const LONGEST_EASE: f64 = 0.02;
-/// A step in which a joint moves further than this is looked at: radians; a slide counts by the
-/// metres that weigh as much as a radian.
+/// Joint motion beyond which a step is a jump, radians; prismatic joints count by the metres that weigh as much.
 pub(super) const LONG_STEP: f64 = 0.2;
 
-/// A step in which a joint moves further than 0.2 rad (or slides further than 0.2 times the
-/// [metres that weigh as much](super::ArmBuilder::with_metres_per_radian)).
+/// Step in which a joint moves farther than 0.2 rad.
+///
+/// For a prismatic joint it is 0.2 times the [metres that weigh as much](super::ArmBuilder::with_metres_per_radian).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Jump {
-    /// Which step: the place of its target in the path; the motion is from the one before.
+    /// Index of the step's target in the path; the motion is from the target before.
     pub step: usize,
-    /// The joint that moves furthest, by its place in [`Arm::joints`].
+    /// Index in [`Arm::joints`] of the joint that moves farthest.
     pub joint: usize,
-    /// How far it moves, radians; a slide by the metres that weigh as much.
+    /// Motion of that joint in radians; of a prismatic joint by the metres that weigh as much.
     pub distance: f64,
-    /// Whether small steps along the straight way between the two poses lead there: a fast motion
-    /// or a coarse path. If not, the branch ended and this is a flip to another, which an arm makes only
-    /// where it is [asked](super::ArmBuilder::with_global_search_on_miss) to.
+    /// True if small steps along the straight line between the two poses lead there: a fast motion or a coarse path.
+    ///
+    /// If false, the branch ended and this is a reconfiguration, which must be
+    /// [enabled](super::ArmBuilder::with_global_search_on_miss).
     pub continuous: bool,
 }
 
-/// Follows a path whose targets come one at a time: see [`Arm::follower`].
+/// Follower of a path whose targets arrive one at a time: see [`Arm::follower`].
 #[derive(Clone, Debug)]
 pub struct Follower<'a> {
     arm: &'a Arm,
-    /// Where the last step ended, and the one before.
+    /// Configuration at the end of the last step.
     q: Vec<f64>,
+    /// Configuration at the end of the step before.
     before: Vec<f64>,
     seed: Vec<f64>,
-    /// What a step begins with, radians.
+    /// Motion with which a step begins, radians per joint.
     motion: Vec<f64>,
     branch: Branch,
     target: Option<Placement<f64>>,
-    /// How far the target went in the last step, radians.
+    /// Distance between the last two targets, radians.
     path: f64,
     steps: usize,
 }
 
 impl Arm {
-    /// A follower that stands at `start`. A target that the branch does not reach is answered by the
-    /// nearest place on it, and the arm comes back from there as it came: an elbow on the side that it was on,
-    /// and a redundant arm's freedom to the posture that it began in (or that was
-    /// [asked for](super::ArmBuilder::with_posture)), for which it goes on where its target rests. It never
-    /// leaves the branch, unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so.
-    /// Joints that start outside their limits return first, by at most 0.2 rad a step; no such step is reached.
-    /// For velocity limits see [`servo`](Self::servo).
+    /// Starts a path follower at `start`.
+    ///
+    /// The follower stays on its branch. If the branch does not reach a target, the result is the closest pose on it.
+    /// The arm returns from there on the same side of the elbow. The null space of a redundant arm goes to the posture
+    /// of the start, or to the [given one](super::ArmBuilder::with_posture), also while a target rests. The follower
+    /// changes its branch only if that is [enabled](super::ArmBuilder::with_global_search_on_miss), and reports it.
+    ///
+    /// Joints that start outside their limits return first, by at most 0.2 rad per step; no such step is reached. For
+    /// velocity limits see [`servo`](Self::servo).
     ///
     /// # Errors
-    /// A start of the wrong length or not finite.
+    /// Returns an error for a start of the wrong length or not finite.
     pub fn follower(&self, start: &[f64]) -> Result<Follower<'_>, QueryError> {
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &Placement::identity(), start)?;
@@ -89,7 +91,7 @@ impl Arm {
         })
     }
 
-    /// The joint that moves furthest, and how far, radians (see [`LONG_STEP`] for slides).
+    /// Index of the joint that moves farthest and its motion, radians (see `LONG_STEP` for prismatic joints).
     pub(super) fn longest_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
         let mut longest = (0, 0.0);
         for (i, ((a, b), scale)) in from.iter().zip(to).zip(&self.scale).enumerate() {
@@ -101,7 +103,7 @@ impl Arm {
         longest
     }
 
-    /// How far apart two poses are, radians, metres counted by the weight of the cost.
+    /// Distance of two poses in radians; metres convert by the weight of the cost.
     pub(super) fn pose_distance(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
         let way = (a.translation - b.translation) * self.options.metres_per_radian.recip();
         let (r, s) = (&a.rotation, &b.rotation);
@@ -112,19 +114,20 @@ impl Arm {
 }
 
 impl Follower<'_> {
-    /// Where the last step ended.
+    /// Configuration at the end of the last step.
     #[must_use]
     pub fn q(&self) -> &[f64] {
         &self.q
     }
 
-    /// Goes on to the next target. No joint moves further than 0.2 rad (a slide by the metres that weigh
-    /// as much) but in a [`Jump`], which is reported: after a target that went far itself, or where jumps
-    /// are asked for. Where a step ends short of the nearest place the next goes on. Nothing is
-    /// allocated after the first few steps.
+    /// Advances to the next target. Returns the [`Jump`], if the step is one.
+    ///
+    /// Otherwise no joint moves farther than 0.2 rad (prismatic joints by the metres that weigh as much). Jumps follow
+    /// a target that is far from the last one, or are enabled. If a step ends short of the closest pose, the next one
+    /// continues. Nothing is allocated after the first few steps.
     ///
     /// # Errors
-    /// As [`Arm::solve`].
+    /// Returns the errors of [`Arm::solve`].
     pub fn advance(
         &mut self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -138,7 +141,7 @@ impl Follower<'_> {
             return Ok(self.take(&target, solution, true));
         }
         self.branch.take_target(self.target == Some(target));
-        // Out of reach branches meet: the way back is taken with care.
+        // After an unreached target branches meet: return in short steps.
         let careful = self.branch.asks_for_care() && !self.goes_far(&target)?;
         let mut continuous = careful && self.settle(&target, solution)?;
         let settled = continuous || careful && self.branch.is_stretched();
@@ -155,20 +158,20 @@ impl Follower<'_> {
         Ok(self.take(&target, solution, continuous))
     }
 
-    /// Whether a joint is outside its limits, as it may be where the follower began.
+    /// Returns true if a joint is outside its limits, as it may be at the start.
     fn is_outside(&self) -> bool {
         let mut joints = self.arm.limits().zip(&self.q);
         joints.any(|(limits, q)| !limits.contains(*q))
     }
 
-    /// Moves the joints that are outside their limits towards them, by at most [`LONG_STEP`]; the others keep still.
+    /// Moves the joints that are outside their limits towards them, by at most [`LONG_STEP`]; the other joints stay.
     fn return_to_limits(&mut self, target: &Placement<f64>, solution: &mut Solution) -> Reply<()> {
         let (arm, q) = (self.arm, &self.q);
         arm.with_workspace(|workspace| {
             workspace.aim(target);
             arm.bound_by_limits(workspace);
             for (i, limits) in arm.limits().enumerate() {
-                // Less by rounding, so that no step counts as long.
+                // Slightly less, so that rounding does not make the step a jump.
                 let most = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
                 workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-most, most);
             }
@@ -182,14 +185,14 @@ impl Follower<'_> {
         })
     }
 
-    /// Goes on to a target on the own branch, with care; whether that reaches it.
+    /// Advances on the current branch in short steps. Returns true if that reaches the target.
     fn settle(&mut self, target: &Placement<f64>, solution: &mut Solution) -> Reply<bool> {
         self.arm
             .keep_to_branch(target, &self.q, &mut self.branch, solution)?;
         Ok(solution.reached)
     }
 
-    /// Stands where a step ends; the jump that it was.
+    /// Records the end of a step. Returns the jump, if it was one.
     fn take(
         &mut self,
         target: &Placement<f64>,
@@ -212,8 +215,7 @@ impl Follower<'_> {
         jump
     }
 
-    /// As [`advance`](Self::advance) for the first target of a whole path, to which the arm comes from
-    /// wherever it stands.
+    /// Advances to the first target of a whole path, from a configuration that may be far from it.
     pub(super) fn begin(
         &mut self,
         target: Placement<f64>,
@@ -232,7 +234,7 @@ impl Follower<'_> {
         Ok(self.take(&target, solution, continuous))
     }
 
-    /// Whether a target is far from the last one, at first from the tool.
+    /// Returns true if a target is far from the last one, or from the tool at the first step.
     fn goes_far(&self, target: &Placement<f64>) -> Reply<bool> {
         let last = match self.target {
             Some(last) => last,
@@ -241,9 +243,11 @@ impl Follower<'_> {
         Ok(self.arm.pose_distance(target, &last) > FAR)
     }
 
-    /// Tries to go on to a target by the step's own attempt alone; whether that reaches it with no
-    /// long move. `towards` draws the null space to a configuration, a joint by at most so many
-    /// radians a radian of path.
+    /// Tries to reach a target by one attempt from the extrapolated start. Returns true if it does without a long
+    /// motion.
+    ///
+    /// `towards` attracts the null space to a configuration, each joint by at most the given radians per radian of
+    /// path.
     pub(super) fn try_branch(
         &mut self,
         target: &Placement<f64>,
@@ -264,7 +268,7 @@ impl Follower<'_> {
         kept
     }
 
-    /// Takes a step's end as the place to go on from.
+    /// Records a configuration as the end of a step.
     pub(super) fn stand_at(&mut self, target: &Placement<f64>, q: &[f64]) {
         let last = self.target.replace(*target);
         self.path = last.map_or(0.0, |last| self.arm.pose_distance(target, &last));
@@ -273,17 +277,17 @@ impl Follower<'_> {
         self.steps += 1;
     }
 
-    /// Says how many steps of the path are behind.
+    /// Sets the number of steps of the path that are done.
     pub(super) fn set_steps(&mut self, steps: usize) {
         self.steps = steps;
     }
 
-    /// Takes another posture to spend the freedom on than where it began.
+    /// Sets the nominal posture to that of an arm that begins at `start`.
     pub(super) fn set_ease(&mut self, start: &[f64]) {
         self.branch.set_ease(self.arm, start);
     }
 
-    /// Where the next attempt begins.
+    /// Computes the start of the next attempt.
     fn fill_seed(&mut self, target: &Placement<f64>, towards: Option<(&[f64], f64)>) {
         self.seed.copy_from_slice(&self.q);
         let Some(last) = &self.target else {
@@ -299,7 +303,7 @@ impl Follower<'_> {
         let motion = self.q.iter().zip(&self.before).zip(scales);
         for (by, ((q, before), scale)) in self.motion.iter_mut().zip(motion) {
             let last = q - before;
-            // A jump is no motion to go on with.
+            // A jump is not extrapolated.
             *by = match last.abs() * scale <= LONG_STEP {
                 true => share * last * scale,
                 false => 0.0,
@@ -322,11 +326,11 @@ impl Follower<'_> {
         }
     }
 
-    /// What of the motion leaves the tool where it is goes to ease instead.
+    /// Replaces the null-space part of the motion by motion to the nominal posture.
     fn ease_motion(&mut self, target: &Placement<f64>) {
         let (arm, q, motion) = (self.arm, &self.q, &mut self.motion);
         let branch = &mut self.branch;
-        // Without memory for it the motion is left; the step itself will say so.
+        // Without a workspace the motion stays; the step itself returns the error.
         let _ = arm.with_workspace(|workspace| {
             workspace.aim(target);
             arm.bound_by_limits(workspace);

@@ -1,13 +1,14 @@
-//! How the tool moves with the joints.
+//! Jacobian of an arm's tool.
 
 use super::QueryError;
 use super::arm::Arm;
 use crate::kinematics::{ForwardKinematics, Jacobian};
 
 impl Arm {
-    /// The tool's Jacobian, compiled: six rows (the velocity of the tool's origin, m/s, then its
-    /// angular velocity, rad/s, both in the base's axes), a column a free joint, base to tip, with
-    /// the joints that follow it.
+    /// Compiles the tool's Jacobian: six rows, and one column per free joint, base to tip.
+    ///
+    /// The rows are the velocity of the tool's origin, m/s, and its angular velocity, rad/s, both in the base's axes. A
+    /// column includes the mimic joints of its joint.
     ///
     /// ```
     /// # use kinopt::arm::Arm;
@@ -21,7 +22,7 @@ impl Arm {
     /// ```
     ///
     /// # Errors
-    /// None in practice: the chain could be compiled when the arm was built.
+    /// None in practice: the chain was compiled when the arm was built.
     pub fn jacobian(&self) -> Result<Jacobian, QueryError> {
         let serial = &self.serial;
         let tool = [serial.tool];

@@ -1,26 +1,27 @@
-//! The way through the tree from a base to a tip frame, up and down.
+//! Chain through the kinematic tree from a base frame up and down to a tip frame.
 
 use crate::model::{FrameId, JointId, Model};
 use crate::spatial::Placement;
 
-/// One part of the way; `base_from_tip` is the product of all.
+/// One factor of the chain; `base_from_tip` is the product of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
     /// A constant placement.
     Way(Placement<f64>),
-    /// A joint's motion, or its inverse where the way climbs: the inverse of a motion by q is the
-    /// motion by q about (along) the opposite axis, exactly.
+    /// Motion of a joint, or its inverse if the chain goes up.
+    ///
+    /// The inverse of a motion by q is exactly the motion by q about (along) the opposite axis.
     Joint { id: JointId, reversed: bool },
 }
 
 impl Part {
-    /// Whether it is the motion of this joint.
+    /// Returns true for the motion of this joint.
     pub(super) fn is_joint(&self, joint: JointId) -> bool {
         matches!(self, Self::Joint { id, .. } if *id == joint)
     }
 }
 
-/// All parts from base (none: the world) to tip.
+/// Factors from the base (`None` for the world) to the tip.
 pub(super) fn parts(model: &Model, base: Option<FrameId>, tip: FrameId) -> Vec<Part> {
     let path = model.path(base, tip);
     let placement = |id: JointId| model.joints()[id.index()].parent_from_joint;

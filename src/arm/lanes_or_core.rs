@@ -1,4 +1,4 @@
-//! One question, from the fast way to the slower ones.
+//! Dispatch of a query to the SIMD solver and the general solver.
 
 use super::Reply;
 use super::arm::Arm;
@@ -14,11 +14,12 @@ use crate::solver::{Counts, Termination};
 use crate::spatial::{Placement, Vector3};
 use crate::task::Quantity;
 
-/// Iterations after which the start's own end and the engine's best are first handed to the core,
-/// whose damping by gain ratio comes through narrow valleys that the engine's does not.
+/// Iterations of the SIMD solver after which the general solver first continues its attempts.
+///
+/// The damping by gain ratio of the general solver passes narrow valleys in which the SIMD solver stalls.
 pub(super) const QUICK: u32 = 600;
 
-/// A question that is checked.
+/// A query that is checked already.
 #[derive(Clone, Copy)]
 pub(super) struct Query<'a> {
     pub(super) target: &'a Placement<f64>,
@@ -27,7 +28,7 @@ pub(super) struct Query<'a> {
 }
 
 impl Query<'_> {
-    /// Whether less time than this is left.
+    /// Returns true if less than this time is left.
     #[cfg(feature = "collision")]
     pub(super) fn is_late_by(&self, needed: std::time::Duration) -> bool {
         let earlier = |at: Instant| at.checked_sub(needed).unwrap_or(at);
@@ -40,7 +41,7 @@ impl Query<'_> {
 }
 
 impl Arm {
-    /// A question that begins now.
+    /// Query whose time limit begins now.
     pub(super) fn query<'a>(&self, target: &'a Placement<f64>, start: &'a [f64]) -> Query<'a> {
         Query {
             target,
@@ -49,14 +50,15 @@ impl Arm {
         }
     }
 
-    /// Whether the lane engine's answer to a question is the arm's, if it reaches.
+    /// Returns true if a solution of the SIMD solver is the arm's, without refinement or comparison.
     pub(super) fn is_plain(&self) -> bool {
         let options = &self.options;
         options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
     }
 
-    /// Whether the end of the start's own way is all that is asked of a target: no attempt can reach it, and
-    /// none but that one counts then.
+    /// Returns true if only the attempt from the start matters: the target is proven unreachable.
+    ///
+    /// It is false if the options ask for more attempts or for the best result of all.
     pub(super) fn asks_for_own_way(&self, target: &Placement<f64>) -> bool {
         let options = &self.options;
         if options.attempts_asked || options.leaps_on_miss() || !options.goal.is_exact_in_position()
@@ -70,7 +72,7 @@ impl Arm {
         anchor.and_then(beyond).is_some()
     }
 
-    /// How many attempts at a target are made at most.
+    /// Largest number of attempts at a target.
     pub(super) fn attempts_at(&self, target: &Placement<f64>) -> u32 {
         match self.asks_for_own_way(target) {
             true => 1,
@@ -78,7 +80,7 @@ impl Arm {
         }
     }
 
-    /// The lane engine, within the bounds of moves where these are bounded.
+    /// SIMD solver, with narrower bounds if motions are bounded.
     pub(super) fn lanes_within<'a>(
         &'a self,
         bounded: &'a Option<PoseSolver>,
@@ -89,7 +91,7 @@ impl Arm {
         }
     }
 
-    /// Attempts of the lane engine at a question, from the first to before the last.
+    /// Query of the SIMD solver for the attempts from the first to before the last.
     pub(super) fn lane_query<'a>(
         &self,
         query: &Query<'a>,
@@ -111,7 +113,7 @@ impl Arm {
         self.lane_query(query, (0, attempts), self.options.budget().min(QUICK))
     }
 
-    /// Answers a question; what its attempts came to, and the errors where that is.
+    /// Solves a query. Returns the search result and the errors of the solution.
     pub(super) fn answer(
         &self,
         query: &Query<'_>,
@@ -124,7 +126,7 @@ impl Arm {
         self.answer_anywhere(query, solution)
     }
 
-    /// The same, whatever is in the way.
+    /// Solves a query without collision avoidance.
     pub(super) fn answer_anywhere(
         &self,
         query: &Query<'_>,
@@ -134,7 +136,7 @@ impl Arm {
             return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
         };
         let n = self.joint_count();
-        // The second half is for the best of all, where the start's own attempt misses.
+        // The second half holds the best attempt, if the attempt from the start fails.
         solution.q.resize(2 * n, 0.0);
         let (q, best) = solution.q.split_at_mut(n);
         let mut answer = lanes::Answer {
@@ -167,7 +169,7 @@ impl Arm {
         })
     }
 
-    /// Answers with a workspace: bounded moves, searches that compare, postures, chains with followers.
+    /// Solves a query that needs a workspace: bounded motions, comparing searches, postures, mimic joints.
     fn answer_at(
         &self,
         workspace: &mut ArmWorkspace,
@@ -193,8 +195,10 @@ impl Arm {
         (found, workspace.errors)
     }
 
-    /// The engine's own search, into the workspace's x; after a miss that is where the start's own attempt
-    /// ended, and the workspace's best is the best of all, of the number that is found.
+    /// Searches with the SIMD solver, into the workspace's x.
+    ///
+    /// On failure x is the end of the attempt from the start, and `best` the best of all attempts, whose number is
+    /// returned.
     fn search_by_lanes(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Found {
         let ArmWorkspace {
             bounded_lanes,
@@ -203,7 +207,7 @@ impl Arm {
             ..
         } = workspace;
         let mut first = self.first_attempts(query);
-        // Within bounded moves the start's own way is tried to its end before others are.
+        // Within bounded motions the attempt from the start is finished before others begin.
         let lone = self.options.max_move.is_some();
         if lone {
             first.attempts.1 = 1;
@@ -228,7 +232,7 @@ impl Arm {
         }
     }
 
-    /// What the lane engine's attempts came to. Those that miss were given up where they stalled.
+    /// Search result of the SIMD solver's attempts. Those that fail have stalled.
     pub(super) fn found_by(&self, outcome: &PoseOutcome) -> Found {
         Found {
             termination: match outcome.reached {
@@ -244,15 +248,15 @@ impl Arm {
         }
     }
 
-    /// Takes the errors at the workspace's x as those of what is found.
+    /// Updates the result with the cost and errors at the workspace's x.
     pub(super) fn judge(&self, workspace: &mut ArmWorkspace, found: &mut Found) {
         let errors = workspace.judge_x();
         (found.cost, found.reached) = (self.cost(errors), errors.reached);
     }
 
-    /// Half the squared errors, a radian weighing as much as so many metres.
+    /// Half the squared errors, in metres squared; radians convert by the arm's weight.
     pub(super) fn cost(&self, errors: Errors) -> f64 {
-        // Goals that leave room are solved in chords.
+        // Goals with bounds are solved in chords.
         let turned = match self.options.goal.is_full_pose() {
             true => errors.orientation,
             false => 2.0 * elementary::sin(0.5 * errors.orientation),
@@ -261,7 +265,7 @@ impl Arm {
         0.5 * (errors.position * errors.position + turned * turned)
     }
 
-    /// Fills everything in but `q` and what is in the way of a miss.
+    /// Records all results but `q` and the active limits of a failure.
     pub(super) fn tell(&self, found: &Found, errors: Errors, solution: &mut Solution) {
         let options = &self.options;
         let metres = RowsReport::of_goal(
@@ -276,7 +280,7 @@ impl Arm {
         solution.tell_errors(&self.names, metres.into_iter().chain(radians));
         solution.cost = found.cost;
         solution.tell(&Found {
-            // An iteration takes a residual and a Jacobian, in the lanes as in the core.
+            // An iteration evaluates one residual and one Jacobian, in both solvers.
             counts: Counts {
                 residuals: found.iterations,
                 jacobians: found.iterations,
@@ -288,7 +292,7 @@ impl Arm {
         });
     }
 
-    /// Fills everything in from the workspace's configuration, naming what is in the way of a miss.
+    /// Records all results at the workspace's configuration, with the active limits of a failure.
     pub(super) fn tell_place(
         &self,
         found: &Found,
@@ -308,7 +312,7 @@ impl Arm {
 }
 
 impl Errors {
-    /// Of the lane engine's answer.
+    /// Errors of the SIMD solver's outcome.
     pub(super) fn of(outcome: &PoseOutcome) -> Self {
         Self {
             position: outcome.position_error,

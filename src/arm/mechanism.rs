@@ -1,25 +1,25 @@
-//! What arms are made of.
+//! Models from which arms can be built.
 
 use crate::model::{JointId, Model};
 use crate::robot::{Mimic, Robot};
 
-/// What an arm can be made of: a [`Model`], or a [`Robot`] with joints that follow others.
+/// Model of an arm: a [`Model`], or a [`Robot`] with mimic joints.
 pub trait Mechanism {
-    /// The joints and frames.
+    /// Joints and frames of the model.
     fn model(&self) -> &Model;
-    /// The joints that follow others.
+    /// Mimic joints of the model.
     fn followers(&self) -> &[Mimic];
-    /// The speed a joint is allowed, radians or metres a second; none known for a bare model.
+    /// Velocity limit of a joint, rad/s or m/s; none for a bare model.
     fn velocity_limit(&self, joint: JointId) -> Option<f64> {
         let _ = joint;
         None
     }
-    /// Acceleration limit of a joint, rad/s² or m/s²; none for a model, which has no drives.
+    /// Acceleration limit of a joint, rad/s² or m/s²; none for a bare model.
     fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
         let _ = joint;
         None
     }
-    /// Jerk limit of a joint, rad/s³ or m/s³; none for a model, which has no drives.
+    /// Jerk limit of a joint, rad/s³ or m/s³; none for a bare model.
     fn jerk_limit(&self, joint: JointId) -> Option<f64> {
         let _ = joint;
         None

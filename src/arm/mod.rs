@@ -1,9 +1,8 @@
-//! The front door for robot arms: base, tip and target in, joint values out.
+//! Robot arms: joint values from a base, a tip and a target.
 //!
-//! An [`Arm`] is built once from a [`Model`](crate::Model) or a [`Robot`](crate::robot::Robot) and
-//! solves poses of its tool by the lane engine ([`lanes`](crate::lanes)); chains that the engine
-//! cannot express (a joint that follows another) go through the core's
-//! [`Problem`](crate::Problem) behind the same door, with the same results.
+//! An [`Arm`] is built once from a [`Model`](crate::Model) or a [`Robot`](crate::robot::Robot) and solves for poses of
+//! its tool with the SIMD solver ([`lanes`](crate::lanes)). Chains that this solver does not support, such as those
+//! with mimic joints, use the general [`Problem`](crate::Problem). Both have the same API and results.
 //!
 //! ```
 //! use kinopt::arm::{Arm, Search};

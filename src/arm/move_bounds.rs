@@ -1,11 +1,11 @@
-//! The bounds of one question: the limits, or less where moves are bounded.
+//! Joint bounds of one query: the limits, or narrower for bounded motions.
 
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use crate::search::within;
 
 impl Arm {
-    /// Sets the workspace's bounds and its start, which is projected into the limits.
+    /// Sets the workspace's bounds and its start, clamped to the limits.
     pub(super) fn bound_moves(&self, workspace: &mut ArmWorkspace, start: &[f64]) {
         self.set_start(workspace, start);
         match &self.options.max_move {
@@ -22,15 +22,16 @@ impl Arm {
         }
     }
 
-    /// Sets the workspace's bounds alone, to the limits.
+    /// Sets the workspace's bounds to the limits; the start stays.
     pub(super) fn bound_by_limits(&self, workspace: &mut ArmWorkspace) {
         let (question, map) = (&mut workspace.question, &self.serial.map);
         question.lower.copy_from_slice(map.lower());
         question.upper.copy_from_slice(map.upper());
     }
 
-    /// As [`bound_moves`](Self::bound_moves) for a step that moves no joint further than
-    /// `radians`, a slide by the metres that weigh as much.
+    /// Sets bounds and start as [`bound_moves`](Self::bound_moves) does, for a step of at most `radians` per joint.
+    ///
+    /// Prismatic joints count by the metres that weigh as much.
     pub(super) fn bound_step(&self, workspace: &mut ArmWorkspace, start: &[f64], radians: f64) {
         self.bound_moves(workspace, start);
         let max_move = self.options.max_move.as_deref();
@@ -45,7 +46,7 @@ impl Arm {
         }
     }
 
-    /// Bounds the question to so much from the workspace's start, a joint.
+    /// Sets the query's bounds to `most` from the workspace's start, per joint, within the limits.
     fn narrow(&self, workspace: &mut ArmWorkspace, most: impl Fn(usize) -> f64) {
         let map = &self.serial.map;
         for i in 0..self.joint_count() {

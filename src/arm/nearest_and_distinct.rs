@@ -1,4 +1,4 @@
-//! Searches that compare solutions: the nearest, and several that differ.
+//! Searches that compare solutions: the nearest, and several distinct ones.
 
 use super::QueryError;
 use super::arm::Arm;
@@ -12,21 +12,22 @@ use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// Attempts between two looks at the budget.
+/// Number of attempts between two checks of the budget.
 const GROUP: u32 = 16;
-/// Attempts between two looks at the clock, if there is a time limit: one lock step.
+/// Number of attempts between two checks of the clock, with a time limit: one lock step.
 const TIMED_GROUP: u32 = 8;
-/// How many of the nearest are moved towards the start.
+/// Number of the nearest solutions that are moved towards the start.
 const REFINED: usize = 6;
 
 impl Arm {
-    /// All the solutions that the arm's search asks for, nearest to the start first: up to `k` for
-    /// [`Search::Distinct`] (none where the target is out of reach), one for the others (reached or
-    /// not). Solutions that are reached but end by [`Termination::TimeLimit`] say that the clock cut
-    /// the comparison short: there may be more, or nearer ones.
+    /// Finds all solutions that the arm's search prefers, nearest to the start first.
+    ///
+    /// [`Search::Distinct`] gives up to `k` solutions, and none if the target is not reached. The other searches give
+    /// one, reached or not. A reached solution that ends by [`Termination::TimeLimit`] means that the clock cut the
+    /// comparison short: there may be more or nearer ones.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_all(
         &self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -52,8 +53,9 @@ impl Arm {
         })?
     }
 
-    /// Runs attempts and sorts those that reach by their distance from the start. Whether all were
-    /// run, or the clock cut them short.
+    /// Runs attempts and sorts those that reach by their distance from the start.
+    ///
+    /// The termination shows if all were run, or if the time limit ended them.
     pub(super) fn gather(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Termination {
         let n = self.joint_count();
         let wanted = self.attempts_at(query.target);
@@ -95,7 +97,7 @@ impl Arm {
         }
     }
 
-    /// Continues the first of the attempts gathered as a search of one attempt does, if it missed.
+    /// Continues the first attempt, if it failed, as a search of one attempt does.
     fn continue_first(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) {
         let Some(outcome) = workspace.outcomes.first() else {
             return;
@@ -113,7 +115,7 @@ impl Arm {
         }
     }
 
-    /// Runs attempts `first`, `first + 1`, …, appended to the configurations found.
+    /// Runs attempts `first`, `first + 1`, … and appends their configurations and outcomes.
     pub(super) fn run_attempts(
         &self,
         workspace: &mut ArmWorkspace,
@@ -139,8 +141,9 @@ impl Arm {
         });
     }
 
-    /// The nearest of the solutions gathered, into the workspace's x; on redundant arms moved towards
-    /// the start. `ended` says how the gathering did.
+    /// Writes the nearest solution to the workspace's x; for a redundant arm it is first moved towards the start.
+    ///
+    /// `ended` is the termination of the attempts.
     pub(super) fn nearest(
         &self,
         workspace: &mut ArmWorkspace,
@@ -155,7 +158,7 @@ impl Arm {
             ..Found::default()
         };
         let Some(&(_, place)) = workspace.order.first() else {
-            // None reached: the start's own end, and the best of all.
+            // No attempt reached: use the end of the first and the best of all.
             let cost = |outcome: &PoseOutcome| self.cost(Errors::of(outcome));
             let costs = workspace.outcomes.iter().map(cost).enumerate();
             let best = costs.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -196,8 +199,8 @@ impl Arm {
         found
     }
 
-    /// Of the solutions gathered, the first k that are far enough from those before. `ended` says
-    /// how the gathering did.
+    /// The first `k` solutions that are farther than `distance` from those before. `ended` is the termination of the
+    /// attempts.
     pub(super) fn distinct(
         &self,
         workspace: &mut ArmWorkspace,
@@ -229,7 +232,7 @@ impl Arm {
         chosen
     }
 
-    /// Weighted joint distance.
+    /// Weighted distance of two configurations.
     pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let weighted = a.iter().zip(b).zip(&self.options.weights);
         let squares = weighted.map(|((a, b), w)| (w * (a - b)) * (w * (a - b)));

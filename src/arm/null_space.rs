@@ -1,28 +1,31 @@
-//! What of a motion leaves the tool where it is.
+//! Projection of joint motions into the null space of the tool's Jacobian.
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
-/// What is added to J Jᵀ, as a share of its trace, so that it can be factored.
+/// Fraction of the trace of J Jᵀ that is added to its diagonal, so that it can be factored.
 const NO_RANK: f64 = 1e-14;
 
-/// J Jᵀ + δ², factored.
+/// Factorisation of J Jᵀ + δ².
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factor {
-    /// The inverse of its Cholesky factor: a triangle, by rows.
+    /// Inverse of the Cholesky factor: a lower triangle, by rows.
     inverse: [[f64; 6]; 6],
-    /// A lower bound of the least singular value of J.
+    /// Lower bound of the smallest singular value of J.
     least: f64,
 }
 
 impl ArmWorkspace {
-    /// Writes into `projected` what of `motion` leaves the tool where it is: (1 − Jᵀ (J Jᵀ + δ²)⁻¹ J) motion,
-    /// both in radians a joint, a slide's by the metres that weigh as much. Directions that move the
-    /// tool by far less than `blunt` (δ, metres a radian) count as leaving it. Joints on a bound of the
-    /// question stay within it. The Jacobian at x is here. A lower bound of the least singular value, metres a
-    /// radian, too small by a factor of √6 at most; 0 where there is none.
+    /// Writes the null-space part of `motion` to `projected`: (1 − Jᵀ (J Jᵀ + δ²)⁻¹ J) motion.
+    ///
+    /// Both are in radians per joint, prismatic joints by the metres that weigh as much. δ is `blunt`, in metres per
+    /// radian: directions that move the tool by far less count as null space. Joints at a bound of the query stay
+    /// within it. The workspace must hold the Jacobian at x.
+    ///
+    /// Returns a lower bound of the smallest singular value, metres per radian, or 0 if there is none. It is too small
+    /// by a factor of at most √6.
     pub(super) fn project_to_null(&mut self, x: &[f64], motion: &[f64], blunt: f64) -> f64 {
         let mut projected = std::mem::take(&mut self.projected);
         projected.copy_from_slice(motion);
@@ -36,7 +39,7 @@ impl ArmWorkspace {
         clearance
     }
 
-    /// Factors J Jᵀ for several motions; none where a joint stands on a bound, as it may then be held.
+    /// Factors J Jᵀ for several motions. Returns `None` if a joint is at a bound, which may lock it.
     pub(super) fn factor_freely(&self, x: &[f64]) -> Option<Factor> {
         let bounds = self.question.lower.iter().zip(&self.question.upper);
         let free = |(x, (lower, upper))| lower < x && x < upper;
@@ -44,8 +47,8 @@ impl ArmWorkspace {
         all_free.then(|| self.factor(0.0, |_| true)).flatten()
     }
 
-    /// As [`project_to_null`](Self::project_to_null) with nothing blunt, where
-    /// [`factor_freely`](Self::factor_freely) gave a factor.
+    /// Projects as [`project_to_null`](Self::project_to_null) with δ = 0, by a factor of
+    /// [`factor_freely`](Self::factor_freely).
     pub(super) fn project_freely(&mut self, factor: &Factor, motion: &[f64]) -> f64 {
         let mut moved = [0.0; 6];
         for (column, (by, scale)) in columns(&self.jacobian).zip(motion.iter().zip(&self.per_scale))
@@ -60,9 +63,10 @@ impl ArmWorkspace {
         factor.least
     }
 
-    /// Writes into `projected` the least joint motion that moves the tool by `motion`, in the rows and weights of the Jacobian that is here
-    /// (at x); directions that move the tool by far less than `singular` of the longest column are left out. Radians a
-    /// joint.
+    /// Writes the least joint motion that moves the tool by `motion` to `projected`, radians per joint.
+    ///
+    /// `motion` has the rows and weights of the workspace's Jacobian, at x. Directions that move the tool by far less
+    /// than `singular` of the longest column are left out.
     pub(super) fn joint_motion_of(
         &mut self,
         x: &[f64],
@@ -98,7 +102,7 @@ impl ArmWorkspace {
 
     fn take_null_of(&self, x: &[f64], motion: &[f64], blunt: f64, projected: &mut [f64]) -> f64 {
         let mut clearance = 0.0;
-        // Joints that would leave their bounds are held, and the rest is projected anew.
+        // Joints that would leave their bounds are locked, and the rest is projected again.
         for _ in 0..2 {
             let moves = |i: usize| !self.leaves(x, i, projected[i]);
             let Some(factor) = self.factor(blunt, moves) else {
@@ -131,14 +135,15 @@ impl ArmWorkspace {
         x[i] <= self.question.lower[i] && by < 0.0 || x[i] >= self.question.upper[i] && by > 0.0
     }
 
-    /// What a radian of a joint (or the metres that weigh as much) does to the residual, metres.
+    /// Change of the residual per radian of a joint (or the metres that weigh as much), metres.
     pub(super) fn column(&self, i: usize) -> Vector6<f64> {
         let column: Vector6<f64> = self.jacobian.fixed_view::<6, 1>(0, i).into();
         column * self.per_scale[i]
     }
 
-    /// Takes a Jacobian at x that has the null space of the target's: the tool's own, where all of its pose
-    /// counts, which needs no residual and a third of the instructions.
+    /// Computes a Jacobian at x with the null space of the goal's.
+    ///
+    /// For the full pose it is the tool's geometric Jacobian, which needs no residual and a third of the instructions.
     pub(super) fn take_twists(&mut self, arm: &Arm, x: &[f64]) {
         match (&arm.lanes, arm.options.goal.is_full_pose()) {
             (Some(lanes), true) => {
@@ -153,8 +158,9 @@ impl ArmWorkspace {
     }
 }
 
-/// Adds weight × c cᵀ to the lower triangle, which is all that a factorisation reads. Counted by hand: products of
-/// small matrices are hundreds of calls in a debug build.
+/// Adds weight × c cᵀ to the lower triangle, which is all that a factorisation reads.
+///
+/// Index loops: products of small matrices are hundreds of calls in a debug build.
 pub(super) fn add_square(normal: &mut Matrix6<f64>, column: &Vector6<f64>, weight: f64) {
     let (entries, column) = (normal.as_mut_slice(), column.as_slice());
     let mut k = 0;
@@ -169,7 +175,7 @@ pub(super) fn add_square(normal: &mut Matrix6<f64>, column: &Vector6<f64>, weigh
     }
 }
 
-/// The columns of a Jacobian of six rows.
+/// Columns of a Jacobian of six rows.
 fn columns(jacobian: &DMatrix<f64>) -> impl Iterator<Item = &[f64; 6]> {
     let columns = jacobian.as_slice().chunks_exact(6);
     columns.filter_map(<[f64]>::first_chunk)
@@ -185,7 +191,7 @@ fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Runs the body for every row, written out: the loops within know their lengths.
+/// Runs the body for every row, unrolled, so that inner loops have constant lengths.
 macro_rules! each_row {
     ($row:ident, $body:block) => {
         each_row!(@ $row, $body, 0 1 2 3 4 5)
@@ -196,7 +202,7 @@ macro_rules! each_row {
 }
 
 impl Factor {
-    /// Factors N + δ², of which the lower triangle is given. Rows without a weight count for nothing.
+    /// Factors N + δ², with N given by its lower triangle. Rows without a weight are left out.
     fn new(mut normal: [[f64; 6]; 6], blunt: f64) -> Option<Self> {
         let trace: f64 = (0..6).map(|k| normal[k][k]).sum();
         let more = NO_RANK * trace + blunt * blunt;
@@ -206,7 +212,7 @@ impl Factor {
                 false => trace,
             };
         }
-        // The factor takes the place of the matrix, with the reciprocals of its diagonal.
+        // The factor replaces the matrix, with the reciprocals of its diagonal.
         each_row!(K, {
             let left = normal[K][K] - dot_of_first::<K>(&normal[K], &normal[K]);
             if left.is_nan() || left <= 0.0 {
@@ -241,7 +247,7 @@ impl Factor {
         })
     }
 
-    /// (N + δ²)⁻¹ b.
+    /// Returns (N + δ²)⁻¹ b.
     fn solve(&self, b: &[f64; 6]) -> [f64; 6] {
         let mut solved = [0.0; 6];
         for row in &self.inverse {

@@ -1,44 +1,49 @@
-//! An arm's options: set once, for all questions.
+//! Options of an arm, for all of its queries.
 
 use std::time::Duration;
 
 use super::{ArmError, Goal};
 use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption, NOT_NEGATIVE, POSITIVE, Range};
 
-/// Which of several solutions is wanted.
+/// Preference among several solutions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Search {
-    /// The result of the attempt from the start, if that attempt reaches the target. Other attempts are made only if it
-    /// fails; the lowest that reaches the target counts. For a target within 1 rad of the tool at the start (metres divided by
-    /// [`with_metres_per_radian`](super::ArmBuilder::with_metres_per_radian)) the attempt from the start runs to its end first:
-    /// the result is that of [`with_attempts(1)`](super::ArmBuilder::with_attempts) wherever that reaches. For a target
-    /// farther away the attempt fails as soon as it stalls. If no attempt reaches the target, the result is the closest pose
-    /// reached from the start. For continuity. The default.
+    /// The result of the attempt from the start, if it reaches the target; for continuity. The default.
+    ///
+    /// Other attempts are made only if it fails; the lowest that reaches the target counts. If none does, the result is
+    /// the closest pose reached from the start.
+    ///
+    /// For a target within 1 rad of the tool at the start, the attempt from the start runs to its end first. Metres are
+    /// divided by [`with_metres_per_radian`](super::ArmBuilder::with_metres_per_radian). The result is then that of
+    /// [`with_attempts(1)`](super::ArmBuilder::with_attempts) if that reaches. For a target farther away the attempt
+    /// fails as soon as it stalls.
     #[default]
     Start,
-    /// Whichever takes the fewest iterations. A target that none reaches is answered by the best of
-    /// all attempts, wherever that is.
+    /// The solution that takes the fewest iterations. If none is found, the result is the best of all attempts.
     First,
-    /// The one nearest to the start in weighted joint distance, among many attempts; on redundant
-    /// arms it is then moved towards the start within the null space. It is never farther away than the solution of the
-    /// attempt from the start. Where a time limit cuts the
-    /// comparison short the solution says [`TimeLimit`](crate::solver::Termination::TimeLimit).
+    /// The solution nearest to the start in weighted joint distance, among many attempts.
+    ///
+    /// For a redundant arm it is then moved towards the start within the null space. It is never farther away than the
+    /// solution of the attempt from the start. If a time limit cuts the comparison short, the solution ends as
+    /// [`TimeLimit`](crate::solver::Termination::TimeLimit).
     Nearest,
-    /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`. A
-    /// time limit is reported as for the nearest.
+    /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`.
+    ///
+    /// A time limit is reported as for [`Nearest`](Self::Nearest).
     Distinct {
-        /// Most solutions wanted, at least 1.
+        /// Largest number of solutions, at least 1.
         k: usize,
-        /// Weighted joint distance that two solutions must exceed: the root of the sum of
-        /// (weight · difference)², in radians for weights of 1. At least 0.
+        /// Smallest weighted joint distance of two solutions, exclusive: the root of the sum of (weight · difference)².
+        ///
+        /// In radians for weights of 1. At least 0.
         distance: f64,
     },
 }
 
 impl Search {
-    /// The engine's search, for one attempt after another.
+    /// Preference of the SIMD solver for its attempts.
     pub(super) fn lanes(self) -> crate::lanes::Prefer {
         match self {
             Self::First => crate::lanes::Prefer::First,
@@ -46,21 +51,22 @@ impl Search {
         }
     }
 
-    /// Whether many attempts are compared.
+    /// Returns true if the search compares many attempts.
     pub(super) fn compares(self) -> bool {
         matches!(self, Self::Nearest | Self::Distinct { .. })
     }
 }
 
-/// Attempts of a question for which nothing else is asked, and the iterations of all together.
+/// Default largest number of attempts of a query.
 pub(super) const ATTEMPTS: u32 = 200;
+/// Default number of iterations of all attempts of a query after which no attempt begins.
 const ITERATIONS: u32 = 2600;
-/// How strongly joints are drawn away from their limits while following.
+/// Default strength of limit avoidance while following, radians.
 const LIMIT_AVOIDANCE: f64 = 4.0;
-/// A radian counts as much as this share of the arm's reach.
+/// Default weight of a radian, as a fraction of the arm's reach.
 const RADIAN_PER_REACH: f64 = 0.25;
 
-/// The default weight of a radian for an arm of this reach, both in metres.
+/// Default weight of a radian for an arm of this reach, both in metres.
 fn metres_per_radian(reach: f64) -> f64 {
     if reach > 0.0 && reach.is_finite() {
         RADIAN_PER_REACH * reach
@@ -69,27 +75,28 @@ fn metres_per_radian(reach: f64) -> f64 {
     }
 }
 
-/// All options.
+/// Options of an arm.
 #[derive(Clone, Debug)]
 pub(super) struct Options {
     pub(super) position_tolerance: f64,
     pub(super) orientation_tolerance: f64,
     pub(super) metres_per_radian: f64,
-    /// As given; without it the default goes by the arm's length.
+    /// As given; the default depends on the arm's reach.
     pub(super) given_metres_per_radian: Option<f64>,
     pub(super) goal: Goal,
     pub(super) search: Search,
-    /// One a joint.
+    /// One weight per joint.
     pub(super) weights: Vec<f64>,
-    /// One a joint, or none.
+    /// One bound per joint, or none.
     pub(super) max_move: Option<Vec<f64>>,
     pub(super) posture: Option<Vec<f64>>,
     pub(super) attempts: u32,
-    /// What was asked for.
+    /// As given; `None` for the default.
     pub(super) iterations: Option<u32>,
+    /// True if a number of attempts was given.
     pub(super) attempts_asked: bool,
     pub(super) leaps: bool,
-    /// Radians a radian of path.
+    /// Radians, see [`with_limit_avoidance`](super::ArmBuilder::with_limit_avoidance).
     pub(super) limit_avoidance: f64,
     pub(super) time_limit: Option<Duration>,
     pub(super) seed: u64,
@@ -119,8 +126,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Whether every option is within its range, and those with one number a joint have one for each of
-    /// these.
+    /// Checks that every option is in its range, and that options per joint have one number for each of `joints`.
     pub(super) fn check(&self, joints: &[&str]) -> Result<(), ArmError> {
         for (option, value) in [
             ("position_tolerance", self.position_tolerance),
@@ -162,13 +168,13 @@ impl Options {
         Ok(())
     }
 
-    /// Weighs radians as asked, or by the arm's reach, metres.
+    /// Sets the weight of radians as given, or by the arm's reach in metres.
     pub(super) fn weigh_radians(&mut self, reach: f64) {
         let given = self.given_metres_per_radian;
         self.metres_per_radian = given.unwrap_or_else(|| metres_per_radian(reach));
     }
 
-    /// Iterations of all attempts together after which none begins.
+    /// Number of iterations of all attempts after which no attempt begins.
     pub(super) fn budget(&self) -> u32 {
         match self.iterations {
             Some(iterations) => iterations,
@@ -177,13 +183,13 @@ impl Options {
         }
     }
 
-    /// Whether a miss is answered by the best of all attempts, wherever that is.
+    /// Returns true if a failed query returns the best of all attempts, on any branch.
     pub(super) fn leaps_on_miss(&self) -> bool {
         self.leaps || self.search == Search::First
     }
 }
 
-/// Whether a goal asks for something.
+/// Checks the half widths of a goal, and that some component counts.
 pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
     if let Some((_, value)) = goal.bad_half_width() {
         let allowed = "half widths are numbers of at least 0";

@@ -1,4 +1,4 @@
-//! One target within bounds, as a question to the core's solver.
+//! Problem of the general solver for one target within bounds.
 
 use super::options::Options;
 use super::serial_chain::Serial;
@@ -6,21 +6,22 @@ use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::spatial::Placement;
 use crate::task::{Pose, Quantity, Rows, Task};
 
-/// The pose of a chain's tool as a problem, with the target and the bounds of the question under way.
+/// Problem of a chain's tool pose, with the target and the bounds of the current query.
 #[derive(Clone, Debug)]
 pub(super) struct PoseQuestion {
     pub(super) problem: Problem,
     targets: Targets,
     task: TaskId<Pose>,
-    /// How turns are measured.
+    /// Measure of the orientation rows.
     turn: Rows,
-    /// Bounds of the question.
+    /// Lower bounds of the query.
     pub(super) lower: Vec<f64>,
+    /// Upper bounds of the query.
     pub(super) upper: Vec<f64>,
 }
 
 impl PoseQuestion {
-    /// A question within all limits, whose target is yet to be set.
+    /// Problem within all limits, whose target is not set yet.
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let mut builder = Problem::builder(&serial.model);
         builder.parameters(serial.map.clone());
@@ -58,23 +59,23 @@ impl PoseQuestion {
         }
     }
 
-    /// The target.
+    /// Target of the query.
     pub(super) fn target(&self) -> Placement<f64> {
         let pose = self.targets.get(self.task);
         pose.map_or_else(|_| Placement::identity(), Pose::target)
     }
 
-    /// The nearest value to one of joint i that is within the bounds.
+    /// Clamps a value of joint i to the bounds.
     pub(super) fn clamp(&self, i: usize, value: f64) -> f64 {
         value.max(self.lower[i]).min(self.upper[i])
     }
 
-    /// The angle of the residual's rows for orientation, whose norm over the weight is `turn`.
+    /// Angle of orientation rows whose norm, divided by the weight, is `turn`.
     pub(super) fn angle(&self, turn: f64) -> f64 {
         self.turn.error_of(turn)
     }
 
-    /// What the core is asked.
+    /// Problem instance for the general solver.
     pub(super) fn ask(&self) -> Question<'_> {
         let question = Question::from(&self.problem).with_targets(&self.targets);
         question.within(&self.lower, &self.upper, &[])

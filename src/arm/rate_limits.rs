@@ -4,19 +4,19 @@ use super::mechanism::Mechanism;
 use super::serial_chain::{Serial, source_of};
 use crate::model::{Model, ParameterMap};
 
-/// Limits of joints, one number a joint.
+/// Limits of joints, one number per joint.
 #[derive(Clone, Debug)]
 pub(super) struct RateLimits<T> {
-    /// rad/s or m/s.
+    /// Velocity limits, rad/s or m/s.
     pub(super) velocity: Vec<T>,
-    /// rad/s² or m/s².
+    /// Acceleration limits, rad/s² or m/s².
     pub(super) acceleration: Vec<T>,
-    /// rad/s³ or m/s³.
+    /// Jerk limits, rad/s³ or m/s³.
     pub(super) jerk: Vec<T>,
 }
 
 impl RateLimits<Option<f64>> {
-    /// By the ids of the joints; `None` for none.
+    /// Limits of the model's joints in the order of their ids; `None` for no limit.
     pub(super) fn of(mechanism: &impl Mechanism) -> Self {
         let joints = || mechanism.model().joint_ids();
         Self {
@@ -28,7 +28,9 @@ impl RateLimits<Option<f64>> {
         }
     }
 
-    /// Of an arm's free joints, base to tip, infinite for none: a joint's own, and those of the joints that follow it.
+    /// Limits of an arm's free joints, base to tip; infinite for none.
+    ///
+    /// They include the limits of the mimic joints that a free joint drives.
     pub(super) fn of_free_joints(
         &self,
         model: &Model,

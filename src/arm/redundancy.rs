@@ -1,40 +1,40 @@
-//! What an arm's freedom is spent on while it follows.
+//! Null-space motion of a redundant arm while it follows a path or a target.
 //!
-//! Of the configurations that its target leaves, a redundant arm goes to the one that lies nearest to a posture
-//! of ease: the one that it began in, off its limits, or another that is asked for. Near is what a convex
-//! function says: a spring, and a pull away from limits that grows with the nearness to them (less its
-//! slope at ease, so that ease itself is the lowest point: a Bregman distance). Its slope is projected into the
-//! null space (Liégeois 1977, "Automatic supervisory control of the configuration and behavior of
-//! multibody mechanisms"). So where an arm stands depends on its target and not on the way that it came.
+//! Among the solutions of its target, a redundant arm goes to the one nearest to a nominal posture. That is the start,
+//! moved off its limits, or a given posture. A convex function measures the distance: a spring, and a pull away from
+//! limits, which grows near them. The slope at the posture is subtracted, so that the posture is the minimum (a Bregman
+//! distance). The gradient is projected into the null space (Liégeois 1977, "Automatic supervisory control of the
+//! configuration and behavior of multibody mechanisms"). The configuration then depends on the target, not on the path
+//! to it.
 
 use super::arm::Arm;
 use super::elbow_side::Bend;
 use super::null_space::Factor;
 use super::workspace::ArmWorkspace;
 
-/// The share of a joint's half range from which on its limit pulls.
+/// Fraction of a joint's half range beyond which its limit pulls.
 const MIDDLE: f64 = 0.6;
-/// The share of a joint's half range that a posture of ease stays within.
+/// Largest fraction of a joint's half range for a nominal posture.
 const OFF_LIMITS: f64 = 0.95;
-/// The share of the way to ease that one step goes.
+/// Fraction of the distance to the minimum that one step takes.
 pub(super) const SHARE: f64 = 0.5;
-/// The longest motion in one go, as a share of the distance from the nearest singular place: what leaves the
-/// tool where it is turns within that distance.
+/// Longest motion in one step, as a fraction of the distance to the nearest singularity, within which the null space
+/// rotates.
 const TURNS: f64 = 0.5;
-/// Directions that move the tool by less than this share of the longest column leave it where an arm is stretched out.
+/// Tool motion that counts as none for a stretched arm, as a fraction of the longest Jacobian column.
 const SHARP: f64 = 1e-3;
-/// Largest stiffness that a measurement shows, radians a radian: targets that move change the slope, too.
+/// Largest measured stiffness, radians per radian: moving targets change the slope, too.
 const MAX_STIFFNESS: f64 = 20.0;
-/// A motion that is none, radians.
+/// Largest motion of a joint that counts as none, radians.
 const AT_EASE: f64 = 1e-9;
 
 impl Arm {
-    /// Whether there may be motions that leave the tool where it is.
+    /// Returns true if the goal may leave a null space.
     pub(super) fn has_freedom(&self) -> bool {
         self.joint_count() > self.options.goal.rows() || self.options.goal.has_room()
     }
 
-    /// The posture that an arm's freedom is spent on that begins at `start`.
+    /// Nominal posture of an arm that begins at `start`.
     pub(super) fn ease_from(&self, start: &[f64]) -> Vec<f64> {
         if let Some(posture) = &self.options.posture {
             return posture.clone();
@@ -51,7 +51,7 @@ impl Arm {
         off_limits.collect()
     }
 
-    /// The pull on every joint, radians.
+    /// Writes the pull on every joint, radians.
     fn pull(&self, q: &[f64], ease: &[f64], pull: &mut [f64]) {
         let map = &self.serial.map;
         let limit = self.options.limit_avoidance;
@@ -62,7 +62,7 @@ impl Arm {
         }
     }
 
-    /// How fast the pull at q grows along a motion, radians a radian: at least 1, the spring's.
+    /// Growth of the pull at q along a motion, radians per radian; at least 1, the spring's.
     fn stiffness(&self, q: &[f64], motion: &[f64]) -> f64 {
         let map = &self.serial.map;
         let limit = self.options.limit_avoidance;
@@ -76,27 +76,29 @@ impl Arm {
     }
 }
 
-/// How an arm goes to ease.
+/// Parameters of a null-space step.
 pub(super) struct Easing<'e> {
     pub(super) ease: &'e [f64],
-    /// The side that an arm keeps which is stretched out towards a target that it misses.
+    /// Side to keep, of a stretched arm that does not reach its target.
     pub(super) stretched: Option<&'e Bend>,
-    /// Share of the distance to the lowest point that is taken, 0 to 1.
+    /// Fraction of the distance to the minimum that is taken, 0 to 1.
     pub(super) share: f64,
-    /// Last motion, and the slope before it, radians a joint: how much the slope changed since shows how stiff the null space is.
+    /// Last motion, radians per joint.
     pub(super) last: &'e [f64],
+    /// Slope before that motion, radians per joint; its change shows the stiffness of the null space.
     pub(super) last_slope: &'e [f64],
-    /// Least stiffness along the motion, radians a radian.
+    /// Smallest stiffness along the motion, radians per radian.
     pub(super) stiffness: f64,
-    /// The longest motion of a joint, radians.
+    /// Longest motion of a joint, radians.
     pub(super) longest: f64,
-    /// What the workspace's [`factor_freely`](ArmWorkspace::factor_freely) gave at x, if that is known.
+    /// Factor at x by [`factor_freely`](ArmWorkspace::factor_freely), if known.
     pub(super) free: Option<&'e Factor>,
 }
 
 impl Easing<'_> {
-    /// Stiffness along the last motion, by the change of the slope. The null space is curved: the stiffness of the pull alone is too
-    /// small there, and a step by it overshoots.
+    /// Stiffness along the last motion, by the change of the slope.
+    ///
+    /// The null space is curved, so the stiffness of the pull alone is too small and a step overshoots.
     fn measured_stiffness(&self, slope: &[f64]) -> f64 {
         let (mut fell, mut length) = (0.0, 0.0);
         for ((last, before), now) in self.last.iter().zip(self.last_slope).zip(slope) {
@@ -111,9 +113,10 @@ impl Easing<'_> {
 }
 
 impl ArmWorkspace {
-    /// Writes into `projected` the motion to ease from x that leaves the tool where it is, radians a joint.
-    /// The Jacobian at x is here (or [one](ArmWorkspace::take_twists) of its null space). Returns whether there is any motion, and the
-    /// least stiffness for the next step.
+    /// Writes the null-space motion from x towards the nominal posture to `projected`, radians per joint.
+    ///
+    /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::take_twists). Returns true
+    /// if there is any motion, and the smallest stiffness for the next step.
     pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> (bool, f64) {
         let mut pull = std::mem::take(&mut self.wanted);
         arm.pull(x, how.ease, &mut pull);
@@ -148,7 +151,7 @@ impl ArmWorkspace {
         (moves, stiffness)
     }
 
-    /// Goes from x by the motion in `projected`, within the bounds.
+    /// Moves x by the motion in `projected`, clamped to the bounds.
     pub(super) fn go_by_projected(&mut self) {
         for (i, x) in self.x.iter_mut().enumerate() {
             let moved = *x + self.projected[i] / self.scale[i];
@@ -157,7 +160,7 @@ impl ArmWorkspace {
     }
 }
 
-/// How fast [`outwards`] grows, 1 a radian or metre.
+/// Derivative of [`outwards`], per radian or metre.
 fn steepness(q: f64, lower: f64, upper: f64) -> f64 {
     let Some((u, half)) = place(q, lower, upper) else {
         return 0.0;
@@ -165,8 +168,7 @@ fn steepness(q: f64, lower: f64, upper: f64) -> f64 {
     2.0 * (u.abs() - MIDDLE) / ((1.0 - MIDDLE) * (1.0 - MIDDLE) * half)
 }
 
-/// How near a joint is to its limits: 0 in the middle of its range, from −1 on its lower limit to 1 on
-/// its upper.
+/// Nearness of a joint to its limits: 0 in the middle of its range, from −1 at its lower limit to 1 at its upper.
 fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
     let Some((u, _)) = place(q, lower, upper) else {
         return 0.0;
@@ -175,8 +177,9 @@ fn outwards(q: f64, lower: f64, upper: f64) -> f64 {
     beyond * beyond * u.signum()
 }
 
-/// Where a joint is in its range, from −1 on its lower limit to 1 on its upper, and half that range; none where
-/// there is no such range, and in its middle.
+/// Position of a joint in its range, from −1 at its lower limit to 1 at its upper, and half that range.
+///
+/// Returns `None` for an infinite or empty range, and in its middle.
 fn place(q: f64, lower: f64, upper: f64) -> Option<(f64, f64)> {
     let half = 0.5 * (upper - lower);
     let from_middle = q - lower - half;

@@ -1,4 +1,4 @@
-//! Another tool, goal or search for an arm that stands: its seed atlas is kept.
+//! Changes of tool, goal and search of an existing arm, which share its seed atlas.
 
 use super::arm::Arm;
 use super::builder::check_tool;
@@ -9,13 +9,13 @@ use crate::lanes::{LaneOptions, PoseSolver};
 use crate::spatial::Placement;
 
 impl Arm {
-    /// The same arm with another tool on its tip (where it stands in the tip's frame, metres; the
-    /// identity for none): a change of gripper. All other options stay; it answers bit for bit as an
-    /// arm [built](super::ArmBuilder::with_tool) with that tool, but shares this one's seed atlas,
-    /// which is most of what building takes (tens of microseconds instead of tens of milliseconds).
+    /// The same arm with another tool, given by its placement in the tip's frame, metres; the identity for none.
+    ///
+    /// All other options stay. Its results are bitwise those of an arm [built](super::ArmBuilder::with_tool) with that
+    /// tool. The seed atlas is shared, which makes it about a thousand times as fast to build.
     ///
     /// # Errors
-    /// A placement that is not a rigid motion.
+    /// Returns an error for a placement that is not a rigid motion.
     ///
     /// ```
     /// # use kinopt::arm::{Arm, Goal};
@@ -39,11 +39,10 @@ impl Arm {
         self.with(self.serial.with_tool(tip_from_tool)?, self.options.clone())
     }
 
-    /// The same arm with another goal, which shares the seed atlas as [`with_tool`](Self::with_tool)
-    /// does.
+    /// The same arm with another goal, which shares the seed atlas as [`with_tool`](Self::with_tool) does.
     ///
     /// # Errors
-    /// A goal that asks for nothing, or half widths that are no numbers of at least 0.
+    /// Returns an error for a goal without components, or half widths that are NaN or negative.
     pub fn with_goal(&self, goal: Goal) -> Result<Self, ArmError> {
         check_goal(&goal)?;
         let mut options = self.options.clone();
@@ -51,11 +50,12 @@ impl Arm {
         self.with(self.serial.clone(), options)
     }
 
-    /// The same arm with another search, which shares the seed atlas: several distinct solutions, say, from
-    /// an arm that otherwise gives the start's own.
+    /// The same arm with another search, which shares the seed atlas.
+    ///
+    /// Example: several distinct solutions, from an arm that otherwise gives the one from the start.
     ///
     /// # Errors
-    /// A search whose numbers are out of range, or that does not go with the arm's posture.
+    /// Returns an error for a search whose numbers are out of range, or that is incompatible with the arm's posture.
     pub fn with_search(&self, search: Search) -> Result<Self, ArmError> {
         let mut options = self.options.clone();
         options.search = search;
@@ -75,7 +75,7 @@ impl Arm {
         Ok(changed)
     }
 
-    /// The engine for another chain and other options, which shares the seed atlas.
+    /// SIMD solver for another chain and other options, which shares the seed atlas.
     pub(super) fn lanes_for(
         &self,
         serial: &Serial,

@@ -1,4 +1,4 @@
-//! The arm as a model of its own: a serial chain from base to tool, constants folded.
+//! Serial chain of an arm from base to tool as a model, with constant transforms combined.
 
 use super::ArmError;
 use super::kinematic_path::Part;
@@ -6,32 +6,31 @@ use crate::lanes::{Chain, ChainJoint};
 use crate::model::{FrameId, Joint, JointId, Limits, Model, ModelBuilder, ParameterMap, Source};
 use crate::spatial::Placement;
 
-/// Name of the frame that solving looks at.
+/// Name of the tool's frame in the chain's model.
 pub(super) const TOOL: &str = "tool";
 
-/// A chain from base to tool, whose world is the base.
+/// Chain from base to tool, whose world is the base.
 #[derive(Clone, Debug)]
 pub(super) struct Serial {
     pub(super) model: Model,
-    /// Followers follow; its variables are the arm's joints, base to tip.
+    /// Map with coupled mimic joints; its variables are the arm's joints, base to tip.
     pub(super) map: ParameterMap,
     pub(super) tool: FrameId,
-    /// The constant way from the last joint to the tip, which carries the tool.
+    /// Constant transform from the last joint to the tip, which carries the tool.
     last_from_tip: Placement<f64>,
-    /// For the lane engine, where it can express the chain.
+    /// Chain for the SIMD solver, if it supports the chain.
     pub(super) chain: Option<Chain>,
-    /// The source model's joint of every variable.
+    /// Joint of the source model for every variable.
     pub(super) joints: Vec<JointId>,
-    /// The variables that a follower in the chain depends on.
+    /// Flags of the variables that drive a mimic joint of the chain.
     pub(super) followed: Vec<bool>,
-    /// Length of the way from base to tip with the magnitude of every part, free slides at zero;
-    /// metres.
+    /// Sum of the lengths of all translations from base to tip, with free prismatic joints at zero; metres.
     extent_to_tip: f64,
-    /// The same to the tool.
+    /// Sum of the lengths of all translations from base to tool, with free prismatic joints at zero; metres.
     pub(super) extent: f64,
 }
 
-/// Puts the chain together.
+/// Builder of a chain from its parts.
 struct Assembly<'a> {
     source: &'a Model,
     full: &'a ParameterMap,
@@ -40,15 +39,15 @@ struct Assembly<'a> {
     way: Placement<f64>,
     chain: Vec<ChainJoint>,
     extent: f64,
-    /// The new joint of every variable of the full map.
+    /// Joint of the chain for every variable of the full map.
     leaders: Vec<Option<JointId>>,
     /// Source joint of every variable, base to tip.
     joints: Vec<JointId>,
-    /// (follower, variable of the full map, ratio, offset).
+    /// Mimic joints: (joint, variable of the full map, ratio, offset).
     followers: Vec<(JointId, usize, f64, f64)>,
 }
 
-/// Where a coordinate's value comes from; a variable with one value is a constant.
+/// Source of a coordinate's value; a variable whose bounds are equal is a constant.
 pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
     let source = full.sources()[coordinate];
     let one_value = |(variable, _): (usize, f64)| full.lower()[variable] == full.upper()[variable];
@@ -59,8 +58,7 @@ pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
 }
 
 impl Serial {
-    /// What a radian or a metre of each variable counts as, radians, where so many metres weigh as much
-    /// as a radian.
+    /// Radians that a radian or metre of each variable counts as, by the metres that weigh as much as a radian.
     pub(super) fn scales(&self, metres_per_radian: f64) -> Vec<f64> {
         let leader = |&c: &usize| self.model.moving_joints()[c].index();
         let leaders = self.map.leaders().iter().map(leader);
@@ -71,7 +69,7 @@ impl Serial {
         leaders.map(scale).collect()
     }
 
-    /// Folds the parts; `full` says which joints of `source` are free.
+    /// Combines the parts into a chain; `full` gives the free joints of `source`.
     pub(super) fn new(
         source: &Model,
         full: &ParameterMap,
@@ -142,7 +140,7 @@ impl Assembly<'_> {
             return;
         };
         match source_of(self.full, coordinate) {
-            // Refused before.
+            // `Serial::new` returned an error for it.
             Source::Rotation { .. } => {}
             Source::Constant(value) => {
                 let motion = joint.kind.joint_from_moved(axis, value);
@@ -193,7 +191,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// A joint outside the chain that one inside follows stands by itself.
+    /// Adds the source of a mimic joint that is outside the chain, as a joint without a parent.
     fn add_leader_elsewhere(&mut self, leader: JointId, variable: usize) {
         let joint = &self.source.joints()[leader.index()];
         let limits = Limits::new(self.full.lower()[variable], self.full.upper()[variable]);
@@ -234,7 +232,7 @@ impl Assembly<'_> {
             }
         }
         let map = map.build()?;
-        // Bounds of a million radians and the like are for the core.
+        // The general solver handles chains with bounds beyond a million radians.
         let chain = match self.followers.is_empty() {
             true => Chain::new(self.chain, last_from_tool).ok(),
             false => None,

@@ -1,14 +1,9 @@
-//! Settling: from where an arm stands to the nearest place that nothing near it betters.
+//! Local descent from a configuration to the nearest minimum of the cost.
 //!
-//! The cost is lowered within the workspace's bounds, step by step: with the pose linearised at x a
-//! step d minimises ½|r + J d|² + ½ Σ wᵢ dᵢ² over the box, exactly, and is taken if it lowers the cost.
-//! The damping w is no less than |r| times the longest column of J, which bounds the curvature that
-//! linearising leaves out: at a workspace's edge, where a singular configuration and an error come
-//! together, steps fall short of the minimum rather than cross it. An arm that is stretched out comes
-//! to rest on the side that its elbow is bent to, and comes back bent the same way.
-//!
-//! The box is kept by the dual: d(y) = clamp(c − Jᵀy / w) with six multipliers y = r + J d, found by
-//! a semismooth Newton iteration (Li & Li 2011, "Projections onto a box and hyperplanes").
+//! Each step minimises ½|r + J d|² + ½ Σ wᵢ dᵢ² over the bounds exactly, and is taken if it lowers the cost. The
+//! damping w is at least |r| times the longest column of J, a bound of the curvature that the linearisation leaves out.
+//! At the boundary of the reach, a singularity with an error, steps then fall short of the minimum rather than cross
+//! it. A stretched arm comes to rest on its side of the elbow.
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -18,34 +13,33 @@ use super::workspace::ArmWorkspace;
 use crate::clock::{Instant, is_past};
 use crate::solver::Termination;
 
-/// Times that the damping is raised where a step does not lower the cost.
+/// Largest number of times that the damping is raised if a step does not lower the cost.
 const RAISES: usize = 12;
-/// A slope of this share of the error's own scale is none: far above what rounding makes of it where
-/// the arm is stretched out, so that the side is kept.
+/// Slope that counts as none, relative to the error's scale; far above rounding for a stretched arm, to keep its side.
 const LEVEL: f64 = 1e-6;
-/// The share of a negligible error to which a damped tick goes on.
+/// Fraction of the negligible error to which a damped descent continues.
 const LAST_DIGITS: f64 = 1e-3;
-/// How far down from a level place is looked, radians.
+/// Length of the probe from a stationary point, radians.
 const PROBE: f64 = 1e-4;
-/// What bends an arm that is so straight leaves its tool, as a share of the longest column: by far more than a level place is bent.
+/// Tool motion that counts as none along a probe, relative to the longest Jacobian column.
 const BLUNT: f64 = 1e-3;
-/// A slope of this share of the error's own scale is rounding, and says nothing of a side.
+/// Slope that counts as rounding, and shows no side, relative to the error's scale.
 const STRAIGHT: f64 = 1e-12;
-/// Newton's steps for one box.
+/// Largest number of Newton steps for one step of the descent.
 const NEWTON: usize = 24;
 
-/// How a settling is led.
+/// Parameters of a local descent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settling {
-    /// Most steps.
+    /// Largest number of steps.
     pub(super) steps: usize,
-    /// What moving costs: ½ of this times the squared way from where it began, m² a rad².
+    /// Cost of motion: ½ of this factor times the squared distance from the start, m² per rad².
     pub(super) anchor: f64,
     pub(super) deadline: Option<Instant>,
 }
 
 impl Settling {
-    /// So many steps at most, of which none costs anything.
+    /// Parameters of a descent without a cost of motion.
     pub(super) fn freely(steps: usize, deadline: Option<Instant>) -> Self {
         let anchor = 0.0;
         Self {
@@ -57,14 +51,15 @@ impl Settling {
 }
 
 impl ArmWorkspace {
-    /// Lowers the cost from x (within the bounds) and says how that ended and after how many steps.
+    /// Lowers the cost from x, which must be within the bounds. Returns the termination and the number of steps.
+    ///
     /// Nothing is allocated.
     pub(super) fn settle_near(&mut self, how: &Settling) -> (Termination, usize) {
         self.anchor.copy_from_slice(&self.x);
         self.settle_anchored(how)
     }
 
-    /// As [`settle_near`](Self::settle_near), moving being counted from the workspace's anchor.
+    /// Descends as [`settle_near`](Self::settle_near) does, with motion measured from the workspace's anchor.
     pub(super) fn settle_anchored(&mut self, how: &Settling) -> (Termination, usize) {
         let mut x = std::mem::take(&mut self.x);
         let ended = self.settle_from(&mut x, how);
@@ -80,7 +75,7 @@ impl ArmWorkspace {
             if !error.is_finite() {
                 return (Termination::NonFinite, step);
             }
-            // A damped tick goes on to the last digits, so that a slow target is followed evenly.
+            // Continue to the last digits, so that a slow target is followed evenly.
             let near = if how.anchor > 0.0 { LAST_DIGITS } else { 1.0 };
             if error <= near * self.negligible_error() {
                 return (Termination::Reached, step);
@@ -122,22 +117,22 @@ impl ArmWorkspace {
         (Termination::IterationLimit, how.steps)
     }
 
-    /// ½|r|² and what moving costs.
+    /// ½|r|² plus the cost of motion.
     fn anchored_cost(&self, x: &[f64], error: f64, anchor: f64) -> f64 {
         let moved = x.iter().zip(&self.anchor).zip(&self.scale);
         let moved: f64 = moved.map(|((x, a), s)| (x - a) * s).map(|by| by * by).sum();
         0.5 * (error * error + anchor * moved)
     }
 
-    /// Norm of the longest column of the Jacobian that is here, a slide's taken for the metres that
-    /// weigh as much as a radian.
+    /// Norm of the longest column of the workspace's Jacobian; prismatic joints by the metres that weigh as much as a
+    /// radian.
     pub(super) fn longest_column(&self) -> f64 {
         let columns = 0..self.scale.len();
         let squares = columns.map(|i| self.column(i).norm_squared());
         squares.fold(0.0, f64::max).sqrt()
     }
 
-    /// Whether no joint that can move has a slope of more than `negligible`.
+    /// Returns true if no joint that can move has a slope of more than `negligible`.
     fn is_level(&self, x: &[f64], residual: &Vector6<f64>, negligible: f64, anchor: f64) -> bool {
         let PoseQuestion { lower, upper, .. } = &self.question;
         self.jacobian.column_iter().enumerate().all(|(i, column)| {
@@ -149,8 +144,9 @@ impl ArmWorkspace {
         })
     }
 
-    /// Moves the workspace's x off a ridge, a stationary point with lower cost along the null space of the Jacobian; whether
-    /// there is such a direction among the joints' own, projected into the null space.
+    /// Moves the workspace's x off a ridge: a stationary point with lower cost along the null space of the Jacobian.
+    ///
+    /// Tries the null-space part of each joint's motion. Returns true if one lowers the cost.
     pub(super) fn step_off_ridge(&mut self) -> bool {
         let x = std::mem::take(&mut self.x);
         let error = Vector6::from(self.linearise(&x)).norm();
@@ -171,9 +167,11 @@ impl ArmWorkspace {
         falls
     }
 
-    /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A place a little down from it is
-    /// written into `trial`. What bends the arm there leaves the tool in first order, as else the tool would go aside by more
-    /// than it comes nearer: down the slope, to the elbow's side, or where there is none by any joint, to either.
+    /// Returns true if a stationary point is a ridge, as for a stretched arm whose target is within reach again.
+    ///
+    /// Writes a lower configuration near it to `trial`. The probe is in the null space; otherwise the tool would move
+    /// aside by more than it approaches. It follows the slope to the side of the elbow, or without a slope any joint,
+    /// in both directions.
     fn falls_beyond(
         &mut self,
         x: &[f64],
@@ -204,7 +202,9 @@ impl ArmWorkspace {
         falls
     }
 
-    /// Whether a place so far along the projected motion is lower, the joint that moves furthest counted; it is in `trial` then.
+    /// Probes a configuration along the projected motion, with the joint that moves farthest moving by `probe` radians.
+    ///
+    /// Leaves it in `trial`. Returns true if its cost is lower.
     fn falls_along_projected(&mut self, x: &[f64], probe: f64, before: f64, anchor: f64) -> bool {
         let furthest = self.projected.iter().map(|by| by.abs());
         let furthest = furthest.fold(0.0, f64::max);
@@ -222,12 +222,15 @@ impl ArmWorkspace {
         falls
     }
 
-    /// Writes x and the best step from it within the bounds into `trial`.
+    /// Writes the configuration after the best step from x within the bounds to `trial`.
+    ///
+    /// The dual of the box problem is d(y) = clamp(c − Jᵀy / w) with six multipliers y = r + J d. A semismooth Newton
+    /// iteration finds them (Li & Li 2011, "Projections onto a box and hyperplanes").
     fn box_step(&mut self, x: &[f64], residual: &Vector6<f64>, damping: f64, anchor: f64) {
         let weight = |scale: f64| (damping + anchor) * scale * scale;
         let share = anchor / (damping + anchor);
         let mut y = Vector6::<f64>::zeros();
-        // Joints at a bound, a bit each; where they repeat, y is exact.
+        // Bit mask of the joints at a bound; y is exact once it repeats.
         let mut last = None;
         for _ in 0..NEWTON {
             let mut miss = y - residual;

@@ -1,4 +1,4 @@
-//! What a path does where a step's own attempt fails.
+//! Fallbacks of a path step whose attempt fails.
 
 use super::Reply;
 use super::arm::Arm;
@@ -12,23 +12,22 @@ use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
-/// Fractions of the way to the target that are tried.
+/// Largest number of fractions of the motion to the target that are tried.
 const FRACTIONS: usize = 64;
-/// The smallest of them.
+/// Smallest fraction.
 const SMALLEST: f64 = 1.0 / 128.0;
-/// The longest move of a step that settles, radians.
+/// Longest joint motion of a step by local descent, radians.
 const SETTLING_STEP: f64 = 0.5 * LONG_STEP;
-/// Steps of one settling; the next target goes on from there.
+/// Largest number of steps of one descent; the next target continues from there.
 const SETTLING_STEPS: usize = 60;
 
 impl Arm {
-    /// Whether steps of a path are the lane engine's alone.
+    /// Returns true if the SIMD solver alone makes the steps of a path.
     pub(super) fn follows_by_lanes(&self) -> bool {
         self.options.max_move.is_none() && self.options.posture.is_none()
     }
 
-    /// Goes on to a target on the branch that the arm stands on, without a long move: to a solution or
-    /// to the nearest place.
+    /// Advances to a target on the arm's branch without a long motion: to a solution or to the closest pose.
     pub(super) fn keep_to_branch(
         &self,
         target: &Placement<f64>,
@@ -56,8 +55,9 @@ impl Arm {
         })
     }
 
-    /// Goes on to a target that is far from the last by small steps along the straight way between the
-    /// poses; whether they lead there.
+    /// Advances to a target far from the last one, by small steps along the straight line between the poses.
+    ///
+    /// Returns true if they reach it.
     pub(super) fn go_far(
         &self,
         target: &Placement<f64>,
@@ -85,7 +85,7 @@ impl Arm {
         })
     }
 
-    /// Leaves the branch for the nearest solution of all, or where there is none for the best place.
+    /// Jumps to the nearest solution on any branch, or if there is none to the best of all attempts.
     pub(super) fn leap(
         &self,
         target: &Placement<f64>,
@@ -96,7 +96,7 @@ impl Arm {
         if !(solution.reached && self.follows_by_lanes()) {
             return Ok(());
         }
-        // The start's own attempt may have led far away.
+        // The attempt from the start may have led far away.
         let query = self.query(target, from);
         self.with_workspace(|workspace| {
             workspace.aim(target);
@@ -131,8 +131,10 @@ impl Arm {
         })?
     }
 
-    /// Goes from the workspace's x to the target by fractions of the straight way between the
-    /// poses, each without a long move; the iterations that took, none if it ends half-way.
+    /// Moves the workspace's x to the target by fractions of the straight line between the poses, without a long
+    /// motion.
+    ///
+    /// Returns the number of iterations, or `None` if it does not arrive.
     fn go_by_fractions(
         &self,
         workspace: &mut ArmWorkspace,

@@ -1,10 +1,10 @@
-//! Moving a solution within the null space of its pose towards a wanted configuration.
+//! Null-space motion of a solution towards a wanted configuration.
 //!
-//! Minimise ‖W(q − q_wanted)‖ subject to the pose and the bounds, by successive projection: the
-//! pose is linearised at q, the wanted configuration is projected onto the linearised pose within
-//! the bounds, and a step towards the projection is corrected back to the tolerance by the same
-//! projection of itself. The projection is `z(y) = clamp(z_wanted + Jᵀy)` with six multipliers y,
-//! found by a semismooth Newton iteration (Li & Li 2011, "Projections onto a box and hyperplanes").
+//! Minimises ‖W(q − q_wanted)‖ subject to the pose and the bounds, by successive projection. The pose is linearised at
+//! q, and the wanted configuration is projected onto the linearised pose within the bounds. A step towards the
+//! projection is corrected to the tolerance by the same projection of itself. The projection is
+//! `z(y) = clamp(z_wanted + Jᵀy)` with six multipliers y, found by a semismooth Newton iteration (Li & Li 2011,
+//! "Projections onto a box and hyperplanes").
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -12,20 +12,21 @@ use super::arm::Arm;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::clock::{Instant, is_past};
 
-/// Steps towards the wanted configuration.
+/// Largest number of steps towards the wanted configuration.
 const STEPS: usize = 40;
-/// Halvings of a step that does not come nearer.
+/// Largest number of halvings of a step that does not come nearer.
 const HALVINGS: usize = 5;
-/// Corrections back to the pose after a step.
+/// Largest number of corrections to the pose after a step.
 const CORRECTIONS: usize = 6;
 /// Longest step of one joint, radians or metres.
 const LONGEST: f64 = 0.4;
-/// Steps that come nearer by less than this share are the last.
+/// Relative approach below which a step is the last.
 const WORTHWHILE: f64 = 1e-7;
 
 impl Arm {
-    /// Moves the workspace's x, which reaches its target, towards `wanted`. It never leaves the
-    /// tolerances or the bounds, and never ends farther away.
+    /// Moves the workspace's x, which reaches its target, towards `wanted`.
+    ///
+    /// It stays within the tolerances and the bounds, and never ends farther away.
     pub(super) fn descend(
         &self,
         workspace: &mut ArmWorkspace,
@@ -75,7 +76,7 @@ impl Arm {
         }
     }
 
-    /// Brings the workspace's trial back to the pose; whether it came there.
+    /// Corrects the workspace's trial to the pose. Returns true if it reaches the pose.
     fn correct(&self, workspace: &mut ArmWorkspace) -> bool {
         for _ in 0..CORRECTIONS {
             let trial = std::mem::take(&mut workspace.trial);
@@ -99,8 +100,9 @@ impl Arm {
         reached
     }
 
-    /// Replaces the workspace's `projected` by its projection onto the bounds and the pose linearised at
-    /// x, where the residual is given and the Jacobian is on the workspace.
+    /// Projects the workspace's `projected` onto the bounds and the pose linearised at x.
+    ///
+    /// `residual` is the residual at x; the workspace must hold the Jacobian.
     fn project(&self, workspace: &mut ArmWorkspace, x: &[f64], residual: &[f64; 6]) {
         let weights = &self.options.weights;
         let n = x.len();
@@ -114,7 +116,7 @@ impl Arm {
             let mut normal = Matrix6::<f64>::zeros();
             for i in 0..n {
                 let column = column(i);
-                // In z = w q the column is J/w; back in q the multiplier's pull is J y / w².
+                // In z = w q the column is J/w; in q the step of the multiplier is J y / w².
                 let inverse = 1.0 / (weights[i] * weights[i]);
                 let free = wanted[i] + column.dot(&y) * inverse;
                 let held = workspace.question.clamp(i, free);

@@ -1,4 +1,4 @@
-//! Whole paths, on one branch from end to end where there is one.
+//! Tracking of whole paths on one branch, if there is one.
 
 use super::arm::Arm;
 use super::follower::{Follower, Jump, LONG_STEP};
@@ -6,28 +6,29 @@ use super::{QueryError, Reply};
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
-/// How many solutions beyond the end of a branch are tried as places to come from.
+/// Number of solutions beyond the end of a branch that are tried as starts of a backward path.
 const OTHER_SOLUTIONS: usize = 16;
-/// How strongly the way back is drawn to the way known, one after another: radians of each joint a
-/// radian of path. A strong pull meets sooner, a weak one keeps clear of limits.
+/// Attraction of a backward path to the known one, tried in order, in radians of each joint per radian of path.
+///
+/// A strong one meets sooner; a weak one avoids limits better.
 const PULLS: [f64; 3] = [0.3, 0.1, 0.03];
-/// Steps that are gone back at most, in all, as a multiple of the path's length.
+/// Largest number of backward steps in all, as a multiple of the path's length.
 const LOOK_BACK: usize = 32;
-/// Two ways meet where no joint differs by more than this, radians.
+/// Largest difference of a joint at which two paths meet, radians.
 const MEETING: f64 = 0.25 * LONG_STEP;
 
-/// A path of solutions, and where it is broken.
+/// Joint path along targets, and its jumps.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Track {
-    /// One a target, reached or not.
+    /// One solution per target, reached or not.
     pub solutions: Vec<Solution>,
-    /// The steps in which a joint moves further than 0.2 rad, in order.
+    /// Steps in which a joint moves farther than 0.2 rad, in order.
     pub jumps: Vec<Jump>,
 }
 
 impl Track {
-    /// Whether every target is reached without a jump.
+    /// Returns true if every target is reached without a jump.
     #[cfg(feature = "collision")]
     fn is_whole(&self) -> bool {
         self.jumps.is_empty() && self.solutions.iter().all(|solution| solution.reached)
@@ -35,18 +36,19 @@ impl Track {
 }
 
 impl Arm {
-    /// Follows a path: every step goes on from the one before on the same branch, whatever the
-    /// arm's search; the first, if the start is far from it, is [`solve`](Self::solve)'s. Where the
-    /// branch ends (in a limit, mostly, that the null space ran into), the arm looks for another way
-    /// through the steps before. Where there is none it stays on its branch, at the nearest place to
-    /// each target, until that reaches again; if it is
-    /// [asked](super::ArmBuilder::with_global_search_on_miss) to, it jumps to the nearest solution
-    /// instead and says so in [`Track::jumps`]. An arm that [keeps clear](Self::with_checker) of something takes
-    /// only ways that are free, and where it misses what it would not without anything to keep clear of, takes that
-    /// way if it is free from end to end.
+    /// Follows a path: every step continues from the one before on the same branch, whatever the arm's search.
+    ///
+    /// The first target, if the start is far from it, is solved as by [`solve`](Self::solve). If the branch ends,
+    /// mostly at a limit that the null space reached, the arm looks for another joint path through the steps before. If
+    /// there is none, it stays on its branch at the closest pose to each target, until a target is reached again. If
+    /// jumps are [enabled](super::ArmBuilder::with_global_search_on_miss), it jumps to the nearest solution instead and
+    /// reports that in [`Track::jumps`].
+    ///
+    /// An arm with a [checker](Self::with_checker) makes only collision-free motions. If it misses a target, it takes
+    /// the path of the same arm without a checker, provided that path is complete and free.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve); the error names the first bad target.
+    /// Returns the errors of [`solve`](Self::solve), for the first invalid target.
     pub fn track(
         &self,
         base_from_tools: &[Placement<f64>],
@@ -66,7 +68,7 @@ impl Arm {
         Ok(track)
     }
 
-    /// Follows a path that was checked, from where a follower stands.
+    /// Follows a checked path, from the configuration of a follower.
     fn follow<'a>(
         &'a self,
         follower: &mut Follower<'a>,
@@ -87,7 +89,7 @@ impl Arm {
             };
             let reached = solution.reached;
             track.solutions.push(solution);
-            // A branch ends where it is left or first misses.
+            // A branch ends at a jump or at its first unreached target.
             let ends = jump.is_some() || !reached && !missing;
             missing = !reached;
             if ends && self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
@@ -100,7 +102,7 @@ impl Arm {
         Ok(track)
     }
 
-    /// The track of an arm that keeps clear of nothing, where it is whole and its way is free.
+    /// Track of the arm without its checker, if it is complete and collision-free.
     #[cfg(feature = "collision")]
     fn plain_if_free(&self, targets: &[Placement<f64>], start: &[f64]) -> Reply<Option<Track>> {
         let mut plain = self.clone();
@@ -109,7 +111,7 @@ impl Arm {
         let Some(first) = track.solutions.first().filter(|_| track.is_whole()) else {
             return Ok(None);
         };
-        // From a start that is far from the path no way is asked, as it is not for solutions.
+        // For a start far from the path no motion is checked, as for single solutions.
         let near = self.longest_move(start, &first.q).1 <= LONG_STEP;
         let mut last = if near { start } else { &first.q };
         for solution in &track.solutions {
@@ -121,9 +123,11 @@ impl Arm {
         Ok(Some(track))
     }
 
-    /// Looks for another way to the end of a branch at `step`: from solutions there it goes back
-    /// along the path, drawn to the way already found, until it meets that. Whether it does; the
-    /// track then holds the new way.
+    /// Looks for another joint path to the end of a branch at `step`. Returns true if there is one, with the new path
+    /// in the track.
+    ///
+    /// From solutions at that step it goes back along the path, attracted to the joint path already found, until the
+    /// two meet.
     fn go_round(
         &self,
         targets: &[Placement<f64>],
@@ -152,7 +156,7 @@ impl Arm {
         Ok(false)
     }
 
-    /// The steps from `other` back to where they meet the track; none if they do not.
+    /// Steps from `other` back to the meeting with the track; `None` if they do not meet.
     fn way_back(
         &self,
         targets: &[Placement<f64>],
@@ -176,7 +180,7 @@ impl Arm {
             }
             let meets = self.longest_move(&known.q, &solution.q).1 <= MEETING;
             let next = way.last().map_or(&*other.q, |next| &next.q);
-            // The way goes on from the one known, and no step of it is a jump.
+            // The path continues from the known one, without a jump.
             let joins = || self.longest_move(&known.q, next).1 <= LONG_STEP;
             if meets && joins() && self.goes_free(&known.q, next)? {
                 return Ok(Some(way));
@@ -190,13 +194,13 @@ impl Arm {
         Ok(None)
     }
 
-    /// Whether nothing is in the way between two configurations.
+    /// Returns true if the motion between two configurations is collision-free.
     #[cfg(feature = "collision")]
     fn goes_free(&self, from: &[f64], to: &[f64]) -> Reply<bool> {
         Ok(self.in_the_way(from, to)?.is_none())
     }
 
-    /// Nothing is.
+    /// Returns true: without collision checks every motion is free.
     #[cfg(not(feature = "collision"))]
     #[allow(
         clippy::unused_self,
@@ -207,7 +211,7 @@ impl Arm {
         Ok(true)
     }
 
-    /// A follower that has come along the last two steps of a track.
+    /// A follower that has made the last two steps of a track.
     fn follower_at(
         &self,
         targets: &[Placement<f64>],

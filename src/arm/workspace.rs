@@ -1,4 +1,4 @@
-//! Memory for one question at a time: the core's problem for the same chain, and its tools.
+//! Workspace of one query: the general problem of the chain and scratch memory.
 
 use crate::clock::Instant;
 
@@ -19,81 +19,84 @@ use crate::solver::{
 };
 use crate::spatial::{Placement, resolved, rounding};
 
-/// The errors of a configuration.
+/// Errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Errors {
-    /// Metres.
+    /// Position error, metres.
     pub(super) position: f64,
-    /// Radians.
+    /// Orientation error, radians.
     pub(super) orientation: f64,
     pub(super) reached: bool,
 }
 
-/// When the core's search ends.
+/// Termination criteria of the general solver.
 pub(super) fn stopping() -> Stopping {
     Stopping::default()
         .with_max_iterations(400)
         .with_gradient_tolerance(1e-8)
 }
 
-/// What the slower ways need: the pose as a core problem, and room.
+/// Workspace of queries that the general solver takes part in.
 #[derive(Clone, Debug)]
 pub(super) struct ArmWorkspace {
     pub(super) question: PoseQuestion,
     scratch: Scratch,
     pub(super) memory: SolverState,
-    /// Of the core's attempts.
+    /// Attempts of the general solver.
     pub(super) search: Attempts,
-    /// A batch's misses are explained in here.
+    /// Buffer for solutions of a batch that are solved alone.
     pub(super) spare: Solution,
-    /// For what the arm keeps clear of.
+    /// Buffers of the collision checks.
     #[cfg(feature = "collision")]
     pub(super) clear_room: Option<super::keep_clear::ClearRoom>,
-    /// The lane engine with bounds of the question's own, where moves are bounded.
+    /// SIMD solver with the bounds of the query, if motions are bounded.
     pub(super) bounded_lanes: Option<PoseSolver>,
-    /// The start within the bounds, and the configuration to be returned.
+    /// Start, clamped to the bounds.
     pub(super) start: Vec<f64>,
+    /// Configuration to return.
     pub(super) x: Vec<f64>,
-    /// Of x, where it was judged last.
+    /// Errors of x at its last evaluation.
     pub(super) errors: Errors,
     pub(super) trial: Vec<f64>,
     pub(super) projected: Vec<f64>,
     pub(super) wanted: Vec<f64>,
-    /// The pull to the nominal posture in the null space, radians a joint.
+    /// Pull to the nominal posture in the null space, radians per joint.
     pub(super) slope: Vec<f64>,
-    /// The best of all attempts, where the start's own misses.
+    /// Best of all attempts, if the attempt from the start fails.
     pub(super) best: Vec<f64>,
-    /// The start's own end, while others are looked for.
+    /// End of the attempt from the start, while others run.
     pub(super) kept: Vec<f64>,
-    /// Where a settling counts moves from.
+    /// Configuration from which a descent measures motion.
     pub(super) anchor: Vec<f64>,
-    /// What a joint's radian or metre counts as, radians.
+    /// Radians that a radian or metre of each joint counts as.
     pub(super) scale: Vec<f64>,
-    /// Its reciprocal.
+    /// Reciprocal of `scale`.
     pub(super) per_scale: Vec<f64>,
-    /// The Jacobian of wherever it was taken last.
+    /// Jacobian at the configuration where it was last computed.
     pub(super) jacobian: DMatrix<f64>,
-    /// Where that was together with the residual, and the residual; NaN where the Jacobian is another.
+    /// Configuration of the residual and the Jacobian; NaN if the Jacobian is of another.
     linear_at: Vec<f64>,
+    /// Residual at that configuration.
     linear_residual: [f64; 6],
-    /// Room for one Jacobian more.
+    /// Buffer for a second Jacobian.
     pub(super) aside: DMatrix<f64>,
-    /// The cost's gradient, at wherever it was taken last.
+    /// Gradient of the cost at the configuration where it was last computed.
     pub(super) gradient: Vec<f64>,
-    /// Configurations found, one after another, and what is known of each.
+    /// Configurations found, in sequence.
     pub(super) found: Vec<f64>,
+    /// Outcomes of the configurations found.
     pub(super) outcomes: Vec<PoseOutcome>,
-    /// (distance from the start, place in `found`).
+    /// (distance from the start, index in `found`).
     pub(super) order: Vec<(f64, usize)>,
-    /// The same of a chain's seeds.
+    /// (distance from the target, row of the seed table).
     pub(super) rows: Vec<(f64, usize)>,
-    /// A configuration of the whole serial model.
+    /// Configuration of the whole serial model.
     pub(super) q: Vec<f64>,
     pub(super) derivative: DerivativeWorkspace,
     kinematics: ForwardKinematics,
-    /// The chain's, without slides.
+    /// Sum of the lengths of the chain's translations, without prismatic joints, metres.
     extent: f64,
-    /// Which coordinates of the serial model are angles.
+    /// Flags of the coordinates of the serial model that are angles.
     turns: Vec<bool>,
     position_tolerance: f64,
     orientation_tolerance: f64,
@@ -155,18 +158,18 @@ impl ArmWorkspace {
         self.forget_jacobian();
     }
 
-    /// Says that the Jacobian that is here will be another's.
+    /// Marks the workspace's Jacobian as outdated.
     pub(super) fn forget_jacobian(&mut self) {
         self.linear_at.fill(f64::NAN);
     }
 
-    /// The errors at x.
+    /// Errors at x.
     pub(super) fn judge(&mut self, x: &[f64]) -> Errors {
         let residual = self.residual(x);
         self.errors(&residual, x)
     }
 
-    /// As [`judge`](Self::judge), of the workspace's own x.
+    /// [`judge`](Self::judge) at the workspace's x; keeps the errors.
     pub(super) fn judge_x(&mut self) -> Errors {
         let x = std::mem::take(&mut self.x);
         self.errors = self.judge(&x);
@@ -174,7 +177,7 @@ impl ArmWorkspace {
         self.errors
     }
 
-    /// What a weighted residual means.
+    /// Errors by a weighted residual at x.
     fn errors(&self, residual: &[f64; 6], x: &[f64]) -> Errors {
         // Errors that overflow are infinite.
         let norm = |rows: &[f64]| {
@@ -195,12 +198,12 @@ impl ArmWorkspace {
         }
     }
 
-    /// What rounding may hide at x, metres and radians.
+    /// Rounding error of the pose at x, metres and radians.
     fn resolution(&self, x: &[f64]) -> (f64, f64) {
         let (mut turned, mut slid) = (0.0, 0.0);
         let sources = self.question.problem.parameters().sources();
         for (source, turns) in sources.iter().zip(&self.turns) {
-            // A follower keeps the rounding of both its parts, which may cancel.
+            // A mimic joint has the rounding of both of its parts, which may cancel.
             let size = match *source {
                 Source::Constant(value) => value.abs(),
                 Source::Rotation { .. } => 0.0,
@@ -215,14 +218,14 @@ impl ArmWorkspace {
         rounding(self.turns.len(), turned, self.extent + slid)
     }
 
-    /// The weighted residual at x.
+    /// Weighted residual at x.
     pub(super) fn residual(&mut self, x: &[f64]) -> [f64; 6] {
         let mut residual = [0.0; 6];
         Evaluation::new(self.question.ask(), &mut self.scratch).residual(x, &mut residual);
         residual
     }
 
-    /// Residual and Jacobian at x; the Jacobian stays here, and is taken once.
+    /// Computes residual and Jacobian at x, unless they are known; the Jacobian stays in the workspace.
     pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
         if self.linear_at != x {
             self.linear_residual = self.residual(x);
@@ -232,12 +235,12 @@ impl ArmWorkspace {
         self.linear_residual
     }
 
-    /// Takes the Jacobian at x, while the one that is here stands [aside](Self::aside).
+    /// Computes the Jacobian at x, while the current one is in [`aside`](Self::aside).
     pub(super) fn differentiate_beside(&mut self, x: &[f64]) {
         Evaluation::new(self.question.ask(), &mut self.scratch).jacobian(x, &mut self.jacobian);
     }
 
-    /// Takes the gradient at the workspace's own x; the slope that counts as none there, by the core's measure.
+    /// Computes the gradient at the workspace's x. Returns the slope that the general solver counts as none there.
     pub(super) fn take_slope(&mut self) -> f64 {
         let x = std::mem::take(&mut self.x);
         let residual = self.linearise(&x);
@@ -250,14 +253,14 @@ impl ArmWorkspace {
         negligible_slope(columns.fold(0.0, f64::max), cost, &stopping())
     }
 
-    /// ‖proj(x − g) − x‖∞ by the gradient that is here.
+    /// ‖proj(x − g) − x‖∞ by the current gradient g.
     pub(super) fn projected_gradient(&self, x: &[f64]) -> f64 {
         let joints = x.iter().zip(&self.gradient).enumerate();
         let moves = joints.map(|(i, (x, g))| (self.question.clamp(i, x - g) - x).abs());
         moves.fold(0.0, f64::max)
     }
 
-    /// A method of the core at work on the question.
+    /// Minimiser of the query by a method of the general solver.
     pub(super) fn engine<'a>(
         &'a mut self,
         method: &'a dyn AnyMethod,
@@ -276,13 +279,14 @@ impl ArmWorkspace {
         }
     }
 
-    /// Goes on from x to where nothing near is better, by the core's Levenberg-Marquardt; why and after how
-    /// many steps it ended. Where nothing is finite x stays.
+    /// Descends from x to a local minimum by the general Levenberg-Marquardt method.
+    ///
+    /// Returns the termination and the number of steps. If nothing is finite, x stays.
     pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
         self.settle_within(&stopping(), deadline)
     }
 
-    /// As [`settle`](Self::settle), within other limits.
+    /// Descends as [`settle`](Self::settle) does, with other termination criteria.
     pub(super) fn settle_within(
         &mut self,
         stopping: &Stopping,
@@ -306,28 +310,28 @@ impl ArmWorkspace {
         &self.found[place * n..(place + 1) * n]
     }
 
-    /// Stands at one of the configurations found.
+    /// Moves x to one of the configurations found.
     pub(super) fn stand_at_found(&mut self, place: usize) {
         let n = self.x.len();
         self.x
             .copy_from_slice(&self.found[place * n..(place + 1) * n]);
     }
 
-    /// The target.
+    /// Target of the query.
     pub(super) fn target(&self) -> Placement<f64> {
         self.question.target()
     }
 
-    /// An error that is far within the tolerances, metres.
+    /// Error far within the tolerances, metres.
     pub(super) fn negligible_error(&self) -> f64 {
         let turn = self.orientation_tolerance * self.metres_per_radian;
         1e-3 * self.position_tolerance.min(turn)
     }
 
-    /// Where the tool stands.
+    /// Pose of the tool in the base frame.
     pub(super) fn base_from_tool(&mut self, serial: &Serial, x: &[f64]) -> Placement<f64> {
         serial.map.scatter(x, &mut self.q);
-        // The configuration is the model's own, so that it can be placed.
+        // The configuration has the model's length, so this cannot fail.
         let placements = self.kinematics.place(&self.q).unwrap_or(&[]);
         let tool = placements.get(serial.tool.index()).copied();
         tool.unwrap_or_else(Placement::identity)

@@ -1,4 +1,4 @@
-//! Cyclic coordinate descent: every joint in turn does the best it can.
+//! Cyclic coordinate descent (CCD).
 
 use super::descent::Descent;
 use super::goal::goals;
@@ -8,18 +8,19 @@ use crate::ik::{Restarts, Solution};
 use crate::problem::Question;
 use crate::solver::{Observer, Stopping};
 
-/// Cyclic coordinate descent (Wang & Chen 1991): from the tips to the root each joint turns about
-/// its own axis, by the signed angle that brings what it carries nearest to its goals, clamped into
-/// its limits before the next joint moves. Sliding joints slide by what is left along their axis.
+/// Cyclic coordinate descent (Wang & Chen 1991), from the tips to the root.
 ///
-/// Any number of point, pose and orientation tasks, on revolute, continuous and prismatic joints.
-/// What each joint lowers is the sum of the tasks' weighted squared errors, with the chord
-/// ½ Σ ‖cᵢ − tᵢ‖² of the three axes in place of an orientation's squared angle (the same where the
-/// angle is small). Locked joints do not move; a variable that moves several joints takes damped
-/// Gauss-Newton steps of its own before each sweep.
+/// Each joint rotates about its axis by the signed angle that brings the frames it carries closest to their targets.
+/// The angle is clamped to the limits before the next joint moves. Prismatic joints translate by the remaining offset
+/// along their axis.
 ///
-/// By default it has the optimisers' tolerances; an iteration is a sweep over all joints. Up to 500 of
-/// them an attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
+/// It accepts any number of point, pose and orientation tasks, on revolute, continuous and prismatic joints. Each joint
+/// minimises the sum of the tasks' weighted squared errors. For orientations, the chord ½ Σ ‖cᵢ − tᵢ‖² of the three
+/// axes replaces the squared angle; both agree for small angles. Locked joints do not move. A variable that moves
+/// several joints takes damped Gauss-Newton steps before each sweep.
+///
+/// Tolerances are those of the optimisers by default. An iteration is a sweep over all joints. An attempt has at most
+/// 500, and ends if 60 do not halve the cost. Attempts restart until 2 000 iterations are spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ccd {
     limits: Limits,
@@ -27,10 +28,11 @@ pub struct Ccd {
 
 impl Ccd {
     setters! {
-        /// Sets the limits of each attempt; the time limit is for all of them together.
+        /// Sets the limits of each attempt; the time limit applies to all attempts together.
         pub fn with_stopping(mut self, stopping: Stopping) { self.limits.stopping = stopping }
-        /// Sets how often to try again. A chain that is stretched towards its target does not start to
-        /// bend by itself: [`Restarts::none`] is the bare method.
+        /// Sets the number of further attempts.
+        ///
+        /// [`Restarts::none`] is the bare method, which does not bend a chain that is straight towards its target.
         pub fn with_restarts(mut self, restarts: Restarts) { self.limits.restarts = restarts }
     }
 }

@@ -1,4 +1,4 @@
-//! One search by cyclic coordinate descent: what each joint does in a sweep.
+//! One search by cyclic coordinate descent: the motion of each joint in a sweep.
 
 use super::goal::Goal;
 use super::grouped::Grouped;
@@ -9,16 +9,16 @@ use crate::model::Limits;
 use crate::problem::Question;
 use crate::spatial::{Placement, Vector3};
 
-/// Where a search stands: the goals' frames, and which joints move them.
+/// State of a search: the frames of the targets and the joints that move them.
 pub(super) struct Descent<'a> {
     question: Question<'a>,
     state: TreeState<f64>,
     goals: Vec<Goal>,
-    /// Where each goal's frame stands now.
+    /// The present placement of each target's frame.
     placed: Vec<Placement<f64>>,
-    /// By joint: the goals that it moves.
+    /// By joint: the targets whose frames it moves.
     moves: Grouped,
-    /// By variable: the joints that it moves, where these move a goal.
+    /// By variable: the joints that it moves, if these move a target's frame.
     drives: Grouped,
 }
 
@@ -55,7 +55,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// What the goals want of a turning joint.
+    /// The cost of all targets as a function of one rotating joint.
     fn turn(&self, joint: usize, axis: &JointAxis) -> Turn {
         let mut turn = Turn::default();
         for &index in self.moves.of(joint) {
@@ -75,7 +75,7 @@ impl<'a> Descent<'a> {
         turn
     }
 
-    /// What the goals want of a sliding joint.
+    /// The cost of all targets as a function of one prismatic joint.
     fn slide(&self, joint: usize, axis: &JointAxis) -> Slide {
         let mut slide = Slide::default();
         for &index in self.moves.of(joint) {
@@ -87,8 +87,9 @@ impl<'a> Descent<'a> {
         slide
     }
 
-    /// Does the best with one joint, and carries the goals' frames along. Joints towards the tips
-    /// are not looked at again in this sweep, so nothing else need be placed anew.
+    /// Moves one joint to its best value, and the frames of the targets with it.
+    ///
+    /// The state of joints towards the tips is not updated, because this sweep does not use it again.
     fn move_joint(&mut self, joint: usize, x: &mut [f64]) {
         let axis = self.question.tree().axis(&self.state, joint);
         let by = move_joint(self.question, joint, x, |room| match axis.turns {
@@ -107,7 +108,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The cost that the turns lower.
+    /// The cost that the joint motions decrease.
     fn chord_cost(&self) -> f64 {
         let of = |(goal, frame): (&Goal, &Placement<f64>)| {
             let place = goal.place.map_or(0.0, |place| {
@@ -124,8 +125,9 @@ impl<'a> Descent<'a> {
         self.goals.iter().zip(&self.placed).map(of).sum()
     }
 
-    /// Minus the slope of the cost along a variable, and its curvature by Gauss and Newton. The goals'
-    /// velocities per unit of the variable add up over the joints that it moves.
+    /// Minus the derivative of the cost by a variable, and its Gauss-Newton curvature.
+    ///
+    /// Sums the velocities of the frames over all joints that the variable moves.
     fn slope(&self, variable: usize) -> (f64, f64) {
         let tree = self.question.tree();
         let (mut slope, mut curvature) = (0.0, 0.0);
@@ -160,7 +162,7 @@ impl<'a> Descent<'a> {
         (slope, curvature)
     }
 
-    /// A Gauss-Newton step along one variable, halved until it lowers the cost.
+    /// A Gauss-Newton step along one variable, halved until it decreases the cost.
     fn move_shared(&mut self, variable: usize, x: &mut [f64]) {
         const HALVINGS: usize = 10;
         self.forward(x);
@@ -197,7 +199,7 @@ impl Sweep for Descent<'_> {
             }
         }
         self.forward(x);
-        // Joints are numbered parents first, so this is from the tips to the root.
+        // Joints are numbered parents first, so this order is from the tips to the root.
         for joint in (0..self.moves.groups()).rev() {
             let (variable, _) = self.question.tree().variable_of(joint);
             if !self.moves.of(joint).is_empty() && self.drives.of(variable).len() == 1 {

@@ -1,56 +1,57 @@
-//! Problems that geometry has no answer for.
+//! Errors of geometric methods.
 
 use thiserror::Error;
 
 use crate::ik::SolveError;
 
-/// Why a geometric solve did not start. Missing a target is no error: see
-/// [`Solution::reached`](crate::Solution::reached).
+/// The reason why a geometric solve did not start.
+///
+/// An unreached target is not an error: see [`Solution::reached`](crate::Solution::reached).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GeometricError {
-    /// A start of the wrong length or with a number that is not finite, or an option out of its range.
+    /// A start of wrong length or with a number that is not finite, or an option out of its range.
     #[error(transparent)]
     Start(#[from] SolveError),
-    /// A task that the method does not understand.
+    /// A task that the method does not support.
     #[error("{solver} has no answer for task {task}; it takes tasks of kind {valid}")]
     UnsupportedTask {
-        /// The method.
+        /// The name of the method.
         solver: &'static str,
-        /// The task.
+        /// The name of the task.
         task: String,
-        /// What the method takes.
+        /// The supported kinds of tasks.
         valid: &'static str,
     },
-    /// A ball joint: these methods turn joints of one axis.
+    /// A ball joint: these methods move joints with one axis.
     #[error(
         "joint `{joint}` is a ball; {solver} turns joints about one axis each (a `Solver` any)"
     )]
     BallJoint {
-        /// The method.
+        /// The name of the method.
         solver: &'static str,
-        /// The joint.
+        /// The name of the joint.
         joint: String,
     },
-    /// A sliding joint, for a method that keeps the distances between joints.
+    /// A prismatic joint, for a method that needs fixed distances between joints.
     #[error("joint `{joint}` slides; {solver} needs fixed distances between joints (CCD does not)")]
     SlidingJoint {
-        /// The method.
+        /// The name of the method.
         solver: &'static str,
-        /// The joint, or the one that it follows.
+        /// The name of the joint, or of its source joint.
         joint: String,
     },
-    /// A chain that is not two bones.
+    /// A chain without exactly two bones.
     #[error(
         "model `{model}`: the free joints make {bones} bones with {tips} tip points, the analytic \
          solution is for 2 bones with 1; lock the other joints with a ParameterMap"
     )]
     NotTwoBones {
-        /// The model.
+        /// The name of the model.
         model: String,
-        /// How many distances between points where free joints are, the tip's included.
+        /// Number of distances between points with free joints, including the tip's.
         bones: usize,
-        /// How many points have a place to go to.
+        /// Number of points with a target.
         tips: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! FABRIK: forward and backward reaching on points, then the joints that come nearest.
+//! FABRIK: forward and backward reaching on points, followed by a fit of the joints.
 
 use super::goal::goals;
 use super::joint_groups::joint_points;
@@ -11,20 +11,20 @@ use crate::problem::Question;
 use crate::solver::{Observer, Stopping};
 use crate::spatial::Vector3;
 
-/// Forward and backward reaching (Aristidou & Lasenby 2011) on the points where joints turn: the
-/// tails of a rig's bones, the centres of a robot's shoulder, elbow and wrist. After every pass the
-/// joints are set from the base out so that each bone points where its points went, clamped into
-/// their limits; where a limit keeps a bone from that, the points beyond it make another pass from
-/// where it really ends. The pose is what the next pass starts from, so limits hold throughout.
+/// Forward and backward reaching inverse kinematics (FABRIK, Aristidou & Lasenby 2011) on the centres of joints.
 ///
-/// Point and pose tasks, any number of them: where limbs meet, a point goes to the centroid of what
-/// they ask. A pose is held as three points of its frame. Turning joints only, and tasks must have a
-/// place. A single chain whose target is too far away is stretched towards it; one whose target is
-/// too near, because one bone is longer than all others together, is folded. A coupled joint follows
-/// the one of its joints that is nearest to the base.
+/// The points are the tails of a rig's bones, or the centres of a robot's shoulder, elbow and wrist. After each pass
+/// the joints are set from the base outwards, so that each bone points towards its point, clamped to the limits. If a
+/// limit prevents that, the points beyond the bone make another pass from its actual end. The next pass starts from the
+/// resulting pose, so limits hold throughout.
 ///
-/// By default it has the optimisers' tolerances; an iteration is a pass forward and backward. Up to 500 of
-/// them an attempt, which ends when 60 do not halve the cost, and restarts until 2 000 are spent.
+/// It accepts any number of point and pose tasks. At a branching point, the target is the centroid of the targets of
+/// its children. A pose is represented by three points of its frame. All joints must rotate, and all tasks need a
+/// position. A single chain is stretched towards a target that is too far. It is folded if a target is too near,
+/// because one bone is longer than all others together. A coupled variable is set by its joint nearest to the base.
+///
+/// Tolerances are those of the optimisers by default. An iteration is a pass forward and backward. An attempt has at
+/// most 500, and ends if 60 do not halve the cost. Attempts restart until 2 000 iterations are spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fabrik {
     limits: Limits,
@@ -32,10 +32,11 @@ pub struct Fabrik {
 
 impl Fabrik {
     setters! {
-        /// Sets the limits of each attempt; the time limit is for all of them together.
+        /// Sets the limits of each attempt; the time limit applies to all attempts together.
         pub fn with_stopping(mut self, stopping: Stopping) { self.limits.stopping = stopping }
-        /// Sets how often to try again. A chain that is stretched towards its target does not start to
-        /// bend by itself: [`Restarts::none`] is the bare method.
+        /// Sets the number of further attempts.
+        ///
+        /// [`Restarts::none`] is the bare method, which does not bend a chain that is straight towards its target.
         pub fn with_restarts(mut self, restarts: Restarts) { self.limits.restarts = restarts }
     }
 }
@@ -74,14 +75,14 @@ impl Sweep for Passes<'_> {
     fn sweep(&mut self, x: &mut [f64]) {
         self.fit.points_at(x, &mut self.points);
         reach(&mut self.linkage, &mut self.points, &self.pins);
-        // What a limit keeps one bone from, the bones beyond it make up for.
+        // Bones beyond a bone at its limit compensate for the error.
         self.fit.follow(&mut self.points, x, |points, fixed| {
             self.linkage.pass_beyond(fixed, points, &self.pins)
         });
     }
 }
 
-/// One pass, or the final pose at once where a chain's target is out of reach.
+/// One pass, or the final pose at once if a chain's target is out of reach.
 fn reach(linkage: &mut Linkage, points: &mut [Vector3<f64>], pins: &[Pin]) -> Span {
     if let (Some(lengths), [pin], [root, ..]) = (linkage.as_chain(), pins, &*points) {
         let span = Span::of(lengths, (pin.target - *root).norm());
@@ -94,25 +95,24 @@ fn reach(linkage: &mut Linkage, points: &mut [Vector3<f64>], pins: &[Pin]) -> Sp
     Span::Within
 }
 
-/// How [`fabrik`] ended.
+/// The result of [`fabrik`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Reaching {
-    /// Passes forward and backward; 0 where the tip was there already or the target is out of reach.
+    /// Passes forward and backward; 0 if the tip starts at the target or the target is out of reach.
     pub passes: usize,
-    /// The distance from the tip to the target, in the unit of the points.
+    /// Distance from the tip to the target, in the unit of the points.
     pub miss: f64,
-    /// Whether the target was within reach.
+    /// Position of the target relative to the reach of the chain.
     pub span: Span,
 }
 
-/// FABRIK on a bare chain of points, the first of which stays and the last of which should come
-/// within `tolerance` of `target`; the distances between neighbours are kept. No joints and no
-/// limits: that is [`Fabrik`]. Fewer than two points are left alone. A chain stretched exactly
-/// towards a target within reach does not bend: give it a bend first.
+/// FABRIK on a chain of points: the first point stays, the last moves to within `tolerance` of `target`.
 ///
-/// The points are all that is kept between passes, so a search may be watched, or cut into frames, by
-/// asking for one pass at a time:
+/// Distances between neighbours stay. There are no joints and no limits; for those use [`Fabrik`]. Fewer than two
+/// points stay unchanged. A chain that is straight towards a reachable target does not bend: bend it first.
+///
+/// No state except the points is kept between passes, so an animation may run one pass at a time:
 ///
 /// ```
 /// use kinopt::geometric::fabrik;

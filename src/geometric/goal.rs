@@ -1,4 +1,4 @@
-//! What the tasks of a problem ask, as geometry: points with places, axes with directions.
+//! Targets of a problem's tasks as geometry: points with positions, frames with orientations.
 
 use super::GeometricError;
 use crate::kinematics::FrameSlot;
@@ -6,7 +6,7 @@ use crate::problem::Question;
 use crate::spatial::{Matrix3, Vector3};
 use crate::task::{FrameGoal, Quantity};
 
-/// Where something should be, and how much it counts.
+/// A target with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Aim<T> {
     pub(super) target: T,
@@ -14,22 +14,22 @@ pub(super) struct Aim<T> {
     pub(super) weight: f64,
 }
 
-/// What one frame should do.
+/// The target of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Goal {
-    /// The position in the problem's list.
+    /// Index in the problem's list of tasks.
     pub(super) task: usize,
     pub(super) frame: FrameSlot,
-    /// The point of the frame that the place is for, in frame coordinates.
+    /// The point of the frame with a target position, in frame coordinates, metres.
     pub(super) offset: Vector3<f64>,
     pub(super) place: Option<Aim<Vector3<f64>>>,
     pub(super) axes: Option<Aim<Matrix3<f64>>>,
 }
 
-/// The kinds of tasks that [`goals`] reads.
+/// The kinds of tasks that [`goals`] supports.
 const VALID: &str = "`point`, `pose` or `orientation`, in the world and without room";
 
-/// Reads the problem's tasks, in order. Rows of weight zero ask nothing.
+/// The targets of the problem's tasks, in order. Rows of weight zero have no target.
 pub(super) fn goals(
     question: Question<'_>,
     solver: &'static str,

@@ -1,16 +1,16 @@
-//! Which things belong to which group, in two lists instead of one a group: a method makes them for every question.
+//! Lists of numbers by group, stored in two vectors (compressed sparse rows).
 
-/// Some numbers for each group, in the order in which they were given.
+/// Some numbers for each group, in the order of insertion.
 pub(super) struct Grouped {
-    /// Where each group's members begin; one more for the end.
+    /// Start of each group's members, followed by the end of the last.
     starts: Vec<usize>,
     members: Vec<usize>,
 }
 
 impl Grouped {
-    /// From pairs of (group, member), the groups being below `groups`.
+    /// Groups from pairs of (group, member); groups are below `groups`.
     pub(super) fn new(groups: usize, pairs: &[(usize, usize)]) -> Self {
-        // A group's members are counted two places on, so that placing them moves its start to where it belongs.
+        // Counted two entries ahead, so that filling the members moves each start to its final value.
         let mut starts = vec![0; groups + 2];
         for &(group, _) in pairs {
             starts[group + 2] += 1;

@@ -1,4 +1,4 @@
-//! Lays a problem's joints out as points, and finds out which joints serve which of them.
+//! Construction of [`JointPoints`]: points for a problem's joints, and groups of joints that position them.
 
 use super::GeometricError;
 use super::goal::Goal;
@@ -8,13 +8,13 @@ use crate::kinematics::TreeState;
 use crate::problem::Question;
 use crate::spatial::{Placement, Vector3};
 
-/// Points nearer than this share of the model's reach are one.
+/// Distance below which points coincide, relative to the model's reach.
 const SAME: f64 = 1e-9;
 
-/// Lays the points out.
+/// The points of a problem's joints and targets.
 ///
 /// # Errors
-/// A sliding joint, or a goal without a place, each by name.
+/// Returns an error for a prismatic joint, or for a task without a position, by name.
 pub(super) fn joint_points(
     question: Question<'_>,
     goals: &[Goal],
@@ -40,7 +40,7 @@ pub(super) fn joint_points(
             });
         };
         let offsets = std::iter::once((goal.offset, place.target));
-        // A frame's axes are held by two more of its points, as far out as a radian weighs.
+        // Two more points represent the axes of a frame, at the distance that gives a radian its weight.
         let axes = goal.axes.into_iter().flat_map(|axes| {
             let arm = (axes.weight / place.weight).sqrt();
             let target = Placement::new(axes.target, place.target);
@@ -48,19 +48,19 @@ pub(super) fn joint_points(
                 .map(|local| (goal.offset + local.into(), target.apply(local.into())))
         });
         for (offset, target) in offsets.chain(axes) {
-            // A frame that nothing moves has no say.
+            // Skip frames that no joint moves.
             pins.extend(layout.pin(goal, offset).map(|point| Pin { point, target }));
         }
     }
     Ok(layout.finish(&pins))
 }
 
-/// The layout in the making.
+/// Points and joints during construction.
 struct PointLayout<'a> {
     question: Question<'a>,
     state: TreeState<f64>,
     same: f64,
-    /// By joint: the point it stands at.
+    /// By joint: the point at its origin.
     at: Vec<usize>,
     parents: Vec<Option<usize>>,
     places: Vec<Vector3<f64>>,
@@ -91,8 +91,7 @@ impl<'a> PointLayout<'a> {
         layout
     }
 
-    /// The point at a place that a joint carries: that joint's own, one that is there already, or a
-    /// new one.
+    /// The point of a joint at a position: its parent's point, an existing one, or a new one.
     fn point(&mut self, carrier: Option<usize>, place: Vector3<f64>) -> usize {
         let parent = carrier.map(|joint| self.at[joint]);
         let is_here = |other: usize| (self.places[other] - place).norm() <= self.same;
@@ -116,7 +115,7 @@ impl<'a> PointLayout<'a> {
         self.points.len() - 1
     }
 
-    /// The point of a goal's frame at `offset`; `None` for a frame that no joint moves.
+    /// The point of a target's frame at `offset`; `None` for a frame that no joint moves.
     fn pin(&mut self, goal: &Goal, offset: Vector3<f64>) -> Option<usize> {
         let carrier = self.question.tree().joint_carrying(goal.frame)?;
         let place = self.state.frames()[goal.frame].apply(offset);
@@ -129,13 +128,12 @@ impl<'a> PointLayout<'a> {
         axis.direction.cross(arm).norm() <= self.same
     }
 
-    /// Finds out what each joint serves, from the tips to the root, and leaves out the points that
-    /// no joint turns about.
+    /// Assigns points to each joint, from the tips to the root, and removes points about which no joint rotates.
     fn finish(mut self, pins: &[Pin]) -> JointPoints {
         let tree = self.question.tree();
         let joints = tree.joints();
         let is_pinned = |point: usize| pins.iter().any(|pin| pin.point == point);
-        // By joint: the first points beyond it, whether it moves none of them, what it serves.
+        // By joint: the first points beyond it; true if it moves none of them; the points it positions.
         let mut beyond: Vec<Vec<usize>> = vec![Vec::new(); joints];
         let mut defers = vec![false; joints];
         let mut serves: Vec<Vec<usize>> = vec![Vec::new(); joints];
@@ -152,7 +150,7 @@ impl<'a> PointLayout<'a> {
                 for other in (joint + 1..joints).filter(|&k| self.at[k] == point) {
                     let enters = tree.joint_above(other) == Some(joint);
                     match (enters, turns_here[point]) {
-                        // Nothing turns about the point: what is beyond it is carried, too.
+                        // No joint rotates about the point, so the joint also carries the points beyond it.
                         (true, false) => {
                             next.extend(&beyond[other]);
                             further.extend(&serves[other]);
@@ -188,8 +186,9 @@ impl<'a> PointLayout<'a> {
         self.compact(&keep, &turns_here, groups, pins)
     }
 
-    /// Numbers the points that are kept. Points that hang on one that nothing turns about hang on
-    /// its parent; where there is none they are roots.
+    /// Numbers the kept points.
+    ///
+    /// A point whose parent is removed is attached to the nearest kept ancestor; without one it is a root.
     fn compact(
         &mut self,
         keep: &[bool],
@@ -228,8 +227,7 @@ impl<'a> PointLayout<'a> {
     }
 }
 
-/// Puts joints together that follow one another and serve the same points. A joint that serves none
-/// moves nothing that anyone asked about.
+/// Groups successive joints that position the same points. Omits joints that position none.
 fn group(serves: &[Vec<usize>], above: impl Fn(usize) -> Option<usize>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (joint, points) in serves.iter().enumerate().filter(|(_, s)| !s.is_empty()) {

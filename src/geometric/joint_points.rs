@@ -1,9 +1,8 @@
-//! The points where a problem's joints turn, and which joints bring which points where.
+//! Points at a problem's joints, and the joints that position them.
 //!
-//! A joint stands at a point. Where its axis runs through the next points as well (a bone's twist
-//! about itself, the turning base of a robot), it moves only what is beyond: it then serves
-//! together with the joints there. So the last twist of an upper arm and the bend of a forearm, or
-//! the joints 3 and 4 of a seven-joint arm, point the forearm together.
+//! A joint whose axis passes through the next points moves only the points beyond them. Examples are the twist of a
+//! bone and the rotating base of a robot. Such a joint is grouped with the joints at the next point. So the twist of an
+//! upper arm and the bend of a forearm together point the forearm. Joints 3 and 4 of a seven-joint arm do the same.
 
 use super::linkage::{Linkage, Pin};
 use crate::spatial::Vector3;
@@ -11,18 +10,18 @@ use crate::spatial::Vector3;
 /// A point that a joint carries, or that is fixed in the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
-    /// The joint whose motion it follows; `None` for the world.
+    /// The joint that carries it; `None` for the world.
     pub(super) joint: Option<usize>,
-    /// In that joint's coordinates, or the world's.
+    /// Position in that joint's coordinates, or in the world.
     pub(super) local: Vector3<f64>,
 }
 
-/// Joints, from the base out, that bring the same points where they should be.
+/// Joints, from the base outwards, that position the same points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Group {
     pub(super) joints: Vec<usize>,
     pub(super) serves: Vec<usize>,
-    /// The point that the joints turn about, where that is not the parent of what they serve.
+    /// The point about which the joints rotate, if it is not the parent of the points they position.
     pub(super) about: Option<usize>,
 }
 
@@ -31,7 +30,7 @@ pub(super) struct Group {
 pub(super) struct JointPoints {
     pub(super) points: Vec<Carried>,
     pub(super) groups: Vec<Group>,
-    /// Points nearer than this are one.
+    /// Distance below which points coincide.
     pub(super) same: f64,
     pub(super) parents: Vec<Option<usize>>,
     pub(super) rest: Vec<Vector3<f64>>,
@@ -40,9 +39,9 @@ pub(super) struct JointPoints {
 
 impl JointPoints {
     getters! {
-        /// Which points should be where.
+        /// The points with targets.
         pub(super) fn pins(&self) -> &[Pin] = &self.pins;
-        /// Where the points are with all variables next to zero.
+        /// Positions of the points with all variables as close to zero as their bounds allow.
         pub(super) fn rest(&self) -> &[Vector3<f64>] = &self.rest;
         /// The points with their distances.
         pub(super) fn linkage(&self) -> Linkage = Linkage::new(self.parents.clone(), &self.rest);

@@ -1,5 +1,4 @@
-//! From points to joints: from the base out, each group of joints brings its points where they
-//! should be, within limits.
+//! Fit of joints to points: from the base outwards, each group of joints positions its points within limits.
 
 use super::joint_points::{Group, JointPoints};
 use super::turn::{BoundedVariable, Turn, move_joint, turned, two_turns};
@@ -8,21 +7,21 @@ use crate::problem::Question;
 use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
-/// How often the joints of one group are gone through where the closed form does not do.
+/// Largest number of sweeps over the joints of one group, if the closed form does not reach the points.
 const CYCLES: usize = 4;
 
-/// A miss of this share of the model's reach is rounding.
+/// Error that counts as rounding, relative to the model's reach.
 const ROUNDING: f64 = 1e-14;
 
-/// A problem's joints following points.
+/// Fit of a problem's joints to points.
 pub(super) struct JointFit<'a> {
     question: Question<'a>,
     joint_points: JointPoints,
-    /// By point: the point that its bone turns about.
+    /// By point: the point about which its bone rotates.
     centres: Vec<Option<usize>>,
-    /// By joint: whether no joint nearer to the base has the same variable.
+    /// By joint: true if no joint nearer to the base has the same variable.
     leads: Vec<bool>,
-    /// A miss that further turns cannot mend.
+    /// Error that counts as rounding, metres.
     rounding: f64,
     state: TreeState<f64>,
 }
@@ -47,7 +46,7 @@ impl<'a> JointFit<'a> {
         }
     }
 
-    /// Where the points are for the variables `x`.
+    /// Writes the positions of the points for the variables `x`.
     pub(super) fn points_at(&mut self, x: &[f64], points: &mut [Vector3<f64>]) {
         self.question.tree().forward(x, &mut self.state);
         for (k, point) in points.iter_mut().enumerate() {
@@ -55,9 +54,10 @@ impl<'a> JointFit<'a> {
         }
     }
 
-    /// Moves the variables so that the points come near `wanted`, from the base out. Points that no
-    /// further joint brings nearer are put where they really are, and where that is not where they
-    /// should be `replan` may change its mind about the others; it is told which are `fixed` now.
+    /// Moves the variables so that the points approach `wanted`, from the base outwards.
+    ///
+    /// Points that no further joint moves are then set to their actual positions. If one is not at its target, `replan`
+    /// may change the targets of the other points; it gets the `fixed` points.
     pub(super) fn follow(
         &mut self,
         wanted: &mut [Vector3<f64>],
@@ -82,7 +82,7 @@ impl<'a> JointFit<'a> {
         }
     }
 
-    /// The joints that bring one point where it should be, from the base out.
+    /// The joints that position one point, from the base outwards.
     pub(super) fn joints_for(&self, point: usize) -> &[usize] {
         let mut groups = self.joint_points.groups.iter();
         let group = groups.find(|group| group.serves == [point]);
@@ -94,8 +94,9 @@ impl<'a> JointFit<'a> {
         self.question.tree().axis(&self.state, joint)
     }
 
-    /// Turns one joint until `point` is at `distance` from the point `root`, which it does not move:
-    /// counter-clockwise of where the point is farthest, or clockwise. As near to that as it gets.
+    /// Rotates one joint until `point` is at `distance` from the point `root`, or as close to that as possible.
+    ///
+    /// The joint must not move `root`. `counter_clockwise` selects the side of the angle with the largest distance.
     pub(super) fn bend(
         &mut self,
         joint: usize,
@@ -127,7 +128,7 @@ impl<'a> JointFit<'a> {
         });
     }
 
-    /// Brings the points of one group near `wanted` and returns by how much they miss.
+    /// Moves the points of one group towards `wanted` and returns their remaining error.
     pub(super) fn serve(&mut self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> f64 {
         self.question.tree().forward(x, &mut self.state);
         let mut missed = self.missed(group, wanted);
@@ -162,16 +163,14 @@ impl<'a> JointFit<'a> {
         }
     }
 
-    /// How far the group's points are from where its joints could at best bring each of them: its
-    /// place, if that is at the right distance.
+    /// The error of a group's points relative to the best positions that their bones allow.
     fn missed(&self, group: &Group, wanted: &[Vector3<f64>]) -> f64 {
         let miss = |&k: &usize| (self.aim(group, k, wanted) - self.point(k)).norm_squared();
         let squared = group.serves.iter().map(miss);
         squared.sum::<f64>().sqrt()
     }
 
-    /// Where a point should be, seen from where its bone's centre really is: in the direction of its
-    /// place, at the bone's length.
+    /// The best position of a point: from the actual centre of its bone towards its target, at the bone's length.
     fn aim(&self, group: &Group, point: usize, wanted: &[Vector3<f64>]) -> Vector3<f64> {
         let Some(centre) = self.centre(group, point) else {
             return wanted[point];
@@ -184,14 +183,15 @@ impl<'a> JointFit<'a> {
         }
     }
 
-    /// Where the point that a group turns `point` about is.
+    /// The position of the point about which a group rotates `point`.
     fn centre(&self, group: &Group, point: usize) -> Option<Vector3<f64>> {
         let centre = group.about.or(self.centres[point]);
         centre.map(|centre| self.point(centre))
     }
 
-    /// Points a bone in closed form with the last two joints of its group, where their axes meet in
-    /// the bone's centre. Says whether it moved them.
+    /// Points a bone in closed form by the last two joints of its group, if their axes meet in the bone's centre.
+    ///
+    /// Returns true if it moved them.
     fn point_with_two(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) -> bool {
         let ([point], [.., outer, inner]) = (&*group.serves, &*group.joints) else {
             return false;
@@ -237,8 +237,9 @@ impl<'a> JointFit<'a> {
         true
     }
 
-    /// One sweep of coordinate descent within a group, from its last joint to its first, so that no
-    /// axis moves before its turn.
+    /// One sweep of coordinate descent within a group, from its last joint to its first.
+    ///
+    /// In this order no axis moves before its joint does.
     fn turn_each(&self, group: &Group, wanted: &[Vector3<f64>], x: &mut [f64]) {
         let tree = self.question.tree();
         let points = group.serves.iter();

@@ -1,18 +1,18 @@
-//! Points at fixed distances from their parents, and FABRIK's passes over them.
+//! Points at fixed distances from their parents, and FABRIK passes over them.
 
 use crate::spatial::Vector3;
 
-/// Whether a target is within the reach of a chain, by its lengths alone: its tip gets everywhere
-/// between |longest − rest| (or 0, where the rest is longer) and the sum of the lengths from its
-/// root. What is said of a chain here, joint limits may narrow further.
+/// The position of a target relative to the reach of a chain, by its lengths alone.
+///
+/// The reach is a spherical shell about the root. Its outer radius is the sum of the lengths. Its inner radius is the
+/// longest length minus the others, or 0. Joint limits may reduce the reach further.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Span {
-    /// Somewhere between stretched and folded.
+    /// Between stretched and folded.
     Within,
-    /// Farther than the stretched chain, by so much (the unit of the lengths).
+    /// Farther than the stretched chain, by this distance in the unit of the lengths.
     TooFar(f64),
-    /// Nearer than the chain can be folded, because one link is longer than all others together; by
-    /// so much.
+    /// Nearer than the folded chain, by this distance; one link is longer than all others together.
     TooNear(f64),
 }
 
@@ -33,28 +33,28 @@ impl Span {
     }
 }
 
-/// A point that should be somewhere.
+/// A point with a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pin {
     pub(super) point: usize,
     pub(super) target: Vector3<f64>,
 }
 
-/// A tree of points, parents before children. Roots stay where they are.
+/// A tree of points, parents before children. Roots do not move.
 #[derive(Clone, Debug)]
 pub(super) struct Linkage {
     parents: Vec<Option<usize>>,
-    /// To the parent; 0 for roots.
+    /// Distance to the parent; 0 for roots.
     lengths: Vec<f64>,
     roots: Vec<bool>,
-    /// Where each point was before the pass.
+    /// Positions before the pass.
     before: Vec<Vector3<f64>>,
-    /// What the children of each point ask of it: the sum of the places, and how many.
+    /// Sum and number of the positions that the children of each point require of it.
     targets: Vec<(Vector3<f64>, f64)>,
 }
 
 impl Linkage {
-    /// Takes the distances from where the points are.
+    /// A linkage with the present distances of the points.
     pub(super) fn new(parents: Vec<Option<usize>>, points: &[Vector3<f64>]) -> Self {
         let length = |(&point, parent): (&Vector3<f64>, &Option<usize>)| {
             parent.map_or(0.0, |parent| (point - points[parent]).norm())
@@ -68,7 +68,7 @@ impl Linkage {
         }
     }
 
-    /// A chain of points, the first of which is the root.
+    /// A chain of points; the first is the root.
     pub(super) fn chain(points: &[Vector3<f64>]) -> Self {
         let parents = (0..points.len()).map(|k| k.checked_sub(1)).collect();
         Self::new(parents, points)
@@ -85,16 +85,17 @@ impl Linkage {
         (is_chain && self.parents.len() > 1).then(|| &self.lengths[1..])
     }
 
-    /// One pass over all points but the roots.
+    /// One pass over all points except the roots.
     pub(super) fn pass(&mut self, points: &mut [Vector3<f64>], pins: &[Pin]) {
         let roots = std::mem::take(&mut self.roots);
         self.pass_beyond(&roots, points, pins);
         self.roots = roots;
     }
 
-    /// One pass forward from the pins to the points that are `fixed`, and one back (Aristidou & Lasenby 2011, "FABRIK: a
-    /// fast, iterative solver for the inverse kinematics problem", algorithm 1; where several
-    /// children meet, the centroid of what they ask, section 5). Roots are fixed.
+    /// One pass forward from the pins to the `fixed` points, which include the roots, and one pass back.
+    ///
+    /// Source: Aristidou & Lasenby 2011, "FABRIK: a fast, iterative solver for the inverse kinematics problem",
+    /// algorithm 1. At a branching point the target is the centroid of the children's targets (section 5).
     pub(super) fn pass_beyond(
         &mut self,
         fixed: &[bool],
@@ -109,7 +110,7 @@ impl Linkage {
         for k in (0..points.len()).rev().filter(|&k| !fixed[k]) {
             let (sum, count) = self.targets[k];
             if count > 0.0 {
-                // A pinned point is where it should be, whatever its children ask.
+                // A pinned point is at its target, regardless of its children.
                 points[k] = if count.is_finite() {
                     sum * (1.0 / count)
                 } else {
@@ -136,8 +137,9 @@ impl Linkage {
     }
 }
 
-/// The best pose of a chain whose target is out of reach: stretched towards it, or the longest link
-/// towards it and all others back. The tip is then as near as it gets.
+/// Lays a chain with an unreachable target straight, so that its tip is as close as possible.
+///
+/// It points towards a far target. For a near target the longest link points towards it and all others point back.
 pub(super) fn lay_straight(
     points: &mut [Vector3<f64>],
     lengths: &[f64],
@@ -152,7 +154,7 @@ pub(super) fn lay_straight(
     let mut at = root;
     for (point, &length) in points.iter_mut().skip(1).zip(lengths) {
         let sign = match span {
-            // Of several longest links none is longer than the rest, so there is one.
+            // `TooNear` requires a longest link above the sum of the others, so it is unique.
             Span::TooNear(_) if length != longest => -1.0,
             _ => 1.0,
         };
@@ -161,7 +163,7 @@ pub(super) fn lay_straight(
     }
 }
 
-/// The unit vector along the first of two that has a direction; x where neither has.
+/// The unit vector along the first of two vectors that is not zero; x if both are zero.
 pub(super) fn direction(first: Vector3<f64>, second: Vector3<f64>) -> Vector3<f64> {
     for vector in [first, second] {
         let length = vector.norm();

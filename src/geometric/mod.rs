@@ -1,22 +1,20 @@
-//! Geometric inverse kinematics: the classical methods that know where bones end and need no
-//! derivatives.
+//! Geometric inverse kinematics: methods on bone ends that need no derivatives.
 //!
-//! All take a [`Problem`](crate::Problem) as the optimisers do, with `Point` tasks (and poses, where said), the same
-//! tolerances and parameter map, and return the same [`Solution`]. Joint limits hold at every
-//! configuration that they visit, to the bit.
+//! All methods take a [`Problem`](crate::Problem) as the optimisers do, with the same tolerances and parameter map.
+//! Tasks are points and, for some methods, poses. The result is the same [`Solution`]. Joint limits hold exactly at
+//! every configuration they visit.
 //!
-//! # Which one when
+//! # Choosing a method
 //!
-//! - [`TwoBone`]: a limb of two bones and one point for its end. Exact, in one step, and the only
-//!   one that lets you choose the elbow's side. Everything but the limb is locked.
-//! - [`Ccd`]: anything that a joint can serve, also poses, several tips, sliding joints. Cheap
-//!   sweeps that never raise its cost, but slow to converge near stretched chains, and it bends the
-//!   outer joints most.
-//! - [`Fabrik`]: long chains and trees of ball joints (rigs). Few passes, even bends. With hinges
-//!   or tight limits its points and the joints pull against each other, and it may stop short.
+//! - [`TwoBone`]: a limb of two bones with one target for its end. Exact, in one step. It is the only method with a
+//!   choice of the elbow's side. All other joints must be locked.
+//! - [`Ccd`]: the most general method, with poses, several tips and prismatic joints. Its sweeps are cheap and never
+//!   increase its cost. It converges slowly near stretched chains, and it bends the outer joints most.
+//! - [`Fabrik`]: long chains and trees of bones, with three joint axes that meet at each bone's start (rigs). It needs
+//!   few passes and bends evenly. With hinges or tight limits, points and joints conflict, and it may stop early.
 //!
-//! None of them minimises anything but the miss of its goals; near limits, on targets out of reach
-//! and with other tasks the optimisers of [`ik`](crate::ik) do better.
+//! These methods minimise only the error of their targets. Near limits, for unreachable targets and for other tasks the
+//! optimisers of [`ik`](crate::ik) are better.
 //!
 //! ```
 //! use kinopt::geometric::{Ccd, Geometric};
@@ -66,19 +64,20 @@ use crate::ik::Solution;
 use crate::problem::Question;
 use crate::solver::{Observer, Silent};
 
-/// A geometric method with its settings: what a harness calls. Immutable and shareable.
+/// A geometric method with its settings, immutable and shareable.
 pub trait Geometric: Send + Sync {
     /// A short name for tables.
     fn name(&self) -> &'static str;
 
-    /// Searches from the configuration `start` (degrees of freedom; projected into the limits; locked and
-    /// following joints take their values from the parameter map), with an observer that sees every
-    /// sweep and may cancel. Sweeps count from 0 in each attempt; there is no gradient and no step length to
-    /// see.
+    /// Searches from the configuration `start`, with an observer that sees every sweep and may cancel.
+    ///
+    /// `start` has one number for each coordinate and is projected into the limits. Locked and mimic joints take their
+    /// values from the parameter map. Sweeps count from 0 in each attempt. The observer gets no gradient and no step
+    /// length.
     ///
     /// # Errors
-    /// A start of the wrong length or not finite; tasks or joints that the method has no answer
-    /// for, by name. A target that is not reached is no error.
+    /// Returns an error for a start of wrong length or not finite, or for tasks or joints that the method does not
+    /// support, by name. An unreached target is not an error.
     fn solve_question(
         &self,
         question: Question<'_>,
@@ -86,10 +85,10 @@ pub trait Geometric: Send + Sync {
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError>;
 
-    /// Solves a problem, or a [question](Question) to it, as [`solve_question`](Self::solve_question) does.
+    /// Solves a problem, or an [instance](Question) of it, without an observer.
     ///
     /// # Errors
-    /// As there.
+    /// Returns the errors of [`solve_question`](Self::solve_question).
     fn solve<'a>(
         &self,
         question: impl Into<Question<'a>>,
@@ -101,10 +100,10 @@ pub trait Geometric: Send + Sync {
         self.solve_question(question.into(), start, &mut Silent)
     }
 
-    /// As [`solve`](Self::solve), with an observer.
+    /// Solves as [`solve`](Self::solve) does, with an observer.
     ///
     /// # Errors
-    /// As [`solve_question`](Self::solve_question).
+    /// Returns the errors of [`solve_question`](Self::solve_question).
     fn solve_observed<'a>(
         &self,
         question: impl Into<Question<'a>>,

@@ -1,4 +1,4 @@
-//! The loop that the geometric methods share: sweep, look, stop.
+//! The loop of the geometric methods: sweep, evaluate, stop.
 
 use super::GeometricError;
 use crate::clock::{Instant, is_past};
@@ -9,18 +9,18 @@ use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
 };
 
-/// A sweep that lowers the cost by no more than this share has hardly changed it, …
+/// Relative decrease of the cost below which a sweep counts as flat.
 const FLAT: f64 = 1e-13;
-/// … and after so many in a row no further one makes sense.
+/// Number of consecutive flat sweeps after which an attempt ends.
 const FLAT_SWEEPS: usize = 5;
 
-/// One geometric method at work on one problem.
+/// One geometric method applied to one problem.
 pub(super) trait Sweep {
-    /// Stands at a new start, within the bounds.
+    /// Starts at a new start within the bounds.
     fn begin(&mut self, _x: &[f64]) {}
 
-    /// Whether the start itself may be the answer. A method that promises more than its goals (an
-    /// elbow's side) says no.
+    /// True if the start itself may be the solution. False for methods that guarantee more than their targets, such as
+    /// an elbow's side.
     fn start_counts(&self) -> bool {
         true
     }
@@ -29,7 +29,7 @@ pub(super) trait Sweep {
     fn sweep(&mut self, x: &mut [f64]);
 }
 
-/// How long to go on.
+/// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     pub(super) stopping: Stopping,
@@ -37,8 +37,7 @@ pub(super) struct Limits {
 }
 
 impl Default for Limits {
-    /// Sweeps are cheap and gain little each: more of them than of an optimiser's steps, and an end
-    /// where they crawl.
+    /// More iterations than an optimiser has, because sweeps are cheap and each gains little, and an end if they stall.
     fn default() -> Self {
         let stopping = Stopping::default().with_max_iterations(500);
         Self {
@@ -48,8 +47,9 @@ impl Default for Limits {
     }
 }
 
-/// Searches from the configuration `start` (projected into the limits). A search that stopped where nothing is
-/// left to gain ends as stationary.
+/// Searches from the configuration `start`, which is projected into the limits.
+///
+/// A search that stopped at a stationary point ends as stationary.
 pub(super) fn solve(
     question: Question<'_>,
     start: &[f64],
@@ -93,7 +93,7 @@ pub(super) fn solve(
     Ok(solution)
 }
 
-/// A method as an engine of the search.
+/// A geometric method as an engine of the search.
 struct Sweeps<'a> {
     question: Question<'a>,
     method: &'a mut dyn Sweep,
@@ -102,11 +102,11 @@ struct Sweeps<'a> {
     scratch: Scratch,
     counts: Counts,
     residual_at_start: Vec<f64>,
-    /// Where the sweeps stand, and stood before the last.
+    /// Variables after the last sweep; those before it follow.
     x: Vec<f64>,
     previous: Vec<f64>,
     residual: Vec<f64>,
-    /// The best place on the way.
+    /// Variables of lowest cost, with their residual.
     best_x: Vec<f64>,
     best_residual: Vec<f64>,
 }
@@ -139,7 +139,7 @@ impl<'a> Sweeps<'a> {
         sweeps
     }
 
-    /// Takes the residual where the sweeps stand; the cost there.
+    /// Updates the residual at the present variables and returns the cost.
     fn evaluate(&mut self) -> f64 {
         let mut evaluation = Evaluation::new(self.question, &mut self.scratch);
         evaluation.residual(&self.x, &mut self.residual);
@@ -152,7 +152,7 @@ impl<'a> Sweeps<'a> {
         self.best_residual.copy_from_slice(&self.residual);
     }
 
-    /// Whether the last sweep moved no variable by more than tolerance · max(1, |x|).
+    /// True if the last sweep moved no variable by more than tolerance · max(1, |x|).
     fn stands_still(&self, tolerance: f64) -> bool {
         let mut moves = self.x.iter().zip(&self.previous);
         moves.all(|(a, b)| (a - b).abs() - tolerance * a.abs().max(1.0) <= 0.0)
@@ -165,7 +165,7 @@ impl Engine for Sweeps<'_> {
         fn end(&self) -> (&[f64], &[f64]) = (&self.best_x, &self.best_residual);
     }
 
-    /// What is returned is the best place on the way: not every sweep of every method lowers the cost.
+    /// Returns the variables of lowest cost, because not every sweep decreases it.
     fn attempt(&mut self, start: &[f64], stopping: &Stopping) -> Attempt {
         let question = self.question;
         self.x.copy_from_slice(start);

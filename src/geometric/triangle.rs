@@ -1,32 +1,33 @@
-//! The triangle of two bones and the way to their target: the law of cosines in space.
+//! Triangle of two bones and the line to their target: the law of cosines in space.
 
 use super::linkage::{Span, direction};
 use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
-/// Two bones that reach for a target.
+/// The pose of two bones that reach for a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Triangle {
-    /// Where the bones meet.
+    /// Position of the joint between the bones.
     pub mid: Vector3<f64>,
-    /// The end of the second bone: the target, or the nearest point to it that two bones reach.
+    /// The end of the second bone: the target, or the closest point to it that the bones reach.
     pub tip: Vector3<f64>,
-    /// The angle at the root from the way to the target to the first bone, radians within [0, π].
+    /// Angle at the root from the direction of the target to the first bone, radians within [0, π].
     pub swing: f64,
-    /// The angle from the first bone's direction to the second's, radians within [0, π].
+    /// Angle from the first bone's direction to the second's, radians within [0, π].
     pub turn: f64,
-    /// Whether the target is within reach.
+    /// Position of the target relative to the reach of the bones.
     pub span: Span,
 }
 
-/// Two bones of the given lengths from `root` to `target`, with the mid point out towards
-/// `towards` (a direction; only its part across the way to the target counts).
+/// The triangle of two bones of the given lengths from `root` to `target`, with the mid point towards `towards`.
 ///
-/// In the plane, the source of all this: `cos turn = (d² − ℓ₁² − ℓ₂²) / (2 ℓ₁ ℓ₂)`, and with the mid
-/// point clockwise of the target (elbow angle +turn) the first bone's heading is that of the target
-/// − swing; on the other side it is + swing with elbow angle −turn. Half-angle forms lose no digits
-/// where the bones are nearly stretched or folded. Numbers that are not finite give NaN.
+/// Only the part of the direction `towards` perpendicular to the line to the target counts.
+///
+/// In the plane: `cos turn = (d² − ℓ₁² − ℓ₂²) / (2 ℓ₁ ℓ₂)`. With the mid point clockwise of the target (elbow angle
+/// +turn) the first bone's heading is that of the target − swing. On the other side it is + swing, with elbow angle
+/// −turn. Half-angle forms lose no digits if the bones are almost stretched or folded. Numbers that are not finite give
+/// NaN.
 #[must_use]
 pub fn triangle(
     root: Vector3<f64>,
@@ -76,7 +77,7 @@ pub fn triangle(
     }
 }
 
-/// A unit vector at a right angle to another.
+/// A unit vector perpendicular to another vector.
 pub(super) fn across(vector: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = vector.to_array().map(f64::abs);
     let [unit_x, unit_y, unit_z] = Vector3::UNITS;

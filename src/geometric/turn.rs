@@ -1,15 +1,14 @@
-//! The best turn of one joint, in closed form.
+//! Best motion of one joint, in closed form.
 //!
-//! Turning a vector u by δ about the unit axis a brings it to the place v as near as it gets where
+//! A rotation of a vector u by δ about the unit axis a brings it closest to the position v at the minimum of
 //!
 //! ```text
 //! ½‖R(δ) u − v‖² = constant − (c cos δ + s sin δ),   c = u⊥ · v⊥,   s = a · (u × v)
 //! ```
 //!
-//! is least: at the signed angle atan2(s, c) from u⊥ to v⊥, both seen along the axis. Sums of such
-//! terms are of the same form, so one joint serves several points and directions at once (Wang &
-//! Chen 1991, "A combined optimization method for solving the inverse kinematics problem of
-//! mechanical manipulators", eq. 17 to 21).
+//! The minimum is at the signed angle atan2(s, c) from u⊥ to v⊥, both projected along the axis. Sums of such terms have
+//! the same form, so one joint may have several points and directions as targets. Source: Wang & Chen 1991, "A combined
+//! optimization method for solving the inverse kinematics problem of mechanical manipulators", eq. 17 to 21.
 
 use std::f64::consts::TAU;
 
@@ -19,7 +18,7 @@ use crate::problem::Question;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
-/// The terms of several vectors added up, for one axis.
+/// Sum of the terms of several vectors, for one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Turn {
     cosine: f64,
@@ -27,13 +26,13 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// The turn that is best at `angle`.
+    /// A sum with its maximum at `angle`, radians.
     pub(super) fn towards(angle: f64) -> Self {
         let (sine, cosine) = elementary::sin_cos(angle);
         Self { cosine, sine }
     }
 
-    /// Adds a vector that the joint turns (seen from a point of the axis) and where it should be.
+    /// Adds a vector u, relative to a point on the axis, with its target v.
     pub(super) fn pull(
         &mut self,
         axis: Vector3<f64>,
@@ -45,8 +44,10 @@ impl Turn {
         self.sine += weight * axis.dot(u.cross(v));
     }
 
-    /// The best δ within `range`, which holds 0. Half a turn away or more it may be taken the other
-    /// way round; outside the range the better end is.
+    /// The best δ within `range`, which contains 0, radians.
+    ///
+    /// If the direct angle is outside, the equivalent angle in the opposite direction is used. If both are outside, the
+    /// better end of the range is used.
     pub(super) fn best(&self, range: Limits) -> f64 {
         let direct = elementary::atan2(self.sine, self.cosine);
         if range.contains(direct) {
@@ -56,7 +57,7 @@ impl Turn {
         if range.contains(other_way) {
             return other_way;
         }
-        // Both ends are finite, or one of the two ways were within them.
+        // Both ends are finite; otherwise one of the two angles would be in the range.
         let gain =
             |delta: f64| self.cosine * elementary::cos(delta) + self.sine * elementary::sin(delta);
         match gain(range.lower) > gain(range.upper) {
@@ -66,7 +67,7 @@ impl Turn {
     }
 }
 
-/// Moves the variable of a joint by what `best` of the joint's room is; by how much the joint moves.
+/// Moves the variable of a joint by the result of `best` for the joint's range; returns the joint's motion.
 pub(super) fn move_joint(
     question: Question<'_>,
     joint: usize,
@@ -79,22 +80,23 @@ pub(super) fn move_joint(
     by
 }
 
-/// The matrix of a turn about an axis.
+/// The matrix of a rotation about an axis.
 pub(super) fn turned(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
     Matrix3::rotation(axis, elementary::sin_cos(angle))
 }
 
-/// The signed angle from u to v as seen along the axis; 0 where either stands on it.
+/// The signed angle from u to v about the axis; 0 if one of them is parallel to it.
 fn signed_angle(axis: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>) -> f64 {
     let mut turn = Turn::default();
     turn.pull(axis, u, v, 1.0);
     elementary::atan2(turn.sine, turn.cosine)
 }
 
-/// The two ways to bring u onto v by turning about an inner axis and then an outer one, both through
-/// one point: (outer, inner) turns in radians. Where v is out of reach they come near it.
-/// `None` for axes that are parallel (Paden-Kahan subproblem 2; Murray, Li & Sastry 1994, "A
-/// Mathematical Introduction to Robotic Manipulation", section 3.2).
+/// The two pairs of rotations about an inner and then an outer axis through one point that rotate u onto v.
+///
+/// Returns (outer, inner) angles in radians. If v is unreachable, u comes close to it. `None` for parallel axes.
+/// Source: Paden-Kahan subproblem 2; Murray, Li & Sastry 1994, "A Mathematical Introduction to Robotic Manipulation",
+/// section 3.2.
 pub(super) fn two_turns(
     outer: Vector3<f64>,
     inner: Vector3<f64>,
@@ -108,7 +110,7 @@ pub(super) fn two_turns(
     if across_squared < PARALLEL {
         return None;
     }
-    // Between the turns u stands at z = α outer + β inner ± γ outer × inner.
+    // Between the rotations u is at z = α outer + β inner ± γ outer × inner.
     let alpha = (outer.dot(v) - c * inner.dot(u)) / across_squared;
     let beta = (inner.dot(u) - c * outer.dot(v)) / across_squared;
     let in_plane = alpha * alpha + beta * beta + 2.0 * alpha * beta * c;
@@ -122,7 +124,7 @@ pub(super) fn two_turns(
     }))
 }
 
-/// A variable within its bounds, moved by what its joint should do.
+/// A variable within its bounds, moved in units of its joint.
 pub(super) struct BoundedVariable {
     pub(super) bounds: Limits,
     /// Joint units per variable unit.
@@ -130,27 +132,27 @@ pub(super) struct BoundedVariable {
 }
 
 impl BoundedVariable {
-    /// The variable of a joint.
+    /// Index and bounds of a joint's variable.
     pub(super) fn of(question: Question<'_>, joint: usize) -> (usize, Self) {
         let (variable, ratio) = question.tree().variable_of(joint);
         let bounds = Limits::new(question.lower()[variable], question.upper()[variable]);
         (variable, Self { bounds, ratio })
     }
 
-    /// How far the joint may move from where it is.
+    /// The range of the joint's motion from its present value.
     pub(super) fn room(&self, x: f64) -> Limits {
         let (a, b) = (
             self.ratio * (self.bounds.lower - x),
             self.ratio * (self.bounds.upper - x),
         );
-        // 0 · ∞ of a joint that its variable does not move.
+        // Avoids 0 · ∞ for a joint that its variable does not move.
         match self.ratio == 0.0 {
             true => Limits::new(0.0, 0.0),
             false => Limits::new(a.min(b), a.max(b)),
         }
     }
 
-    /// The variable after its joint moved by `by`. Next to a bound it is on the bound, to the bit.
+    /// The variable after its joint moved by `by`; snaps to a bound that is within rounding.
     pub(super) fn moved(&self, x: f64, by: f64) -> f64 {
         const ROUNDING: f64 = 4.0 * f64::EPSILON;
         if by == 0.0 || self.ratio == 0.0 {
@@ -168,7 +170,7 @@ impl BoundedVariable {
     }
 }
 
-/// The best slide of a joint along its axis for some points: the mean of what is left along it.
+/// The best translation of a prismatic joint for some points: the weighted mean of their offsets along its axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slide {
     wanted: f64,
@@ -176,13 +178,13 @@ pub(super) struct Slide {
 }
 
 impl Slide {
-    /// Adds a point that should be `miss` further.
+    /// Adds a point whose target is at the offset `miss` from it.
     pub(super) fn pull(&mut self, axis: &JointAxis, miss: Vector3<f64>, weight: f64) {
         self.wanted += weight * axis.direction.dot(miss);
         self.weight += weight;
     }
 
-    /// The best slide within `range`, in metres.
+    /// The best translation within `range`, metres.
     pub(super) fn best(&self, range: Limits) -> f64 {
         match self.weight > 0.0 {
             true => range.clamp(self.wanted / self.weight),

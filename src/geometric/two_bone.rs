@@ -1,4 +1,4 @@
-//! The analytic solution for a limb of two bones.
+//! Analytic solution for a limb of two bones.
 
 use super::goal::goals;
 use super::joint_groups::joint_points;
@@ -14,39 +14,40 @@ use crate::spatial::Vector3;
 
 const NAME: &str = "the two-bone solution";
 
-/// Sweeps for limbs whose limits or joints keep the points from where they should be.
+/// Largest number of sweeps, for limbs whose limits or joints keep the points from their targets.
 const SWEEPS: usize = 20;
 
-/// On which side of the way to the target the bones meet.
+/// The side of the line to the target on which the bones meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Elbow {
-    /// The second bone turns counter-clockwise from the first about the elbow's last axis (its
-    /// bend): an angle ≥ 0 of a hinge that is 0 where the bones are aligned. Only that joint and
-    /// the root's joints move.
+    /// The second bone rotates counter-clockwise from the first about the elbow's last axis.
+    ///
+    /// For a hinge that is 0 if the bones are aligned, the angle is ≥ 0. Only that joint and the root's joints move.
     Positive,
-    /// The second bone turns clockwise.
+    /// The second bone rotates clockwise from the first.
     Negative,
-    /// As far out towards this point (the pole, in world coordinates) as it gets. For limbs whose
-    /// root is a ball joint: the plane of the bones is free.
+    /// As far as possible towards this point (the pole, in world coordinates).
+    ///
+    /// For limbs with three joint axes that meet at the root, which leave the plane of the bones free.
     Towards(Vector3<f64>),
 }
 
-/// Two bones, the law of cosines and one point to reach, in one step.
+/// Analytic inverse kinematics of two bones with one target, by the law of cosines.
 ///
-/// The problem has one point task, and the free joints that move it stand at two points: a shoulder
-/// and an elbow, say. On rigs and redundant robots lock the other joints with
-/// [`ParameterMap::builder`](crate::model::ParameterMap::builder) and `with_only`. The joints are then set
-/// from the base out, in closed form where two axes meet in a point and by coordinate descent where
-/// they do not, within their limits. Exact where the root's joints can point anywhere and the limits
-/// allow it; everything else ends with the miss that is left. A target out of reach stretches or
-/// folds the bones.
+/// The problem must have one point task. The free joints that move it must be at two points, such as a shoulder and an
+/// elbow. On rigs and redundant robots, lock the other joints by
+/// [`ParameterMap::builder`](crate::model::ParameterMap::builder) and `with_only`.
+///
+/// The joints are set from the base outwards, within their limits. This is in closed form if two axes meet in a point,
+/// and by coordinate descent otherwise. The solution is exact if the root's joints can point anywhere and the limits
+/// allow it; otherwise an error remains. For an unreachable target the bones are stretched or folded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoBone {
     elbow: Elbow,
 }
 
 impl TwoBone {
-    /// The solution with the elbow on this side.
+    /// A solver with the elbow on this side.
     #[must_use]
     pub fn new(elbow: Elbow) -> Self {
         Self { elbow }
@@ -97,7 +98,7 @@ impl Geometric for TwoBone {
     }
 }
 
-/// The three points of a limb.
+/// Indices of the three points of a limb.
 const ROOT: usize = 0;
 const MID: usize = 1;
 const TIP: usize = 2;
@@ -106,17 +107,17 @@ struct Limb<'a> {
     elbow: Elbow,
     lengths: [f64; 2],
     target: Vector3<f64>,
-    /// Where root, mid point and tip should be.
+    /// Target positions of root, mid point and tip.
     wanted: Vec<Vector3<f64>>,
     /// The elbow's last joint.
     bend: Option<usize>,
-    /// The joints at the root, with the bent limb as one body.
+    /// The joints at the root; they rotate the bent limb as one body.
     shoulder: Group,
     fit: JointFit<'a>,
 }
 
 impl Limb<'_> {
-    /// The triangle for the target, from wherever the joints are.
+    /// Computes the triangle for the target from the present joints.
     fn place_points(&mut self, x: &[f64]) {
         self.fit.points_at(x, &mut self.wanted);
         let towards = match self.elbow {
@@ -147,8 +148,8 @@ impl Sweep for Limb<'_> {
             Elbow::Positive => true,
             Elbow::Negative => false,
         };
-        // The bend alone says how far the tip is from the root; the root's joints then point the
-        // limb as one body.
+        // The elbow alone sets the distance of the tip from the root; the root's joints then rotate the limb as one
+        // body.
         let distance = (self.wanted[TIP] - self.wanted[ROOT]).norm();
         if let Some(bend) = self.bend {
             self.fit.bend(bend, [ROOT, TIP], (distance, positive), x);

@@ -1,32 +1,34 @@
-//! A method as an engine of a search for what is free.
+//! Search engine for collision-free solutions.
 
 use super::Minimiser;
 use crate::problem::{AnyClearanceCheck, Collision, Evaluation, Fence, Scratch};
 use crate::search::{Attempt, Engine};
 use crate::solver::{LeastSquares, SolverState, Stopping, Termination};
 
-/// What an attempt counts that meets all goals but touches something, by how deep that is: less than any that misses a goal.
+/// Cost per metre of an attempt that reaches all required tasks in collision: below that of any unreached attempt.
 const TOUCHING: f64 = 1e-20;
-/// No pair that is too near is so far apart, metres.
+/// Upper bound on the distance of a pair that is too near, metres; keeps the cost positive.
 const FAR: f64 = 10.0;
 
-/// Each attempt meets the goals as if nothing were in the way, which most often is free; where it is not, it goes on from there
-/// with the clearance among the goals.
+/// Search engine whose attempts first solve the required tasks without collision avoidance.
+///
+/// That is usually collision-free. Otherwise the attempt continues from there with collision avoidance as a required
+/// task.
 pub(super) struct ClearEngine<'a> {
     pub(super) plain: Minimiser<'a>,
     pub(super) fence: &'a Fence,
     pub(super) room: &'a mut EngineRoom,
 }
 
-/// Room for that.
+/// Workspace of the engine.
 #[derive(Clone, Debug)]
 pub(super) struct EngineRoom {
     pub(super) check: Box<dyn AnyClearanceCheck>,
     scratch: Option<Scratch>,
     memory: SolverState,
-    /// Where the last attempt ended, as a configuration, …
+    /// Configuration at the end of the last attempt.
     q: Vec<f64>,
-    /// … and by the variables with the residual there, if the clearance led there.
+    /// Variables and residual at the end of the last attempt, valid if `led` is set.
     x: Vec<f64>,
     residual: Vec<f64>,
     led: bool,
@@ -45,13 +47,13 @@ impl EngineRoom {
         }
     }
 
-    /// How near the nearest pair is at a configuration, if any is too near.
+    /// Returns the distance of the nearest pair that is too near, metres; infinity if there is none.
     pub(super) fn least_distance(&mut self, q: &[f64]) -> f64 {
         distance_of_first(&self.check.collisions(q))
     }
 }
 
-/// How near the nearest of some pairs is, the nearest first.
+/// Returns the distance of the first pair, metres; infinity if there is none. Pairs are sorted by distance.
 pub(super) fn distance_of_first(pairs: &[Collision]) -> f64 {
     pairs.first().map_or(f64::INFINITY, |pair| pair.distance)
 }
@@ -61,7 +63,7 @@ impl<'a> ClearEngine<'a> {
         Self { plain, fence, room }
     }
 
-    /// The configuration of some variables.
+    /// Writes and returns the configuration of the constrained or the plain search.
     fn place(&mut self, fenced: bool) -> &[f64] {
         let (map, room) = (self.plain.question.parameters(), &mut *self.room);
         let x = if fenced {
@@ -74,7 +76,7 @@ impl<'a> ClearEngine<'a> {
         &room.q
     }
 
-    /// Goes on from where the goals are met with the clearance among them; whether that ended at a free place.
+    /// Continues from the end of the plain search with collision avoidance. Returns whether the end is collision-free.
     fn lead_out(&mut self, attempt: &mut Attempt, stopping: &Stopping) -> bool {
         let question = self.plain.question.fenced(self.fence.leading());
         let share = question.problem.search_share();

@@ -1,19 +1,20 @@
-//! What holds a figure while it is dragged, as tasks.
+//! Posture tasks of a dragged skeleton.
 
 use crate::model::{ModelError, check_configuration};
 use crate::skeleton::{Holds, Skeleton};
 use crate::task::{Posture, Task};
 
-/// How much more a back keeps to its posture than limbs do.
+/// Weight of the spine relative to limbs.
 const STIFF: f64 = 5.0;
 
 impl Holds {
-    /// Preferences that keep a figure near the posture `q` (stacked angles, radians)
-    /// where its targets leave room, its back five times more than the rest: so a hand is followed by its
-    /// arm, and a figure without limits does not twist.
+    /// Creates soft tasks that keep a skeleton near the posture `q` (stacked angles, radians).
+    ///
+    /// The spine has five times the weight of the other bones. A dragged hand then moves the arm rather than the spine,
+    /// and a skeleton without limits does not twist.
     ///
     /// # Errors
-    /// Another number of angles than the skeleton has, or one that is not finite.
+    /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn postures(
         &self,
         skeleton: &Skeleton,

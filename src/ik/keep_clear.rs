@@ -1,4 +1,4 @@
-//! Answers of a problem that keeps clear of something.
+//! Solutions of a problem with collision avoidance.
 
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ use crate::problem::{Fence, Question};
 use crate::search::Found;
 use crate::solver::Termination;
 
-/// Room for that.
+/// Workspace of collision avoidance.
 #[derive(Clone, Debug)]
 pub(super) struct ClearRoom {
     owner: Arc<Fence>,
     pub(super) engine: EngineRoom,
-    /// Of a search with the clearance among its goals.
+    /// Workspace of a search with collision avoidance among the required tasks.
     pub(super) fenced: Workspace,
 }
 
@@ -30,8 +30,11 @@ impl ClearRoom {
 }
 
 impl Solver {
-    /// Solves a question such that nothing touches: attempts are led out of what they touch, and preferences then act within what
-    /// goals and clearance leave free. Where no attempt is free, the one counts that meets the goals and touches least.
+    /// Solves a problem instance with collision avoidance.
+    ///
+    /// Attempts in collision continue until they are collision-free. Soft tasks then act in the null space of required
+    /// tasks and collision avoidance. If no attempt is collision-free, the result reaches the required tasks with the
+    /// least penetration.
     pub(super) fn run_clear(
         &self,
         fence: &Arc<Fence>,
@@ -65,7 +68,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Where goals are met but something is touched: lets the clearance act within what the goals leave free, on the same branch.
+    /// Reduces collisions of a solution that reaches the required tasks, in their null space and on the same branch.
     fn touch_less(
         &self,
         fence: &Fence,
@@ -90,7 +93,7 @@ impl Solver {
         once.run(question.fenced(fence.yielding()), &q, &mut room.fenced, run)?;
         let mut found = Found::of(&workspace.solution).refined_by(&room.fenced.solution);
         if found.termination == Termination::Reached {
-            // That search's goals are met; that nothing touches is none of them.
+            // The inner search reached its required tasks, but collision avoidance is not one of them.
             found.termination = Termination::Stationary;
         }
         let end = &room.fenced.search.keeper.x;
@@ -104,7 +107,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Lets preferences act from where goals are reached and nothing touches.
+    /// Applies the soft tasks to a solution that reaches the required tasks without collision.
     fn prefer(
         &self,
         fence: &Fence,

@@ -1,4 +1,4 @@
-//! Joints that loops move: their values from those of the others.
+//! Kinematic loop closure: dependent joint values from independent ones.
 
 use super::loop_gap::{LoopClosureError, LoopGap};
 use super::nearest_closing::NearestClosing;
@@ -9,16 +9,16 @@ use crate::robot::Robot;
 use crate::search::check_start;
 use crate::solver::LeastSquares;
 
-/// So many random configurations are tried for one that closes.
+/// Number of random configurations from which closure is attempted.
 const DRAWS: u64 = 32;
 
-/// Forward kinematics of a model with loops: the joints that nothing drives follow from those that are given.
+/// Forward kinematics of a model with loops: solves for the dependent joints, given the others.
 ///
 /// ```
 /// use kinopt::ik::LoopClosure;
 /// use kinopt::robot::Robot;
 ///
-/// // A crank that is driven, a coupler and a rocker that are not.
+/// // The crank is driven, the coupler and the rocker are passive.
 /// let text = r#"<mujoco><worldbody>
 ///   <body name="crank"><joint name="crank" axis="0 0 1"/>
 ///     <body name="coupler" pos="0.12 0 0"><joint name="coupler" axis="0 0 1"/></body></body>
@@ -41,11 +41,12 @@ pub struct LoopClosure<'m> {
 }
 
 impl<'m> LoopClosure<'m> {
-    /// The loops of the model that these parameters are of, closed by the joints in `dependent`. Joints that follow
-    /// others go on doing so.
+    /// Creates the closure of all loops of the model of `parameters` by the joints in `dependent`.
+    ///
+    /// Mimic joints keep following their source joints.
     ///
     /// # Errors
-    /// A joint that does not move, or none where the model has loops.
+    /// Returns an error for a joint that does not move, or if `dependent` is empty although the model has loops.
     pub fn new(
         parameters: ParameterMapBuilder<'m>,
         dependent: &[JointId],
@@ -67,10 +68,10 @@ impl<'m> LoopClosure<'m> {
         Ok(own)
     }
 
-    /// The loops of a robot, closed by those of its [passive joints](Robot::passive_joints) that move one.
+    /// Creates the closure of a robot's loops by those of its [passive joints](Robot::passive_joints) that move a loop.
     ///
     /// # Errors
-    /// A robot that has loops, but no passive joints that move them.
+    /// Returns an error if the robot has loops but no passive joints that move them.
     pub fn of_robot(robot: &'m Robot) -> Result<Self, LoopClosureError> {
         let model = robot.model();
         let passive = robot.passive_joints().iter().copied();
@@ -79,17 +80,18 @@ impl<'m> LoopClosure<'m> {
     }
 
     getters! {
-        /// The joints that close the loops.
+        /// Joints that close the loops.
         pub fn dependent(&self) -> &[JointId] = &self.dependent;
     }
 
-    /// Moves the dependent joints of a configuration so that all loops are closed, and the joints that follow
-    /// others with them; the rest keep their values. Of several ways to close a loop it is the one nearest to the
-    /// dependent joints' own values that is found from them and from 32 places about them.
+    /// Moves the dependent joints of a configuration, and their mimic joints, so that all loops are closed.
+    ///
+    /// The other joints keep their values. If several closures exist, this finds the one nearest to the current values
+    /// of the dependent joints. The search starts from these values and from 32 configurations about them.
     ///
     /// # Errors
-    /// A configuration of the wrong length, with a number that is not finite, or with a joint outside its limits
-    /// that should keep its value; loops that do not close there. The configuration is as it was then.
+    /// Returns an error if `q` has the wrong length or a number that is not finite, or if an independent joint is
+    /// outside its limits. Returns an error if the loops do not close. `q` is then unchanged.
     pub fn close(&self, q: &mut [f64]) -> Result<(), LoopClosureError> {
         let model = self.parameters.model();
         if model.loops().is_empty() {
@@ -123,12 +125,13 @@ impl<'m> LoopClosure<'m> {
         Ok(())
     }
 
-    /// A configuration within all limits whose loops are closed, the same for the same seed: from a random one all
-    /// joints that move a loop, not the dependent ones alone, go where they close it. Not all such
-    /// configurations are as likely.
+    /// Returns a configuration within all limits with closed loops. Equal seeds return equal configurations.
+    ///
+    /// From a random configuration, all joints that move a loop move to close it, not only the dependent ones. The
+    /// distribution is not uniform.
     ///
     /// # Errors
-    /// Loops that stay open from each of 32 random configurations.
+    /// Returns an error if the loops stay open from each of 32 random configurations.
     pub fn random_configuration(&self, seed: u64) -> Result<Vec<f64>, LoopClosureError> {
         let model = self.parameters.model();
         let draw = |k| model.random_configuration(seed.wrapping_mul(DRAWS).wrapping_add(k));
@@ -146,11 +149,12 @@ impl<'m> LoopClosure<'m> {
         found
     }
 
-    /// How far each loop is open in a configuration, whose joints need not be within limits; those that follow
-    /// others are where they follow to.
+    /// Returns the closure error of each loop at a configuration.
+    ///
+    /// Joints may be outside their limits. Mimic joints take the values that follow from their source joints.
     ///
     /// # Errors
-    /// A configuration of the wrong length, or with a number that is not finite.
+    /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn gaps(&self, q: &[f64]) -> Result<Vec<LoopGap>, LoopClosureError> {
         let model = self.parameters.model();
         let loops = model.loops().iter();
@@ -171,24 +175,24 @@ impl<'m> LoopClosure<'m> {
         Ok(gaps)
     }
 
-    /// Parameters that hold all but the dependent joints.
+    /// Returns parameters with all but the dependent joints locked at `q`.
     fn held_at(&self, q: &[f64]) -> ParameterMapBuilder<'m> {
         self.parameters.clone().with_only(&self.dependent, q)
     }
 
-    /// The loops alone, closed as near to `start` as can be.
+    /// Closes the loops as near to `start` as the search finds.
     fn nearest(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
         let problem = problem(self.parameters.model(), map)?;
         self.closed(NearestClosing::new(&problem, start)?.close(&self.solver)?)
     }
 
-    /// The loops alone, closed as the search from `start` finds it.
+    /// Closes the loops by one search from `start`.
     fn any(&self, map: ParameterMap, start: &[f64]) -> Result<Vec<f64>, LoopClosureError> {
         let problem = problem(self.parameters.model(), map)?;
         self.closed(self.solver.solve_once(&problem, start)?)
     }
 
-    /// The configuration that was found, if it closes the loops.
+    /// Returns the configuration of a solution if it closes the loops.
     fn closed(&self, found: Solution) -> Result<Vec<f64>, LoopClosureError> {
         if found.loops_closed() {
             return Ok(found.q);
@@ -202,7 +206,7 @@ impl<'m> LoopClosure<'m> {
     }
 }
 
-/// Nothing but the loops.
+/// Builds a problem with the loops as its only tasks.
 fn problem(model: &Model, map: ParameterMap) -> Result<Problem, ProblemError> {
     let mut problem = Problem::builder(model);
     problem.parameters(map);

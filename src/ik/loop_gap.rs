@@ -1,4 +1,4 @@
-//! How far loops are open, and why they stay so.
+//! Closure errors of loops, and errors of [`LoopClosure`](super::LoopClosure).
 
 use super::OpenLoop;
 use crate::model::{Loop, Model, ModelError};
@@ -6,15 +6,15 @@ use crate::problem::ProblemError;
 use crate::search::SolveError;
 use crate::task::Quantity;
 
-/// How far the places of a loop are apart in a configuration.
+/// Closure error of a loop at a configuration.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LoopGap {
-    /// The loop.
+    /// Name of the loop.
     pub name: String,
-    /// Between the places, in metres (or the model's own unit).
+    /// Distance between the two anchor points, in metres (or the model's length unit).
     pub gap: f64,
-    /// Between their axes, in radians; 0 where the loop holds origins alone.
+    /// Angle between the two anchors, radians; 0 if the loop constrains positions only.
     pub angle: f64,
     unit: &'static str,
 }
@@ -45,7 +45,7 @@ impl LoopGap {
         }
     }
 
-    /// Whether it is closed, within [`Loop::TOLERANCE`].
+    /// Returns whether both errors are within [`Loop::TOLERANCE`].
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.gap <= Loop::TOLERANCE && self.angle <= Loop::TOLERANCE
@@ -53,7 +53,7 @@ impl LoopGap {
 }
 
 impl std::fmt::Display for LoopGap {
-    /// As in "loop `pin` is open by 3.000e-3 m".
+    /// Formats the error, as in "loop `pin` is open by 3.000e-3 m".
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self {
             name, gap, unit, ..
@@ -66,36 +66,36 @@ impl std::fmt::Display for LoopGap {
     }
 }
 
-/// Why loops do not close.
+/// Reason why loops do not close.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoopClosureError {
-    /// A configuration of the wrong length, a joint that is held outside its limits, or one that cannot be dependent.
+    /// The configuration has the wrong length, a locked joint is outside its limits, or a joint cannot be dependent.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// What a problem on the model is refused for.
+    /// The problem of the loops cannot be built.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// A number that is not finite.
+    /// The configuration has a number that is not finite.
     #[error(transparent)]
     Start(#[from] SolveError),
-    /// Nobody said which joints close the loops.
+    /// No joint is given that closes the loops.
     #[error(
         "`{model}` has loops, but no passive joints that close them: name some of {}",
         joints.join(", ")
     )]
     NoPassiveJoints {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// The joints that move the loops.
+        /// Names of the joints that move the loops.
         joints: Vec<String>,
     },
-    /// No values of the dependent joints close a loop.
+    /// The search found no values of the dependent joints that close a loop.
     #[error("{}: no values of {} that were found close it", listed(open), dependent.join(", "))]
     Open {
-        /// The loops that stay open, and by how much.
+        /// Open loops with their closure errors.
         open: Vec<LoopGap>,
-        /// The joints that were to close them.
+        /// Names of the dependent joints.
         dependent: Vec<String>,
     },
 }

@@ -1,4 +1,4 @@
-//! A solver's method as an engine of the search.
+//! Adapter of a solver method to the search engine interface.
 
 use crate::clock::Instant;
 
@@ -7,17 +7,17 @@ use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};
 
-/// A method at work on one question.
+/// Method applied to one problem instance.
 pub(crate) struct Minimiser<'a> {
     pub(crate) question: Question<'a>,
-    /// What of it is minimised.
+    /// Task subset that is minimised.
     pub(crate) share: Share,
     pub(crate) method: &'a dyn AnyMethod,
     pub(crate) deadline: Option<Instant>,
     pub(crate) observer: &'a mut dyn Observer,
     pub(crate) scratch: &'a mut Scratch,
     pub(crate) memory: &'a mut SolverState,
-    /// What steps keep clear of, where they do.
+    /// Collision check of the steps, if any.
     pub(crate) guard: Option<&'a mut dyn StepGuard>,
 }
 

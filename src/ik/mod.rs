@@ -1,4 +1,4 @@
-//! Solving a [`Problem`](crate::Problem): a method, restarts, and the truth about the result.
+//! Solvers of a [`Problem`](crate::Problem), drags, loop closure and derivatives of solutions.
 
 mod clear_engine;
 mod drag;

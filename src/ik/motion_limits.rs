@@ -1,23 +1,23 @@
-//! Velocity, acceleration and jerk limits of a configuration.
+//! Joint velocity, acceleration and jerk limits.
 
-/// Limits of velocity, acceleration and jerk of the joints of a model, for [`Drag::with_motion_limits`](super::Drag::with_motion_limits).
+/// Joint velocity, acceleration and jerk limits for [`Drag::with_motion_limits`](super::Drag::with_motion_limits).
 ///
-/// Each list has one limit for every number of a configuration, in rad/s or m/s (or with s² and s³); infinity is no limit. The four
-/// numbers of a ball joint limit its angular rate, by the smallest of them. The three slides of a free base are limited together: the norm
-/// of the base's linear rate keeps the smallest of their limits.
+/// Each list has one limit for every number of a configuration. Infinity means no limit. The smallest of the four
+/// limits of a ball joint applies to its angular rate. The smallest limit of the three prismatic joints of a free base
+/// applies to the norm of its linear rate.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MotionLimits {
-    /// rad/s or m/s.
+    /// Velocity limits, rad/s or m/s.
     pub velocity: Vec<f64>,
-    /// rad/s² or m/s².
+    /// Acceleration limits, rad/s² or m/s².
     pub acceleration: Vec<f64>,
-    /// rad/s³ or m/s³.
+    /// Jerk limits, rad/s³ or m/s³.
     pub jerk: Vec<f64>,
 }
 
 impl MotionLimits {
-    /// No limits, for configurations of so many numbers.
+    /// Creates infinite limits for configurations of `configuration_len` numbers.
     #[must_use]
     pub fn unlimited(configuration_len: usize) -> Self {
         let unlimited = vec![f64::INFINITY; configuration_len];

@@ -1,4 +1,4 @@
-//! Of the ways to close loops, the one that is nearest to where joints stand.
+//! Loop closure nearest to a start configuration.
 
 use std::f64::consts::TAU;
 
@@ -9,23 +9,23 @@ use crate::random::RandomStream;
 use crate::search::{slide_per_radian, variables_at};
 use crate::solver::half_squared;
 
-/// So many more places than the start are closed from: no farther from it than the nearest way that is known,
-/// as a nearer one can be nowhere else.
+/// Number of additional starts, sampled no farther from the start than the nearest known closure, beyond which no
+/// nearer one exists.
 const PLACES: u64 = 32;
-/// Ways that are nearer by less, in radians, are the same.
+/// Improvement below which two closures count as equally near, radians.
 const SAME_WAY: f64 = 1e-6;
 
-/// A problem of loops and where its joints stand.
+/// Loop problem with its start variables.
 pub(super) struct NearestClosing<'a> {
     problem: &'a Problem,
     start: Vec<f64>,
-    /// Variables per unit of distance: 1 radian, or what a slide moves meanwhile.
+    /// Variables per unit of distance: 1 for angles, the equivalent of 1 radian for prismatic joints.
     units: Vec<f64>,
 }
 
 impl<'a> NearestClosing<'a> {
     /// # Errors
-    /// A start that no solver takes.
+    /// Returns the errors of a solver for an invalid start.
     pub(super) fn new(problem: &'a Problem, start: &[f64]) -> Result<Self, SolveError> {
         let slide = slide_per_radian(problem);
         let angles = problem.names().variable_is_angle.iter();
@@ -38,10 +38,10 @@ impl<'a> NearestClosing<'a> {
         })
     }
 
-    /// Closes the loops; where they stay open, as the search for that leaves them.
+    /// Returns the nearest closure, or the solution of the first search if that leaves loops open.
     ///
     /// # Errors
-    /// As the solver has them.
+    /// Returns the errors of the solver.
     pub(super) fn close(&self, solver: &Solver) -> Result<Solution, SolveError> {
         let map = self.problem.parameters();
         let mut q = vec![0.0; self.problem.configuration_len()];
@@ -74,7 +74,7 @@ impl<'a> NearestClosing<'a> {
         Ok(nearest)
     }
 
-    /// A place at random, no farther from the start than `distance`.
+    /// Samples variables at most `distance` from the start.
     fn place(&self, number: u64, distance: f64, x: &mut [f64]) {
         let mut random = RandomStream::new(0, number);
         x.fill_with(|| 2.0 * random.unit() - 1.0);
@@ -86,8 +86,8 @@ impl<'a> NearestClosing<'a> {
         Question::from(self.problem).space().project(x);
     }
 
-    /// Takes from hinges the whole turns that lead away from the start; how far the configuration is from it then,
-    /// in radians.
+    /// Removes full revolutions away from the start from revolute joints, and returns the distance to the start,
+    /// radians.
     fn unwind(&self, q: &mut [f64], x: &mut [f64]) -> f64 {
         let map = self.problem.parameters();
         map.gather(q, x);
@@ -114,7 +114,7 @@ impl<'a> NearestClosing<'a> {
         (squares + balls.map(|angle| angle * angle).sum::<f64>()).sqrt()
     }
 
-    /// Whether a variable is an angle that no other joint follows.
+    /// Returns whether a variable is an angle with exactly one joint, that is, without mimic joints.
     fn turns_alone(&self, variable: usize) -> bool {
         let moved = |source: &&Source| source.slope().is_some_and(|(own, _)| own == variable);
         let moved = self.problem.parameters().sources().iter().filter(moved);

@@ -1,4 +1,4 @@
-//! A method with its limits and restarts: what a user calls.
+//! Solver with a method, stopping criteria and restarts: the entry point of inverse kinematics.
 
 use std::sync::Arc;
 
@@ -15,14 +15,13 @@ use crate::solver::{
     AnyMethod, LeastSquares, LevenbergMarquardt, Method, Observer, Silent, Stopping,
 };
 
-/// A solver with its settings. Immutable and shareable; the memory is the caller's
-/// [`Workspace`].
+/// Solver with its settings. It is immutable and shareable. The scratch memory is the caller's [`Workspace`].
 #[derive(Clone)]
 pub struct Solver {
     method: Arc<dyn AnyMethod>,
     stopping: Stopping,
     restarts: Restarts,
-    /// How far preferences act within what the goals leave free.
+    /// Effort spent on soft tasks in the null space of the required tasks.
     refining: Extent,
 }
 
@@ -37,14 +36,14 @@ impl std::fmt::Debug for Solver {
 }
 
 impl Default for Solver {
-    /// Levenberg-Marquardt with gain-ratio damping and default restarts.
+    /// Returns a Levenberg-Marquardt solver with gain-ratio damping and default restarts.
     fn default() -> Self {
         Self::new(LevenbergMarquardt::default())
     }
 }
 
 impl Solver {
-    /// A solver around any method, with default limits and restarts.
+    /// Creates a solver with a method, default stopping criteria and default restarts.
     #[must_use]
     pub fn new(method: impl Method) -> Self {
         Self {
@@ -56,42 +55,45 @@ impl Solver {
     }
 
     getters! {
-        /// The limits of each attempt.
+        /// Stopping criteria of each attempt.
         pub(super) fn stopping(&self) -> &Stopping = &self.stopping;
-        /// How far preferences act.
+        /// Effort spent on soft tasks.
         pub(super) fn refining(&self) -> Extent = self.refining;
-        /// The method's name.
+        /// Name of the method.
         pub fn method(&self) -> &'static str = self.method.name();
     }
 
     setters! {
-        /// Sets how far preferences act within what the goals leave free.
+        /// Sets the effort spent on soft tasks in the null space of the required tasks.
         pub(super) fn with_refining(mut self, extent: Extent) { self.refining = extent }
-        /// Sets the limits of each attempt; the time limit is for all of them together.
+        /// Sets the stopping criteria of each attempt. The time limit applies to all attempts together.
         pub fn with_stopping(mut self, stopping: Stopping) { self.stopping = stopping }
-        /// Sets how often to try again.
+        /// Sets the restarts.
         pub fn with_restarts(mut self, restarts: Restarts) { self.restarts = restarts }
     }
 
-    /// Whether every option is in its range.
+    /// Checks that every option is in its range.
     pub(super) fn check(&self) -> Result<(), BadOption> {
         self.method.check()?;
         self.stopping.check()?;
         self.restarts.check()
     }
 
-    /// Solves a problem, or a [question](Question) to it, from the configuration `start` (degrees of freedom; projected into the
-    /// limits; locked and following joints take their values from the parameter map).
+    /// Solves a problem or a [problem instance](Question) from the configuration `start`.
     ///
-    /// Of a problem that [keeps clear](crate::problem::ProblemBuilder::keep_clear) of something, every attempt first meets the goals as if
-    /// nothing were in the way; where it then touches something, it goes on from there with the clearance among the goals. The
-    /// lowest attempt that is free counts, and preferences act within what goals and clearance leave free. Where none is free, the
-    /// one counts that meets the goals and touches least, and [`Solution::collisions`] says what. The way from the start to
-    /// the answer may be blocked: a [`Drag`](super::Drag) keeps that free.
+    /// `start` is projected into the joint limits. Locked joints and mimic joints take their values from the parameter
+    /// map.
+    ///
+    /// With [collision avoidance](crate::problem::ProblemBuilder::keep_clear), every attempt first solves the required
+    /// tasks without it. If the result is in collision, the attempt continues from there with collision avoidance as a
+    /// required task. The collision-free attempt with the lowest index is used. Soft tasks then act in the null space
+    /// of required tasks and collision avoidance. If no attempt is collision-free, the result reaches the required
+    /// tasks with the least penetration, and [`Solution::collisions`] lists the pairs. The motion from `start` to the
+    /// solution is not checked. A [`Drag`](super::Drag) checks it.
     ///
     /// # Errors
-    /// A start of the wrong length, or one that is not finite; an option out of its range. A target that is not reached is no
-    /// error: see [`Solution::reached`] and [`Solution::explain`].
+    /// Returns an error if `start` has the wrong length or a number that is not finite, or if an option is out of its
+    /// range. An unreached target is not an error: see [`Solution::reached`] and [`Solution::explain`].
     pub fn solve<'a, 'w>(
         &self,
         question: impl Into<Question<'a>>,
@@ -101,10 +103,10 @@ impl Solver {
         self.solve_observed(question, start, workspace, &mut Silent)
     }
 
-    /// As [`solve`](Self::solve), with memory of its own that is thrown away.
+    /// Solves like [`solve`](Self::solve), with a temporary workspace.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_once<'a>(
         &self,
         question: impl Into<Question<'a>>,
@@ -115,11 +117,12 @@ impl Solver {
         Ok(workspace.solution)
     }
 
-    /// As [`solve`](Self::solve), with an observer that sees every iteration of every attempt and
-    /// may cancel. Iterations count from 0 in each attempt.
+    /// Solves like [`solve`](Self::solve) with an observer of every iteration of every attempt, which may cancel.
+    ///
+    /// The iteration index restarts at 0 in each attempt.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_observed<'a, 'w>(
         &self,
         question: impl Into<Question<'a>>,
@@ -142,7 +145,7 @@ impl Solver {
         Ok(&workspace.solution)
     }
 
-    /// Solves a question as if nothing were in the way, but for what steps are guarded from.
+    /// Solves a problem instance without collision avoidance, except for the step guard and the engine in `run`.
     pub(super) fn run(
         &self,
         question: Question<'_>,
@@ -159,7 +162,7 @@ impl Solver {
         map.gather(start, &mut workspace.search.start);
 
         let share = problem.search_share();
-        // Where preferences are traded the minimum is the goal, and a stall is on the way to it.
+        // Weighted soft tasks have a minimum instead of a tolerance, and progress may stall on the path to it.
         let patient = problem.pulls_in(share);
         let asked = (question, share);
         let schedule = Schedule::of_searches(asked, self.restarts, self.stopping, patient);
@@ -216,7 +219,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Reports on another place, to which a search with more goals than the question's came.
+    /// Reports on the variables `x`, found by a search with additional required tasks.
     pub(super) fn report_at(
         &self,
         question: Question<'_>,
@@ -259,12 +262,12 @@ impl Solver {
     }
 }
 
-/// What goes with one search.
+/// Per-search state of a solve.
 pub(super) struct Run<'a> {
     pub(super) deadline: Option<Instant>,
     pub(super) observer: &'a mut dyn Observer,
-    /// What its steps keep clear of, where they do.
+    /// Collision check of the steps, if any.
     pub(super) guard: Option<&'a mut dyn StepGuard>,
-    /// What attempts are led out of, where they are.
+    /// Collision constraint and workspace of a collision-free search, if any.
     pub(super) clear: Option<(&'a Fence, &'a mut EngineRoom)>,
 }

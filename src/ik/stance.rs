@@ -1,4 +1,6 @@
-//! A body that stands with its knees straight cannot feel that they bend.
+//! Crouched configuration of a standing model.
+//!
+//! Straight knees are singular: the first-order model cannot shorten the leg.
 
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, JointId, Model, ParameterMap};
@@ -9,31 +11,33 @@ use crate::task::{Pose, Posture};
 
 use super::Solver;
 
-/// How far the base comes down, as a share of its height over its feet.
+/// Distance by which the base is lowered, as a fraction of its height above the lowest foot.
 const DOWN: f64 = 1.0 / 15.0;
 
-/// Why there is no stance.
+/// Reason why a crouched configuration cannot be computed.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StanceError {
-    /// Frames or numbers that are not the model's.
+    /// Invalid frames or an invalid configuration.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
-    /// What cannot be asked.
+    /// The problem cannot be built.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// What the solver refuses.
+    /// The solver returned an error.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }
 
-/// The configuration `q` with the free base of a body a fifteenth of its height lower, along `up`, its `feet` where they
-/// are, and the rest near `q`: knees are bent a little, so that dragging a hand down bends them more. At full stretch
-/// a leg does not feel, to first order, that it could be shorter, and a back bends instead. A body without a free
-/// base or without feet, and one whose feet cannot stay, keeps `q`.
+/// Returns the configuration `q` with the free base lowered by a fifteenth of its height along `up`, and its `feet`
+/// fixed.
+///
+/// The other joints stay near `q`. The knees are slightly bent, so that dragging a hand down bends them more. At full
+/// extension a leg is singular, and the spine bends instead. Returns `q` if the model has no free base, if `feet` is
+/// empty, or if the feet cannot stay fixed.
 ///
 /// # Errors
-/// A configuration or frames that are not of this model, or a map of another one.
+/// Returns an error if the configuration, frames or parameter map do not belong to `model`.
 pub fn bent_stance(
     model: &Model,
     parameters: &ParameterMap,
@@ -41,7 +45,7 @@ pub fn bent_stance(
     q: &[f64],
     up: impl Into<Vector3<f64>>,
 ) -> Result<Vec<f64>, StanceError> {
-    // The ball of the first free joint, and what stands on it.
+    // Ball joint of the first free joint, and the frame attached to it.
     let first = model.free_joints().first();
     let base = first.map(|first| JointId::new(first.index() + 3));
     let carried = |frame: &FrameId| model.frames()[frame.index()].joint == base;

@@ -1,4 +1,4 @@
-//! Searches whose steps go where nothing is in the way.
+//! Collision checks of the steps of a search.
 
 use nalgebra::DMatrix;
 
@@ -6,18 +6,18 @@ use crate::model::ParameterMap;
 use crate::problem::{AnyClearanceCheck, Evaluation};
 use crate::solver::{ConfigurationSpace, LeastSquares};
 
-/// A step that is not free from where the search began is tried at this share of itself, …
+/// Factor by which a colliding step is shortened.
 const SHORTER: f64 = 0.5;
-/// … so often.
+/// Maximum number of shortened steps.
 const SHORTENED: usize = 5;
 
-/// Says how much of a step a search may take.
+/// Limit of the steps of a search.
 pub(crate) trait StepGuard {
-    /// The share of the step from x to another place that may be taken.
+    /// Returns the fraction in [0, 1] of the step from `x` to `to` that is allowed.
     fn allowed_share(&mut self, space: ConfigurationSpace<'_>, x: &[f64], to: &[f64]) -> f64;
 }
 
-/// A guard for a part of its time.
+/// Reborrows an optional guard.
 pub(super) fn reborrowed<'b>(
     guard: &'b mut Option<&mut dyn StepGuard>,
 ) -> Option<&'b mut dyn StepGuard> {
@@ -27,15 +27,16 @@ pub(super) fn reborrowed<'b>(
     }
 }
 
-/// Keeps all places of a search such that the straight way to them from one configuration is free: where a frame of a drag ends,
-/// whichever way its steps took.
+/// Guard that keeps the linear joint-space motion from one configuration to the search point collision-free.
+///
+/// A frame of a drag moves along that motion, independent of the steps of its search.
 #[derive(Debug)]
 pub(crate) struct WayGuard<'a> {
     pub(crate) check: &'a mut dyn AnyClearanceCheck,
     pub(crate) map: &'a ParameterMap,
-    /// The configuration that ways begin at, and what it is by the variables.
+    /// Start of the motion, as a configuration and as variables.
     pub(crate) from: (&'a [f64], &'a [f64]),
-    /// A configuration to check.
+    /// Buffer of the checked configuration.
     pub(crate) q: &'a mut Vec<f64>,
 }
 
@@ -67,7 +68,7 @@ impl StepGuard for WayGuard<'_> {
     }
 }
 
-/// What is minimised, with its steps guarded.
+/// Least-squares problem with guarded steps.
 pub(super) struct Guarded<'a, 'q> {
     pub(super) evaluation: &'a mut Evaluation<'q>,
     pub(super) guard: &'a mut dyn StepGuard,

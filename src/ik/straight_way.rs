@@ -1,10 +1,12 @@
-//! The straight way of a body from one place to another, on which all its variables go evenly.
+//! Linear interpolation in joint space.
 
 use crate::problem::{Problem, Question};
 use crate::solver::ConfigurationSpace;
 
-/// The variable that goes furthest for what it may (its unit, a radian for what turns), and how far, in radians: of a ball the
-/// angle that it turns by. `way` is memory of as many numbers.
+/// Returns the variable that moves furthest relative to its `unit`, and by how much, in radians.
+///
+/// `unit` is 1 for angles and a length for prismatic joints. A ball joint counts with its rotation angle. `way` is a
+/// buffer with one entry per variable.
 pub(super) fn furthest_move(
     problem: &Problem,
     unit: &[f64],
@@ -21,7 +23,8 @@ pub(super) fn furthest_move(
     moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Where a share of the way leads, within the limits of balls. `way` is memory of as many numbers.
+/// Writes the point at the fraction `share` of the motion into `at`, within the limits of ball joints. `way` is a
+/// buffer.
 pub(super) fn go_share(
     space: ConfigurationSpace<'_>,
     [from, to]: [&[f64]; 2],

@@ -1,9 +1,8 @@
-//! A way out of a place of rest that misses what could be reached.
+//! Escape from local minima of a drag.
 //!
-//! A body that settles against limits of several joints may rest a little short of a target, where every small step
-//! makes it worse (a local minimum of the bounded problem). While it rests, each frame makes one attempt from a place
-//! not far from it; where that comes to the targets on the same branch, the next frames go there, within the most that
-//! a joint may move in each.
+//! A drag that converges at joint limits can stop short of a reachable target (a local minimum of the bounded problem).
+//! Each idle frame then solves once from a perturbed configuration. If that solution is on the same branch, the
+//! following frames move to it, within the joint step limit of a frame.
 
 use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
 use super::levels::Extent;
@@ -13,39 +12,39 @@ use crate::problem::Question;
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination};
 
-/// Attempts for one place of rest.
+/// Maximum number of attempts per local minimum.
 const TRIES: usize = 24;
-/// Frames that an attempt may take, each of as many steps as a frame has.
+/// Maximum number of frames per attempt, each with the iterations of a frame.
 const FRAMES_A_TRY: usize = 4;
-/// How far they begin from where the body rests, in radians, in turn: a third of them came out of places of rest beside
-/// limits of a figure's spine and arm.
+/// Size of the perturbation, radians; alternates between attempts. A third of the attempts escaped from limits of a
+/// spine and arm.
 const ASIDE: [f64; 2] = [0.2, 0.4];
-/// What turns a joint by more than this, in radians, is another branch: nobody expects it of a body at rest.
+/// Largest joint displacement that still counts as the same branch, radians.
 const SAME_BRANCH: f64 = 0.5;
-/// Steps of a frame on the way, which bring the goals back to what they were.
+/// Solver iterations per frame of the motion, which restore the required tasks.
 const STEPS: usize = 3;
-/// The share of what a joint may move in a frame that goes along the way; the rest is for bringing goals back.
+/// Fraction of the joint step limit used along the motion. The rest is for restoring the required tasks.
 const ALONG: f64 = 0.8;
-/// Frames on the way for each that its length takes.
+/// Largest ratio of frames used to the minimal number of frames.
 const PATIENCE: usize = 3;
 
-/// What is known of ways out.
+/// State of the escape.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WayOut {
-    /// Attempts made for the place of rest.
+    /// Number of attempts made at this local minimum.
     tries: usize,
-    /// Frames that the attempt in hand has taken; 0 between attempts.
+    /// Number of frames that the current attempt has taken; 0 between attempts.
     tried: usize,
-    /// Where the targets are reached, by variable, or where the attempt in hand has come to.
+    /// Variables of the known solution, or of the current attempt.
     end: Vec<f64>,
-    /// Whether the targets are reached there.
+    /// True if `end` reaches the targets.
     known: bool,
-    /// Frames that may still go there: none where the way turned out to be none.
+    /// Number of frames left to move to `end`.
     frames: usize,
 }
 
 impl WayOut {
-    /// Of a problem with so many variables, in which nothing is known.
+    /// Creates the state for a problem with `variables` variables.
     pub(super) fn new(variables: usize) -> Self {
         Self {
             end: Vec::with_capacity(variables),
@@ -53,7 +52,7 @@ impl WayOut {
         }
     }
 
-    /// Forgets everything.
+    /// Resets the state.
     pub(super) fn clear(&mut self) {
         self.tries = 0;
         self.tried = 0;
@@ -62,7 +61,7 @@ impl WayOut {
     }
 }
 
-/// How attempts and frames on the way are solved.
+/// Solvers of attempts and of frames.
 #[derive(Clone, Debug)]
 pub(super) struct WayOutSolvers {
     attempt: Solver,
@@ -72,11 +71,11 @@ pub(super) struct WayOutSolvers {
 
 impl WayOutSolvers {
     getters! {
-        /// How an attempt is made.
+        /// Solver of attempts.
         pub(super) fn attempt(&self) -> &Solver = &self.attempt;
     }
 
-    /// Of a solver within these limits a frame.
+    /// Derives the solvers from that of a frame and its stopping criteria.
     pub(super) fn new(solver: &Solver, stopping: Stopping) -> Self {
         let within = |steps: usize| {
             let few = stopping.max_iterations().min(steps);
@@ -93,14 +92,16 @@ impl WayOutSolvers {
 }
 
 impl Drag {
-    /// Whether ways out make sense at all: preferences that are traded miss on purpose, a body that keeps clear may not
-    /// go straight, and a drag that searches needs none.
+    /// Returns whether escapes apply to this problem.
+    ///
+    /// Weighted soft tasks cause intended errors. Collision avoidance forbids linear motions. A drag that searches
+    /// globally needs no escape.
     fn may_go_out(&self) -> bool {
         let traded = self.problem.pulls_in(self.problem.search_share());
         !traded && self.problem.fence().is_none() && self.search.is_none()
     }
 
-    /// Whether the frames to come look for a way out, or go on one.
+    /// Returns whether following frames attempt an escape or move along one.
     pub(super) fn seeks_way_out(&self) -> bool {
         let seeks = match self.way_out.known {
             true => self.way_out.frames > 0,
@@ -109,11 +110,11 @@ impl Drag {
         seeks && self.may_go_out() && !self.workspace.solution.reached
     }
 
-    /// One attempt from beside the place where this frame settled, if the body rests there.
+    /// Runs one attempt from a perturbed configuration if the drag is at rest.
     pub(super) fn seek_way_out(&mut self) {
         if self.way_out.known {
             if self.end_reaches() {
-                // It was no way.
+                // The motion to the known solution failed.
                 return;
             }
             self.way_out.clear();
@@ -149,7 +150,7 @@ impl Drag {
         }
     }
 
-    /// Another place to begin at, beside the one where the body rests.
+    /// Writes a perturbed copy of the current variables as the start of an attempt.
     fn begin_attempt(&mut self) {
         let aside = ASIDE[self.way_out.tries % ASIDE.len()];
         let mut random = RandomStream::new(1, self.way_out.tries as u64 + 1);
@@ -163,7 +164,7 @@ impl Drag {
         }
     }
 
-    /// Goes on towards a place that reaches the targets as they are now, if one is known; whether it did.
+    /// Moves one frame towards the known solution if it reaches the current targets. Returns whether it moved.
     pub(super) fn go_out(&mut self) -> bool {
         if !self.way_out.known || self.way_out.frames == 0 {
             return false;
@@ -195,13 +196,13 @@ impl Drag {
         true
     }
 
-    /// Whether the known place reaches the targets as they are now.
+    /// Returns whether the known solution reaches the current targets.
     fn end_reaches(&mut self) -> bool {
         self.look_at_end(true);
         self.trial.solution.reached
     }
 
-    /// Solves from the known place within the limits of the joints, or only looks at it.
+    /// Solves from `end` within the joint limits, or only evaluates it if `only` is set.
     fn look_at_end(&mut self, only: bool) {
         let question = Question::from(&self.problem).with_targets(&self.targets);
         question.space().project(&mut self.way_out.end);
@@ -213,7 +214,7 @@ impl Drag {
         self.q.copy_from_slice(&self.q_before);
     }
 
-    /// How far the joint that has the longest way to the known place must go, in radians.
+    /// Returns the largest joint displacement to the known solution, radians.
     fn distance_to_end(&mut self) -> f64 {
         let [_, way] = &mut self.before;
         let ends = [self.x.as_slice(), &self.way_out.end];

@@ -1,9 +1,9 @@
-//! A way out of contact for a body that no small step leads out of it.
+//! Escape from penetration that local steps cannot resolve.
 //!
-//! Each side of a plate looks like the way out to what is near it, so that an arm that pierces one may rest there. While it
-//! does, each frame makes one attempt to touch nothing, from places ever farther from where it rests; where one does, the next
-//! frames go there straight, through what the body is in, within the most that a joint may move in each. Ways through anything else
-//! are taken only after many attempts found no other.
+//! Each side of a plate repels the links near it, so an arm that pierces the plate can converge there. Each idle frame
+//! then attempts one collision-free solution, from perturbations of increasing size. The following frames move to a
+//! solution in a straight line through the penetrated obstacle, within the joint step limit of a frame. Motions through
+//! other obstacles are accepted only after many attempts found none.
 
 use super::Drag;
 use super::drag_frame::solve;
@@ -11,30 +11,30 @@ use super::straight_way::{furthest_move, go_share};
 use crate::problem::{AnyClearanceCheck, Fence, Question};
 use crate::random::RandomStream;
 
-/// Attempts for one place of rest.
+/// Maximum number of attempts per local minimum.
 const TRIES: usize = 64;
-/// So many of them may meet nothing on their way but what is touched at rest.
+/// Number of attempts whose motion may collide only with the pairs that are in collision at the start.
 const TRIES_PAST_OTHERS: usize = 40;
-/// How much farther from it each begins than the one before, in radians.
+/// Increment of the perturbation size per attempt, radians.
 const FARTHER: f64 = 0.05;
-/// A frame after which the deepest pair is less deep by no more than this, metres, leads nowhere.
+/// Decrease of the penetration per frame that counts as no progress, metres.
 const NO_LESS: f64 = 1e-6;
-/// How far a joint goes between two places of a way that are looked at, in radians.
+/// Joint displacement between two checked configurations of a motion, radians.
 const LOOKED_AT_EVERY: f64 = 0.01;
 
-/// What is known of ways out of contact.
+/// State of the escape.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WayOutOfContact {
-    /// Attempts made for the place of rest.
+    /// Number of attempts made at this local minimum.
     tries: usize,
-    /// Where nothing is touched, by variable.
+    /// Variables of a collision-free solution.
     end: Vec<f64>,
-    /// Whether that is known.
+    /// True if `end` is known.
     known: bool,
 }
 
 impl WayOutOfContact {
-    /// Of a problem with so many variables, in which nothing is known.
+    /// Creates the state for a problem with `variables` variables.
     pub(super) fn new(variables: usize) -> Self {
         Self {
             end: Vec::with_capacity(variables),
@@ -42,20 +42,21 @@ impl WayOutOfContact {
         }
     }
 
-    /// Forgets everything.
+    /// Resets the state.
     pub(super) fn clear(&mut self) {
         (self.tries, self.known) = (0, false);
     }
 }
 
 impl Drag {
-    /// Whether the frames to come look for a way out of contact, or go on one.
+    /// Returns whether following frames attempt an escape or move along one.
     pub(super) fn seeks_way_out_of_contact(&self) -> bool {
         let way = &self.way_out_of_contact;
         self.touches && self.problem.fence().is_some() && (way.known || way.tries < TRIES)
     }
 
-    /// One attempt to touch nothing, where a frame has led from one distance of the deepest pair to another, metres, and that is nowhere.
+    /// Runs one attempt if a frame changed the distance of the deepest pair, metres, from `before` to `after` without
+    /// progress.
     pub(super) fn seek_way_out_of_contact(
         &mut self,
         fence: &Fence,
@@ -99,7 +100,8 @@ impl Drag {
             free && (tries > TRIES_PAST_OTHERS || self.meets_nothing_else(check));
     }
 
-    /// Whether the straight way from where this frame ends to the place that touches nothing meets only what is touched where it begins.
+    /// Returns whether the linear motion to the solution collides only with the pairs that are in collision at its
+    /// start.
     fn meets_nothing_else(&self, check: &mut dyn AnyClearanceCheck) -> bool {
         let (map, space) = (
             self.problem.parameters(),
@@ -123,7 +125,7 @@ impl Drag {
         })
     }
 
-    /// Goes on towards a place that touches nothing, if one is known: where that leads, by variable.
+    /// Returns the variables one frame closer to the known collision-free solution, if there is one.
     pub(super) fn go_out_of_contact(&mut self) -> Option<Vec<f64>> {
         if !self.way_out_of_contact.known {
             return None;

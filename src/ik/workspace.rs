@@ -1,4 +1,4 @@
-//! The memory of solving, which belongs to the caller.
+//! Scratch memory of a solver, owned by the caller.
 
 use super::Solution;
 use super::keep_clear::ClearRoom;
@@ -7,41 +7,44 @@ use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::search::{Attempts, End, Found, Pulls};
 use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
-/// Scratch memory and room for the solution. Reuse it from solve to solve: after the first on a
-/// problem, a solve allocates nothing. It fits any problem, one at a time.
+/// Scratch memory and storage of the solution.
+///
+/// Reuse it between solves: after the first solve of a problem, further solves allocate nothing. It fits any problem,
+/// one at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub(super) memory: SolverState,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,
-    /// Of all tasks.
+    /// Residual of all tasks.
     whole_residual: Vec<f64>,
     pub(super) ranks: RankMemory,
     pub(super) solution: Solution,
-    /// For problems that keep clear of something.
+    /// Workspace of collision avoidance.
     pub(super) clear: Option<Box<ClearRoom>>,
 }
 
 impl Workspace {
-    /// Empty memory, which the first solve fills.
+    /// Creates an empty workspace. The first solve allocates its memory.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The solution of the last solve.
+    /// Solution of the last solve.
     #[must_use]
     pub fn solution(&self) -> &Solution {
         &self.solution
     }
 
-    /// ½ Σ ‖W r‖² where the last solve ended, of what it searched for: of the goals alone where preferences
-    /// act within them.
+    /// Cost ½ Σ ‖W r‖² of the searched tasks at the end of the last solve.
+    ///
+    /// If soft tasks act in the null space, the searched tasks are the required tasks only.
     pub(super) fn searched_cost(&self) -> f64 {
         half_squared(&self.search.keeper.residual)
     }
 
-    /// Whether the last solve's goals are better than another's, by less than this share of its cost.
+    /// Returns whether the required tasks of the last solve cost less than `share` times those of another workspace.
     pub(super) fn is_better(&self, problem: &Problem, share: f64, than: &Self) -> bool {
         match problem.ranks().levels() > 1 {
             true => {
@@ -52,7 +55,7 @@ impl Workspace {
         }
     }
 
-    /// Takes the problem's shape and hands out its scratch memory, new only for a new problem.
+    /// Resizes the memory for the problem and returns scratch memory, which is new only for a new problem.
     pub(super) fn fit(&mut self, question: Question<'_>) -> Scratch {
         let problem = question.problem;
         let share = problem.search_share();
@@ -73,7 +76,7 @@ impl Workspace {
         }
     }
 
-    /// Fills the solution in from what a search found.
+    /// Fills in the solution from a search result.
     pub(super) fn report(
         &mut self,
         question: Question<'_>,

@@ -1,6 +1,6 @@
-//! How far the bones of a figure may turn, in JSON beside a file that does not say it.
+//! Swing and twist limits (cones) of a skeleton's bones, in JSON: an addition to files without limits.
 //!
-//! An object by the bones' names, angles in degrees:
+//! The file is an object keyed by bone name, with angles in degrees:
 //!
 //! ```json
 //! {
@@ -10,15 +10,15 @@
 //! }
 //! ```
 //!
-//! - `swing`: how far the bone's axis may tip from where it is at rest, above 0 and at most 180; 180 unless said. Of two
-//!   numbers the first is about `about`, the second across that.
-//! - `twist`: from where to where it may turn about its axis, within -180 and 180; any way unless said.
-//! - `angle`: how far it may turn in all, about whatever axis, above 0 and at most 180; as swing and twist let it unless
-//!   said.
-//! - `axis`: what it twists about, in the bone's own axes; along the bone unless said. So the second line is a hinge.
-//! - `about`: the first axis of a swing of two numbers, in the bone's own axes.
+//! - `swing`: largest angle between the bone's axis and its direction at rest, above 0 and at most 180; 180 by default.
+//!   With two numbers the first limits the rotation about `about`, the second the rotation across it.
+//! - `twist`: range of the rotation about the bone's axis, within -180 and 180; unlimited by default.
+//! - `angle`: largest total rotation angle about any axis, above 0 and at most 180; by default only swing and twist
+//!   limit it.
+//! - `axis`: twist axis in the bone's frame; along the bone by default. The second line of the example is a hinge.
+//! - `about`: first axis of a swing of two numbers, in the bone's frame.
 //!
-//! A bone that is not named turns any way. Other keys, and a bone named twice, are errors.
+//! A bone that is not listed has no limits. Unknown keys and repeated bones are errors.
 
 use std::fmt;
 use std::path::Path;
@@ -31,23 +31,23 @@ use crate::model::{BallLimits, Limits};
 use crate::skeleton::{BoneCone, Cones};
 use crate::spatial::Vector3;
 
-/// The longest file that is read.
+/// Largest file size that is read, bytes.
 const LIMIT: u64 = 1 << 24;
 
-/// Half a turn, in degrees.
+/// The angle π, in degrees.
 const HALF: f64 = 180.0;
 
-/// Reads a file of cones.
+/// Reads a file of joint limits.
 ///
 /// # Errors
-/// A [`ReadError`] naming the file and a path in it such as `LeftArm.swing`: what is no JSON, a key that there is not, an
-/// angle out of its range, a swing of two numbers that does not say about what. Whether a figure has the bones is told by
-/// [`BallSkeleton::new`](crate::skeleton::BallSkeleton::new).
+/// A [`ReadError`] that names the file and a path in it such as `LeftArm.swing`. Causes are invalid JSON, an unknown
+/// key, an angle out of range, or a swing of two numbers without `about`.
+/// [`BallSkeleton::new`](crate::skeleton::BallSkeleton::new) checks that the skeleton has the bones.
 pub fn read(path: impl AsRef<Path>) -> Result<Cones, ReadError> {
     read_with(path.as_ref(), LIMIT, from_bytes)
 }
 
-/// Reads cones from the bytes of their file; `name` is for messages.
+/// Reads joint limits from the bytes of a file. `name` is the file name for messages.
 ///
 /// ```
 /// let cones = kinopt::io::cones::from_bytes(br#"{"Neck": {"swing": 40, "twist": [-70, 70]}}"#, "man.json")?;
@@ -77,7 +77,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Cones, ReadError> {
     Ok(cones)
 }
 
-/// What stands under a bone's name.
+/// Entry of one bone.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
@@ -95,12 +95,12 @@ enum Swing {
     Elliptic([f64; 2]),
 }
 
-/// All of a file, in its order.
+/// All entries of a file, in their order.
 #[derive(Debug)]
 struct Entries(Vec<(String, Entry)>);
 
 impl Entry {
-    /// What it says, or the key that is wrong and why.
+    /// The limits of the entry, or the faulty key and its problem.
     fn cone(&self) -> Result<BoneCone, (&'static str, String)> {
         let swing = match self.swing {
             None => [HALF; 2],
@@ -170,7 +170,7 @@ impl<'de> Deserialize<'de> for Entries {
                 while let Some(entry) = map.next_entry()? {
                     entries.push(entry);
                 }
-                // A figure without any needs no file.
+                // A skeleton without limits needs no file.
                 match entries.is_empty() {
                     true => Err(A::Error::custom("no bone has a cone in it")),
                     false => Ok(Entries(entries)),

@@ -1,8 +1,7 @@
-//! DMAT matrices, as libigl writes them; here they carry skin weights.
+//! DMAT matrices, the format of libigl, used for skin weights.
 //!
-//! The first line is `columns rows`. Then come the values column by column, as text. When the
-//! first line is `0 0`, a second `columns rows` line follows and then the values as little-endian
-//! `f64`, column by column.
+//! The first line is `columns rows`. The values follow column by column, as text. If the first line is `0 0`, a second
+//! line `columns rows` follows, and then the values as little-endian `f64`, column by column.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -11,21 +10,21 @@ use nalgebra::DMatrix;
 
 use super::{FromFile, MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
 
-/// How the values of a DMAT file are written.
+/// Encoding of the values of a DMAT file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DmatEncoding {
-    /// Decimal, with as many digits as it takes to read the same number back.
+    /// Decimal numbers, with as many digits as an exact round trip needs.
     Text,
     /// Little-endian `f64`.
     Binary,
 }
 
-/// Reads a matrix of finite numbers from the bytes of a DMAT file; `name` is for messages.
+/// Reads a matrix of finite numbers from the bytes of a DMAT file. `name` is the file name for messages.
 ///
 /// # Errors
-/// A [`ReadError`] with the line or byte offset: a malformed header, fewer or more values than
-/// announced, or a value that is not a finite number.
+/// A [`ReadError`] with the line or the byte offset: a malformed header, a wrong number of values, or a value that is
+/// not finite.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<DMatrix<f64>, ReadError> {
     let (size, body) = header_line(bytes, 0, 1, name)?;
     if size != (0, 0) {
@@ -38,13 +37,15 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<DMatrix<f64>, ReadError> {
 /// Reads a DMAT file of at most 2 GiB.
 ///
 /// # Errors
-/// As [`from_bytes`], and when the file cannot be opened.
+/// As [`from_bytes`], and a file that cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<DMatrix<f64>, ReadError> {
     read_with(path.as_ref(), MAX_FILE_BYTES, from_bytes)
 }
 
-/// The bytes of a DMAT file. A matrix of no columns and no rows is always written in the binary
-/// form, because the header `0 0` means that; one with either, but not both, cannot be read back.
+/// The bytes of a DMAT file.
+///
+/// A matrix without columns and rows is always written as binary, because the header `0 0` means binary. A matrix with
+/// either columns or rows cannot be read back.
 #[must_use]
 pub fn to_bytes(matrix: &DMatrix<f64>, encoding: DmatEncoding) -> Vec<u8> {
     let sizes = format!("{} {}\n", matrix.ncols(), matrix.nrows());
@@ -71,7 +72,7 @@ pub fn to_bytes(matrix: &DMatrix<f64>, encoding: DmatEncoding) -> Vec<u8> {
 /// Writes [`to_bytes`] to a file.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file.
+/// A [`WriteError`] that names the file.
 pub fn write(
     matrix: &DMatrix<f64>,
     encoding: DmatEncoding,
@@ -80,7 +81,7 @@ pub fn write(
     write_file(path.as_ref(), &to_bytes(matrix, encoding))
 }
 
-/// The two numbers of the line that starts at `start`, and where the next line starts.
+/// The two numbers of the line at `start`, and the offset of the next line.
 fn header_line(
     bytes: &[u8],
     start: usize,
@@ -104,7 +105,7 @@ fn header_line(
     Ok((size, (start + length + 1).min(bytes.len())))
 }
 
-/// columns × rows, when that many values of at least `width` bytes can be in the rest of the file.
+/// The number of values columns × rows, if the rest of the file can hold them at `width` bytes or more each.
 fn checked_count(
     (columns, rows): (usize, usize),
     width: u128,
@@ -113,7 +114,7 @@ fn checked_count(
 ) -> FromFile<usize> {
     let place = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
     let what = format!("{columns} columns of {rows} values");
-    // Nothing in the file would stand against an absurd size times zero.
+    // Otherwise a size such as 0 × 10¹² would need no bytes and pass.
     if (columns == 0) != (rows == 0) {
         let problem = format!("{what} make no table");
         return Err(ReadError::malformed(name, place(), problem));
@@ -121,7 +122,7 @@ fn checked_count(
     let count = columns as u128 * rows as u128;
     // Both factors are below 2^64, but the width may push the product over u128.
     let needed = count.saturating_mul(width);
-    // The last text value needs no separator after it, hence the one byte of grace.
+    // The last text value needs no separator, hence one byte of tolerance.
     let enough = needed <= available as u128 + u128::from(width == TEXT_WIDTH);
     match usize::try_from(count) {
         Ok(count) if enough => Ok(count),
@@ -129,7 +130,7 @@ fn checked_count(
     }
 }
 
-/// The fewest bytes a value takes as text: a digit and a separator.
+/// Smallest size of a text value in bytes: a digit and a separator.
 const TEXT_WIDTH: u128 = 2;
 
 fn text_values(

@@ -1,4 +1,4 @@
-//! JSON into any type, with the path of what is wrong.
+//! JSON parsing with the path of the fault in errors.
 
 use serde::de::DeserializeOwned;
 
@@ -8,7 +8,7 @@ pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> FromFile<T>
     parse_by(|json| serde_json::from_slice(json), json, name)
 }
 
-/// As [`parse`], by a reader of another crate, which is then compiled there and not here once more.
+/// As [`parse`], with a parser function of another crate, so that this crate does not instantiate it again.
 pub(super) fn parse_by<T>(
     reader: impl FnOnce(&[u8]) -> serde_json::Result<T>,
     json: &[u8],
@@ -21,7 +21,7 @@ pub(super) fn parse_by<T>(
             .map(<[u8]>::len)
             .sum();
         let end = (before + error.column()).min(json.len());
-        // What a type refuses after all of it was read is reported behind the comma that follows.
+        // An error found after a value was read is reported at the comma behind it.
         let read = json[..end].trim_ascii_end();
         let place = match path(read.strip_suffix(b",").unwrap_or(read)) {
             root if root.is_empty() => Place::File,
@@ -31,17 +31,16 @@ pub(super) fn parse_by<T>(
     })
 }
 
-/// A list or an object that is not closed yet, and where in it the text stands.
+/// An open list or object, with the current index or key.
 enum Open {
     List(usize),
     Object(Option<String>),
 }
 
-/// The path of the value in which, or right behind which, a beginning of a JSON text ends. serde_json
-/// tells line and column only.
+/// Path of the value in or directly after which `beginning` ends. The errors of serde_json have line and column only.
 fn path(beginning: &[u8]) -> String {
     let mut open: Vec<Open> = Vec::new();
-    // Whether a string is a key: after a brace, or after a comma in an object.
+    // The next string is a key: after a brace, or after a comma in an object.
     let mut key_is_next = false;
     let mut at = 0;
     while let Some(&byte) = beginning.get(at) {
@@ -81,7 +80,7 @@ fn path(beginning: &[u8]) -> String {
     })
 }
 
-/// The bytes of a string up to its closing quotation mark, or to the end of the text.
+/// Length of a string up to its closing quotation mark, or to the end of the text.
 fn string_length(text: &[u8]) -> usize {
     let mut escaped = false;
     let end = text.iter().position(|byte| {

@@ -1,9 +1,8 @@
-//! Files: meshes (PLY, OBJ), matrices (DMAT), rigs, animation state machines and cones of bones (JSON),
-//! motion capture (BVH), and with feature `gltf` scenes (glTF 2.0).
+//! File formats: meshes (PLY, OBJ), matrices (DMAT), rigs, animation state machines and joint limits (JSON), motion
+//! capture (BVH), and with feature `gltf` scenes (glTF 2.0).
 //!
-//! Every reader has a core that takes bytes and a name for messages, and a `read` that takes a
-//! path. A count that a file announces is checked against the file's length before anything is
-//! allocated for it.
+//! Every reader has a function that takes bytes and a name for messages, and a function `read` that takes a path. A
+//! count in a file is checked against the file's length before memory is allocated for it.
 
 pub mod bvh;
 pub mod cones;

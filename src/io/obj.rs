@@ -1,4 +1,4 @@
-//! Wavefront OBJ meshes, written only.
+//! Wavefront OBJ meshes (writing only).
 
 use std::fmt::Write;
 use std::path::Path;
@@ -6,12 +6,12 @@ use std::path::Path;
 use super::{WriteError, write_file};
 use crate::mesh::TriangleMesh;
 
-/// The mesh as OBJ text: `v`, `vn` where there are normals, and `f` with indices from 1. Numbers
-/// have as many digits as it takes to read the same `f32` back.
+/// The mesh as OBJ text: `v`, `vn` if there are normals, and `f` with indices from 1. Numbers have as many digits as an
+/// exact round trip of `f32` needs.
 #[must_use]
 pub fn to_text(mesh: &TriangleMesh) -> String {
     let mut text = String::new();
-    // Writing to a String cannot fail, so the results carry nothing.
+    // Writing to a String cannot fail.
     for p in mesh.positions() {
         let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
     }
@@ -20,7 +20,7 @@ pub fn to_text(mesh: &TriangleMesh) -> String {
     }
     let with_normals = !mesh.normals().is_empty();
     for triangle in mesh.triangles() {
-        // u64, because the last u32 index plus one is not a u32.
+        // u64, because the largest u32 index plus one overflows u32.
         let [a, b, c] = triangle.map(|index| u64::from(index) + 1);
         let _ = if with_normals {
             writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}")
@@ -34,7 +34,7 @@ pub fn to_text(mesh: &TriangleMesh) -> String {
 /// Writes [`to_text`] to a file.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file.
+/// A [`WriteError`] that names the file.
 pub fn write(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), WriteError> {
     write_file(path.as_ref(), to_text(mesh).as_bytes())
 }

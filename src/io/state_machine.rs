@@ -1,5 +1,4 @@
-//! Animation state machines in JSON; see
-//! [`StateMachineDefinition`] for what the file holds.
+//! Animation state machines in JSON; [`StateMachineDefinition`] describes the contents.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,21 +6,21 @@ use std::sync::Arc;
 use super::{Place, ReadError, read_with};
 use crate::animation::{Clip, StateMachine, StateMachineDefinition};
 
-/// The longest file that is read.
+/// Largest file size that is read, bytes.
 const LIMIT: u64 = 1 << 24;
 
-/// Reads a state machine that plays these clips.
+/// Reads a state machine for the given clips.
 ///
 /// # Errors
-/// A [`ReadError`] naming the file and a path in it such as `transitions[2].to`; unknown names come
-/// with the valid ones.
+/// A [`ReadError`] that names the file and a path in it such as `transitions[2].to`. Errors for unknown names list the
+/// valid ones.
 pub fn read(path: impl AsRef<Path>, clips: &[Arc<Clip>]) -> Result<StateMachine, ReadError> {
     read_with(path.as_ref(), LIMIT, |bytes, name| {
         from_bytes(bytes, name, clips)
     })
 }
 
-/// Reads a state machine from the bytes of its file; `name` is for messages.
+/// Reads a state machine from the bytes of a file. `name` is the file name for messages.
 ///
 /// # Errors
 /// As [`read`].

@@ -1,4 +1,4 @@
-//! Where the centre of a body's masses is, and how it moves.
+//! Centre of mass and its Jacobian.
 
 use nalgebra::{DMatrix, Matrix3xX};
 
@@ -7,14 +7,14 @@ use super::{ForwardKinematics, KinematicsError, Wrench, Wrenches};
 use crate::model::{MassError, Masses, Model};
 use crate::spatial::Vector3;
 
-/// Why a body's centre of mass is not known.
+/// Errors of the centre of mass.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CentreOfMassError {
-    /// It has no masses, or bad ones.
+    /// The model has no masses, or invalid ones.
     #[error(transparent)]
     Mass(#[from] MassError),
-    /// The configuration is none of its model's.
+    /// The configuration does not fit the model.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
 }
@@ -22,7 +22,8 @@ pub enum CentreOfMassError {
 /// The centre of mass Σ mᵢ pᵢ / Σ mᵢ at a configuration `q` (radians and metres), in the world, metres.
 ///
 /// # Errors
-/// Masses on frames that the model does not have, a wrong number of numbers, or one that is not finite.
+/// Returns an error for masses on frames that are not in the model, a wrong number of coordinates, or a coordinate that
+/// is not finite.
 pub fn centre_of_mass(
     model: &Model,
     masses: &Masses,
@@ -37,15 +38,14 @@ pub fn centre_of_mass(
     )
 }
 
-/// The Jacobian of the centre of mass: its velocity in world axes, m/s, for a rate of 1 of each degree of
-/// freedom; 3 rows, a column a degree of freedom, in the velocities of [`Model::integrate`] as those of
-/// [`Jacobian`](super::Jacobian).
+/// The Jacobian of the centre of mass: its velocity in world axes, m/s, for a unit rate of each degree of freedom.
 ///
-/// Found by one sweep from the tips to the root for each row (Sugihara & Nakamura 2002, "Whole-body cooperative
-/// balancing of humanoid robot using COG Jacobian", has the columns).
+/// It has 3 rows and a column for each degree of freedom, in the velocities of [`Model::integrate`], as in
+/// [`Jacobian`](super::Jacobian). Each row takes one sweep from the tips to the root. Source of the columns: Sugihara &
+/// Nakamura 2002, "Whole-body cooperative balancing of humanoid robot using COG Jacobian".
 ///
 /// # Errors
-/// As [`centre_of_mass`].
+/// Returns the errors of [`centre_of_mass`].
 pub fn centre_of_mass_jacobian(
     model: &Model,
     masses: &Masses,

@@ -1,28 +1,28 @@
-//! JᵀJ and Jᵀr of rows that move with one frame each, without J.
+//! JᵀJ and Jᵀr of rows that depend on one frame each, without J.
 //!
-//! What all rows of a limb ask of a small motion of it is a 6 × 6 matrix, as a rigid body's inertia is, and a joint feels those of
-//! all that it carries: so JᵀJ comes in one sweep from the tips to the root, as the joint-space inertia matrix does by the
-//! composite rigid body algorithm (Featherstone 2008, "Rigid Body Dynamics Algorithms", section 6.2).
+//! The rows of all frames below a node combine into one symmetric 6 × 6 matrix, like the inertia of a rigid body. One
+//! sweep from the tips to the root sums these matrices and gives JᵀJ. The composite rigid body algorithm computes the
+//! joint-space inertia matrix in the same way (Featherstone 2008, "Rigid Body Dynamics Algorithms", section 6.2).
 
 use super::{Partials, Tree, TreeState};
 use crate::spatial::Vector3;
 
-/// A motion (linear, angular) or a push (force, moment) about one point that is common to all, in world axes.
+/// A motion (linear, angular) or a wrench (force, moment) about one common point, in world axes.
 type Spatial = [f64; 6];
 
-/// What the rows of all frames ask, by the node that carries them.
+/// Sums over the rows of all frames, by the node that carries the frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Composites {
-    /// Σ w wᵀ over rows whose derivative by the node's motion is w.
+    /// Σ w wᵀ over rows with derivative w by the node's motion.
     stiffness: Vec<[Spatial; 6]>,
-    /// Σ w r.
+    /// Σ w r over the same rows, with r the row's value.
     push: Vec<Spatial>,
-    /// By variable: the motion of what it moves, for a rate of 1.
+    /// For each variable, the motion of the bodies it moves at a unit rate.
     motions: Vec<f64>,
 }
 
 impl Composites {
-    /// Memory for a tree.
+    /// Workspace for a tree.
     pub(crate) fn new(tree: &Tree) -> Self {
         Self {
             stiffness: vec![[[0.0; 6]; 6]; tree.nodes.len()],
@@ -31,13 +31,13 @@ impl Composites {
         }
     }
 
-    /// Forgets all rows.
+    /// Removes all rows.
     pub(crate) fn clear(&mut self) {
         self.stiffness.fill([[0.0; 6]; 6]);
         self.push.fill([0.0; 6]);
     }
 
-    /// By variable: the motion of what it moves, six numbers each.
+    /// For each variable, the motion of the bodies it moves at a unit rate, six numbers each.
     pub(crate) fn motions_mut(&mut self) -> &mut [f64] {
         &mut self.motions
     }
@@ -49,14 +49,14 @@ impl Composites {
 }
 
 impl Tree {
-    /// Whether each variable moves one joint at most.
+    /// True if each variable moves at most one joint.
     pub(crate) fn has_own_variables(&self) -> bool {
         let mut seen = vec![false; self.variables()];
         let mut nodes = self.nodes.iter();
         nodes.all(|node| !std::mem::replace(&mut seen[node.variable], true))
     }
 
-    /// The point that motions and pushes are about: near to the body, so that levers lose no digits.
+    /// Reference point of motions and wrenches: near the bodies, so that levers lose no digits.
     fn middle(&self, state: &TreeState<f64>) -> Vector3<f64> {
         let first = self.nodes.iter().position(|node| node.motion.turns());
         first.map_or(Vector3::zero(), |node| {
@@ -64,7 +64,7 @@ impl Tree {
         })
     }
 
-    /// Writes the motion of each variable, after a forward pass.
+    /// Writes the motion of each variable. Call it after a forward pass.
     pub(crate) fn write_motions(&self, state: &TreeState<f64>, composites: &mut Composites) {
         let middle = self.middle(state);
         for (node, placed) in self.nodes.iter().zip(&state.origin_from_node) {
@@ -77,7 +77,7 @@ impl Tree {
         }
     }
 
-    /// Adds the rows of one frame, whose values are `residual`.
+    /// Adds the rows of one frame, with values `residual`.
     pub(crate) fn add_to_composites(
         &self,
         state: &TreeState<f64>,
@@ -94,7 +94,7 @@ impl Tree {
             let moment = partials.angular.get(k).copied();
             let moment = moment.unwrap_or(Vector3::zero()) + lever.cross(*force);
             let w = spatial(*force, moment);
-            // As those of a foot in the air are.
+            // Skip rows without derivative, such as those of a foot in the air.
             if w == [0.0; 6] {
                 continue;
             }
@@ -105,8 +105,9 @@ impl Tree {
         }
     }
 
-    /// Sweeps the rows down to the root: hands each entry of JᵀJ on and below the diagonal to `add`, and adds Jᵀr to `gradient`.
-    /// The rows are used up.
+    /// Sweeps the rows from the tips to the root and consumes them.
+    ///
+    /// Calls `add(row, column, value)` for each entry of JᵀJ on and below the diagonal. Adds Jᵀr to `gradient`.
     pub(crate) fn sweep_composites(
         &self,
         composites: &mut Composites,

@@ -1,4 +1,4 @@
-//! Where the frames of a model stand for a configuration, checked.
+//! Forward kinematics of a model's frames, with checked input.
 
 use thiserror::Error;
 
@@ -7,60 +7,61 @@ use crate::model::{BallVariables, FrameId, Model, ParameterMap, SegmentKind};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// Why frames cannot be placed.
+/// Errors of forward kinematics and Jacobians.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum KinematicsError {
-    /// A frame id beyond the model's frames.
+    /// A frame id that is not in the model.
     #[error("frame number {index} was asked for, but model `{model}` has {frames} frames")]
     ForeignFrame {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// The position that the id stands for.
+        /// The index of the frame id.
         index: usize,
-        /// How many frames the model has.
+        /// Number of frames in the model.
         frames: usize,
     },
-    /// A parameter map of another model, told by its size.
+    /// A parameter map of another model, detected by its size.
     #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
     ForeignMap {
-        /// Coordinates in the map.
+        /// Number of coordinates of the map.
         map: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Coordinates in the model.
+        /// Number of coordinates of the model.
         model_coordinates: usize,
     },
-    /// Too few or too many numbers.
+    /// A slice of wrong length.
     #[error("{given} numbers were given, placing the frames of `{model}` takes {expected}")]
     Length {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Numbers given.
+        /// Given number of values.
         given: usize,
-        /// Numbers needed: those of a configuration, or the parameter map's variables.
+        /// Required number of values: the length of a configuration, or the number of the parameter map's variables.
         expected: usize,
     },
-    /// A quaternion of length zero, or too large or small for its length to be a number.
+    /// A quaternion of length zero, or one whose length overflows or underflows.
     #[error("the quaternion from number {index} of a configuration of `{model}` is no rotation")]
     NoRotation {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Where it begins, from 0.
+        /// Index of its first component, from 0.
         index: usize,
     },
     /// A number that is NaN or infinite.
     #[error("number {index} of those that place the frames of `{model}` is not finite")]
     NotFinite {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Which number, from 0: a coordinate, or a variable of the parameter map.
+        /// Index of the number, from 0: a coordinate, or a variable of the parameter map.
         index: usize,
     },
 }
 
-/// Places frames of one model again and again in memory of its own; after it is made, nothing is
-/// allocated. Joints that move none of its frames cost nothing.
+/// Forward kinematics of frames of one model, with its own workspace.
+///
+/// After construction it allocates nothing. Joints that move none of its frames cost nothing.
 ///
 /// ```
 /// use kinopt::kinematics::ForwardKinematics;
@@ -83,41 +84,41 @@ pub struct ForwardKinematics<S = f64> {
     model: String,
     tree: Tree,
     state: TreeState<S>,
-    /// For models with ball joints.
+    /// Reads configurations of models with ball joints; `None` for other models.
     read: Option<ReadConfiguration<S>>,
 }
 
-/// How the variables of a tree are read out of configurations with quaternions.
+/// Conversion of configurations with quaternions to the variables of a tree.
 #[derive(Clone, Debug)]
 pub(super) struct ReadConfiguration<S> {
     pub(super) map: ParameterMap,
-    /// What was read last.
+    /// The variables of the last configuration.
     pub(super) x: Vec<S>,
-    /// By ball: whether it is a free joint's, whose slides are the three variables before it.
+    /// For each ball joint, true if it is part of a free joint, whose translations are the three variables before it.
     pub(super) is_free: Vec<bool>,
 }
 
 impl<S: Scalar> ForwardKinematics<S> {
-    /// For all frames of a model, by [`FrameId::index`].
+    /// Kinematics of all frames of a model, in the order of [`FrameId::index`].
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let frames: Vec<FrameId> = model.frame_ids().collect();
         Self::of_configurations(model, &frames)
     }
 
-    /// For some frames, in any order.
+    /// Kinematics of some frames, in any order.
     ///
     /// # Errors
-    /// An id beyond the model's frames.
+    /// Returns an error for a frame id that is not in the model.
     pub fn of_frames(model: &Model, frames: &[FrameId]) -> Result<Self, KinematicsError> {
         check_frames(model, frames)?;
         Ok(Self::of_configurations(model, frames))
     }
 
-    /// For some frames, placed for the variables of `map` rather than for a configuration.
+    /// Kinematics of some frames as a function of the variables of `map` instead of a configuration.
     ///
     /// # Errors
-    /// An id beyond the model's frames, or a map of another model.
+    /// Returns an error for a frame id that is not in the model, or a map of another model.
     pub fn under(
         model: &Model,
         map: &ParameterMap,
@@ -149,7 +150,7 @@ impl<S: Scalar> ForwardKinematics<S> {
         own
     }
 
-    /// For ids and a map of this model.
+    /// Kinematics for ids and a map of this model, unchecked.
     pub(crate) fn compile(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
         let tree = Tree::new(model, map, frames);
         Self {
@@ -161,22 +162,23 @@ impl<S: Scalar> ForwardKinematics<S> {
     }
 
     getters! {
-        /// How many numbers [`place`](Self::place) reads: those of a configuration, or the
-        /// variables of the parameter map.
+        /// Number of values that [`place`](Self::place) reads: the length of a configuration, or the number of the
+        /// parameter map's variables.
         pub fn variables(&self) -> usize = match &self.read {
             Some(read) => read.map.sources().len(),
             None => self.tree.variables(),
         };
-        /// What the last [`place`](Self::place) found; identities before the first.
+        /// The placements of the last [`place`](Self::place); identities before the first.
         pub fn placements(&self) -> &[Placement<S>] = self.state.frames();
         pub(super) fn read(&self) -> Option<&ReadConfiguration<S>> = self.read.as_ref();
     }
 
-    /// world_from_frame of each frame, in the order asked for, at the configuration `q` (radians
-    /// and metres, within limits or not; quaternions of any length but zero).
+    /// Computes world_from_frame of each frame, in the order of construction, at the configuration `q`.
+    ///
+    /// `q` is in radians and metres, within limits or not; quaternions have any length except zero.
     ///
     /// # Errors
-    /// A wrong number of numbers, or one that is not finite, a quaternion of length zero.
+    /// Returns an error for a wrong number of coordinates, one that is not finite, or a quaternion of length zero.
     pub fn place(&mut self, q: &[S]) -> Result<&[Placement<S>], KinematicsError> {
         if q.len() != self.variables() {
             return Err(KinematicsError::Length {

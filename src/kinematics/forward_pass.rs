@@ -7,23 +7,23 @@ use super::tree::{Ball, Node};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// Scratch memory of one tree over one scalar: what the last forward pass found.
+/// Workspace of one tree over one scalar: the result of the last forward pass.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeState<S> {
-    /// By node, in world axes, seen from the tree's origin.
+    /// Placement of each node, in world axes, relative to the tree's origin.
     pub(super) origin_from_node: Vec<Placement<S>>,
-    /// By slot.
+    /// Placement of each frame in the world, by slot.
     world_from_frame: Vec<Placement<S>>,
-    /// Each node's value, radians or metres, with its sine and cosine.
+    /// Value of each node, radians or metres; its sine and cosine follow.
     values: Vec<S>,
     sines: Vec<S>,
     cosines: Vec<S>,
-    /// By ball: what each of its variables turns about, in world axes.
+    /// For each ball joint, the rotation axis of each of its variables, in world axes.
     pub(super) ball_axes: Vec<[Vector3<S>; 3]>,
 }
 
 impl<S: Scalar> TreeState<S> {
-    /// Memory for `tree`, as if every placement were the identity.
+    /// Workspace for `tree`, with identity placements.
     pub(crate) fn new(tree: &Tree) -> Self {
         Self {
             origin_from_node: vec![Placement::identity(); tree.nodes.len()],
@@ -35,14 +35,14 @@ impl<S: Scalar> TreeState<S> {
         }
     }
 
-    /// Where each requested frame stands in the world, by slot.
+    /// Placement of each requested frame in the world, by slot.
     pub(crate) fn frames(&self) -> &[Placement<S>] {
         &self.world_from_frame
     }
 }
 
 impl Node {
-    /// Where a joint is at value 0, its parent being placed.
+    /// Placement of a joint at value 0; its parent must be placed.
     #[inline(always)]
     fn before_motion<S: Scalar>(&self, placed: &[Placement<S>]) -> Placement<S> {
         match self.parent {
@@ -53,7 +53,7 @@ impl Node {
 }
 
 impl Tree {
-    /// Places some nodes in a row, none of which turns as a ball does.
+    /// Places a range of nodes without ball joints.
     #[inline(always)]
     fn place<S: Scalar>(&self, nodes: Range<usize>, state: &mut TreeState<S>) {
         let placed = &mut state.origin_from_node;
@@ -69,7 +69,7 @@ impl Tree {
         }
     }
 
-    /// Places all nodes, balls among them.
+    /// Places all nodes, ball joints included.
     #[inline(never)]
     fn place_with_balls<S: Scalar>(&self, state: &mut TreeState<S>) {
         let mut placed = 0;
@@ -89,13 +89,13 @@ impl Tree {
         self.place(placed..self.nodes.len(), state);
     }
 
-    /// Places every node and frame for the variables `x` (shape: [`variables`](Self::variables)).
+    /// Places every node and frame for the variables `x` (length: [`variables`](Self::variables)).
     pub(crate) fn forward<S: Scalar>(&self, x: &[S], state: &mut TreeState<S>) {
         for (node, value) in self.nodes.iter().zip(&mut state.values) {
             *value = x[node.variable] * S::constant(node.ratio) + S::constant(node.offset);
         }
         S::sin_cos_all(&state.values, &mut state.sines, &mut state.cosines);
-        // Apart, so that a tree of hinges pays nothing for balls that it does not have.
+        // Separate functions, so that trees without ball joints do not pay for them.
         match self.balls.is_empty() {
             true => self.place(0..self.nodes.len(), state),
             false => self.place_with_balls(state),

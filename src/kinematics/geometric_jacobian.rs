@@ -1,7 +1,7 @@
-//! The analytic Jacobian: each ancestor joint adds its twist, nothing else is touched.
+//! The geometric Jacobian of a frame, from the twists of the joints that carry it.
 //!
-//! Column of a revolute joint with world axis z at p, for a frame at x: (z × (x − p), z); of a
-//! prismatic joint: (z, 0). Linear part first, then angular, in world axes at the frame's origin
+//! The column of a revolute joint with world axis z at p, for a frame at x, is (z × (x − p), z). The column of a
+//! prismatic joint is (z, 0). The linear part comes first, then the angular part, in world axes at the frame's origin
 //! (Siciliano et al. 2009, "Robotics", eq. 3.30).
 
 use nalgebra::DMatrix;
@@ -9,25 +9,27 @@ use nalgebra::DMatrix;
 use super::{FrameSlot, Tree, TreeState};
 use crate::spatial::Vector3;
 
-/// The derivative of some residual rows by the twist of one frame.
+/// The derivatives of some residual rows by the twist of one frame.
 ///
-/// `linear[k]` and `angular[k]` are the derivatives of row `first_row + k` by the frame's velocity
-/// (per metre) and angular velocity (per radian), in world axes at the frame's origin.
+/// `linear[k]` is the derivative of row `first_row + k` by the frame's velocity (per metre), `angular[k]` by its
+/// angular velocity (per radian). Both are in world axes at the frame's origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Partials<'a> {
-    /// Which frame moves.
+    /// The frame.
     pub(crate) frame: FrameSlot,
     /// The residual row of the first entry.
     pub(crate) first_row: usize,
     /// ∂row/∂velocity, one per row.
     pub(crate) linear: &'a [Vector3<f64>],
-    /// ∂row/∂angular velocity, one per row; empty where the rows do not feel rotation.
+    /// ∂row/∂angular velocity, one per row; empty if the rows do not depend on rotation.
     pub(crate) angular: &'a [Vector3<f64>],
 }
 
 impl Tree {
-    /// Adds the derivatives of the rows in `partials` by all variables to `jacobian` (shape: rows
-    /// × [`variables`](Self::variables)), after a forward pass at the same x.
+    /// Adds the derivatives of the rows in `partials` by all variables to `jacobian`.
+    ///
+    /// `jacobian` has a column for each of the [`variables`](Self::variables). Call it after a forward pass at the same
+    /// x.
     pub(crate) fn add_geometric_jacobian(
         &self,
         state: &TreeState<f64>,
@@ -40,9 +42,9 @@ impl Tree {
             let start = variable * rows + partials.first_row;
             start..start + partials.linear.len()
         };
-        // The shapes apart, as a frame has many ancestors.
+        // One branch per shape outside the loop over ancestors.
         match (partials.linear, partials.angular) {
-            // The most common, without a loop.
+            // The most common shape, unrolled.
             (&[by_x, by_y, by_z], []) => {
                 self.each_twist(state, partials.frame, |variable, linear, _| {
                     if let [x, y, z] = &mut entries[own(variable)] {
@@ -72,8 +74,10 @@ impl Tree {
         }
     }
 
-    /// Tells of each joint that carries a frame its variable and the frame's velocity and angular velocity for one
-    /// unit of it.
+    /// Visits each joint that carries a frame.
+    ///
+    /// The closure gets the joint's variable and the frame's velocity and angular velocity for a unit rate of the
+    /// variable.
     #[inline(always)]
     fn each_twist(
         &self,

@@ -1,4 +1,4 @@
-//! The Jacobian of frames, as robotics has it: six rows a frame, a column a coordinate.
+//! Jacobians of frames: six rows for each frame, a column for each degree of freedom.
 
 use nalgebra::{DMatrix, Matrix6xX};
 
@@ -13,15 +13,15 @@ const STILL: Vector3<f64> = Vector3 {
     z: 0.0,
 };
 
-/// The Jacobian of frames of one model, again and again in memory of its own: after it is made, nothing
-/// is allocated.
+/// The Jacobian of frames of one model, with its own workspace. After construction it allocates nothing.
 ///
-/// Rows 6k to 6k + 5 are of frame k: its velocity (m/s, of its own origin) and then its angular velocity
-/// (rad/s), both in world axes, for a rate of 1 of each coordinate. So column j is (z × (x − p), z) for a
-/// revolute joint with world axis z through p and a frame at x, (z, 0) for a prismatic one, and 0 for a
-/// joint that does not carry the frame (Siciliano et al. 2009, "Robotics", eq. 3.30). A ball has three, for
-/// turning about its turned axes, and a free joint six, for moving along and turning about its moved axes: the
-/// velocities of [`Model::integrate`]. It is Pinocchio's `LOCAL_WORLD_ALIGNED`.
+/// Rows 6k to 6k + 5 belong to frame k: the velocity of its origin (m/s), then its angular velocity (rad/s). Both are
+/// in world axes, for a unit rate of each degree of freedom. It is Pinocchio's `LOCAL_WORLD_ALIGNED`.
+///
+/// Column j is (z × (x − p), z) for a revolute joint with world axis z through p and a frame at x. It is (z, 0) for a
+/// prismatic joint, and 0 for a joint that does not carry the frame (Siciliano et al. 2009, "Robotics", eq. 3.30). A
+/// ball joint has three columns, for rotation about its rotated axes. A free joint has six, for translation along and
+/// rotation about its moved axes. These are the velocities of [`Model::integrate`].
 #[derive(Clone, Debug)]
 pub struct Jacobian {
     kinematics: ForwardKinematics,
@@ -29,7 +29,7 @@ pub struct Jacobian {
 }
 
 impl Jacobian {
-    /// For the frames, and the configurations or variables, of compiled kinematics.
+    /// A Jacobian of the frames, configurations or variables of compiled kinematics.
     #[must_use]
     pub fn new(kinematics: ForwardKinematics) -> Self {
         let rows = 6 * kinematics.placements().len();
@@ -40,19 +40,21 @@ impl Jacobian {
     }
 
     getters! {
-        /// How many numbers [`at`](Self::at) reads.
+        /// Number of values that [`at`](Self::at) reads.
         pub fn variables(&self) -> usize = self.kinematics.variables();
-        /// How many columns J has: a model's degrees of freedom, or a map's variables.
+        /// Number of columns of J: the degrees of freedom of a model, or the variables of a map.
         pub fn columns(&self) -> usize = self.matrix.ncols();
-        /// Where the frames stood at the last [`at`](Self::at); identities before the first.
+        /// The placements of the frames at the last [`at`](Self::at); identities before the first.
         pub fn placements(&self) -> &[Placement<f64>] = self.kinematics.placements();
     }
 
-    /// J at a configuration (radians and metres): 6 × frames rows, a column a degree of freedom, or a variable
-    /// where the kinematics are [under](ForwardKinematics::under) a parameter map.
+    /// J at a configuration (radians and metres), with 6 × frames rows.
+    ///
+    /// It has a column for each degree of freedom, or for each variable if the kinematics are
+    /// [under](ForwardKinematics::under) a parameter map.
     ///
     /// # Errors
-    /// As [`ForwardKinematics::place`].
+    /// Returns the errors of [`ForwardKinematics::place`].
     pub fn at(&mut self, q: &[f64]) -> Result<&DMatrix<f64>, KinematicsError> {
         self.kinematics.place(q)?;
         self.matrix.fill(0.0);
@@ -78,14 +80,14 @@ impl Jacobian {
     }
 }
 
-/// Turns columns by the rates of rotation vectors, and of places, into columns by velocities in moved axes.
+/// Converts columns by rates of rotation vectors and positions to columns by velocities in moved axes.
 pub(super) fn by_velocity(read: &ReadConfiguration<f64>, matrix: &mut DMatrix<f64>) {
     for (ball, &is_free) in read.map.balls().iter().zip(&read.is_free) {
         let Some([x, y, z]) = ball.of(&read.x) else {
             continue;
         };
         let turned = Vector3::new(x, y, z);
-        // ω = J_r(x) ẋ in turned axes, and J_r(x) = J_l(−x).
+        // ω = J_r(x) ẋ in rotated axes, and J_r(x) = J_l(−x).
         multiply(matrix, ball.variable, rotation_log_jacobian(-turned));
         if is_free {
             multiply(matrix, ball.variable - 3, rotation_exp(turned));
@@ -103,9 +105,10 @@ fn multiply(matrix: &mut DMatrix<f64>, first: usize, by: Matrix3<f64>) {
     }
 }
 
-/// The Jacobian of one frame at a configuration `q` (radians and metres): linear rows first, then
-/// angular, in world axes at the frame's origin; a column a degree of freedom. [`Jacobian`] does the same
-/// without compiling and allocating each time, and for several frames.
+/// The Jacobian of one frame at a configuration `q` (radians and metres), with a column for each degree of freedom.
+///
+/// Linear rows come first, then angular rows, in world axes at the frame's origin. [`Jacobian`] avoids compiling and
+/// allocating on each call, and takes several frames.
 ///
 /// ```
 /// use kinopt::kinematics::frame_jacobian;
@@ -120,7 +123,7 @@ fn multiply(matrix: &mut DMatrix<f64>, first: usize, by: Matrix3<f64>) {
 /// let tip = builder.frame("tip", Some(elbow), link);
 /// let model = builder.build()?;
 ///
-/// // Stretched along x, the tip goes along y: 2 m/s by the shoulder, 1 m/s by the elbow.
+/// // Stretched along x, the tip moves along y: 2 m/s by the shoulder, 1 m/s by the elbow.
 /// let jacobian = frame_jacobian(&model, tip, &[0.0, 0.0])?;
 /// assert_eq!(jacobian.column(0), vector![0.0, 2.0, 0.0, 0.0, 0.0, 1.0]);
 /// assert_eq!(jacobian.column(1), vector![0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
@@ -128,7 +131,8 @@ fn multiply(matrix: &mut DMatrix<f64>, first: usize, by: Matrix3<f64>) {
 /// ```
 ///
 /// # Errors
-/// An id beyond the model's frames, a wrong number of numbers, or one that is not finite.
+/// Returns an error for a frame id that is not in the model, a wrong number of coordinates, or a coordinate that is not
+/// finite.
 pub fn frame_jacobian(
     model: &Model,
     frame: FrameId,

@@ -1,21 +1,21 @@
-//! The joints of a tree one by one, for methods that turn them in turn.
+//! Access to the joints of a tree one by one, for methods that move one joint at a time.
 
 use super::{FrameSlot, Tree, TreeState};
 use crate::spatial::Vector3;
 
-/// A moving joint where the last forward pass left it, in world axes.
+/// The axis of a moving joint after the last forward pass, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct JointAxis {
-    /// Turning, rather than sliding.
+    /// True if the joint rotates, false if it translates.
     pub(crate) turns: bool,
-    /// Of unit length.
+    /// Direction of the axis, of unit length.
     pub(crate) direction: Vector3<f64>,
-    /// The joint's own origin, a point of a turning joint's axis.
+    /// Origin of the joint; for a rotating joint, a point on its axis.
     pub(crate) origin: Vector3<f64>,
 }
 
 impl Tree {
-    /// How many moving joints there are. They are numbered parents first.
+    /// Number of moving joints, which are indexed parents first.
     pub(crate) fn joints(&self) -> usize {
         self.nodes.len()
     }
@@ -30,12 +30,12 @@ impl Tree {
         self.leaves[slot].node
     }
 
-    /// The variable that moves a joint, and by how much of its own unit for one of the variable's.
+    /// The variable that moves a joint, and the joint's ratio: joint units per variable unit.
     pub(crate) fn variable_of(&self, joint: usize) -> (usize, f64) {
         (self.nodes[joint].variable, self.nodes[joint].ratio)
     }
 
-    /// Whether a joint turns, rather than slides.
+    /// True if the joint rotates, false if it translates.
     pub(crate) fn turns(&self, joint: usize) -> bool {
         self.nodes[joint].motion.turns()
     }
@@ -51,8 +51,10 @@ impl Tree {
         }
     }
 
-    /// The joint that a frame hangs on, and the frame's own place seen from the tree's origin: the world's would lose
-    /// digits of levers. Few frames are asked for it, so that it is not kept for all.
+    /// The node that carries a frame, and the frame's position relative to the tree's origin.
+    ///
+    /// A position relative to the world's origin would lose digits of levers. Computed on demand because few frames
+    /// need it.
     #[inline(always)]
     pub(super) fn hung(
         &self,
@@ -68,7 +70,7 @@ impl Tree {
         })
     }
 
-    /// A point that a joint carries, from the joint's coordinates to the world's.
+    /// A point fixed to a joint, from joint coordinates to world coordinates.
     pub(crate) fn carried(
         &self,
         state: &TreeState<f64>,
@@ -78,7 +80,7 @@ impl Tree {
         self.origin + state.origin_from_node[joint].apply(local)
     }
 
-    /// The same from the world's coordinates to the joint's.
+    /// A point fixed to a joint, from world coordinates to joint coordinates.
     pub(crate) fn local_to(
         &self,
         state: &TreeState<f64>,

@@ -1,12 +1,13 @@
-//! How every joint of a model is turned.
+//! Orientations of all joints of a model.
 
 use super::motion::Motion;
 use crate::model::{JointId, JointKind, Model, quaternion_at};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
-/// The orientation in the world of every joint of `model` at a configuration of it, after its own motion, by
-/// [`JointId::index`].
+/// Writes the orientation of every joint of `model` in the world at `q`, after its own motion.
+///
+/// Entries are in the order of [`JointId::index`].
 pub(crate) fn joint_rotations(model: &Model, q: &[f64], rotations: &mut Vec<Matrix3<f64>>) {
     rotations.clear();
     for (index, joint) in model.joints().iter().enumerate() {

@@ -1,9 +1,9 @@
-//! From configurations to placements, and their derivatives.
+//! Forward kinematics and Jacobians.
 //!
-//! [`ForwardKinematics`] places the frames of a model, a [`Jacobian`] (of one frame:
-//! [`frame_jacobian`]) says how they move. Inside, a tree is a model compiled for one
-//! purpose: the joints that move the frames asked for, with everything constant folded in. Who
-//! compiles one has checked ids and sizes, so its loops need not.
+//! [`ForwardKinematics`] computes the placements of a model's frames, and [`Jacobian`] their derivatives (for one
+//! frame: [`frame_jacobian`]). Internally, a `Tree` is a model compiled for one list of frames. It holds the joints
+//! that move these frames, with constants folded in. The code that compiles a tree checks ids and lengths, so its loops
+//! do not.
 
 mod centre_of_mass;
 mod composites;

@@ -1,10 +1,10 @@
-//! How a joint moves what it carries.
+//! Motions of joints.
 
 use crate::model::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// How a node moves; turning about a coordinate axis touches two columns only.
+/// The motion of a node; a rotation about a coordinate axis changes two columns only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
     TurnX,
@@ -12,11 +12,11 @@ pub(super) enum Motion {
     TurnZ,
     Turn(Vector3<f64>),
     Slide(Vector3<f64>),
-    /// One of the three variables of a ball joint, which stand one after the other.
+    /// One of the three consecutive variables of a ball joint.
     Ball(BallPart),
 }
 
-/// Which ball of a tree, and which of its three variables.
+/// Index of a ball joint in a tree, and of one of its three variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BallPart {
     pub(super) ball: u32,
@@ -42,7 +42,7 @@ impl Motion {
         !matches!(self, Self::Slide(_))
     }
 
-    /// The placement after moving by `value`, whose sine and cosine come along.
+    /// The placement after a motion by `value`, given with its sine and cosine.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<S: Scalar>(
         &self,
@@ -55,8 +55,8 @@ impl Motion {
             translation,
         } = placement;
         match self {
-            // A tree turns its balls by all three values and never asks here: an arm of its own would cost hinges
-            // 4 % of the forward pass's instructions.
+            // Unreachable for `Ball`: a tree rotates ball joints by all three values. An arm for it slows revolute
+            // joints by 4 %.
             Self::TurnX | Self::Ball(_) => {
                 Placement::new(rotation.rotated_about_x(trigonometry), translation)
             }
@@ -69,11 +69,11 @@ impl Motion {
             Self::Slide(axis) => {
                 let along = rotation * Vector3::constant(*axis);
                 Placement::new(rotation, along.mul_add(value, translation))
-            } // The tree turns it, which knows its other variables.
+            }
         }
     }
 
-    /// The motion's axis in world axes, with those of the tree's balls at hand.
+    /// The axis of the motion in world axes; `balls` holds the axes of the tree's ball joints.
     #[inline(always)]
     pub(super) fn world_axis(
         &self,

@@ -1,23 +1,23 @@
-//! Reverse mode: the gradient of a scalar without its Jacobian, in one sweep from tips to root.
+//! Reverse-mode gradient of a scalar, in one sweep from the tips to the root, without a Jacobian.
 //!
-//! Each frame pushes with a force and a moment; bones add up what they carry, and every joint reads
-//! its own component off, as in the backward pass of recursive Newton-Euler (Featherstone 2008,
-//! "Rigid Body Dynamics Algorithms", section 5.3). O(joints + frames).
+//! Each frame contributes a force and a moment. Nodes sum the wrenches of the nodes they carry, and each joint reads
+//! its component. The backward pass of recursive Newton-Euler works in the same way (Featherstone 2008, "Rigid Body
+//! Dynamics Algorithms", section 5.3). The cost is O(joints + frames).
 
 use super::{FrameSlot, Tree, TreeState};
 use crate::spatial::Vector3;
 
-/// A force and the moment about some point, in world axes.
+/// A force and a moment about some point, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wrench {
     /// ∂cost/∂velocity.
     pub(crate) force: Vector3<f64>,
-    /// ∂cost/∂angular velocity, about the frame's own origin.
+    /// ∂cost/∂angular velocity, about the frame's origin.
     pub(crate) moment: Vector3<f64>,
 }
 
 impl Wrench {
-    /// No force, no moment.
+    /// No force and no moment.
     pub(crate) fn zero() -> Self {
         Self {
             force: Vector3::zero(),
@@ -25,7 +25,7 @@ impl Wrench {
         }
     }
 
-    /// The same wrench about a point from which the old one is seen at `lever`.
+    /// The wrench about another point; `lever` is the old point relative to the new one.
     fn shifted(self, lever: Vector3<f64>) -> Self {
         Self {
             force: self.force,
@@ -34,28 +34,28 @@ impl Wrench {
     }
 }
 
-/// Scratch memory of a reverse sweep: the wrench each node carries, about its own origin.
+/// Workspace of a reverse sweep: the wrench on each node, about the node's origin.
 #[derive(Clone, Debug)]
 pub(crate) struct Wrenches {
     on_node: Vec<Wrench>,
 }
 
 impl Wrenches {
-    /// Memory for `tree`, all zero.
+    /// Workspace for `tree`, all zero.
     pub(crate) fn new(tree: &Tree) -> Self {
         Self {
             on_node: vec![Wrench::zero(); tree.nodes.len()],
         }
     }
 
-    /// Forgets every push.
+    /// Sets all wrenches to zero.
     pub(crate) fn clear(&mut self) {
         self.on_node.fill(Wrench::zero());
     }
 }
 
 impl Tree {
-    /// Pushes on a frame; `wrench` is about the frame's origin.
+    /// Adds a wrench on a frame; `wrench` is about the frame's origin.
     pub(crate) fn push(
         &self,
         state: &TreeState<f64>,
@@ -71,8 +71,9 @@ impl Tree {
         }
     }
 
-    /// Sweeps the pushes down to the root and adds each joint's share to `gradient` (shape:
-    /// [`variables`](Self::variables)). The pushes are used up.
+    /// Sweeps the wrenches to the root, adds each joint's component to `gradient`, and consumes the wrenches.
+    ///
+    /// `gradient` has the length [`variables`](Self::variables).
     pub(crate) fn sweep(
         &self,
         state: &TreeState<f64>,
@@ -84,7 +85,7 @@ impl Tree {
         });
     }
 
-    /// As [`sweep`](Self::sweep), with each variable's share handed to `add`.
+    /// Does the same as [`sweep`](Self::sweep), but calls `add(variable, component)` for each joint.
     pub(crate) fn sweep_by(
         &self,
         state: &TreeState<f64>,

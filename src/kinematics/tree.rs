@@ -1,4 +1,4 @@
-//! A model compiled for evaluation: only the joints that move, constants folded.
+//! A model compiled for evaluation: moving joints only, with constants folded in.
 
 use std::ops::Mul;
 
@@ -9,10 +9,10 @@ use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
-/// Which of a tree's frames: the position in the list it was compiled for.
+/// Index of a frame in the list that a tree was compiled for.
 pub(crate) type FrameSlot = usize;
 
-/// A constant placement with what is known of it, so that the identity costs nothing.
+/// A constant placement, classified so that the identity costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FixedPlacement {
     Identity,
@@ -39,7 +39,7 @@ impl FixedPlacement {
         }
     }
 
-    /// The same placement, moved by `by` in its parent's axes.
+    /// The placement translated by `by` in its parent's axes.
     fn shifted(&self, by: Vector3<f64>) -> Self {
         let rotation = match self {
             Self::Rigid(placement) => placement.rotation,
@@ -64,13 +64,15 @@ impl<S: Scalar> Mul<&FixedPlacement> for &Placement<S> {
     }
 }
 
-/// One moving joint of the tree. It stands at `parent_from_node · motion(value)`, where value =
-/// ratio · x[variable] + offset, in radians or metres.
+/// One moving joint of the tree.
+///
+/// Its placement is `parent_from_node · motion(value)` with `value = ratio · x[variable] + offset`, in radians or
+/// metres.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// The next moving joint towards the root; `None` for a joint placed in the world.
+    /// The next moving joint towards the root; `None` for a joint of the world.
     pub(super) parent: Option<usize>,
-    /// Where the joint is at value 0, fixed joints between the two folded in.
+    /// Placement of the joint at value 0, with the fixed joints in between folded in.
     pub(super) parent_from_node: FixedPlacement,
     pub(super) motion: Motion,
     pub(super) variable: usize,
@@ -78,49 +80,49 @@ pub(super) struct Node {
     pub(super) offset: f64,
 }
 
-/// A ball joint: three nodes at one point, the last of which turns by the values of all.
+/// A ball joint: three nodes at one point. The last one rotates by the values of all three.
 #[derive(Clone, Debug)]
 pub(super) struct Ball {
     pub(super) last: usize,
-    /// What the three values mean.
+    /// Map from the three values to a rotation.
     pub(super) chart: RotationChart,
 }
 
-/// Where a requested frame hangs.
+/// The attachment of a requested frame.
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
-    /// The last moving joint before it; `None` for a frame fixed in the world.
+    /// The last moving joint above it; `None` for a frame fixed in the world.
     pub(super) node: Option<usize>,
     pub(super) node_from_frame: FixedPlacement,
 }
 
 /// A model compiled for one list of frames and one parameter map.
 ///
-/// Nodes stand parents first. Joints that are fixed, locked, or move none of the frames are gone.
+/// Nodes are ordered parents first. Joints that are fixed, locked, or move none of the frames are removed.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) leaves: Vec<Leaf>,
     pub(super) balls: Vec<Ball>,
     frames: Vec<FrameId>,
-    /// Where the first root joint stands in the world. Nodes are placed as seen from there, so
-    /// that levers lose no digits in a model far from the world's origin.
+    /// Position of the first root joint in the world.
+    ///
+    /// Nodes are placed relative to it, so that levers lose no digits in a model far from the world's origin.
     pub(super) origin: Vector3<f64>,
     variables: usize,
 }
 
-/// Memory for compiling a tree again.
+/// Workspace for compiling a tree again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeMemory {
-    /// By joint: whether a frame hangs on it.
+    /// By joint: true if it carries a requested frame.
     needed: Vec<bool>,
-    /// By joint: the node that carries it, and node_from_joint once it has moved.
+    /// By joint: the node that carries it, and node_from_joint after its motion.
     carried: Vec<(Option<usize>, Placement<f64>)>,
 }
 
 impl Tree {
-    /// Compiles `model` for the given frames under `map`, both its own; slot k of the tree is
-    /// `frames[k]`.
+    /// Compiles `model` for the given frames under its map `map`; slot k of the tree is `frames[k]`.
     pub(crate) fn new(model: &Model, map: &ParameterMap, frames: &[FrameId]) -> Self {
         let mut own = Self {
             nodes: Vec::new(),
@@ -134,8 +136,7 @@ impl Tree {
         own
     }
 
-    /// Takes the places of joints and frames anew from the model it was compiled of, whose joints now
-    /// stand elsewhere; in memory that is there after the first time.
+    /// Compiles again from the same model after its joints or frames moved; allocates on the first call only.
     pub(crate) fn compile(&mut self, model: &Model, map: &ParameterMap, memory: &mut TreeMemory) {
         let joints = model.joints();
         let Self {
@@ -234,7 +235,7 @@ impl Tree {
             };
         }
 
-        // Joints of the root are the only ones placed in the world.
+        // Only root joints are placed in the world.
         let first = nodes.iter().find(|node| node.parent.is_none());
         let origin = first.map_or(Vector3::zero(), |root| root.parent_from_node.shift());
         for node in nodes.iter_mut().filter(|node| node.parent.is_none()) {
@@ -256,22 +257,22 @@ impl Tree {
         self.origin = origin;
     }
 
-    /// How many variables it reads.
+    /// Number of variables.
     pub(crate) fn variables(&self) -> usize {
         self.variables
     }
 
-    /// Which of the model's frames it has, by slot.
+    /// The model's frames of the tree, by slot.
     pub(crate) fn frames(&self) -> impl Iterator<Item = FrameId> + '_ {
         self.frames.iter().copied()
     }
 
-    /// Which of the model's frames a slot is.
+    /// The model's frame of a slot.
     pub(crate) fn frame(&self, slot: FrameSlot) -> FrameId {
         self.frames[slot]
     }
 
-    /// The variables that move a frame, from the frame to the root; unknown slots have none.
+    /// The variables that move a frame, from the frame to the root; none for an unknown slot.
     pub(crate) fn variables_moving(&self, slot: FrameSlot) -> impl Iterator<Item = usize> + '_ {
         let first = self.leaves.get(slot).and_then(|leaf| leaf.node);
         let nodes = std::iter::successors(first, |&node| self.nodes[node].parent);

@@ -1,21 +1,22 @@
-//! Which of the six components of a pose matter, and how much.
+//! Weights and dead bands of the six components of a pose.
 
 use crate::bad_option::{BadOption, NOT_NEGATIVE};
 use crate::task::Goal;
 
 /// Weights and dead bands of a pose's components, in the target's axes.
 ///
-/// Position component k is the tip's offset along axis k of the target frame, metres; orientation
-/// component k is that of 2 sin(θ/2) n, for the rotation by θ about n that takes the target's
-/// orientation to the tip's: for small errors the angle about axis k, radians. A weight of zero
-/// frees the axis: `[1, 1, 0]` for orientation is a tool that may spin about its z axis. A half
-/// width is how far off a component may be at no cost.
+/// Position component k is the tip's offset along axis k of the target frame, in metres. Orientation component k is
+/// that of 2 sin(θ/2) n, for the rotation by θ about n from the target's orientation to the tip's. For small errors it
+/// is the angle about axis k, in radians.
+///
+/// A weight of zero frees the component: with orientation weights `[1, 1, 0]` a tool may rotate about its z axis. A
+/// half width is the largest error of a component at no cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisGoal {
-    /// Weights of the position's components; zero frees one.
+    /// Weights of the position's components; zero frees a component.
     pub position_weights: [f64; 3],
-    /// Weights of the orientation's components; zero frees one.
+    /// Weights of the orientation's components; zero frees a component.
     pub orientation_weights: [f64; 3],
     /// Half widths of the position's dead bands, metres.
     pub position_half_widths: [f64; 3],
@@ -41,7 +42,7 @@ impl From<Goal> for AxisGoal {
 }
 
 impl AxisGoal {
-    /// The full pose: everything counts, nothing has room.
+    /// The full pose: every component has weight 1 and no dead band.
     #[must_use]
     pub fn full_pose() -> Self {
         Self {
@@ -61,13 +62,13 @@ impl AxisGoal {
         }
     }
 
-    /// Whether this is the full pose, for which there is a faster kernel.
+    /// Returns true for the full pose, which has a faster kernel.
     #[must_use]
     pub fn is_full_pose(&self) -> bool {
         *self == Self::full_pose()
     }
 
-    /// Whether all numbers are finite and none negative.
+    /// Checks that all numbers are finite and not negative.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         let numbers = [
             self.position_weights,

@@ -1,10 +1,12 @@
-//! The residual of goals that leave axes free or give them room.
+//! Residual of goals with free axes or dead bands.
 //!
-//! Orientation is the vector part of the relative quaternion, 2 sin(θ/2) n, whose components are
-//! zero together only where the rotation is about the free axes; the sine of the whole angle, which
-//! the full pose uses, would also vanish half a turn away. Derivatives are exact: with the tip's
-//! position p and the quaternion (w, v), a twist (u, ω) moves p by u + ω × p and 2v by w ω + ω × v. Which of q and −q
-//! it is does not matter: the residual and its derivative change their signs together, and bands lie about zero.
+//! The orientation residual is twice the vector part of the relative quaternion, 2 sin(θ/2) n. Its components vanish
+//! together only for rotations about the free axes. The sine of the whole angle, as in the full pose, would also vanish
+//! at θ = π.
+//!
+//! Derivatives are exact. With tip position p and quaternion (w, v), a twist (u, ω) changes p by u + ω × p and 2v by w
+//! ω + ω × v. The quaternion's sign does not matter: residual and derivative change sign together, and bands are
+//! symmetric.
 
 use super::evaluation::{Errors, Evaluation, Weighed};
 use super::lane::LaneScalar;
@@ -13,7 +15,7 @@ use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Quaternion, Vector3};
 use crate::task::angle_of;
 
-/// Weighs the residual and turns the columns into rows of its derivative.
+/// Weights the residual, and replaces the Jacobian's columns by those of the residual's derivative.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn weigh<V: LaneScalar>(
     at: &Evaluation<V>,
@@ -50,7 +52,7 @@ pub(crate) fn weigh<V: LaneScalar>(
     }
 }
 
-/// The errors over the axes that count, beyond their dead bands.
+/// Position and orientation error over the components with a weight, beyond their dead bands.
 pub(crate) fn errors<S: LaneScalar>(
     position: Vector3<S>,
     rotation: &Matrix3<S>,
@@ -67,7 +69,7 @@ pub(crate) fn errors<S: LaneScalar>(
     }
 }
 
-/// What lies outside ±half width, and 1 there, 0 inside.
+/// Part of `r` outside ±half width, and a gate per component: 1 outside, 0 inside.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn band<S: Scalar>(r: Vector3<S>, half_widths: [f64; 3]) -> (Vector3<S>, Vector3<S>) {
     let one = |r: S, h: f64| {
@@ -92,7 +94,7 @@ fn product<S: Scalar>(a: Vector3<S>, b: Vector3<S>) -> Vector3<S> {
     Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }
 
-/// The components whose weight is not zero.
+/// Components whose weight is not zero; zero for the rest.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn counted<S: Scalar>(v: Vector3<S>, weights: [f64; 3]) -> Vector3<S> {
     let gate = |v: S, w: f64| if w > 0.0 { v } else { S::zero() };

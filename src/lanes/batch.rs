@@ -1,4 +1,4 @@
-//! Many queries: every lane works on its own, and takes the next when it is done.
+//! Batches of queries: each lane solves one query and then takes the next.
 
 use super::carry::carry;
 use super::chain::MAX_JOINTS;
@@ -14,11 +14,11 @@ use super::stages::Stages;
 use super::whole_turns::unwrap_towards;
 use crate::spatial::Placement;
 
-/// What a batch is given.
+/// Input and output of a batch.
 pub(crate) struct Work<'a> {
-    /// One a query; or one alone, whose attempts are the work.
+    /// One target per query; or a single target, whose attempts are the work.
     pub(crate) targets: &'a [Placement<f64>],
-    /// One start a target, joint values one after another.
+    /// One start per target, joint values in sequence.
     pub(crate) starts: &'a [f64],
     pub(crate) search: Prefer,
     pub(crate) attempts: Attempts,
@@ -26,19 +26,22 @@ pub(crate) struct Work<'a> {
     pub(crate) outcomes: &'a mut [PoseOutcome],
 }
 
-/// Which attempts are made.
+/// Attempts to run.
 #[derive(Clone, Copy)]
 pub(crate) enum Attempts {
-    /// Of each query from its first on, until one reaches, and no more than these.
+    /// Attempts of each query in order, until one reaches the target; at most this number.
     UpTo(u32),
-    /// Of the single target this one and those that follow it, one a result.
+    /// Attempts of the single target from this number on, one per result.
     From(u32),
-    /// Of the single target each start's own, [carried on](super::carry): outcomes say whether it reaches, and nothing else.
+    /// One attempt from each start to the single target, by [continuation](super::carry).
+    ///
+    /// The outcomes report only whether it reaches.
     CarriedOn,
 }
 
-/// Runs the attempts of each query one after another in one lane, so that what a query gives depends
-/// on nothing but itself. The winner is the lowest attempt that reaches.
+/// Runs the attempts of each query in sequence in one lane.
+///
+/// The result of a query therefore depends on that query alone. The attempt of the lowest number that reaches wins.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     stages: &Stages<V, N>,
@@ -50,7 +53,7 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
         return;
     }
     let mut batch = Batch::<V, L, N>::new(stages, prepared, work);
-    // At first every lane is done with nothing.
+    // Initially every lane counts as finished, without a job.
     let (mut over, mut ended) = ((1u32 << L) - 1, Ended::none());
     loop {
         while over != 0 {
@@ -68,35 +71,36 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     }
 }
 
-/// What a lane is busy with.
+/// The query that a lane works on.
 struct Job<'a> {
     index: usize,
     query: Query<'a>,
     goal_from_first: Placement<f64>,
     attempt: u32,
-    /// Attempts ended.
+    /// Number of finished attempts.
     ended: u32,
-    /// Iterations of the attempt under way, and of those before.
+    /// Iterations of the current attempt.
     age: u32,
+    /// Iterations of the finished attempts.
     iterations: u32,
     best_twice_cost: f64,
-    /// Whether the target is so near to the start that no other attempt is made where the first misses.
+    /// True if the target is so near to the start that a failed first attempt ends the query.
     nearby: bool,
 }
 
-/// The queries of a batch under way, in L lanes.
+/// The running queries of a batch, in L lanes.
 struct Batch<'a, V, const L: usize, const N: usize> {
     stages: &'a Stages<V, N>,
     prepared: &'a Prepared,
     work: Work<'a>,
     group: Group<V, N>,
-    /// The next result to work on.
+    /// Index of the next result to work on.
     next: usize,
     jobs: [Option<Job<'a>>; L],
     seeds: [QuerySeeds; L],
-    /// The lanes that have a job, bit by bit.
+    /// Bit mask of the lanes that have a job.
     active: u32,
-    /// A configuration on its way into or out of a lane.
+    /// Buffer for a configuration read from or written to a lane.
     q: [f64; MAX_JOINTS],
 }
 
@@ -116,14 +120,14 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         }
     }
 
-    /// The next query, or the next attempt of the only one, while there is any.
+    /// Takes the next query, or the next attempt of the single one; `None` at the end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_job(&mut self) -> Option<Job<'a>> {
         let (work, index) = (&self.work, self.next);
         let (source, attempt, most) = match work.attempts {
             Attempts::UpTo(most) => (index, 0, most),
             Attempts::From(first) => (0, first + index as u32, 1),
-            // Those have a loop of their own.
+            // `carry` has a loop for these.
             Attempts::CarriedOn => return None,
         };
         if source >= work.targets.len() || index >= work.outcomes.len() {
@@ -152,7 +156,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         })
     }
 
-    /// Starts the next attempt of a lane's job, or of the next job where that is done.
+    /// Starts the next attempt of a lane's job, or of the next job if the lane has none.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_attempt(&mut self, lane: usize) {
         if self.jobs[lane].is_none() {
@@ -176,14 +180,14 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         self.active |= 1 << lane;
     }
 
-    /// Counts a step of all lanes; those whose attempt may be over.
+    /// Counts a step of all lanes. Returns the bit mask of the lanes whose attempt may have ended.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn age(&mut self, ended: &Ended) -> u32 {
         let mut over = (ended.reached | ended.stalled | ended.closing) & self.active;
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             if let Some(job) = job {
                 job.age += 1;
-                // The accepted point of a first attempt is still the start.
+                // After one step the accepted point of a first attempt is still the start.
                 if job.age == 1 && job.attempt == 0 {
                     let twice_cost = self.group.twice_cost(lane);
                     job.nearby = job.query.search == Prefer::Start
@@ -195,8 +199,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         over
     }
 
-    /// Ends the attempt of a lane, unless the point that it is closing on is not there yet; whether the lane is
-    /// free for another.
+    /// Ends the attempt of a lane, unless it is still converging. Returns true if the lane can start another attempt.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn end_attempt(&mut self, lane: usize, ended: &Ended) -> bool {
         let (prepared, n) = (self.prepared, self.prepared.joints());
@@ -220,8 +223,8 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
                 return false;
             }
         }
-        // A miss keeps the start's own end where that counts, else the best. The first attempt
-        // is kept even where costs overflow.
+        // A failed query keeps the first attempt's end or the best point, by preference. The first attempt is kept even
+        // if its cost overflows.
         let kept = match self.work.search {
             Prefer::Start => job.ended == 0,
             Prefer::First => job.ended == 0 || self.group.twice_cost(lane) < job.best_twice_cost,
@@ -244,7 +247,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         true
     }
 
-    /// Ends the job of a lane, whose last attempt may have reached with errors that are known.
+    /// Finishes the job of a lane. `errors` are those of the winning attempt, if it was judged already.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish(&mut self, lane: usize, won: bool, errors: Option<Errors>) {
         let (prepared, n) = (self.prepared, self.prepared.joints());

@@ -1,5 +1,7 @@
-//! Starts carried on to one target, each by its own attempt, and only as closely as one goes on from there: within some 1e-4 of the
-//! chain's length. What a step leaves is told by its linear model, so that most take one or two evaluations and no judge.
+//! Continuation of many starts to one target, each by one attempt.
+//!
+//! An attempt ends within about 1e-4 of the chain's length from the target, close enough to continue from there. The
+//! linear model of a step predicts its end, so most attempts take one or two evaluations without a final error check.
 
 use super::batch::Work;
 use super::chain::MAX_JOINTS;
@@ -12,7 +14,7 @@ use super::settings::Settings;
 use super::stages::Stages;
 use super::whole_turns::unwrap_towards;
 
-/// Carries each start to the single target.
+/// Runs one attempt from each start to the single target.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
     stages: &Stages<V, N>,
@@ -35,7 +37,7 @@ pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
     let (mut next, mut active) = (0, 0_u32);
     let (mut places, mut ages) = ([0; L], [0_u32; L]);
     let mut q = [0.0; MAX_JOINTS];
-    // At first every lane is done with nothing.
+    // Initially every lane counts as finished, without a start.
     let (mut over, mut ended) = ((1_u32 << L) - 1, Ended::none());
     loop {
         while over != 0 {
@@ -50,7 +52,7 @@ pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
                     false => group.point(lane, end),
                 }
                 let start = &work.starts[place * n..(place + 1) * n];
-                // Within half a turn of the start there is none to add.
+                // Within half a revolution of the start there is no revolution to add.
                 let near = |(a, b): (&f64, &f64)| (a - b).abs() < 3.0;
                 if !end.iter().zip(start).all(near) {
                     unwrap_towards(prepared, start, end);

@@ -1,4 +1,4 @@
-//! The input: a serial chain of moving joints from a base to a tip.
+//! Serial chain of moving joints from base to tip, the input of the SIMD solver.
 
 use crate::model::JointKind;
 use crate::spatial::{Placement, Vector3};
@@ -6,69 +6,70 @@ use crate::spatial::{Placement, Vector3};
 use super::trigonometry::MAX_ANGLE;
 use super::{LaneError, check};
 
-/// The largest number of moving joints a [`Chain`] can have.
+/// Largest number of moving joints of a [`Chain`].
 pub const MAX_JOINTS: usize = 64;
 
-/// One moving joint of a [`Chain`].
+/// A moving joint of a [`Chain`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChainJoint {
-    /// Where the joint stands at value zero in the frame of the joint before it (of the base for the
-    /// first). Fixed joints between the two are folded in. The rotation is orthonormal.
+    /// Placement of the joint at value zero, in the frame of the joint before it (the base for the first).
+    ///
+    /// It includes fixed joints between the two. The rotation is orthonormal.
     pub parent_from_joint: Placement<f64>,
-    /// The axis in the joint's own frame, of any length but zero.
+    /// Axis in the joint's frame, of any nonzero length.
     pub axis: Vector3<f64>,
-    /// Turning or sliding; one that turns without limits has infinite bounds.
+    /// Revolute or prismatic. A continuous joint counts as revolute and has infinite bounds.
     pub kind: JointKind,
-    /// Smallest value, in radians or metres; −∞ when unbounded (a continuous joint).
+    /// Smallest value, radians or metres; −∞ if unbounded.
     pub lower: f64,
-    /// Largest value, in radians or metres; +∞ when unbounded.
+    /// Largest value, radians or metres; +∞ if unbounded.
     pub upper: f64,
 }
 
-/// A serial chain: what the lane engine solves.
+/// Serial chain of moving joints, the model of the SIMD solver.
 ///
 /// `base_from_tip(q) = Π parent_from_joint_i · motion_i(q_i) · joint_from_tip`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     joints: Vec<ChainJoint>,
     joint_from_tip: Placement<f64>,
-    /// Length of the way from base to tip with the magnitude of every part, slides at zero; metres.
+    /// Sum of the lengths of all constant translations from base to tip, metres.
     extent: f64,
 }
 
-/// Why a list of joints is no [`Chain`].
+/// Error of joints that do not form a [`Chain`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChainError {
-    /// No moving joint, or too many.
+    /// The number of moving joints is not between 1 and [`MAX_JOINTS`].
     #[error("a chain has 1 to {MAX_JOINTS} moving joints, not {0}")]
     JointCount(usize),
-    /// A joint that does not move: it belongs into the placement of the next one.
+    /// The joint is fixed, or a ball joint. A fixed joint belongs into the placement of the next one.
     #[error("joint {0} of the chain is fixed")]
     Fixed(usize),
-    /// An axis that is zero or not finite.
+    /// The axis is zero or not finite.
     #[error("joint {0} of the chain has no usable axis")]
     Axis(usize),
-    /// Bounds that are NaN, crossed, or leave no finite value.
+    /// The bounds are NaN, crossed, or leave no finite value.
     #[error("joint {joint} of the chain has bounds [{lower}, {upper}]")]
     Bounds {
-        /// Which joint, from 0 at the base.
+        /// Index of the joint, from 0 at the base.
         joint: usize,
-        /// Its lower bound, radians or metres.
+        /// Lower bound, radians or metres.
         lower: f64,
-        /// Its upper bound, radians or metres.
+        /// Upper bound, radians or metres.
         upper: f64,
     },
-    /// A placement that is not finite or whose rotation is not orthonormal to 1e-6.
+    /// The placement is not finite, or its rotation is not orthonormal to 1e-6.
     #[error("placement {0} of the chain (the tip comes last) is not a rigid motion")]
     Placement(usize),
 }
 
 impl Chain {
-    /// Checks and keeps the joints, base to tip, and where the tip stands in the last one.
+    /// Builds a chain from its joints, base to tip, and the tip's placement in the last joint's frame.
     ///
     /// # Errors
-    /// See [`ChainError`]. A finite bound of a revolute joint beyond a million radians is an error.
+    /// Returns a [`ChainError`]. A finite bound of a revolute joint beyond a million radians is an error.
     pub fn new(
         mut joints: Vec<ChainJoint>,
         joint_from_tip: Placement<f64>,
@@ -113,7 +114,7 @@ impl Chain {
         })
     }
 
-    /// The same chain, whose constant ways were put together from longer ones.
+    /// The same chain with at least this extent, for translations that were composed from longer ones; metres.
     #[must_use]
     pub(crate) fn with_extent(mut self, extent: f64) -> Self {
         self.extent = self.extent.max(extent);
@@ -121,15 +122,15 @@ impl Chain {
     }
 
     getters! {
-        /// Length of the way from base to tip with the magnitude of every part, slides at zero; metres.
+        /// Sum of the lengths of all constant translations from base to tip, metres.
         pub(crate) fn extent(&self) -> f64 = self.extent;
-        /// The joints, base to tip.
+        /// Joints, base to tip.
         pub fn joints(&self) -> &[ChainJoint] = &self.joints;
-        /// Where the tip stands in the frame of the last joint.
+        /// Placement of the tip in the frame of the last joint.
         pub fn joint_from_tip(&self) -> &Placement<f64> = &self.joint_from_tip;
     }
 
-    /// The same joints with another tip, which is rigid.
+    /// The same joints with another tip. Returns an error if its placement is not rigid.
     pub(crate) fn with_tip(&self, joint_from_tip: Placement<f64>) -> Result<Self, ChainError> {
         if !is_rigid(&joint_from_tip) {
             return Err(ChainError::Placement(self.joints.len()));
@@ -141,7 +142,7 @@ impl Chain {
         })
     }
 
-    /// The joints alone: the tip is the last joint's frame.
+    /// The same joints with the last joint's frame as tip.
     pub(crate) fn without_tool(&self) -> Self {
         let joint_from_tip = Placement::identity();
         Self {
@@ -151,10 +152,10 @@ impl Chain {
         }
     }
 
-    /// `base_from_tip` at the joint values `q` (radians or metres).
+    /// Pose of the tip in the base frame at the joint values `q` (radians or metres).
     ///
     /// # Errors
-    /// A `q` of another length than the chain has joints, or not finite.
+    /// Returns an error if the length of `q` is not the number of joints, or a value is not finite.
     pub fn base_from_tip(&self, q: &[f64]) -> Result<Placement<f64>, LaneError> {
         check::length("q", q.len(), self.joints.len())?;
         match q.iter().all(|value| value.is_finite()) {
@@ -163,7 +164,7 @@ impl Chain {
         }
     }
 
-    /// As [`base_from_tip`](Self::base_from_tip), of values that are known to be the chain's.
+    /// [`base_from_tip`](Self::base_from_tip) without checks; the length of `q` must be the number of joints.
     pub(crate) fn tip_at(&self, q: &[f64]) -> Placement<f64> {
         debug_assert_eq!(q.len(), self.joints.len());
         let mut base_from_joint = Placement::identity();
@@ -176,14 +177,14 @@ impl Chain {
     }
 }
 
-/// Length of the constant ways, each with its magnitude.
+/// Sum of the lengths of the constant translations, metres.
 fn extent(joints: &[ChainJoint], joint_from_tip: &Placement<f64>) -> f64 {
     let ways = joints.iter().map(|joint| &joint.parent_from_joint);
     let ways = ways.chain([joint_from_tip]);
     ways.map(|way| way.translation.norm()).sum()
 }
 
-/// Whether the numbers are finite and the rotation orthonormal and right-handed, to 1e-6.
+/// Returns true if the numbers are finite and the rotation is orthonormal and right-handed, to 1e-6.
 pub(crate) fn is_rigid(placement: &Placement<f64>) -> bool {
     let r = &placement.rotation;
     let finite = placement

@@ -1,11 +1,10 @@
-//! What is asked of a call's arguments before anything is solved.
+//! Argument checks of the SIMD solver.
 
 use super::chain::is_rigid;
 use super::options::{LaneError, PoseOutcome};
 use crate::spatial::Placement;
 
-/// Refuses a batch for a chain of `joints` joints whose slices do not fit or whose queries are not
-/// sound.
+/// Checks the slice lengths and the queries of a batch, for a chain of `joints` joints.
 pub(crate) fn batch(
     joints: usize,
     targets: &[Placement<f64>],
@@ -22,7 +21,7 @@ pub(crate) fn batch(
     Ok(())
 }
 
-/// Refuses a slice of another length than is needed.
+/// Returns an error unless a slice has the expected length.
 pub(crate) fn length(what: &'static str, found: usize, expected: usize) -> Result<(), LaneError> {
     if found == expected {
         Ok(())
@@ -35,7 +34,7 @@ pub(crate) fn length(what: &'static str, found: usize, expected: usize) -> Resul
     }
 }
 
-/// Refuses a start that is not finite and a target that is not rigid.
+/// Checks that the start is finite and the target rigid.
 pub(crate) fn query(index: usize, target: &Placement<f64>, start: &[f64]) -> Result<(), LaneError> {
     if !start.iter().all(|value| value.is_finite()) {
         return Err(LaneError::Start(index));

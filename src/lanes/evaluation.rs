@@ -1,32 +1,32 @@
-//! What the kernel finds out about a point.
+//! Results of the kernel at a point.
 
 use crate::spatial::{Matrix3, Vector3};
 
-/// Where the tip stands and how it moves.
+/// Pose of the tip in the goal frame; lengths of the solver.
 pub(crate) struct Evaluation<V> {
     pub(crate) position: Vector3<V>,
     pub(crate) rotation: Matrix3<V>,
 }
 
-/// What the residual says about a point; for goals by axes, of what counts and lies beyond its room.
+/// Residual at a point. For weighted goals only components with a weight count, beyond their dead bands.
 pub(crate) struct Weighed<V> {
-    /// Twice the cost, the solver's lengths squared.
+    /// Twice the cost, lengths of the solver squared.
     pub(crate) twice_cost: V,
-    /// Squared position error, the solver's lengths squared.
+    /// Squared position error, lengths of the solver squared.
     pub(crate) position: V,
-    /// Squared chord of the orientation error, 2(1 − cos θ) = (2 sin ½θ)²: θ² where that is small.
+    /// Squared chord of the orientation error, 2(1 − cos θ) = (2 sin ½θ)²; about θ² for small θ.
     pub(crate) orientation: V,
-    /// What Jᵀ turns into the cost's gradient, by the columns' two halves.
+    /// Vector g, by linear and angular half, with the gradient Jᵀ g of the cost.
     pub(crate) gradient: (Vector3<V>, Vector3<V>),
-    /// e: what the step should undo, by the same halves.
+    /// Twist e, by linear and angular half, that the step should cancel.
     pub(crate) twist: (Vector3<V>, Vector3<V>),
 }
 
-/// How far the tip is from its goal.
+/// Position and orientation error of the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Errors {
-    /// Metres.
+    /// Distance from the goal, metres; lengths of the solver until `judge` converts it.
     pub(crate) position: f64,
-    /// Radians, 0 to π.
+    /// Angle to the goal's orientation, radians, 0 to π.
     pub(crate) orientation: f64,
 }

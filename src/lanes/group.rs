@@ -1,32 +1,34 @@
-//! The state of the lanes that run in lock step: loading an attempt, reading what it found.
+//! State of the lanes that run in lock step.
 
 use super::lane::LaneScalar;
 use super::settings::Settings;
 use crate::spatial::{Placement, Vector3};
 
-/// The state of one group of lanes, which the step advances.
+/// State of a group of lanes, advanced by the step.
 pub(crate) struct Group<V, const N: usize> {
     /// Number of joints, at most N.
     joints: usize,
     pub(super) goal_from_first: Placement<V>,
-    /// The frame that travels along the chain, from one place to the other and back.
+    /// Frame propagated along the chain; reads and writes alternate between the two slots.
     pub(super) frames: [Placement<V>; 2],
-    /// Jacobian columns: velocity of the point at the goal's origin per unit of each joint's
-    /// velocity, and the axis of each turning joint.
+    /// Linear half of the Jacobian's columns: velocity of the point at the goal's origin per unit of joint velocity.
     pub(super) linear: [Vector3<V>; N],
+    /// Angular half of the Jacobian's columns: axis of each revolute joint, zero for a prismatic one.
     pub(super) angular: [Vector3<V>; N],
-    /// Sine and cosine of each turning joint's angle.
+    /// Sine and cosine of each revolute joint's angle.
     pub(super) sin_cos: [(V, V); N],
-    /// J Jᵀ, lower triangle.
+    /// Lower triangle of J Jᵀ.
     pub(super) normal: [[V; 6]; 6],
-    /// The point to evaluate next.
+    /// Point to evaluate next.
     pub(super) q: [V; N],
-    /// The best point so far, and twice its cost, the solver's lengths squared.
+    /// Best point so far.
     pub(super) accepted: [V; N],
+    /// Twice the cost of the best point, lengths of the solver squared.
     pub(super) accepted_twice_cost: V,
     pub(super) damping: V,
-    /// Twice the cost where the error last halved, and iterations since.
+    /// Twice the cost at the time the error last halved.
     pub(super) progress_twice_cost: V,
+    /// Iterations since the error last halved.
     pub(super) since_progress: V,
 }
 
@@ -50,14 +52,13 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         }
     }
 
-    /// Number of joints, which the kernels made for one number of `JOINTS` know beforehand; for the
-    /// others that is 0.
+    /// Number of joints: `JOINTS` if the kernel is compiled for a fixed number, else the chain's.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn joints<const JOINTS: usize>(&self) -> usize {
         if JOINTS == 0 { self.joints } else { JOINTS }
     }
 
-    /// Starts an attempt in `lane`. The values of `q` lie within the bounds.
+    /// Sets the goal of `lane` and starts an attempt. `q` must be within the bounds.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn load(
         &mut self,
@@ -70,7 +71,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         self.begin(lane, q, settings);
     }
 
-    /// Gives `lane` its goal.
+    /// Sets the goal of `lane`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn aim(&mut self, lane: usize, goal_from_first: &Placement<f64>) {
         let set = |to: &mut Vector3<V>, from: Vector3<f64>| {
@@ -85,7 +86,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         set(&mut to.translation, from.translation);
     }
 
-    /// Starts an attempt in `lane` at the goal that it has. The values of `q` lie within the bounds.
+    /// Starts an attempt in `lane` at its present goal. `q` must be within the bounds.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self, lane: usize, q: &[f64], settings: &Settings) {
         for (i, &value) in q.iter().enumerate().take(self.joints) {
@@ -98,7 +99,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         self.damping.set_lane(lane, settings.damping);
     }
 
-    /// The point of `lane` that the last [`step`](super::lm_step::step) found reached.
+    /// Best point of `lane` so far, as of the last [`step`](super::lm_step::step).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn point(&self, lane: usize, q: &mut [f64]) {
         for (i, value) in q.iter_mut().enumerate().take(self.joints) {
@@ -106,7 +107,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         }
     }
 
-    /// The point of `lane` that the next [`step`](super::lm_step::step) will evaluate.
+    /// Point of `lane` that the next [`step`](super::lm_step::step) will evaluate.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next_point(&self, lane: usize, q: &mut [f64]) {
         for (i, value) in q.iter_mut().enumerate().take(self.joints) {
@@ -114,7 +115,7 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         }
     }
 
-    /// Twice the cost at [`point`](Self::point).
+    /// Twice the cost at [`point`](Self::point), lengths of the solver squared.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn twice_cost(&self, lane: usize) -> f64 {
         self.accepted_twice_cost.lane(lane)

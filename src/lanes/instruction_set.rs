@@ -1,4 +1,4 @@
-//! The one place that picks the instruction set and the kernel's size.
+//! Dispatch by instruction set and kernel size.
 
 use super::batch::{self, Work};
 use super::chain::MAX_JOINTS;
@@ -9,26 +9,25 @@ use super::query::{Answer, Query};
 use super::single_query;
 use super::stages::{self, Stages};
 
-/// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.
+/// Lanes of a single query.
 const RACE: usize = 4;
+/// Lanes of a batch: more than for a query, as independent work hides latencies.
 const BATCH: usize = 8;
-/// Portable lanes of a single query whose start comes first: a register of two. That attempt takes some ten steps and two lanes
-/// step in little more than half the time of four, in which the other lane has long found who wins if it fails.
+/// Portable lanes of a single query under `Prefer::Start`: a step of two lanes takes about half the time of four.
 const PORTABLE_START: usize = 2;
-/// What a lane of a batch does depends on no other, so where the portable lanes are only the
-/// fallback, both share one kernel.
+/// Portable lanes of a batch. On x86-64 they are only the fallback, and share the kernel of single queries.
 const PORTABLE_BATCH: usize = if cfg!(target_arch = "x86_64") {
     RACE
 } else {
     BATCH
 };
 
-/// Room for the joints of the kernels made for one number of them.
+/// Capacity in joints of the kernels for short chains.
 const FEW: usize = 8;
 
 /// Calls the driver `$run` with the stages of `$set` for lanes `$lanes`.
 macro_rules! run {
-    // Kernels for every chain.
+    // Kernels for any chain.
     (any, $set:ident, $run:path, $lanes:ty; $prepared:expr $(, $argument:expr)*) => {{
         let mut stages = run!(@ $set, $lanes, MAX_JOINTS, 0);
         if $prepared.settings.weighted {
@@ -36,7 +35,7 @@ macro_rules! run {
         }
         $run(&stages, $prepared $(, $argument)*)
     }};
-    // Others for the usual numbers of turning joints and full poses.
+    // Specialised kernels for full poses: of 6 or 7 revolute joints, or of short chains.
     (each, $set:ident, $run:path, $lanes:ty; $prepared:expr $(, $argument:expr)*) => {
         match usual_joints($prepared) {
             Some(joints) => {
@@ -46,7 +45,7 @@ macro_rules! run {
                 }
                 $run(&stages, $prepared $(, $argument)*)
             }
-            // What has room for the longest chain takes some microseconds to make and to move.
+            // Arrays for the longest chain take microseconds to create and move.
             None if is_short($prepared) => {
                 let stages = run!(@ $set, $lanes, FEW, 0);
                 $run(&stages, $prepared $(, $argument)*)
@@ -57,14 +56,14 @@ macro_rules! run {
     (@ $set:ident, $lanes:ty, $room:expr, $joints:literal) => {
         Stages::<$lanes, { $room }> {
             step: stages::$set::step::<$lanes, { $room }, $joints, false>,
-            // These work on one lane or four: all widths share them.
+            // These work on one lane or four, so all widths share them.
             judge: stages::$set::judge::<<$lanes as LaneScalar>::Four, { $room }>,
             seed: stages::$set::seed::<<$lanes as LaneScalar>::Four>,
         }
     };
 }
 
-/// Where the portable lanes are only the fallback, kernels for every chain are enough code.
+/// On x86-64 portable lanes are only the fallback: the kernels for any chain suffice.
 #[cfg(target_arch = "x86_64")]
 macro_rules! portable {
     ($($rest:tt)*) => { run!(any, portable, $($rest)*) };
@@ -74,19 +73,19 @@ macro_rules! portable {
     ($($rest:tt)*) => { run!(each, portable, $($rest)*) };
 }
 
-/// The number of joints, if there are kernels made for it.
+/// Number of joints, if there is a specialised kernel for it.
 fn usual_joints(prepared: &Prepared) -> Option<usize> {
     let joints = prepared.joints();
     let usual = prepared.links.all_revolute && !prepared.settings.weighted;
     (usual && (joints == 6 || joints == 7)).then_some(joints)
 }
 
-/// Whether a kernel with room for few joints is enough, for goals of the full pose.
+/// Returns true if the kernel for short chains fits: few joints and a full-pose goal.
 fn is_short(prepared: &Prepared) -> bool {
     prepared.joints() <= FEW && !prepared.settings.weighted
 }
 
-/// Whether the fused functions below may run.
+/// Returns true if the options and the processor allow AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 fn has_fused(prepared: &Prepared) -> bool {
     !prepared.options.portable && crate::processor::has_avx2_and_fma()
@@ -100,13 +99,13 @@ pub(crate) fn race(
 ) -> PoseOutcome {
     #[cfg(target_arch = "x86_64")]
     if has_fused(prepared) {
-        // SAFETY: the processor has the instructions the function is compiled for. Measured: four
-        // times as fast as the portable lanes.
+        // SAFETY: `has_fused` checked that the processor has the instructions. Four times as fast as the portable
+        // lanes.
         #[allow(unsafe_code)]
         return unsafe { race_fused(prepared, query, lone, answer) };
     }
     match query.search {
-        // Which attempt wins depends on no other then, so any number of lanes has the same answer.
+        // The winner of this search does not depend on the number of lanes.
         Prefer::Start => {
             portable!(single_query::race, Lanes<PORTABLE_START, false>; prepared, query, lone, answer)
         }
@@ -130,7 +129,7 @@ fn race_fused(
 pub(crate) fn batch(prepared: &Prepared, work: Work<'_>) {
     #[cfg(target_arch = "x86_64")]
     if has_fused(prepared) {
-        // SAFETY: as above.
+        // SAFETY: `has_fused` checked that the processor has the instructions.
         #[allow(unsafe_code)]
         return unsafe { batch_fused(prepared, work) };
     }

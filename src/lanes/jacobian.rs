@@ -1,4 +1,4 @@
-//! Forward kinematics of every lane at once, the Jacobian's columns, and the matrix of the step.
+//! Forward kinematics of all lanes, Jacobian columns, and J Jᵀ.
 
 use super::evaluation::Evaluation;
 use super::group::Group;
@@ -6,7 +6,7 @@ use super::lane::LaneScalar;
 use super::links::Links;
 use crate::spatial::{Placement, Vector3};
 
-/// Runs the body for each joint, written out where their number is known and code is optimised.
+/// Runs the body for each joint; unrolled if their number is known and code is optimised.
 macro_rules! each_joint {
     ($n:expr, $i:ident, $body:block) => {
         if JOINTS != 0 && !cfg!(debug_assertions) {
@@ -20,7 +20,7 @@ macro_rules! each_joint {
     }};
 }
 
-/// Forward kinematics and the Jacobian's columns in the goal's frame.
+/// Computes the tip's pose and the Jacobian's columns in the goal frame.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
@@ -68,7 +68,7 @@ pub(crate) fn evaluate<V: LaneScalar, const N: usize, const JOINTS: usize>(
     }
 }
 
-/// J Jᵀ, in three blocks whose sums fit the registers.
+/// Computes the lower triangle of J Jᵀ, in three blocks whose sums fit the registers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn normal_equations<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,

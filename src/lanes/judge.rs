@@ -1,4 +1,4 @@
-//! The errors of the q that is returned, by forward kinematics at that q in plain `f64`.
+//! Errors of the returned configuration, by forward kinematics at that configuration.
 
 use super::axis_residual;
 use super::evaluation::Errors;
@@ -10,8 +10,9 @@ use crate::scalar::Scalar;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, resolved};
 
-/// Judges a q of the solver that is to be returned: whether it is within the tolerances, and its
-/// errors in metres and radians.
+/// Checks a final configuration in the solver's units against the tolerances.
+///
+/// Returns true if it is within them, and its errors in metres and radians.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn judge<V: LaneScalar, const N: usize>(
     prepared: &Prepared,
@@ -21,12 +22,12 @@ pub(crate) fn judge<V: LaneScalar, const N: usize>(
     let links = &prepared.links;
     let mut errors = errors::<V, N>(links, &prepared.settings, goal_from_first, q);
     errors.position *= links.metres_per_length;
-    // Far beyond what can be told apart from infinity.
+    // NaN arises from overflow, far from the goal.
     if errors.position.is_nan() {
         errors.position = f64::INFINITY;
     }
     let options = &prepared.options;
-    // Most answers are so good that rounding, of which there is little, decides nothing.
+    // Rounding is small, and only decides errors near a tolerance.
     let clear = errors.position <= 0.5 * options.position_tolerance
         && errors.orientation <= 0.5 * options.orientation_tolerance;
     if prepared.coarse || !clear {
@@ -39,7 +40,7 @@ pub(crate) fn judge<V: LaneScalar, const N: usize>(
     (reached, errors)
 }
 
-/// Distance and angle of the tip at `q` from the goal, in the solver's lengths.
+/// Position error in lengths of the solver and orientation error in radians at `q`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn errors<V: LaneScalar, const N: usize>(
     links: &Links,
@@ -47,7 +48,7 @@ fn errors<V: LaneScalar, const N: usize>(
     goal_from_first: &Placement<f64>,
     q: &[f64],
 ) -> Errors {
-    // The angles of four joints at a time.
+    // Sines and cosines of four joints at a time.
     let mut sin_cos = [(0.0, 1.0); N];
     for ((out, q), links) in sin_cos
         .chunks_mut(4)
@@ -84,7 +85,7 @@ fn errors<V: LaneScalar, const N: usize>(
     let sin = 0.5 * skew.norm().lane(0);
     let cos = 0.5 * ((r.x.x + r.y.y + r.z.z).lane(0) - 1.0);
     let orientation = if cos > 0.0 && sin < 1e-3 {
-        // The arc sine's series; the next term is below 1e-22.
+        // Series of the arc sine; the next term is below 1e-22.
         let s = sin * sin;
         sin * (1.0 + s * (1.0 / 6.0 + s * (3.0 / 40.0)))
     } else {

@@ -1,21 +1,20 @@
-//! Several `f64` side by side, as one [`Scalar`].
+//! Several `f64` in SIMD lanes, as one [`Scalar`].
 //!
-//! A plain array in a newtype: every operation is a loop over the lanes that the compiler turns into
-//! vector instructions of whatever target the surrounding function is compiled for. There are no
-//! intrinsics. `FMA` says whether `mul_add` is one instruction there; where it is not, it would be
-//! a library call twenty times as slow, so the portable lanes multiply and add.
+//! Each operation is a loop over an array, which the compiler vectorises for the target of the surrounding function.
+//! There are no intrinsics. `FMA` selects `mul_add` as one instruction. Without that instruction it would be a slow
+//! library call, so portable lanes multiply and add.
 
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
 use crate::scalar::trigonometry::{reduced_sin_cos, turned};
 use crate::scalar::{Mask, Scalar, each, elementary};
 
-/// `L` numbers side by side; `FMA` picks fused multiply-add.
+/// `L` numbers in SIMD lanes; `FMA` selects fused multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Lanes<const L: usize, const FMA: bool>(pub [f64; L]);
 
-/// One truth value a lane: all bits set or none.
+/// One truth value per lane: all bits set or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(32))]
 pub struct LaneMask<const L: usize>(pub [u64; L]);
@@ -24,24 +23,24 @@ pub struct LaneMask<const L: usize>(pub [u64; L]);
 pub trait LaneScalar: Scalar {
     /// Number of lanes.
     const WIDTH: usize;
-    /// One number in the same arithmetic.
+    /// A single number in the same arithmetic.
     type One: LaneScalar;
     /// Four numbers in the same arithmetic.
     type Four: LaneScalar;
 
-    /// The lanes of single-precision numbers; missing ones are zero.
+    /// Fills up to four lanes from single-precision numbers; further lanes are zero.
     fn from_singles(values: &[f32; 4]) -> Self;
 
-    /// The value in `lane`, which is below [`WIDTH`](Self::WIDTH).
+    /// Returns the value in `lane`, which must be below [`WIDTH`](Self::WIDTH).
     fn lane(&self, lane: usize) -> f64;
 
     /// Replaces the value in `lane`.
     fn set_lane(&mut self, lane: usize, value: f64);
 
-    /// The mask with bit `i` set where lane `i` is true.
+    /// Returns a bit mask: bit `i` is set if lane `i` is true.
     fn mask_bits(mask: Self::Mask) -> u32;
 
-    /// Whether any lane is true, which is told sooner than which one.
+    /// Returns true if any lane is true; faster than [`mask_bits`](Self::mask_bits).
     fn any(mask: Self::Mask) -> bool;
 }
 
@@ -92,8 +91,9 @@ impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
 
 #[cfg(all(debug_assertions, target_arch = "x86_64"))]
 impl<const L: usize, const FMA: bool> Lanes<L, FMA> {
-    /// [`mul_add`](Scalar::mul_add) where little is inlined into functions that have the instruction, and it would be a library call for
-    /// each lane: an arm's tests take 14 s of processor time instead of 20.
+    /// [`mul_add`](Scalar::mul_add) for debug builds.
+    ///
+    /// They would not inline it into functions that have the instruction, and would call the library for each lane.
     #[target_feature(enable = "avx2,fma")]
     #[allow(clippy::disallowed_methods)] // One instruction here.
     fn fused_mul_add(self, factor: Self, addend: Self) -> Self {
@@ -120,11 +120,11 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
     }
 
     #[inline(always)]
-    #[allow(clippy::disallowed_methods)] // One instruction where it is reached.
+    #[allow(clippy::disallowed_methods)] // One instruction for lanes with `FMA`.
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         #[cfg(all(debug_assertions, target_arch = "x86_64"))]
         if FMA {
-            // SAFETY: the drivers make such lanes only where the processor has the instructions. Measured: see there.
+            // SAFETY: the drivers use such lanes only if the processor has the instructions. Faster in debug builds.
             #[allow(unsafe_code)]
             return unsafe { self.fused_mul_add(factor, addend) };
         }
@@ -191,8 +191,8 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        // The order of the comparison makes this one instruction (`minpd`); a NaN on the left gives
-        // the right side.
+        // This order of the comparison compiles to one instruction (`minpd`). If the left side is NaN, the result is
+        // the right.
         Self(each!(L, i, 0.0, {
             let (a, b) = (self.0[i], other.0[i]);
             if a < b { a } else { b }

@@ -1,16 +1,17 @@
-//! The 6 × 6 linear system of a step.
+//! Solution of the 6 × 6 linear system of a step.
 
 use crate::scalar::Scalar;
 
-/// Solves the symmetric positive definite system by LDLᵀ for K right-hand sides; only the lower
-/// triangle is read. Written out, as nested loops stay loops.
+/// Solves a symmetric positive definite system by LDLᵀ for K right-hand sides. Reads only the lower triangle.
+///
+/// Unrolled by macros, as the compiler keeps nested loops.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn solve<V: Scalar, const K: usize>(
     mut m: [[V; 6]; 6],
     mut sides: [[V; 6]; K],
 ) -> [[V; 6]; K] {
     let mut inverse = [V::zero(); 6];
-    // Counted by hand: an iterator is several calls in a debug build.
+    // Index loop: an iterator is several calls in a debug build.
     macro_rules! each_side {
         ($b:ident, $body:expr) => {
             let mut side = 0;
@@ -21,7 +22,7 @@ pub(crate) fn solve<V: Scalar, const K: usize>(
             }
         };
     }
-    // Each row below the pivot, with its entries right of the pivot's column.
+    // Rows below the pivot, each with its columns right of the pivot.
     macro_rules! eliminate {
         ($j:literal: $($i:literal [$($k:literal)*])*) => {
             inverse[$j] = V::one() / m[$j][$j];

@@ -1,64 +1,70 @@
-//! The chain in the form the inner loop likes: every axis is z, every constant rotation is about x.
+//! Chain in normal form for the inner loop: every axis is z, every constant rotation is about x.
 //!
-//! Between two z axes any constant rotation is R_z(β) R_x(α) R_z(γ); the two turns about z move into
-//! the offsets of the joints on either side, which leaves R_x(α). The origin of a joint may slide
-//! along its axis, which takes the z part out of every translation. Both are exact for any chain,
-//! also with parallel or nearly parallel axes, where Denavit-Hartenberg's common normal is not.
+//! Between two z axes any constant rotation is R_z(β) R_x(α) R_z(γ). The rotations about z move into the offsets of the
+//! adjacent joints, which leaves R_x(α). The origin of a joint may move along its axis, which removes the z part of
+//! every translation. Both are exact for any chain, even with nearly parallel axes, unlike Denavit-Hartenberg's common
+//! normal.
 
 use super::chain::Chain;
 use crate::model::JointKind;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3, rounding};
 
-/// One joint and the constant way to the next:
-/// `R_z(value + offset)`, `(along_x, along_y, 0)`, `R_x(α)` (for a sliding joint `R_z(offset)` and
-/// the value along z).
+/// One joint and the constant transform to the next.
+///
+/// A revolute joint is `R_z(value + offset)`, then a translation `(along_x, along_y, 0)`, then `R_x(α)`. A prismatic
+/// joint is a translation by the value along z and `R_z(offset)` instead.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
     pub(crate) kind: JointKind,
+    /// Slot of the group's frames that this link reads.
     pub(crate) from: usize,
+    /// Slot of the group's frames that this link writes.
     pub(crate) to: usize,
-    /// Constant turn about z, radians.
+    /// Constant rotation about z, radians.
     pub(crate) offset: f64,
-    /// Sine and cosine of the offset, for sliding joints.
+    /// Sine and cosine of the offset, for prismatic joints.
     pub(crate) offset_sin_cos: (f64, f64),
-    /// Way to the next joint, lengths of the solver.
+    /// Translation to the next joint along x, lengths of the solver.
     pub(crate) along_x: f64,
+    /// Translation to the next joint along y, lengths of the solver.
     pub(crate) along_y: f64,
     /// Sine and cosine of α.
     pub(crate) twist: (f64, f64),
-    /// Bounds of the value, radians or lengths of the solver.
+    /// Lower bound of the value, radians or lengths of the solver.
     pub(crate) lower: f64,
+    /// Upper bound of the value, radians or lengths of the solver.
     pub(crate) upper: f64,
 }
 
-/// A chain as links, with the constant ends.
+/// A chain as links, with the constant transforms at its ends.
 ///
-/// Inside the solver lengths are counted in `metres_per_length`, so that thresholds mean the same for
-/// a chain of any size. It is the chain's own reach: whoever measures in other units gets the same
-/// numbers but for rounding, and the same bits where the units differ by a power of two. With joints
-/// that slide it is the power of two below, so that their values and limits convert without loss.
+/// The solver's unit of length is `metres_per_length`, so thresholds mean the same for chains of any size. It is the
+/// chain's reach: results in other units agree up to rounding, and exactly if the units differ by a power of two. With
+/// prismatic joints it is rounded down to a power of two, so values and limits convert without loss.
 #[derive(Clone, Debug)]
 pub(crate) struct Links {
     pub(crate) links: Vec<Link>,
-    /// Where the first joint stands.
+    /// Placement of the first joint in the base frame; lengths of the solver.
     pub(crate) base_from_first: Placement<f64>,
-    /// The tip's orientation in the frame after the last joint. Its position is the last link's way.
+    /// Orientation of the tip in the frame after the last joint; the last link includes its position.
     pub(crate) last_from_tip: Matrix3<f64>,
-    /// How far the first and the last origin slid along their axes, metres.
+    /// Displacement of the first and the last origin along their axes, metres.
     pub(crate) slid: (f64, f64),
-    /// Whether every joint turns.
+    /// True if every joint is revolute.
     pub(crate) all_revolute: bool,
-    /// Metres in a length of the solver.
+    /// Metres per length of the solver.
     pub(crate) metres_per_length: f64,
-    /// Its reciprocal.
+    /// Lengths of the solver per metre.
     pub(crate) lengths_per_metre: f64,
-    /// The chain's own.
+    /// Sum of the lengths of the chain's constant translations, metres.
     pub(crate) extent: f64,
 }
 
 impl Links {
-    /// What rounding may hide where the joints stand so far from zero, metres and radians.
+    /// Rounding error of the tip's pose at joint values of these magnitudes, metres and radians.
+    ///
+    /// Values are in the solver's units and not negative.
     #[inline]
     pub(crate) fn resolution(&self, values: impl Iterator<Item = f64>) -> (f64, f64) {
         let (mut turned, mut slid) = (0.0, 0.0);
@@ -116,7 +122,7 @@ impl Links {
         ways.push(previous_alignment.transpose() * tip.translation);
         let last_from_tip = previous_alignment.transpose() * tip.rotation;
 
-        // Slide origins along their axes, tip to base, until no way has a z part.
+        // Move origins along their axes, tip to base, until no translation has a z part.
         let mut slid = (0.0, ways.last().map_or(0.0, |way| way.z));
         for index in (0..links.len()).rev() {
             let z = ways[index].z;
@@ -154,7 +160,7 @@ impl Links {
         links
     }
 
-    /// Moves the bounds, radians or metres.
+    /// Sets the bounds, radians or metres.
     pub(crate) fn set_bounds(&mut self, bounds: impl Iterator<Item = (f64, f64)>) {
         for (link, (lower, upper)) in self.links.iter_mut().zip(bounds) {
             let unit = match link.kind.slides() {
@@ -165,7 +171,7 @@ impl Links {
         }
     }
 
-    /// Turns a q of the solver into one of the caller's.
+    /// Converts a configuration from lengths of the solver to metres, in place.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn to_metres(&self, q: &mut [f64]) {
         if self.all_revolute {
@@ -178,7 +184,7 @@ impl Links {
         }
     }
 
-    /// How the tip is turned at a q of the solver.
+    /// Orientation of the tip in the base frame, at a configuration in the solver's units.
     pub(crate) fn tip_rotation(&self, q: &[f64]) -> Matrix3<f64> {
         let mut r = self.base_from_first.rotation;
         for (link, &q) in self.links.iter().zip(q) {
@@ -191,7 +197,9 @@ impl Links {
         r * self.last_from_tip
     }
 
-    /// Where the chain stands after so many joints, metres: first the base itself. Values are radians and metres.
+    /// Frames along the chain in the base frame, metres: the base, then the frame after each joint.
+    ///
+    /// Joint values are radians and metres.
     #[cfg(feature = "collision")]
     pub(crate) fn frames(&self, q: &[f64]) -> Vec<Placement<f64>> {
         let metres = self.metres_per_length;
@@ -212,15 +220,16 @@ impl Links {
         frames
     }
 
-    /// The frame in which the kernel works: the target, its orientation turned so that the frame
-    /// after the last joint should come to it; and from there to the first joint.
+    /// Pose of the first joint in the goal frame, in which the kernel works; lengths of the solver.
+    ///
+    /// The goal frame is at the target, oriented so that the frame after the last joint should coincide with it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn goal_from_first(
         &self,
         base_from_target: &Placement<f64>,
         weighted: bool,
     ) -> Placement<f64> {
-        // Weighted goals need the target's own axes; there the kernel turns the tip itself.
+        // Weighted goals need the target's axes: there the kernel applies the tip's rotation.
         let rotation = if weighted {
             base_from_target.rotation
         } else {
@@ -232,7 +241,7 @@ impl Links {
     }
 }
 
-/// How far a chain can reach, the ends of its slides included, metres.
+/// Largest reach of a chain, including the ends of its prismatic joints, metres.
 fn reach(links: &[Link]) -> f64 {
     let lengths = links.iter().map(|link| {
         let ends = link.lower.abs().max(link.upper.abs());
@@ -245,22 +254,22 @@ fn reach(links: &[Link]) -> f64 {
     lengths.sum()
 }
 
-/// The length of a chain that reaches so far, metres; 1 for one that has none.
+/// Unit of length for a chain of this reach, metres; 1 if the reach is zero or extreme.
 fn unit_of_length(reach: f64, all_revolute: bool) -> f64 {
     if !(reach.is_normal() && reach > 1e-200 && reach < 1e200) {
         1.0
     } else if all_revolute {
         reach
     } else {
-        // The mantissa cleared: the largest power of two that is not larger.
+        // Without the mantissa: the largest power of two that is not larger.
         f64::from_bits(reach.to_bits() & 0x7FF0_0000_0000_0000)
     }
 }
 
-/// A right-handed frame whose z axis is the unit vector `axis`.
+/// Returns a right-handed frame whose z axis is the unit vector `axis`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
-    // The coordinate axis least aligned with it, so that nothing cancels.
+    // A coordinate axis far from `axis`, to avoid cancellation.
     let other = if axis.x.abs() < 0.6 {
         Vector3::new(1.0, 0.0, 0.0)
     } else {
@@ -271,7 +280,7 @@ pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(x, axis.cross(x), axis)
 }
 
-/// β, (sin α, cos α) and γ with R = R_z(β) R_x(α) R_z(γ).
+/// Decomposes R = R_z(β) R_x(α) R_z(γ): returns β, (sin α, cos α) and γ, radians.
 fn turn_twist_turn(rotation: &Matrix3<f64>) -> (f64, (f64, f64), f64) {
     let z = rotation.z;
     let sin = elementary::hypot(z.x, z.y);

@@ -1,22 +1,9 @@
-//! One lock-step iteration of Levenberg-Marquardt on every lane at once.
+//! One lock-step iteration of Levenberg-Marquardt on all lanes.
 //!
-//! All kinematics is written in the goal's frame, where the tip should come to the identity. With
-//! `p` the tip's position there and `s = sin θ · n` half the skew part of its rotation R (angle θ
-//! about n), the cost is `½(|p|² + w² · 2(1 − cos θ))`; its gradient is exactly `Jᵀ(p, w² s)`, with
-//! no arc function, for J the spatial Jacobian: column `(p_i × z_i, z_i)` of a turning joint with
-//! axis z_i through p_i, the velocity of the point at the goal's origin. That column needs nothing
-//! from the joints after it.
-//!
-//! With e = (p + ½ p × s, s), the twist to undo to second order, and D = diag(1, 1, 1, w⁻², w⁻²,
-//! w⁻²), or I for goals by axes, whose rows carry their weights, the step minimises
-//! `½ (J Δ + e)ᵀ D⁻¹ (J Δ + e) + ½ λ |Δ|²`. Its normal equations have a row for each joint; the
-//! dual ones, `(J Jᵀ + λ D) y = −e` and Δ = Jᵀ y, have six, and the same solution, as
-//! `(Jᵀ D⁻¹ J + λ I)⁻¹ Jᵀ D⁻¹ = Jᵀ (J Jᵀ + λ D)⁻¹`. λ is the damping times twice the cost (cf. Sugihara
-//! 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
-//!
-//! A joint on its bound that the gradient pushes outward is left out of the step (Bertsekas 1982);
-//! the rest is clamped. A point that does not lower the cost is not accepted: the next one lies a
-//! quarter of the way from the last accepted point to it, which needs no old Jacobian.
+//! Kinematics is in the goal frame, where the tip should reach the identity. Let p be the tip's position and s = sin
+//! θ · n half the skew part of its rotation R (angle θ about n). The cost is `½(|p|² + w² · 2(1 − cos θ))`; its
+//! gradient is exactly `Jᵀ(p, w² s)` for the spatial Jacobian J. The column of a revolute joint with axis z_i through
+//! p_i is `(p_i × z_i, z_i)`, which depends on no later joint.
 
 use super::axis_residual;
 use super::evaluation::Weighed;
@@ -29,38 +16,42 @@ use super::pose;
 use super::settings::Settings;
 use crate::spatial::{Matrix3, Vector3};
 
-/// The error has halved where this share of the cost is left.
+/// Ratio of costs at which the error has halved.
 const HALVED: f64 = 0.25;
-/// What the damping is multiplied by where a step halved the error, where it won less, and where the
-/// point is not accepted.
+/// Factor on the damping after a step that halved the error.
 const DAMPED_LESS: f64 = 0.5;
+/// Factor on the damping after any other accepted step.
 const DAMPED_A_LITTLE_LESS: f64 = 0.8;
+/// Factor on the damping after a rejected step.
 const DAMPED_MORE: f64 = 4.0;
-/// The least λ, the solver's lengths squared: keeps the dual system regular at the goal.
+/// Smallest λ, lengths of the solver squared; keeps the dual system regular at the goal.
 const LEAST_LAMBDA: f64 = 1e-14;
-/// How much of the way a point that is not accepted keeps.
+/// Fraction of a rejected step that is tried next.
 const WAY_KEPT: f64 = 0.25;
-/// Twice the cost below which the goal is near, the solver's lengths squared. Convergence may be slow
-/// there but sure (a singular goal), so that an iteration counts as this much of one.
+/// Twice the cost below which the goal is near, lengths of the solver squared.
+///
+/// Convergence to a singular goal is slow but certain there, so iterations count less towards a stall.
 const NEAR: f64 = 1e-6;
-/// The longest step that ends an attempt to carry on, the sum of all joints' moves, radians and the solver's lengths. Half its square is
-/// the most that its linear model leaves out.
+/// Largest step that may end a continuation: sum of all joint displacements, radians and lengths of the solver.
+///
+/// The linear model of a step errs by at most half the step's square.
 const LONGEST_LAST_STEP: f64 = 0.02;
+/// Weight of an iteration near the goal in the count towards a stall.
 const ITERATION_WHEN_NEAR: f64 = 0.1;
 
-/// Which lanes ended, bit by bit.
+/// Bit masks of the lanes whose attempt may end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ended {
     /// The evaluated point is within the tolerances.
     pub(crate) reached: u32,
-    /// No progress.
+    /// The error has not halved within the stall limit.
     pub(crate) stalled: u32,
-    /// So close that the point after this step should be within the tolerances.
+    /// The point after this step should be within the tolerances.
     pub(crate) closing: u32,
 }
 
 impl Ended {
-    /// Before the first step.
+    /// Masks before the first step: no lanes.
     pub(crate) fn none() -> Self {
         Self {
             reached: 0,
@@ -70,8 +61,10 @@ impl Ended {
     }
 }
 
-/// Evaluates every lane's point, judges it, and moves every lane that has not ended. `JOINTS` is the
-/// number of joints if all turn, or 0 for any chain; `AXES` says that the goal is not the full pose.
+/// Evaluates the point of every lane, adapts its damping, and moves it to its next point.
+///
+/// `JOINTS` is the number of joints if all are revolute, or 0 for any chain. `AXES` is true if the goal is not the full
+/// pose.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     group: &mut Group<V, N>,
@@ -102,7 +95,7 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
     }
 }
 
-/// The residual at every lane's point, and the rows of its derivative.
+/// Computes the residual at every lane's point, and the columns of its derivative.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn weigh<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     group: &mut Group<V, N>,
@@ -124,7 +117,7 @@ fn weigh<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     }
 }
 
-/// Damps less after a descent, the more so after a long one, and more after a rejection.
+/// Lowers the damping after an accepted step, most if the error halved, and raises it after a rejected one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn adapt_damping<V: LaneScalar, const N: usize>(
     group: &mut Group<V, N>,
@@ -138,7 +131,7 @@ fn adapt_damping<V: LaneScalar, const N: usize>(
     group.accepted_twice_cost = V::select(accept, twice_cost, group.accepted_twice_cost);
 }
 
-/// Counts iterations since the error last halved, and tells which lanes have too many.
+/// Counts iterations since the error last halved. Returns the mask of the stalled lanes.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn note_progress<V: LaneScalar, const N: usize>(
     group: &mut Group<V, N>,
@@ -154,11 +147,11 @@ fn note_progress<V: LaneScalar, const N: usize>(
         V::one(),
     );
     group.since_progress = V::select(progress, V::zero(), group.since_progress + iteration);
-    // Half an iteration short of the limit, as the rounding of tenths must not decide.
+    // Half an iteration below the limit, so that rounding of tenths does not decide.
     c(settings.stall_limit - 0.5).less_than(group.since_progress)
 }
 
-/// Makes the columns zero of joints on a bound that the gradient pushes outward.
+/// Zeroes the columns of joints at a bound whose descent direction points outward (Bertsekas 1982).
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn leave_out_blocked_joints<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
@@ -173,14 +166,20 @@ fn leave_out_blocked_joints<V: LaneScalar, const N: usize, const JOINTS: usize>(
         let (lower, upper) = (c(links.links[i].lower), c(links.links[i].upper));
         let at_lower = !lower.less_than(q) & V::zero().less_than(gradient);
         let at_upper = !q.less_than(upper) & gradient.less_than(V::zero());
-        // A product, as a select of the old value would become a masked store, which is slow.
+        // A product: a select of the old value would compile to a slow masked store.
         let free = V::select(at_lower | at_upper, V::zero(), V::one());
         group.linear[i] = l * free;
         group.angular[i] = a * free;
     }
 }
 
-/// The y of (J Jᵀ + λ D) y = −e, by its halves.
+/// Solves `(J Jᵀ + λ D) y = −e` for y, by linear and angular half; the step is Δ = Jᵀ y.
+///
+/// The twist to cancel, to second order, is e = (p + ½ p × s, s). D is diag(1, 1, 1, w⁻², w⁻², w⁻²), or I for weighted
+/// goals, whose rows include their weights. The step minimises `½ (J Δ + e)ᵀ D⁻¹ (J Δ + e) + ½ λ |Δ|²`. Its normal
+/// equations have a row per joint. The dual equations have six rows and the same solution, as
+/// `(Jᵀ D⁻¹ J + λ I)⁻¹ Jᵀ D⁻¹ = Jᵀ (J Jᵀ + λ D)⁻¹`. λ is the damping times twice the cost (cf. Sugihara 2011,
+/// "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     group: &mut Group<V, N>,
@@ -209,8 +208,9 @@ fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bo
     )
 }
 
-/// Steps by Δ = Jᵀ y, clamped, from the points that are accepted; goes back towards the last one from
-/// the others.
+/// Moves accepted lanes by Δ = Jᵀ y, clamped to the bounds.
+///
+/// A rejected lane next tries a fraction of its last step from the accepted point, which needs no earlier Jacobian.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
@@ -231,7 +231,9 @@ fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
     }
 }
 
-/// Where the step just made leads onto the goal by its linear model, bounds and damping included, and is so short that this is true.
+/// Mask of the lanes whose step ends at the goal by its linear model and is short enough for that model.
+///
+/// The step includes the effect of bounds and damping.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn leads_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &Group<V, N>,

@@ -1,11 +1,11 @@
-//! Pose inverse kinematics of serial chains, several attempts or queries at once in SIMD lanes.
+//! Pose inverse kinematics of serial chains in SIMD lanes.
 //!
-//! [`PoseSolver`] is built once from a [`Chain`] and solves single poses, batches and paths by
-//! Levenberg-Marquardt over [`Lanes`](lane::Lanes): four or eight problems in lock step, with AVX2
-//! and FMA where the processor has them. Attempts begin from the start, from a seed atlas and from
-//! random configurations, each known by its number, so that the same question has the same answer.
+//! [`PoseSolver`] is built once from a [`Chain`] and solves single poses, batches and paths by Levenberg-Marquardt. Up
+//! to eight attempts or queries run in lock step over [`Lanes`](lane::Lanes), with AVX2 and FMA if the processor has
+//! them. Attempts begin at the given start, at configurations of a seed atlas, and at random ones. The number of an
+//! attempt determines its start, so equal queries give equal results.
 
-// Loops over lanes and joints by index: the shape that the vectoriser recognises.
+// Index loops over lanes and joints: the form that the vectoriser recognises.
 #![allow(clippy::needless_range_loop)]
 
 mod atlas;

@@ -1,17 +1,17 @@
-//! A solver's options, what it answers, and what can be wrong with a call.
+//! Options, outcome and errors of the SIMD solver.
 
 use super::axis_goal::AxisGoal;
 use crate::bad_option::{BadOption, POSITIVE};
 
-/// Which of several solutions is wanted.
+/// Preference among several solutions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Prefer {
-    /// The one from the start, if that attempt succeeds; others only rescue it.
+    /// The solution from the start, if that attempt succeeds; further attempts count only if it fails.
     #[default]
     Start,
-    /// Whichever takes the fewest iterations: the atlas's seeds come first.
+    /// The solution that takes the fewest iterations; attempts begin with the atlas's configurations.
     First,
 }
 
@@ -31,8 +31,10 @@ pub struct LaneOptions {
     pub(crate) seed: u64,
     pub(crate) atlas: bool,
     pub(crate) portable: bool,
-    /// Distance between the tool at the start and a target, radians (metres by `metres_per_radian`), below which the first
-    /// attempt alone is made under [`Prefer::Start`]: the caller continues it where it misses. 0 for none.
+    /// Distance of the tool from the target at the start, in radians, below which only the first attempt is made.
+    ///
+    /// Metres convert by `metres_per_radian`. Applies to [`Prefer::Start`]; the caller continues a failed attempt. 0
+    /// disables it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) nearby: f64,
 }
@@ -59,41 +61,43 @@ impl Default for LaneOptions {
 
 impl LaneOptions {
     setters! {
-        /// How far the tip may be from the target, metres; positive. Default 1e-6.
+        /// Sets the largest distance of the tip from the target, metres; positive. Default 1e-6.
         pub fn with_position_tolerance(mut self, position_tolerance: f64) { self.position_tolerance = position_tolerance }
-        /// How far the tip may be turned from the target, radians; positive. Default 1e-6.
+        /// Sets the largest angle between the tip and the target, radians; positive. Default 1e-6.
         pub fn with_orientation_tolerance(mut self, orientation_tolerance: f64) { self.orientation_tolerance = orientation_tolerance }
-        /// Metres that weigh as much as one radian in the cost; positive. Default 0.3.
+        /// Sets the metres that weigh as much as one radian in the cost; positive. Default 0.3.
         pub fn with_metres_per_radian(mut self, metres_per_radian: f64) { self.metres_per_radian = metres_per_radian }
-        /// Which components of the pose count. Default all.
+        /// Sets the weights and dead bands of the pose's components. Default: the full pose.
         pub fn with_axes(mut self, axes: AxisGoal) { self.axes = axes }
-        /// Levenberg-Marquardt's λ at the start of an attempt is this times twice the cost. Default 0.07.
+        /// Sets the initial damping: λ starts at this factor times twice the cost; positive. Default 0.07.
         pub fn with_damping(mut self, damping: f64) { self.damping = damping }
-        /// An attempt whose error has not halved in this many iterations is given up, ten
-        /// times as many where twice the cost is below 1e-6 of the chain's reach squared. Default 6.
+        /// Sets the number of iterations without halving the error after which an attempt ends. Default 6.
+        ///
+        /// It is ten times as large while twice the cost is below 1e-6 of the chain's reach squared.
         pub fn with_stall_limit(mut self, stall_limit: u32) { self.stall_limit = stall_limit }
-        /// Most iterations of one attempt. Default 100.
+        /// Sets the largest number of iterations of one attempt. Default 100.
         pub fn with_iterations(mut self, iterations: u32) { self.iterations = iterations }
-        /// Most attempts of one query, at least 1. Default 200.
+        /// Sets the largest number of attempts of one query, at least 1. Default 200.
         pub fn with_attempts(mut self, attempts: u32) { self.attempts = attempts }
-        /// No attempt begins after so many iterations of all attempts of a query together. Goals at the
-        /// end of a narrow valley (an arm nearly stretched, a joint on its limit) would otherwise take
-        /// ten times as many as others that are out of reach. Default 3 000.
+        /// Sets the number of iterations of all attempts of a query after which no attempt begins. Default 3 000.
+        ///
+        /// It bounds the time for targets at the end of a narrow valley: an arm nearly stretched, a joint at its limit.
         pub fn with_total_iterations(mut self, total_iterations: u32) { self.total_iterations = total_iterations }
-        /// Seed of the atlas and of the random attempts: attempt i begins from (seed, i). Default 0.
+        /// Sets the seed of the atlas and of the random attempts: attempt i is sampled from (seed, i). Default 0.
         pub fn with_seed(mut self, seed: u64) { self.seed = seed }
-        /// Whether to build the seed atlas: a few megabytes and tens of milliseconds, and several times
-        /// fewer iterations. Chains of fewer than 4 or more than 12 joints have none. Default true.
+        /// Sets whether to build the seed atlas, which makes several times fewer iterations. Default true.
+        ///
+        /// The atlas takes a few megabytes, and tens of milliseconds to build. Chains of fewer than 4 or more than 12
+        /// joints have none.
         pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
-        /// Whether to use the portable kernels even where faster instructions are there: for comparing
-        /// them. Default false.
+        /// Sets whether to use the portable kernels even if the processor has faster instructions. Default false.
         pub fn with_portable(mut self, portable: bool) { self.portable = portable }
     }
 
-    /// Whether every number is in its range.
+    /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// [`LaneError::Option`] with the name of one that is not.
+    /// Returns [`LaneError::Option`] with the name of an option out of range.
     pub(crate) fn check(&self) -> Result<(), LaneError> {
         for (name, value) in [
             ("position_tolerance", self.position_tolerance),
@@ -107,11 +111,11 @@ impl LaneOptions {
     }
 }
 
-/// How a query ended.
+/// Outcome of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct PoseOutcome {
-    /// Whether both errors are within their tolerances.
+    /// True if both errors are within their tolerances.
     pub reached: bool,
     /// Distance of the tip from the target at the returned q, metres.
     pub position_error: f64,
@@ -119,36 +123,36 @@ pub struct PoseOutcome {
     pub orientation_error: f64,
     /// Iterations of all attempts together.
     pub iterations: u32,
-    /// Attempts begun.
+    /// Number of attempts begun.
     pub attempts: u32,
-    /// The attempt whose q this is, when it reached, counted from 0 over all that were begun for the question.
+    /// Number of the attempt that reached the target, from 0 over all attempts of the query; `None` if none did.
     pub winner: Option<u32>,
 }
 
-/// What is wrong with a call.
+/// Error of a call to the SIMD solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LaneError {
-    /// An option out of its range.
+    /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// A slice of another length than the chain and the number of targets ask for.
+    /// A slice has another length than the chain and the number of targets require.
     #[error("{what} holds {found} numbers, {expected} are needed")]
     Length {
-        /// Which argument.
+        /// Name of the argument.
         what: &'static str,
-        /// Its length.
+        /// Length of the argument.
         found: usize,
-        /// The length it must have.
+        /// Length that it must have.
         expected: usize,
     },
-    /// Joint values that are not finite.
+    /// Joint values are not finite.
     #[error("{0} is not finite")]
     NotFinite(&'static str),
-    /// A start that is not finite.
+    /// The start of a query, by its index, is not finite.
     #[error("the start of query {0} is not finite")]
     Start(usize),
-    /// A target that is not finite or whose rotation is not orthonormal to 1e-6.
+    /// A target, by its index, is not finite or its rotation is not orthonormal to 1e-6.
     #[error("target {0} is not a rigid placement")]
     Target(usize),
 }

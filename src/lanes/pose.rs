@@ -1,10 +1,10 @@
-//! The residual of the full pose.
+//! Residual of the full pose.
 
 use super::evaluation::{Evaluation, Weighed};
 use super::lane::LaneScalar;
 use crate::spatial::Vector3;
 
-/// The full pose.
+/// Computes the residual of the full pose; `weight` is the squared length of the solver per radian.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V> {
     let c = V::constant;
@@ -17,7 +17,7 @@ pub(crate) fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V
     );
     let cos = (r.x.x + r.y.y + r.z.z - V::one()) * half;
     let (pp, ss) = (p.norm_squared(), s.norm_squared());
-    // 2(1 − cos θ) in powers of sin² θ where the difference would cancel.
+    // A series of 2(1 − cos θ) in sin² θ for small θ, where the difference would cancel.
     let series = ss.mul_add(c(5.0 / 64.0), c(1.0 / 8.0));
     let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
     let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);

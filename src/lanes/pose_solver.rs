@@ -1,4 +1,4 @@
-//! A chain and options compiled once; poses solved by them, one at a time or in batches.
+//! Solver for the poses of one chain, single or in batches.
 
 use super::batch::{Attempts, Work};
 use super::chain::{Chain, MAX_JOINTS};
@@ -10,35 +10,38 @@ use super::query::{Answer, Query};
 use crate::clock::Instant;
 use crate::spatial::Placement;
 
-/// Solves poses for one chain. It never changes once built, and is `Send` and `Sync`; solving
-/// allocates nothing.
+/// Inverse kinematics solver for poses of one chain.
 ///
-/// Joint values are radians and metres, in the chain's order; several queries' values stand one
-/// after another in one slice. Every q that comes back lies within the bounds bit for bit, and the
-/// errors beside it are those of that q. A joint that can turn right round comes out within half a
-/// turn of the start; of a start beyond a million radians, where sines lose their digits, whole turns
-/// are taken off first. Lengths may be in any unit, as long as it is the same everywhere. Where the
-/// target is not reached, q is the end of the start's own attempt under [`Prefer::Start`], also where
-/// a deadline cut it short, and under [`Prefer::First`] the point of least cost
-/// `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all attempts.
+/// It is immutable once built, `Send` and `Sync`; solving allocates nothing. Joint values are radians and metres, in
+/// the chain's order. Values of several queries follow one another in one slice. Lengths may be in any unit that is the
+/// same everywhere.
+///
+/// Every returned q is exactly within the bounds, and the errors are those of that q. A joint that can make a whole
+/// revolution ends within half a revolution of the start. Whole revolutions are first taken off a start beyond a
+/// million radians, for the accuracy of sines.
+///
+/// If the target is not reached, [`Prefer::Start`] returns the end of the attempt from the start, also after a
+/// deadline. [`Prefer::First`] returns the point of least cost `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all
+/// attempts.
 #[derive(Clone, Debug)]
 pub struct PoseSolver {
     prepared: Prepared,
 }
 
 impl PoseSolver {
-    /// Prepares a chain: normalises it and builds the seed atlas.
+    /// Builds a solver: normalises the chain and builds the seed atlas.
     ///
     /// # Errors
-    /// [`LaneError::Option`] for a tolerance, damping or weight out of range.
+    /// Returns [`LaneError::Option`] for a tolerance, damping or weight out of range.
     pub fn new(chain: &Chain, options: LaneOptions) -> Result<Self, LaneError> {
         Ok(Self {
             prepared: Prepared::new(chain, options, None)?,
         })
     }
 
-    /// A solver for the same joints with another tip or another goal, which shares the atlas: the
-    /// same as a new one.
+    /// Solver for the same joints with another tip or goal, which shares the atlas.
+    ///
+    /// Its results equal those of a newly built solver.
     pub(crate) fn retargeted(
         &self,
         chain: &Chain,
@@ -51,25 +54,26 @@ impl PoseSolver {
     }
 
     getters! {
-        /// What it was prepared with.
+        /// Options of the solver.
         pub(crate) fn options(&self) -> &LaneOptions = &self.prepared.options;
-        /// Number of moving joints: the length of a q.
+        /// Number of moving joints, the length of a q.
         pub fn joints(&self) -> usize = self.prepared.joints();
     }
 
-    /// Bytes the seed atlas holds.
+    /// Memory of the seed atlas in bytes, 0 without an atlas.
     #[must_use]
     pub fn atlas_memory(&self) -> usize {
         let atlas = self.prepared.atlas.as_ref();
         atlas.map_or(0, |atlas| atlas.atlas.memory())
     }
 
-    /// Solves for one pose `base_from_target`, and writes the joint values to `q`. Under
-    /// [`Prefer::Start`] the lowest attempt that reaches wins, as in a batch. With a deadline it gives up between two iterations after that time; without one, the same question has the
-    /// same answer bit for bit.
+    /// Solves for one pose `base_from_target`, and writes the joint values to `q`.
+    ///
+    /// Under [`Prefer::Start`] the lowest attempt that reaches the target wins, as in a batch. With a deadline the
+    /// search stops between two iterations after that time. Without one, equal queries give bitwise equal results.
     ///
     /// # Errors
-    /// [`LaneError`] for wrong lengths and numbers that are not finite.
+    /// Returns a [`LaneError`] for wrong lengths and numbers that are not finite.
     pub fn solve(
         &self,
         base_from_target: &Placement<f64>,
@@ -86,7 +90,7 @@ impl PoseSolver {
         Ok(self.race(&query, false, &mut Answer::of(q)))
     }
 
-    /// A query with as many attempts and iterations as there may be.
+    /// Query with the attempts and iterations that the options allow.
     fn query<'a>(
         &self,
         target: &'a Placement<f64>,
@@ -108,7 +112,7 @@ impl PoseSolver {
         self.prepared.options.attempts.max(1)
     }
 
-    /// Answers a query that is checked already. `lone` runs the first attempt by itself at first.
+    /// Solves a query that is checked already. With `lone` the first attempt initially runs alone.
     pub(crate) fn race(
         &self,
         query: &Query<'_>,
@@ -118,7 +122,7 @@ impl PoseSolver {
         instruction_set::race(&self.prepared, query, lone, answer)
     }
 
-    /// The start's own attempt alone, for input that is checked already.
+    /// Runs only the attempt from the start, on input that is checked already.
     pub(crate) fn own_attempt(
         &self,
         base_from_target: &Placement<f64>,
@@ -137,32 +141,33 @@ impl PoseSolver {
         self.race(&query, true, &mut Answer::of(q))
     }
 
-    /// The geometric Jacobian at q (radians and metres), six entries a joint: see
-    /// [`Links::write_twists`](super::links::Links::write_twists).
+    /// Writes the geometric Jacobian at q (radians and metres), six entries per joint.
+    ///
+    /// See [`Links::write_twists`](super::links::Links::write_twists).
     pub(crate) fn write_twists(&self, q: &[f64], radian: f64, entries: &mut [f64]) {
         self.prepared.links.write_twists(q, radian, entries);
     }
 
-    /// A solver for the same chain whose bounds may be moved, without an atlas.
+    /// Solver for the same chain without an atlas, whose bounds may change.
     pub(crate) fn without_atlas(&self) -> Self {
         Self {
             prepared: self.prepared.without_atlas(),
         }
     }
 
-    /// Moves the bounds, radians or metres.
+    /// Sets the bounds, radians or metres.
     pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
         self.prepared.set_bounds(lower, upper);
     }
 
-    /// Solves many poses, lanes filled with different queries. What a query gives depends on
-    /// nothing but itself, so any split of a batch gives the same bits. The winner of a query is
-    /// its lowest attempt that reaches.
+    /// Solves for many poses, with different queries in the lanes.
     ///
-    /// `starts` and `q` hold one q a target, `outcomes` one outcome a target.
+    /// The result of a query depends on that query alone, so any split of a batch gives bitwise equal results. The
+    /// winner of a query is its lowest attempt that reaches the target. `starts` and `q` hold one q per target,
+    /// `outcomes` one outcome per target.
     ///
     /// # Errors
-    /// [`LaneError`] for wrong lengths and numbers that are not finite.
+    /// Returns a [`LaneError`] for wrong lengths and numbers that are not finite.
     pub fn solve_batch(
         &self,
         base_from_targets: &[Placement<f64>],
@@ -186,7 +191,7 @@ impl PoseSolver {
     /// [`solve_batch`](Self::solve_batch) over the threads of the current rayon pool.
     ///
     /// # Errors
-    /// As there.
+    /// Returns a [`LaneError`] for wrong lengths and numbers that are not finite.
     #[cfg(feature = "rayon")]
     pub fn solve_batch_parallel(
         &self,
@@ -197,7 +202,7 @@ impl PoseSolver {
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), LaneError> {
         use rayon::prelude::*;
-        /// Queries a task: enough to keep the lanes filled.
+        /// Queries per task, enough to keep the lanes filled.
         const CHUNK: usize = 128;
         let n = self.joints();
         check::batch(n, base_from_targets, starts, q, outcomes)?;
@@ -219,13 +224,14 @@ impl PoseSolver {
         Ok(())
     }
 
-    /// Runs attempts `first`, `first + 1`, … of one query, as many as `outcomes` has places, and
-    /// hands out what each gave: the ground for searches that compare solutions. Attempt numbers
-    /// mean the same as in [`solve`](Self::solve): under [`Prefer::Start`] 0 is the start, then
-    /// come the atlas's seeds, then random ones; under [`Prefer::First`] the atlas's come first.
+    /// Runs attempts `first`, `first + 1`, … of one query, one per entry of `outcomes`, and returns every result.
+    ///
+    /// It serves searches that compare solutions. Attempt numbers are those of [`solve`](Self::solve). Under
+    /// [`Prefer::Start`] attempt 0 is the start, followed by the atlas's configurations and then random ones. Under
+    /// [`Prefer::First`] the atlas's come first.
     ///
     /// # Errors
-    /// [`LaneError`] for wrong lengths and numbers that are not finite.
+    /// Returns a [`LaneError`] for wrong lengths and numbers that are not finite.
     pub fn run_attempts(
         &self,
         base_from_target: &Placement<f64>,
@@ -250,8 +256,9 @@ impl PoseSolver {
         Ok(())
     }
 
-    /// Appends the atlas's seeds for a target from the cells beside its own, of which `cells` says which, radians and metres within the
-    /// bounds; whether there are more.
+    /// Appends the atlas's configurations for a target, from its cell and the neighbouring cells with numbers `cells`.
+    ///
+    /// Values are radians and metres within the bounds. Returns true if there are further cells.
     #[cfg(feature = "collision")]
     pub(crate) fn seeds_about(
         &self,
@@ -262,7 +269,8 @@ impl PoseSolver {
         self.prepared.seeds_about(target, cells, q)
     }
 
-    /// Adds whole turns to the joints that can make them, as near to the start as bounds allow; radians and metres.
+    /// Adds whole revolutions to the joints that can make them, as near to the start as bounds allow; radians and
+    /// metres.
     #[cfg(feature = "collision")]
     pub(crate) fn unwrap_towards(&self, start: &[f64], q: &mut [f64]) {
         super::whole_turns::unwrap_towards(&self.prepared, start, q);
@@ -273,11 +281,12 @@ impl PoseSolver {
         instruction_set::batch(&self.prepared, work);
     }
 
-    /// Follows a path of targets: each query starts from the q of the one before, and takes that
-    /// attempt's solution where it succeeds ([`Prefer::Start`]).
+    /// Solves for the targets of a path in sequence, each from the q of the previous one.
+    ///
+    /// Each query prefers the solution of that attempt, as [`Prefer::Start`].
     ///
     /// # Errors
-    /// [`LaneError`] for wrong lengths and numbers that are not finite.
+    /// Returns a [`LaneError`] for wrong lengths and numbers that are not finite.
     pub fn track(
         &self,
         base_from_targets: &[Placement<f64>],

@@ -1,4 +1,4 @@
-//! A chain and options made ready for solving: what every driver reads and none changes.
+//! Prepared chain and options, read-only for the drivers.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -9,25 +9,24 @@ use super::links::Links;
 use super::options::{LaneError, LaneOptions};
 use super::settings::Settings;
 
-/// A chain and the task, prepared.
+/// Normalised chain, options and seed atlas of a solver.
 #[derive(Clone, Debug)]
 pub(crate) struct Prepared {
     pub(crate) links: Links,
     pub(crate) settings: Settings,
     pub(crate) options: LaneOptions,
     pub(crate) atlas: Option<TooledAtlas>,
-    /// Whether some joint can turn once round.
+    /// True if some revolute joint has a range of a whole revolution.
     pub(crate) wide: bool,
-    /// Whether rounding may hide half a tolerance at some q within the bounds that it was prepared with.
+    /// True if rounding may exceed half a tolerance at some q within the initial bounds.
     pub(crate) coarse: bool,
 }
 
 impl Prepared {
-    /// Normalises a chain and builds its seed atlas, unless there is one of the same joints and seed to
-    /// share.
+    /// Normalises a chain, and builds its seed atlas unless there is one of the same joints and seed to share.
     ///
     /// # Errors
-    /// [`LaneError::Option`] for a tolerance, damping or weight out of range.
+    /// Returns [`LaneError::Option`] for a tolerance, damping or weight out of range.
     pub(crate) fn new(
         chain: &Chain,
         options: LaneOptions,
@@ -59,7 +58,7 @@ impl Prepared {
         })
     }
 
-    /// The same without an atlas, whose seeds mean nothing once the bounds have moved.
+    /// Copy without the atlas, whose configurations are useless after a change of bounds.
     pub(crate) fn without_atlas(&self) -> Self {
         Self {
             links: self.links.clone(),
@@ -76,7 +75,7 @@ impl Prepared {
         self.links.links.len()
     }
 
-    /// Moves the bounds within those of the chain, radians or metres.
+    /// Sets the bounds, radians or metres, within those of the chain.
     pub(crate) fn set_bounds(&mut self, lower: &[f64], upper: &[f64]) {
         let bounds = lower.iter().zip(upper);
         self.links.set_bounds(bounds.map(|(l, u)| (*l, *u)));

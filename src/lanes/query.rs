@@ -1,37 +1,38 @@
-//! One target, a start, and what may be spent on it.
+//! Query of the SIMD solver: target, start and budget.
 
 use super::options::Prefer;
 use crate::clock::Instant;
 use crate::spatial::Placement;
 
-/// One query as the drivers see it.
+/// A query as the drivers receive it.
 #[derive(Clone, Copy)]
 pub(crate) struct Query<'a> {
     pub(crate) target: &'a Placement<f64>,
     pub(crate) start: &'a [f64],
     pub(crate) search: Prefer,
-    /// The first attempt, and one more than the last.
+    /// Number of the first attempt, and one past the last.
     pub(crate) attempts: (u32, u32),
-    /// Iterations after which no attempt begins.
+    /// Number of iterations after which no attempt begins.
     pub(crate) budget: u32,
-    /// When to give up, checked between iterations.
+    /// Time after which the search stops, checked between iterations.
     pub(crate) deadline: Option<Instant>,
 }
 
-/// Where a query's configurations go.
+/// Output configurations of a query.
 #[derive(Default)]
 pub(crate) struct Answer<'a> {
-    /// The solution; after a miss the end of the start's own attempt under [`Prefer::Start`] (where
-    /// it is among the attempts), the best of all attempts otherwise.
+    /// The solution; if none was found, the end of the attempt from the start or the best of all attempts.
+    ///
+    /// The former applies under [`Prefer::Start`] if that attempt is among those run.
     pub(crate) q: &'a mut [f64],
-    /// After a miss under [`Prefer::Start`] the best of all attempts; empty where nobody asks.
+    /// Best of all failed attempts under [`Prefer::Start`]; may be empty if not needed.
     pub(crate) best: &'a mut [f64],
-    /// After a miss which attempt the best of all is.
+    /// Number of the best failed attempt.
     pub(crate) best_attempt: u32,
 }
 
 impl<'a> Answer<'a> {
-    /// For who does not ask for the best of all.
+    /// Output without the best failed attempt.
     pub(crate) fn of(q: &'a mut [f64]) -> Self {
         Self {
             q,

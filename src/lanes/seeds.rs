@@ -1,4 +1,4 @@
-//! Where attempts begin.
+//! Initial configurations of attempts.
 
 use std::f64::consts::TAU;
 
@@ -12,13 +12,14 @@ use super::whole_turns::reduced;
 use crate::random::mix;
 use crate::spatial::Placement;
 
-/// Beyond this an angle loses digits, radians.
+/// Largest angle that is used as it is, radians; larger ones lose digits.
 const LARGE_ANGLE: f64 = 1.0e3;
 
-/// The seeds of one query, by attempt number: the start, those of the atlas, then random ones; the
-/// start comes after the atlas under [`Prefer::First`].
+/// Initial configurations of one query by attempt number: the start, those of the atlas, then random ones.
+///
+/// Under [`Prefer::First`] the start comes after those of the atlas.
 pub(crate) struct QuerySeeds {
-    /// Looked up when first asked for.
+    /// Configurations of the atlas, looked up on first use.
     candidates: Candidates,
     looked_up: bool,
 }
@@ -31,14 +32,14 @@ impl QuerySeeds {
         }
     }
 
-    /// Makes ready for another query.
+    /// Resets the atlas's configurations for another query.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn forget(&mut self) {
         self.looked_up = false;
     }
 
-    /// Writes the seed of an attempt at the query whose goal, as the kernel works on it, is
-    /// `goal_from_first`.
+    /// Writes the initial configuration of an attempt to `q`. `goal_from_first` is the query's goal as the kernel uses
+    /// it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill<V: LaneScalar>(
         &mut self,
@@ -54,7 +55,7 @@ impl QuerySeeds {
             fill_start(links, query.start, q);
             return;
         }
-        // No closure here: one that is not inlined would be compiled without the vector features.
+        // No closure: one that is not inlined would be compiled without the vector features.
         if !self.looked_up {
             self.looked_up = true;
             self.candidates.count = 0;
@@ -63,7 +64,7 @@ impl QuerySeeds {
                 if prepared.settings.weighted {
                     goal = links.goal_from_first(query.target, false);
                     if prepared.settings.axes.orientation_weights == [0.0; 3] {
-                        // Any orientation will do: the start's is the nearest.
+                        // Any orientation suffices: use the one at the start.
                         fill_start(links, query.start, q);
                         let target =
                             Placement::new(links.tip_rotation(q), query.target.translation);
@@ -110,7 +111,7 @@ impl QuerySeeds {
     }
 }
 
-/// A start's value in the solver's terms.
+/// Start value of a joint in the solver's units.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
     match link.kind.slides() {
@@ -119,7 +120,7 @@ fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
     }
 }
 
-/// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
+/// Writes the start, clamped to the bounds; a large angle moves within half a revolution of zero if bounds allow.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
     for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(start) {

@@ -1,4 +1,4 @@
-//! More seeds for a goal than its own cell of the atlas holds: those of the cells about it as well.
+//! Start configurations from a goal's cell of the atlas and the neighbouring cells.
 
 use std::ops::Range;
 
@@ -8,18 +8,20 @@ use super::lane::Lanes;
 use super::prepared::Prepared;
 use crate::spatial::Placement;
 
-/// A seed that bounds move farther than this leads elsewhere, radians or lengths of the solver.
+/// Largest change by clamping to the bounds, radians or lengths of the solver; beyond it a start is dropped.
 const MOVED: f64 = 0.3;
 
-/// A cell and those about it, along four coordinates.
+/// Number of cells in a neighbourhood along four coordinates, including the centre.
 const ABOUT: usize = 3_usize.pow(4);
 
 impl Prepared {
-    /// Appends the seeds of a target's own cell and of those about it, of which `cells` says which, in the order of how many coordinates lead
-    /// there; radians and metres within the bounds, but for those that are far beyond. Whether there are more.
+    /// Appends the configurations of a target's cell and of its neighbours with numbers `cells`.
     ///
-    /// A cell's seeds are corrected in first order to the target, so that from beside it they still end there in a few steps, and each cell has
-    /// samples of its own: of other branches, and of other places on one.
+    /// Neighbours are numbered by how many coordinates differ. Values are radians and metres within the bounds;
+    /// configurations far outside are dropped. Returns true if there are further cells.
+    ///
+    /// A cell's configurations are corrected to the target in first order, so those of neighbours also converge in a
+    /// few steps. Each cell holds samples of other branches, and other points of one branch.
     pub(super) fn seeds_about(
         &self,
         target: &Placement<f64>,
@@ -53,7 +55,7 @@ impl Prepared {
     }
 }
 
-/// The ways from a cell to itself and to those about it, those along few coordinates first.
+/// Offsets from a cell to itself and to its neighbours, those along few coordinates first.
 const WAYS: [[i8; 4]; ABOUT] = {
     let mut ways = [[0; 4]; ABOUT];
     let (mut count, mut along) = (0, 0);

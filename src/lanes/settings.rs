@@ -1,40 +1,40 @@
-//! The task, as the iteration needs it.
+//! Parameters of the iteration, in lengths of the solver.
 
 use super::axis_goal::AxisGoal;
 use super::options::LaneOptions;
 
-/// The numbers of the iteration, the same for all lanes; lengths are those of the solver.
+/// Parameters of the iteration, equal for all lanes; lengths are those of the solver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
-    /// Position counts as reached below this, lengths.
+    /// Position tolerance, lengths of the solver.
     pub(crate) position_tolerance: f64,
-    /// Orientation counts as reached below this, radians.
+    /// Orientation tolerance, radians.
     pub(crate) orientation_tolerance: f64,
-    /// Lengths that weigh as much as one radian.
+    /// Lengths of the solver that weigh as much as one radian.
     pub(crate) length_per_radian: f64,
-    /// λ = damping · twice the cost at the start of an attempt.
+    /// Initial damping: λ is this factor times twice the cost.
     pub(crate) damping: f64,
-    /// Whether the goal is not the full pose.
+    /// True unless the goal is the full pose.
     pub(crate) weighted: bool,
-    /// Weights and dead bands of the six components of such a goal.
+    /// Weights and dead bands of the six components of a weighted goal.
     pub(crate) axes: AxisGoal,
-    /// Twice the cost below which one more step should reach.
+    /// Twice the cost below which one more step should reach the goal, lengths of the solver squared.
     pub(crate) closing_twice_cost: f64,
-    /// Twice the cost of a start below which the first attempt alone is made.
+    /// Twice the cost of a start below which only the first attempt is made, lengths of the solver squared.
     pub(crate) nearby_twice_cost: f64,
-    /// Whether a step that leads onto the goal by its linear model, and is short, ends the attempt, and not only one from so near.
+    /// True if any short step onto the goal by its linear model ends an attempt, not only one from a near point.
     pub(crate) carries: bool,
-    /// An attempt whose error has not halved in this many iterations is given up.
+    /// Number of iterations without halving the error after which an attempt ends.
     pub(crate) stall_limit: f64,
 }
 
-/// One more step is trusted to reach below twice the cost of this times the tolerance, lengths.
+/// Twice the cost per tolerance below which one more step should reach the goal, in lengths of the solver.
 const CLOSING: f64 = 0.1;
 
 impl Settings {
-    /// The numbers that valid options ask for.
+    /// Converts options that are checked already.
     pub(crate) fn new(options: &LaneOptions, lengths_per_metre: f64) -> Self {
-        // Slightly inside, so that rounding in the judge's other order of operations cannot refuse.
+        // Slightly smaller, as the final check may round differently.
         let margin = 0.999;
         let position_tolerance = options.position_tolerance * lengths_per_metre;
         let length_per_radian = options.metres_per_radian * lengths_per_metre;

@@ -1,4 +1,4 @@
-//! One query: its attempts race in the lanes.
+//! Search for a single query: its attempts run in parallel lanes.
 
 use crate::clock::is_past;
 
@@ -15,17 +15,17 @@ use super::stages::Stages;
 use super::whole_turns::unwrap_towards;
 use crate::spatial::Placement;
 
-/// Most lanes a group can have here.
+/// Largest number of lanes of a single query.
 const MAX_LANES: usize = 8;
 
-/// Runs numbered attempts, a group of lanes in lock step, until the rule of the search has a winner.
+/// Runs numbered attempts, a group of lanes in lock step, until the preference of the search has a winner.
 ///
-/// Under [`Prefer::Start`] the lowest attempt that reaches wins, as in a batch; under
-/// [`Prefer::First`] the fewest iterations win, then the lowest attempt. A lane that gives up is
-/// refilled with the next attempt at once. Nothing here depends on time unless a deadline is set.
+/// Under [`Prefer::Start`] the lowest attempt that reaches the target wins, as in a batch. Under [`Prefer::First`] the
+/// fewest iterations win, then the lowest attempt. A lane whose attempt fails takes the next attempt at once. The
+/// result depends on time only if a deadline is set.
 ///
-/// `lone` runs the start's attempt by itself first, and fills the other lanes only if it fails: for
-/// tracking, where it nearly never does.
+/// With `lone` the attempt from the start runs alone first, and the other lanes fill only if it fails. This suits
+/// tracking, where it rarely fails.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn race<V: LaneScalar, const N: usize>(
     stages: &Stages<V, N>,
@@ -34,7 +34,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
     lone: bool,
     answer: &mut Answer<'_>,
 ) -> PoseOutcome {
-    // Beside the race, so that its kilobytes are not moved.
+    // Outside `Race`, to avoid moving kilobytes.
     let mut group = Group::new(prepared.joints());
     let mut race = Race::new(stages, prepared, query, answer, &mut group);
     let mut lanes = if lone { 1 } else { V::WIDTH };
@@ -67,21 +67,21 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
         if race.is_decided() {
             break;
         }
-        // A lone attempt has the lanes to itself until it ends.
+        // With `lone`, no other attempt runs until the first ends.
         let alone = lone && race.winner.is_none() && race.active != 0;
         lanes = if alone { 1 } else { V::WIDTH.min(MAX_LANES) };
     }
     race.outcome()
 }
 
-/// A lane that reached.
+/// The best successful attempt so far.
 struct Winner {
     attempt: u32,
     iterations: u32,
     errors: Errors,
 }
 
-/// The attempts of one query under way.
+/// The running attempts of one query.
 struct Race<'a, 'b, V, const N: usize> {
     stages: &'a Stages<V, N>,
     prepared: &'a Prepared,
@@ -90,33 +90,35 @@ struct Race<'a, 'b, V, const N: usize> {
     goal_from_first: Placement<f64>,
     group: &'a mut Group<V, N>,
     seeds: QuerySeeds,
-    /// A configuration on its way into or out of a lane.
+    /// Buffer for a configuration read from or written to a lane.
     q: [f64; MAX_JOINTS],
-    /// By lane.
+    /// Number of the attempt in each lane.
     attempt: [u32; MAX_LANES],
+    /// Iterations of the attempt in each lane.
     age: [u32; MAX_LANES],
-    /// The lanes with an attempt under way, bit by bit.
+    /// Bit mask of the lanes with a running attempt.
     active: u32,
-    /// The next attempt.
+    /// Number of the next attempt.
     next: u32,
     iterations: u32,
     late: bool,
-    /// Whether the first attempt has ended the search.
+    /// True if the first attempt has ended the search.
     ended: bool,
-    /// Whether the lowest attempt that reaches wins, and whether the start's own is among them.
+    /// True if the lowest attempt that reaches wins.
     by_number: bool,
+    /// True if the attempts include the one from the start, under `Prefer::Start`.
     has_own: bool,
-    /// Whether the first attempt has made no step yet.
+    /// True before the first step.
     unmoved: bool,
-    /// Whether the target is so near to the start that no other attempt is made where the first misses.
+    /// True if the target is so near to the start that a failed first attempt ends the query.
     nearby: bool,
-    /// Cost and attempt of the best miss so far.
+    /// Twice the cost and number of the best failed attempt so far.
     best: Option<(f64, u32)>,
     winner: Option<Winner>,
 }
 
-// All is inlined into functions that are compiled for an instruction set, and without closures: one that is
-// not inlined would be compiled without it.
+// All is inlined into functions compiled for an instruction set. Closures are avoided: one that is not inlined would be
+// compiled without it.
 impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(
@@ -153,7 +155,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         }
     }
 
-    /// Gives the lanes that are free the next attempts, while there are any to make.
+    /// Starts the next attempts in the free lanes, as far as the budget allows.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fill(&mut self, lanes: usize) {
         let (
@@ -173,7 +175,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
             {
                 let (seeds, q) = (&mut self.seeds, &mut self.q);
                 (self.stages.seed)(seeds, prepared, query, &goal, self.next, q);
-                // Before the first step all lanes take harmless numbers.
+                // Before the first step, fill all lanes with valid numbers.
                 let last = if self.next == first {
                     V::WIDTH
                 } else {
@@ -189,7 +191,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         }
     }
 
-    /// Counts a step of all lanes; those that give up.
+    /// Counts a step of all lanes. Returns the bit mask of the lanes whose attempt failed.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn age(&mut self, ended: &Ended) -> u32 {
         self.iterations += self.active.count_ones();
@@ -202,7 +204,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         (ended.stalled | spent) & self.active
     }
 
-    /// Whether the attempt of a lane would win over the winner so far.
+    /// Returns true if the attempt of a lane would win over the current winner.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn may_win(&self, lane: usize) -> bool {
         let (attempt, age) = (self.attempt[lane], self.age[lane]);
@@ -213,7 +215,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         }
     }
 
-    /// Judges the point of a lane that is close to the goal; whether it reaches, and so is the winner.
+    /// Checks the point of a lane that is close to the goal. Makes it the winner and returns true if it reaches.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn wins(&mut self, lane: usize, ended: &Ended) -> bool {
         let q = &mut self.q[..self.prepared.links.links.len()];
@@ -235,25 +237,26 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         reached
     }
 
-    /// After the first step, notes whether the target is near the start.
+    /// After the first step, records whether the target is near the start.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn note_start_cost(&mut self) {
         if self.unmoved {
             self.unmoved = false;
-            // The first attempt runs in lane 0, and its accepted point is still the start.
+            // The first attempt runs in lane 0; after one step its accepted point is still the start.
             let twice_cost = self.group.twice_cost(0);
             self.nearby = self.has_own && twice_cost < self.prepared.settings.nearby_twice_cost;
         }
     }
 
-    /// Whether the attempt of a lane is the first one, and its target near the start. A search that is cut short keeps
-    /// what other attempts have reached.
+    /// Returns true if the lane runs the first attempt and the target is near the start.
+    ///
+    /// Returns false after the deadline, which must not discard what other attempts have reached.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_first_of_nearby(&self, lane: usize) -> bool {
         self.nearby && self.attempt[lane] == 0 && !self.late
     }
 
-    /// Ends the search as a miss of the first attempt alone, whatever the others have come to.
+    /// Ends the search with the failed first attempt as its result, whatever the other attempts reached.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn end_with_first(&mut self, lane: usize) {
         let Self { group, answer, .. } = self;
@@ -263,12 +266,12 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         (self.winner, self.next, self.ended) = (None, 1, true);
     }
 
-    /// Keeps what an attempt came to that gave up, if it is the best of all or the start's own.
+    /// Records the end of a failed attempt if it is the best so far or started at the start.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep_miss(&mut self, lane: usize) {
         let Self { group, answer, .. } = self;
         let (cost, attempt) = (group.twice_cost(lane), self.attempt[lane]);
-        // Costs that overflow are all alike: the lowest attempt, the start itself, is kept.
+        // Costs that overflow are equal: keep the lowest attempt, from the start.
         let better = match self.best {
             None => true,
             Some((best, by)) => cost < best || cost == best && attempt < by,
@@ -286,7 +289,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         }
     }
 
-    /// Whether no attempt under way can win any more.
+    /// Returns true if no running attempt can still win.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_decided(&self) -> bool {
         let Some(winner) = &self.winner else {
@@ -301,7 +304,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         true
     }
 
-    /// What the race came to; what is answered is in metres from here on.
+    /// Result of the search. Converts the output configurations to metres.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outcome(&mut self) -> PoseOutcome {
         let (prepared, start) = (self.prepared, self.query.start);

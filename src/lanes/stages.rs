@@ -1,6 +1,6 @@
-//! What the drivers call, each compiled once for an instruction set.
+//! Functions that the drivers call, each compiled once per instruction set.
 //!
-//! Inlined into every driver, the same code was compiled for each again, which took minutes.
+//! They are not inlined into the drivers, which would compile the same code many times.
 
 use super::evaluation::Errors;
 use super::group::Group;
@@ -16,7 +16,7 @@ type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> Ended;
 type Judge = fn(&Prepared, &Placement<f64>, &[f64]) -> (bool, Errors);
 type Seed = fn(&mut QuerySeeds, &Prepared, &Query<'_>, &Placement<f64>, u32, &mut [f64]);
 
-/// The stages of a search in lanes V over groups of up to N joints.
+/// Functions of a search in lanes `V`, over groups of up to `N` joints.
 pub(crate) struct Stages<V, const N: usize> {
     /// [`step`](super::lm_step::step).
     pub(crate) step: Step<V, N>,
@@ -26,7 +26,7 @@ pub(crate) struct Stages<V, const N: usize> {
     pub(crate) seed: Seed,
 }
 
-/// A module with the stages as functions, with an attribute for their instruction set.
+/// Defines a module of these functions, with an attribute for their instruction set.
 macro_rules! stages {
     ($name:ident $(, #[$features:meta])?) => {
         pub(crate) mod $name {

@@ -1,12 +1,12 @@
-//! How far sines and cosines of lanes are right, and a rough arctangent.
+//! Range of accurate sines and cosines, and an approximate arctangent.
 
 use crate::scalar::Scalar;
 pub(crate) use crate::scalar::trigonometry::ROUNDER;
 
-/// The largest |angle| in radians for which the sine and cosine of lanes keep their accuracy.
+/// Largest |angle| in radians for which the sine and cosine of lanes keep their accuracy.
 pub const MAX_ANGLE: f64 = crate::scalar::trigonometry::MAX_ANGLE;
 
-/// Angle of the point (x, y) in radians, to 1e-7: for seeds, not for results.
+/// Angle of the point (x, y) in radians, to 1e-7: for initial configurations, not for results.
 ///
 /// The polynomial is Abramowitz and Stegun 4.4.49.
 #[cfg_attr(not(debug_assertions), inline(always))]

@@ -1,7 +1,7 @@
-//! What every joint does to the tip, by plain numbers: the geometric Jacobian.
+//! Geometric Jacobian of a chain.
 //!
-//! A joint that turns about the axis z through p adds (z × (x − p), z) to the twist of a tip at x, one that
-//! slides along it (z, 0) (Siciliano et al. 2009, "Robotics", eq. 3.30).
+//! A revolute joint about the axis z through p adds (z × (x − p), z) to the twist of a tip at x. A prismatic joint
+//! along z adds (z, 0) (Siciliano et al. 2009, "Robotics", eq. 3.30).
 
 use super::lane::{LaneScalar, Lanes};
 use super::links::Links;
@@ -11,12 +11,15 @@ use crate::spatial::Vector3;
 type Four = Lanes<4, false>;
 
 impl Links {
-    /// Writes six entries a joint at q (radians and metres), in the base's axes: the tip's velocity by it, metres,
-    /// and its angular velocity, a radian counting as `radian`.
+    /// Writes six entries per joint at q (radians and metres), in the base's axes.
+    ///
+    /// They are the tip's linear velocity in metres and its angular velocity, per unit of joint velocity. A radian of
+    /// angular velocity counts as `radian`.
     pub(crate) fn write_twists(&self, q: &[f64], radian: f64, entries: &mut [f64]) {
         let mut r = self.base_from_first.rotation;
         let mut p = self.base_from_first.translation;
-        // The angles of four joints at a time; at first the place of a joint stands where its velocity will.
+        // Sines and cosines of four joints at a time. The linear half holds the joint's position until the tip is
+        // known.
         let fours = self.links.chunks(4).zip(q.chunks(4));
         for ((links, q), columns) in fours.zip(entries.chunks_mut(24)) {
             let mut angle = Four::zero();

@@ -1,11 +1,11 @@
-//! Whole turns: which of the equal values of a wide joint is returned.
+//! Choice among values of a revolute joint that differ by whole revolutions.
 
 use std::f64::consts::TAU;
 
 use super::prepared::Prepared;
 use super::trigonometry::MAX_ANGLE;
 
-/// A start that is too large an angle for exact sines, less whole turns: within half a turn of zero.
+/// Removes whole revolutions from a start that is too large for exact sines, down to within half a revolution of zero.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn reduced(start: f64) -> f64 {
     if start.abs() > MAX_ANGLE - TAU {
@@ -15,8 +15,9 @@ pub(crate) fn reduced(start: f64) -> f64 {
     }
 }
 
-/// A value of a joint that turns, by whole turns as near to the start as the bounds allow; as it is where these
-/// have no room for one, or do not hold it.
+/// Adds whole revolutions to a revolute joint's value, to bring it as near to the start as the bounds allow.
+///
+/// Returns the value unchanged if the bounds span less than a revolution or do not include the result. Radians.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn turned_towards(start: f64, value: f64, (lower, upper): (f64, f64)) -> f64 {
     if upper - lower < TAU {
@@ -35,7 +36,7 @@ pub(crate) fn turned_towards(start: f64, value: f64, (lower, upper): (f64, f64))
     }
 }
 
-/// Adds whole turns to the joints that can make them, as near to the start as bounds allow.
+/// Adds whole revolutions to the joints that can make them, as near to the start as bounds allow.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn unwrap_towards(prepared: &Prepared, start: &[f64], q: &mut [f64]) {
     if !prepared.wide {

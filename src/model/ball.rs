@@ -1,36 +1,39 @@
-//! How far a ball joint may go: a cone for its swing, a range for its twist, an angle for both together.
+//! Limits of ball joints: a swing cone, a twist range and a total rotation angle.
 
 use std::f64::consts::PI;
 
 use super::Limits;
 use crate::spatial::Vector3;
 
-/// Limits of a ball joint, of its rotation parted into a twist about its axis and then a swing, which
-/// tips that axis without turning about it (Grassia 1998, "Practical parameterization of rotations using
-/// the exponential map", section 4).
+/// Limits of a ball joint, on its rotation split into a twist about the joint axis and then a swing.
 ///
-/// The swing's rotation vector (axis × angle, across the twist axis) stays within an ellipse whose half axes
-/// are the half angles of the cone: a circular cone where both are the same.
+/// The swing tips the joint axis without rotation about it (Grassia 1998, "Practical parameterization of rotations
+/// using the exponential map", section 4). The rotation vector of the swing is perpendicular to the twist axis. It
+/// stays within an ellipse whose half axes are the half angles of the cone. Equal half angles give a circular cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BallLimits {
-    /// How far the joint's axis may tip, in radians, within (0, π]: about [`about`](Self::about), and about what
-    /// is across that and the joint's axis.
+    /// Half angles of the cone, radians, within (0, π].
+    ///
+    /// The first is about [`about`](Self::about), the second about the direction perpendicular to that and to the joint
+    /// axis.
     pub swing: [f64; 2],
-    /// How far it may turn about its axis, in radians.
+    /// Range of rotation about the joint axis, radians.
     pub twist: Limits,
-    /// The first axis of the ellipse, in the joint's own frame; what of it is along the joint's axis does not
-    /// count. `None`: any, as for a circular cone.
+    /// The first axis of the ellipse, in the joint's frame; its component along the joint axis is ignored.
+    ///
+    /// `None`: any direction, which suits a circular cone.
     pub about: Option<Vector3<f64>>,
-    /// How far it may turn in all, about whatever axis, in radians, above 0; `None`: as far as swing and twist let
-    /// it. A whole turn there and back is π: more is no limit.
+    /// Largest total rotation angle about any axis, radians, above 0; `None`: limited by swing and twist only.
+    ///
+    /// Values of π or more set no limit.
     #[cfg_attr(feature = "serde", serde(default))]
     pub angle: Option<f64>,
 }
 
 impl BallLimits {
-    /// A circular cone of this half angle, and a range of twist, in radians.
+    /// A circular cone with this half angle and a range of twist, both in radians.
     #[must_use]
     pub fn cone(swing: f64, twist: Limits) -> Self {
         Self {
@@ -41,13 +44,13 @@ impl BallLimits {
         }
     }
 
-    /// A turn about any axis by this angle at most, in radians.
+    /// A rotation about any axis by at most this angle, radians.
     #[must_use]
     pub fn within_angle(angle: f64) -> Self {
         Self::cone(PI, Limits::UNBOUNDED).with_angle(angle)
     }
 
-    /// The same with the whole rotation within an angle, in radians.
+    /// Adds a limit on the total rotation angle, radians.
     #[must_use]
     pub fn with_angle(self, angle: f64) -> Self {
         Self {
@@ -56,8 +59,10 @@ impl BallLimits {
         }
     }
 
-    /// An elliptic cone: half angles of swing about `about` and about what is across that and the joint's
-    /// axis, and a range of twist, in radians.
+    /// An elliptic cone and a range of twist, in radians.
+    ///
+    /// `swing` holds the half angles about `about` and about the direction perpendicular to `about` and to the joint
+    /// axis.
     #[must_use]
     pub fn elliptic(about: impl Into<Vector3<f64>>, swing: [f64; 2], twist: Limits) -> Self {
         Self {
@@ -68,13 +73,13 @@ impl BallLimits {
         }
     }
 
-    /// Whether swing or twist are limited at all.
+    /// True if swing or twist is limited.
     pub(super) fn has_cone(&self) -> bool {
         let Limits { lower, upper } = self.twist;
         self.swing.iter().any(|&half| half < PI) || lower > -PI || upper < PI
     }
 
-    /// What is wrong with it for a joint of this axis, if anything.
+    /// The reason why the limits are invalid for a joint with this unit axis; `None` if they are valid.
     pub(super) fn fault(&self, axis: Vector3<f64>) -> Option<&'static str> {
         let angle = |swing: f64| swing > 0.0 && swing <= PI;
         let turn = |end: f64| end.abs() <= PI || end.is_infinite();

@@ -1,4 +1,4 @@
-//! The three variables of a ball joint: what they make of its quaternion, and their bounds.
+//! The three solver variables of a ball joint: derivatives of its quaternion and bounds.
 
 use super::{BallLimits, Limits, RotationChart};
 use crate::spatial::{Quaternion, Vector3};
@@ -7,25 +7,27 @@ use crate::spatial::{Quaternion, Vector3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BallVariables {
-    /// Where its quaternion begins in a configuration.
+    /// Index of its first quaternion component in a configuration.
     pub(crate) coordinate: usize,
-    /// The first of the three.
+    /// Index of its first variable.
     pub(crate) variable: usize,
-    /// What they mean.
+    /// Map from the variables to a rotation.
     pub(crate) chart: RotationChart,
-    /// The half axes of the ellipse that the first two stay in, in radians.
+    /// Half axes of the ellipse that bounds the first two variables, radians; `None`: no cone.
     pub(crate) swing: Option<[f64; 2]>,
-    /// How far it may turn in all, in radians.
+    /// Largest total rotation angle, radians; `None`: no limit.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) angle: Option<f64>,
 }
 
-/// An axis that is swung right round is so by any swing, each with another twist: a quaternion there does not tell
-/// which it was. So near to that none comes, in radians, that rounding leaves the direction to nine digits.
+/// Largest half angle of a swing, radians.
+///
+/// At π the same quaternion belongs to every swing direction, each with another twist. This far below π, rounding
+/// leaves nine digits of the direction.
 const WIDEST_SWING: f64 = std::f64::consts::PI - 1e-7;
 
 impl BallVariables {
-    /// Of a joint whose quaternion and variables begin here, within these limits.
+    /// The variables of a joint whose quaternion starts at `coordinate` and whose variables start at `variable`.
     pub(super) fn new(
         coordinate: usize,
         variable: usize,
@@ -42,12 +44,12 @@ impl BallVariables {
         }
     }
 
-    /// Its part of x.
+    /// The three variables in `x`; `None` if `x` is too short.
     pub(crate) fn of<S: Copy>(&self, x: &[S]) -> Option<[S; 3]> {
         x.get(self.variable..)?.first_chunk().copied()
     }
 
-    /// By what angle it is turned from one x to another.
+    /// Angle of the rotation from one x to another, radians; 0 if an x is too short.
     pub(crate) fn angle_between(&self, from: &[f64], to: &[f64]) -> f64 {
         let turned = self.of(from).zip(self.of(to)).map(|(from, to)| {
             let back = self.chart.rotation(from).conjugate();
@@ -56,8 +58,7 @@ impl BallVariables {
         turned.unwrap_or(0.0)
     }
 
-    /// The derivatives of w, x, y and z by each variable: ½ ω q for the angular velocity ω that goes with
-    /// its rate.
+    /// Derivatives of w, x, y and z by each variable: ½ ω q with the angular velocity ω of a unit rate.
     pub(super) fn slopes(&self, x: [f64; 3]) -> [[f64; 3]; 4] {
         let rotation = self.chart.rotation(x);
         let mut slopes = [[0.0; 3]; 4];
@@ -74,7 +75,7 @@ impl BallVariables {
         slopes
     }
 
-    /// Bounds of the three.
+    /// Bounds of the three variables, radians.
     pub(super) fn bounds(&self, limits: Option<&BallLimits>) -> [Limits; 3] {
         match (self.swing, limits) {
             (Some([a, b]), Some(limits)) => [Limits::new(-a, a), Limits::new(-b, b), limits.twist],

@@ -1,4 +1,4 @@
-//! Builds a model and checks it once.
+//! Model builder, which checks the whole model once.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,14 +8,14 @@ use super::{
 };
 use crate::spatial::{Placement, Vector3};
 
-/// How far RᵀR of a placement may stand from the identity, entry by entry.
+/// Largest deviation of RᵀR of a placement from the identity, per entry.
 const ORTHONORMAL_WITHIN: f64 = 1e-6;
 
 const MOST: usize = u32::MAX as usize;
 
 /// Collects joints and frames; [`build`](Self::build) checks them all.
 ///
-/// A joint's parent must have been added before it, which the ids make natural.
+/// Add the parent of a joint before the joint.
 ///
 /// ```
 /// use kinopt::model::{Limits, Model};
@@ -38,7 +38,7 @@ pub struct ModelBuilder {
     frames: Vec<Frame>,
     loops: Vec<Loop>,
     configuration_order: Option<Vec<JointId>>,
-    /// The first slide of each free joint.
+    /// The first prismatic joint of each free joint.
     pub(super) free: Vec<JointId>,
 }
 
@@ -57,8 +57,9 @@ impl ModelBuilder {
         }
     }
 
-    /// Starts from a model that is already built, to add joints or frames to it. The ids of what is
-    /// there stay valid.
+    /// A builder that starts from a built model, to add joints or frames.
+    ///
+    /// The ids of existing joints and frames stay valid.
     #[must_use]
     pub fn from_model(model: &Model) -> Self {
         Self {
@@ -72,8 +73,10 @@ impl ModelBuilder {
         }
     }
 
-    /// Starts from a model whose parts in the world stand on a joint that is added first, if one is. Its frames
-    /// keep their ids, its joints come after those added.
+    /// A builder for `model` on a base: `add` may add joints first and return the one that carries the model.
+    ///
+    /// Joints and frames of the world are attached to that joint. Frames keep their ids; joints come after the added
+    /// ones.
     pub(crate) fn on_base(model: &Model, add: impl FnOnce(&mut Self) -> Option<JointId>) -> Self {
         let mut own = Self::new(model.name.clone());
         own.length_unit = model.length_unit;
@@ -96,37 +99,39 @@ impl ModelBuilder {
         own
     }
 
-    /// Says what lengths are counted in, for what people read. Metres unless set.
+    /// Sets the unit of lengths in texts for people; metres by default.
     pub fn length_unit(&mut self, unit: LengthUnit) {
         self.length_unit = unit;
     }
 
-    /// Says in which order a configuration holds the moving joints, where the order of the joints
-    /// themselves will not do. `joints` must name every moving joint once.
+    /// Sets the order of the moving joints in a configuration, if it differs from the order of the joints.
+    ///
+    /// `joints` must contain every moving joint once.
     pub fn configuration_order(&mut self, joints: Vec<JointId>) {
         self.configuration_order = Some(joints);
     }
 
-    /// Says which free joints there are, by their first slides.
+    /// Sets the free joints, by their first prismatic joints.
     #[cfg(feature = "serde")]
     pub(super) fn free_joints(&mut self, first: Vec<JointId>) {
         self.free = first;
     }
 
-    /// Adds any joint. Its axis need not be of unit length.
+    /// Adds a joint of any kind. Its axis need not be of unit length.
     pub fn joint(&mut self, joint: Joint) -> JointId {
         self.joints.push(joint);
         JointId::new(self.joints.len() - 1)
     }
 
-    /// The limits of a joint so far.
+    /// The present limits of a joint.
     #[cfg(feature = "mjcf")]
     pub(crate) fn limits(&self, joint: JointId) -> Option<Limits> {
         self.joints.get(joint.index()).map(|joint| joint.limits)
     }
 
-    /// Leaves a joint only the values that `limits` allow too. An endless joint becomes one with
-    /// limits; a fixed one stays as it is.
+    /// Intersects the limits of a joint with `limits`.
+    ///
+    /// A continuous joint becomes a revolute joint; a fixed joint does not change.
     pub(crate) fn narrow(&mut self, joint: JointId, limits: Limits) {
         if let Some(joint) = self.joints.get_mut(joint.index()) {
             joint.limits = joint.limits.intersection(&limits);
@@ -134,7 +139,7 @@ impl ModelBuilder {
         }
     }
 
-    /// Replaces the limits of a joint. An endless joint becomes one with limits; a fixed one stays as it is.
+    /// Replaces the limits of a joint. A continuous joint becomes a revolute joint; a fixed joint does not change.
     pub(crate) fn replace_limits(&mut self, joint: JointId, limits: Limits) {
         let own = self.joints.get_mut(joint.index());
         if let Some(joint) = own.filter(|joint| joint.kind != JointKind::Fixed) {
@@ -143,7 +148,7 @@ impl ModelBuilder {
         }
     }
 
-    /// Adds a joint that turns about `axis` (own frame), limits in radians.
+    /// Adds a joint that rotates about `axis` (joint frame), with limits in radians.
     pub fn revolute(
         &mut self,
         name: impl Into<String>,
@@ -156,7 +161,7 @@ impl ModelBuilder {
         self.joint(Joint::new(name, parent, at, kind, axis, limits))
     }
 
-    /// Adds a joint that turns about `axis` (own frame) without limits.
+    /// Adds a joint that rotates about `axis` (joint frame) without limits.
     pub fn continuous(
         &mut self,
         name: impl Into<String>,
@@ -168,7 +173,7 @@ impl ModelBuilder {
         self.joint(Joint::new(name, parent, at, kind, axis, limits))
     }
 
-    /// Adds a joint that slides along `axis` (own frame), limits in metres.
+    /// Adds a joint that translates along `axis` (joint frame), with limits in metres.
     pub fn prismatic(
         &mut self,
         name: impl Into<String>,
@@ -207,21 +212,24 @@ impl ModelBuilder {
         FrameId::new(self.frames.len() - 1)
     }
 
-    /// Adds a loop: two places that every problem on the model holds together.
+    /// Adds a loop closure. Every problem on the model has it as a constraint.
     pub fn close(&mut self, closed: Loop) {
         self.loops.push(closed);
     }
 
-    /// Checks everything and freezes the model.
+    /// Checks all parts and builds the model.
     ///
     /// # Errors
-    /// The first joint or frame that is wrong, by name: duplicate names, parents that are not in
-    /// the model or come later, limits that are no interval, axes without direction, placements
-    /// that are not rigid (RᵀR must be the identity within 1e-6; a rotation that is off by more than
-    /// rounding is replaced by the one next to it), loops of frames that are not in the model, of one frame with itself or that no
-    /// configuration closes (told where one link is longer than all others of the loop together).
+    /// Returns the first invalid joint, frame or loop by name:
+    /// - duplicate names;
+    /// - parents that are not in the model or come later;
+    /// - limits that are not an interval, axes without direction;
+    /// - placements that are not rigid: RᵀR must be the identity within 1e-6 per entry;
+    /// - loops of frames that are not in the model, or of one frame with itself;
+    /// - loops that no configuration closes, detected if one link is longer than all other links of the loop together.
     ///
-    /// Ids are positions: one of another model is found out only where it is out of range.
+    /// A rotation that is off by more than rounding is replaced by the nearest exact one. Ids are indices: an id of
+    /// another model is an error only if it is out of range.
     pub fn build(mut self) -> Result<Model, ModelError> {
         check_count("joint", self.joints.len())?;
         check_count("frame", self.frames.len())?;
@@ -321,7 +329,7 @@ impl Model {
         order
     }
 
-    /// The same model whose joints go anywhere, locked ones as well: for placing what need not keep limits.
+    /// The model without limits on any joint, locked joints included.
     pub(crate) fn without_limits(&self) -> Self {
         let mut model = self.clone();
         for joint in model.joints.iter_mut().filter(|joint| joint.kind.moves()) {
@@ -330,10 +338,10 @@ impl Model {
         model
     }
 
-    /// The same model with one frame elsewhere on its joint.
+    /// The model with a new placement of one frame on its joint.
     ///
     /// # Errors
-    /// A placement that is not rigid, as [`ModelBuilder::build`] has it.
+    /// Returns an error for a placement that is not rigid, as [`ModelBuilder::build`] does.
     pub(crate) fn with_frame_at(
         &self,
         frame: FrameId,
@@ -381,12 +389,12 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
         joint.limits = Limits::UNBOUNDED;
     }
     if !joint.kind.moves() {
-        // Its axis means nothing; this one is at least a direction.
+        // The axis of a fixed joint is unused; this one is at least a direction.
         joint.axis = Vector3::new(1.0, 0.0, 0.0);
         return Ok(());
     }
     let Vector3 { x, y, z } = joint.axis;
-    // hypot-like scaling: an axis of 1e-200 still has a direction.
+    // Scaled as in `hypot`: an axis of length 1e-200 still has a direction.
     let largest = x.abs().max(y.abs()).max(z.abs());
     if !(largest > 0.0 && largest.is_finite() && (x + y + z).is_finite()) {
         return Err(ModelError::BadAxis {
@@ -412,7 +420,7 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
     }
 }
 
-/// Checks that a placement is a finite rigid motion, and makes it one to the last digits.
+/// Checks that a placement is a finite rigid motion and replaces its rotation by the nearest exact one.
 pub(super) fn check_placement(
     kind: &'static str,
     name: &str,

@@ -1,18 +1,19 @@
-//! Loops: places that are held together although no joint of the tree joins them.
+//! Loop closures: constraints between two frames that the joint tree does not connect.
 
 use super::{FrameId, JointId, Model, ModelError};
 use crate::spatial::{Placement, rotation_log};
 
-/// Two places that are one, as by a joint that the tree of joints leaves out: the fourth hinge of a four-bar
-/// linkage, the rods of a Stewart platform, two hands on one box.
+/// A loop closure, as by a joint that the joint tree leaves out.
 ///
-/// A configuration may leave it open. Every [`Problem`](crate::Problem) on the model asks for it.
+/// Examples: the fourth hinge of a four-bar linkage, the rods of a Stewart platform, two hands on one box. Two anchors,
+/// one on each frame, coincide in a closed loop. A configuration may leave the loop open. Every
+/// [`Problem`](crate::Problem) on the model has the closure as a constraint.
 ///
 /// ```
 /// use kinopt::model::{Limits, Loop, Model};
 /// use kinopt::spatial::{Placement, Vector3};
 ///
-/// // A crank, a coupler, a rocker: the coupler's end is on the rocker's.
+/// // A crank, a coupler and a rocker: the end of the coupler is pinned to the end of the rocker.
 /// let mut builder = Model::builder("four-bar");
 /// let (z, x) = (Vector3::new(0.0, 0.0, 1.0), |length| Placement::translation(Vector3::new(length, 0.0, 0.0)));
 /// let limits = Limits::new(-3.2, 3.2);
@@ -29,24 +30,24 @@ use crate::spatial::{Placement, rotation_log};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Loop {
-    /// Unique within the model.
+    /// Name, unique within the model.
     pub name: String,
-    /// What is held together.
+    /// The constrained degrees of freedom.
     pub kind: LoopKind,
-    /// The frames that the places are on.
+    /// The frames that carry the anchors.
     pub frames: [FrameId; 2],
-    /// Where on them: what is to fall together.
+    /// The anchors, in the coordinates of their frames, metres.
     pub frame_from_place: [Placement<f64>; 2],
 }
 
-/// What two places of a loop have in common.
+/// The degrees of freedom that a loop closure constrains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LoopKind {
-    /// Their origins, as by a ball joint.
+    /// Position, as by a ball joint.
     Connect,
-    /// Origins and axes.
+    /// Position and orientation.
     Weld,
 }
 
@@ -62,16 +63,16 @@ impl LoopKind {
 }
 
 impl Loop {
-    /// A loop is closed when its places are no farther apart than this, in metres and radians.
+    /// Largest closure error of a closed loop, metres and radians.
     pub const TOLERANCE: f64 = 1e-9;
 
-    /// The origins of two frames fall together.
+    /// A loop that makes the origins of two frames coincide.
     #[must_use]
     pub fn connect(name: impl Into<String>, frames: [FrameId; 2]) -> Self {
         Self::new(name, LoopKind::Connect, frames)
     }
 
-    /// Two frames fall together, origins and axes.
+    /// A loop that makes two frames coincide, in position and orientation.
     #[must_use]
     pub fn weld(name: impl Into<String>, frames: [FrameId; 2]) -> Self {
         Self::new(name, LoopKind::Weld, frames)
@@ -87,26 +88,28 @@ impl Loop {
     }
 
     setters! {
-        /// Not the frames themselves but places on them fall together: frame_from_place, metres.
+        /// Sets the anchors, in the coordinates of the frames, metres. By default the frames themselves are the
+        /// anchors.
         pub fn at(mut self, frame_from_place: [Placement<f64>; 2]) { self.frame_from_place = frame_from_place }
     }
 }
 
-/// How short and how long something is that two turning places have between them, in metres.
+/// Shortest and longest distance between two rotating points of a loop, metres.
 type Length = [f64; 2];
 
-/// From a place down to what carries it together with another.
+/// The chain from an anchor up to the common ancestor of both anchors.
 struct Branch {
-    /// Between one joint and the next, and how far slides take them.
+    /// Distances between successive rotating joints, and the travel of prismatic joints.
     lengths: Vec<Length>,
-    /// Where the last joint stands on what carries both; the place itself where none moves it.
+    /// Placement of the topmost rotating joint in the common ancestor; of the anchor if no joint rotates.
     at: Placement<f64>,
     turns: bool,
 }
 
 impl Model {
-    /// The moving joints that move the places of a loop against each other, from the first place's side to the
-    /// second's; those of a frame that the model does not have are none.
+    /// The moving joints of a loop, from the first anchor's side to the second's.
+    ///
+    /// A frame that is not in the model contributes none.
     #[must_use]
     pub fn loop_joints(&self, closed: &Loop) -> Vec<JointId> {
         let [first, second] = closed.frames;
@@ -115,7 +118,7 @@ impl Model {
         joints.filter(|id| self.coordinate(*id).is_some()).collect()
     }
 
-    /// Whether a joint moves the places of some loop against each other.
+    /// True if the joint moves the anchors of a loop relative to each other.
     #[must_use]
     pub fn moves_a_loop(&self, joint: JointId) -> bool {
         let mut loops = self.loops.iter();
@@ -123,12 +126,14 @@ impl Model {
     }
 
     setters! {
-        /// The same model without loops.
+        /// The model without loops.
         pub fn without_loops(mut self) { self.loops.clear() }
     }
 
-    /// Refuses a loop that no configuration closes, as far as lengths tell: where one link of it is longer than
-    /// all others together, or no joint moves its places against each other.
+    /// Rejects loops that no configuration closes, as far as link lengths show it.
+    ///
+    /// A loop cannot close if one link is longer than all others together. A weld without rotating joints cannot close
+    /// if its orientations differ.
     pub(super) fn check_closes(&self, own: &Loop) -> Result<(), ModelError> {
         let [first, second] = own.frames;
         let path = self.path(Some(first), second);
@@ -162,7 +167,7 @@ impl Model {
         }
     }
 
-    /// What is between a place and what carries both, by the joints above it, the nearest first.
+    /// The chain from an anchor to the common ancestor; `above` lists its joints, nearest first.
     fn branch<'a>(
         &self,
         frame: FrameId,
@@ -194,5 +199,5 @@ impl Model {
     }
 }
 
-/// What sums of lengths may be off by, as a share of them.
+/// Relative rounding error of a sum of lengths.
 const ROUNDING: f64 = 1e-14;

@@ -1,8 +1,8 @@
-//! Configurations as points of a manifold: moved by velocities, compared, drawn at random.
+//! Configurations as points of a manifold: integration, difference, interpolation, limits and sampling.
 //!
-//! A ball joint's part is a unit quaternion and a free joint's a place and a unit quaternion; velocities are
-//! in the moved frame's own axes. So q ⊕ v is M exp(v) for each, as in Pinocchio (Solà, Deray & Atchuthan
-//! 2018, "A micro Lie theory for state estimation in robotics", eq. 25, 172 and 179 on SO(3) and SE(3)).
+//! A ball joint has a unit quaternion; a free joint has a position and a unit quaternion. Velocities are in the axes of
+//! the moved frame, so q ⊕ v is M exp(v) for each, as in Pinocchio. Source: Solà, Deray & Atchuthan 2018, "A micro Lie
+//! theory for state estimation in robotics", eq. 25, 172 and 179 on SO(3) and SE(3).
 
 use super::parameter_map::{check_configuration, check_length, check_numbers};
 use super::rotation_chart::any_rotation;
@@ -11,13 +11,13 @@ use super::{JointId, Model, ModelError, RotationChart};
 use crate::random::RandomStream;
 use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_exp_jacobian, rotation_log_jacobian};
 
-/// So often a rotation is drawn until it is within an angle: of a narrow cone with a wide twist few are.
+/// Largest number of samples of a rotation; few samples of a narrow cone with a wide twist are within the angle limit.
 const DRAWS: usize = 1000;
 
 const VELOCITY: &str = "a velocity of this model";
 
 impl Model {
-    /// The configuration closest to all zeros within the limits, balls unturned.
+    /// The configuration closest to zero within the limits, with ball joints unrotated where their twist range allows.
     #[must_use]
     pub fn neutral(&self) -> Vec<f64> {
         let mut q: Vec<f64> = self.limits().map(|limits| limits.clamp(0.0)).collect();
@@ -28,11 +28,13 @@ impl Model {
         q
     }
 
-    /// Writes q ⊕ v: where the velocity `v` (radians and metres, [`degrees_of_freedom`](Self::degrees_of_freedom)
-    /// numbers) leads from `q` in a unit of time, limits aside. A free joint goes along a screw.
+    /// Writes q ⊕ v: the configuration after a unit of time from `q` at velocity `v`, without limits.
+    ///
+    /// `v` has [`degrees_of_freedom`](Self::degrees_of_freedom) numbers in radians and metres. A free joint moves along
+    /// a screw.
     ///
     /// # Errors
-    /// A slice of another length, a number that is not finite, a quaternion of no length.
+    /// Returns an error for a slice of wrong length, a number that is not finite, or a quaternion of zero length.
     pub fn integrate(&self, q: &[f64], v: &[f64], to: &mut [f64]) -> Result<(), ModelError> {
         self.check_configuration(q)?;
         check_length(VELOCITY, v.len(), self.degrees_of_freedom())?;
@@ -57,11 +59,12 @@ impl Model {
         Ok(())
     }
 
-    /// Writes the velocity that leads from one configuration to another in a unit of time, to ⊖ from: the
-    /// shortest for balls.
+    /// Writes to ⊖ from: the velocity that moves from one configuration to another in a unit of time.
+    ///
+    /// Ball joints take the shortest rotation.
     ///
     /// # Errors
-    /// As [`integrate`](Self::integrate).
+    /// Returns the errors of [`integrate`](Self::integrate).
     pub fn difference(&self, from: &[f64], to: &[f64], v: &mut [f64]) -> Result<(), ModelError> {
         self.check_configuration(from)?;
         self.check_configuration(to)?;
@@ -84,11 +87,10 @@ impl Model {
         Ok(())
     }
 
-    /// Writes the configuration at a share of the way between two: from ⊕ share · (to ⊖ from), 0 for the one
-    /// and 1 for the other.
+    /// Writes from ⊕ share · (to ⊖ from): `from` at share 0, `to` at share 1.
     ///
     /// # Errors
-    /// As [`integrate`](Self::integrate), or a share that is not finite.
+    /// Returns the errors of [`integrate`](Self::integrate), or an error for a share that is not finite.
     pub fn interpolate(
         &self,
         from: &[f64],
@@ -107,10 +109,10 @@ impl Model {
         self.integrate(from, &v, between)
     }
 
-    /// Makes the quaternions of a configuration of unit length.
+    /// Normalises the quaternions of a configuration to unit length.
     ///
     /// # Errors
-    /// As [`integrate`](Self::integrate).
+    /// Returns the errors of [`integrate`](Self::integrate).
     pub fn normalise(&self, q: &mut [f64]) -> Result<(), ModelError> {
         self.check_configuration(q)?;
         for (_, at) in self.balls() {
@@ -121,29 +123,32 @@ impl Model {
         Ok(())
     }
 
-    /// Whether every number is within its limits, to the bit, and every ball within its cone and twist, to
-    /// rounding. False for a configuration of another length.
+    /// True if every coordinate is within its limits and every ball joint within its cone, twist and angle.
+    ///
+    /// Coordinates are compared exactly, ball joints up to rounding. Returns false for a configuration of wrong length.
     #[must_use]
     pub fn is_within_limits(&self, q: &[f64]) -> bool {
         q.len() == self.configuration_len() && self.outside_limits(q).next().is_none()
     }
 
-    /// The joints that are beyond their limits, in the configuration's order: none where it
-    /// [is within them](Self::is_within_limits).
+    /// The joints outside their limits, in configuration order.
+    ///
+    /// Empty if the configuration [is within the limits](Self::is_within_limits).
     ///
     /// # Errors
-    /// As [`integrate`](Self::integrate).
+    /// Returns an error for a configuration of wrong length, a number that is not finite, or a quaternion of zero
+    /// length.
     pub fn joints_outside_limits(&self, q: &[f64]) -> Result<Vec<JointId>, ModelError> {
         self.check_configuration(q)?;
         let mut joints: Vec<_> = self.outside_limits(q).collect();
         joints.sort_unstable_by_key(|(coordinate, _)| *coordinate);
         let mut joints: Vec<_> = joints.into_iter().map(|(_, joint)| joint).collect();
-        // A ball has four numbers, and limits of its own.
+        // A ball joint may occur twice: by a quaternion component and by its cone.
         joints.dedup();
         Ok(joints)
     }
 
-    /// What is beyond its limits, by coordinate and joint.
+    /// Coordinate and joint of each violated limit.
     fn outside_limits(&self, q: &[f64]) -> impl Iterator<Item = (usize, JointId)> {
         const ROUNDING: f64 = 1e-12;
         let numbers = q.iter().zip(self.limits()).zip(&self.moving).enumerate();
@@ -159,13 +164,14 @@ impl Model {
         numbers.chain(balls.map(|(segment, at)| (at, segment.ball())))
     }
 
-    /// A configuration drawn uniformly within the limits, always the same one for the same seed.
-    /// Where a limit is missing, or some turns away, the range ends half a turn (for sliding joints the
-    /// model's [`reach`](Self::reach)) away from [`neutral`](Self::neutral). A ball is turned any way alike, or
-    /// swung and twisted within its limits.
+    /// A configuration sampled uniformly within the limits; equal seeds give equal configurations.
+    ///
+    /// A missing or very distant limit is replaced by one half a rotation from [`neutral`](Self::neutral); for
+    /// prismatic joints, about the model's [`reach`](Self::reach) from it. A ball joint without limits is sampled
+    /// uniformly over all rotations; one with limits, within its swing, twist and angle.
     #[must_use]
     pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
-        // Restarts draw from the streams 1, 2, …; the caller's start is attempt 0.
+        // The solver's attempts sample from streams 1, 2, …; attempt 0 is the caller's start.
         let mut random = RandomStream::new(seed, 0);
         let reach = self.reach();
         let mut q = self.neutral();
@@ -199,10 +205,10 @@ impl Model {
         q
     }
 
-    /// One finite number for each coordinate, and quaternions with a direction.
+    /// Checks that `q` has one finite number for each coordinate and no zero quaternion.
     ///
     /// # Errors
-    /// What is not so.
+    /// Returns the first violation.
     pub(crate) fn check_configuration(&self, q: &[f64]) -> Result<(), ModelError> {
         check_configuration(self, q)?;
         match self
@@ -216,12 +222,12 @@ impl Model {
         }
     }
 
-    /// What of a configuration moves as one, in its order.
+    /// The segments of a configuration, in its order.
     pub(crate) fn segments(&self) -> &[Segment] {
         &self.segments
     }
 
-    /// The coordinates of each free joint.
+    /// The range of coordinates of each free joint.
     pub(crate) fn free_coordinates(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
         let free = self
             .segments
@@ -230,7 +236,7 @@ impl Model {
         free.map(|own| own.coordinate..own.coordinate + own.kind.coordinates())
     }
 
-    /// The balls, also those of free joints, and where their quaternions begin.
+    /// The ball joints, those of free joints included, each with the index of its quaternion.
     pub(crate) fn balls(&self) -> impl Iterator<Item = (&Segment, usize)> {
         self.segments.iter().filter_map(|segment| {
             let at = segment.quaternion()?;
@@ -238,13 +244,13 @@ impl Model {
         })
     }
 
-    /// The variables of a ball within its limits.
+    /// The map from the variables of a ball joint to its rotation.
     pub(crate) fn chart(&self, segment: &Segment) -> RotationChart {
         let joint = &self.joints[segment.ball().index()];
         RotationChart::new(joint.axis, joint.ball.as_ref())
     }
 
-    /// Twists an unswung ball into its range.
+    /// Writes the rotation without swing whose twist is closest to zero within the limits.
     fn keep_ball_within(&self, segment: &Segment, quaternion: &mut [f64]) {
         if let Some(limits) = self.joints[segment.ball().index()].ball {
             let twist = limits.twist.clamp(0.0);
@@ -258,7 +264,7 @@ fn vector(numbers: &[f64]) -> Vector3<f64> {
     Vector3::new(numbers[0], numbers[1], numbers[2])
 }
 
-/// Of a quaternion that was checked.
+/// The quaternion of a slice that was checked before.
 fn unit(numbers: &[f64]) -> Quaternion<f64> {
     quaternion_at(numbers).unwrap_or(Quaternion::exp(Vector3::zero()))
 }
@@ -274,7 +280,7 @@ fn turn(from: &[f64], by: &[f64], to: &mut [f64]) {
     write_quaternion(unit(&[w, v.x, v.y, v.z]), &mut to[..4]);
 }
 
-/// The rotation vector between two quaternions, in the first one's own axes.
+/// The rotation vector between two quaternions, in the axes of the first, radians.
 fn turned(from: &[f64], to: &[f64]) -> Vector3<f64> {
     (unit(from).conjugate() * unit(to)).log()
 }

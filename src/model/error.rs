@@ -1,80 +1,81 @@
-//! What can be wrong with a model, each naming the culprit.
+//! Errors of models and parameter maps.
 
 use thiserror::Error;
 
 use crate::spatial::RigidDefect;
 
-/// Why a model or a parameter map cannot be built.
+/// Errors of models and parameter maps.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// Two things of one kind share a name.
+    /// Two objects of one kind have the same name.
     #[error("{kind} name `{name}` is used twice")]
     DuplicateName {
-        /// "joint", "frame" or "loop".
+        /// Kind of the object: "joint", "frame" or "loop".
         kind: &'static str,
-        /// The name.
+        /// The common name.
         name: String,
     },
-    /// An id beyond this model's joints, or a parent that comes later.
+    /// An id that is not in the model, or a parent that comes after its child.
     #[error("{kind} `{name}` refers to a joint that is not in this model or comes after it")]
     ForeignId {
-        /// What holds the bad reference.
+        /// The kind of the object with the wrong reference.
         kind: &'static str,
-        /// Its name.
+        /// The name of the object.
         name: String,
     },
     /// Limits that are NaN, out of order or empty.
     #[error("joint `{joint}`: limits [{lower}, {upper}] are not an interval")]
     BadLimits {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Lower end as given.
+        /// Lower end of the given limits.
         lower: f64,
-        /// Upper end as given.
+        /// Upper end of the given limits.
         upper: f64,
     },
-    /// Limits of a ball joint that leave nothing, or limits of one on another kind of joint.
+    /// Empty limits of a ball joint, or ball limits on another kind of joint.
     #[error("joint `{joint}` has {problem}")]
     BadBallLimits {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// What is wrong with them.
+        /// The defect.
         problem: &'static str,
     },
-    /// A quaternion that is zero, or not finite.
+    /// A quaternion that is zero or not finite.
     #[error("joint `{joint}`: a quaternion without length is no rotation")]
     NoRotation {
-        /// The ball joint.
+        /// Name of the ball joint.
         joint: String,
     },
-    /// A ball joint was given a role that only one number can have.
+    /// A ball joint in a role for joints with one coordinate.
     #[error("joint `{joint}` is a ball and cannot be {role} by one number")]
     BallJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// "coupled", "narrowed", …
+        /// The role: "coupled", "narrowed", …
         role: &'static str,
     },
-    /// A joint that is no ball was given what only a ball can have.
+    /// A joint that is not a ball joint, locked at a rotation.
     #[error("joint `{joint}` is no ball and cannot be locked at a rotation")]
     NoBallJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A free joint's slides and ball that are not side by side.
+    /// A free joint whose prismatic joints and ball joint are not consecutive.
     #[error(
         "free joint `{joint}` is not three slides and a ball side by side in the configuration"
     )]
     BrokenFreeJoint {
-        /// Its first slide.
+        /// Its first prismatic joint.
         joint: String,
     },
-    /// An axis that is zero, or of which a component or their sum is not finite; builders make any other
-    /// of unit length.
+    /// An axis that is zero, or whose components or their sum are not finite.
+    ///
+    /// Builders normalise every other axis.
     #[error("joint `{joint}`: axis ({x}, {y}, {z}) has no direction")]
     BadAxis {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// First component.
         x: f64,
@@ -86,142 +87,143 @@ pub enum ModelError {
     /// A placement that is not finite or whose rotation is not orthonormal with determinant +1.
     #[error("{kind} `{name}`: its placement is not a rigid motion ({problem})")]
     BadPlacement {
-        /// "joint", "frame" or "loop".
+        /// Kind of the object: "joint", "frame" or "loop".
         kind: &'static str,
-        /// Its name.
+        /// The name of the object.
         name: String,
-        /// What is wrong with it.
+        /// The defect.
         problem: RigidDefect,
     },
-    /// A loop of a frame that the model does not have.
+    /// A loop with a frame that is not in the model.
     #[error("loop `{name}` joins a frame that is not in this model")]
     ForeignLoop {
-        /// The loop.
+        /// Name of the loop.
         name: String,
     },
     /// A loop of a frame with itself.
     #[error("loop `{name}` joins the frame `{frame}` to itself")]
     LoopOfOneFrame {
-        /// The loop.
+        /// Name of the loop.
         name: String,
-        /// The frame.
+        /// Name of the frame.
         frame: String,
     },
-    /// A base joint for a robot that its own free joint moves as a whole.
+    /// A base joint for a robot whose own free joint already moves all of it.
     #[error(
         "joint `{joint}` moves the whole of `{model}` freely already: its base may be free, within a room, or left as it is"
     )]
     FreeAlready {
-        /// The free joint's first slide.
+        /// The first prismatic joint of the free joint.
         joint: String,
-        /// The robot.
+        /// Name of the robot.
         model: String,
     },
-    /// A loop that no configuration closes: a link longer than all others together, or places that no joint
-    /// moves against each other.
+    /// A loop that no configuration closes.
+    ///
+    /// One link is longer than all others together, or no joint moves the anchors relative to each other.
     #[error("loop `{name}` cannot close: its places stay at least {gap} {unit} apart")]
     LoopCannotClose {
-        /// The loop.
+        /// Name of the loop.
         name: String,
-        /// How near its places can come.
+        /// Smallest closure error found possible.
         gap: f64,
-        /// What that is counted in.
+        /// The unit of the closure error.
         unit: &'static str,
     },
-    /// A configuration order that does not name every moving joint once.
+    /// A configuration order that does not contain every moving joint once.
     #[error(
         "the configuration order names {given} joints but must name each of the {moving} moving joints once"
     )]
     BadConfigurationOrder {
-        /// How many it names.
+        /// Number of joints in the order.
         given: usize,
-        /// How many joints move.
+        /// Number of moving joints.
         moving: usize,
     },
-    /// More joints or frames than an id can count.
+    /// More joints or frames than an id can represent.
     #[error("a model holds at most {limit} {kind}s")]
     TooMany {
-        /// "joint" or "frame".
+        /// Kind of the objects: "joint" or "frame".
         kind: &'static str,
-        /// The limit.
+        /// The largest number.
         limit: usize,
     },
-    /// A joint that does not move was given a role that needs one.
+    /// A fixed joint in a role for moving joints.
     #[error("joint `{joint}` is fixed and cannot be {role}")]
     FixedJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// "locked", "coupled", …
+        /// The role: "locked", "coupled", …
         role: &'static str,
     },
-    /// A joint that was locked, or coupled, twice.
+    /// A joint that is locked twice or coupled twice.
     #[error("joint `{joint}` is {role} twice")]
     RoleTwice {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// "locked" or "coupled".
+        /// The role: "locked" or "coupled".
         role: &'static str,
     },
-    /// Joints that follow one another in a ring.
+    /// Mimic joints that form a cycle.
     #[error("joint `{joint}` follows itself through its masters")]
     CouplingCycle {
-        /// One joint of the ring.
+        /// One joint of the cycle.
         joint: String,
     },
     /// A ratio, an offset or a locked value that is not finite.
     #[error("joint `{joint}`: {what} is {value}, which is not a finite number")]
     NotFinite {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Which number.
+        /// The name of the number.
         what: &'static str,
-        /// The number.
+        /// The value.
         value: f64,
     },
-    /// A value outside the joint's own limits.
+    /// A locked value outside the joint's limits.
     #[error("joint `{joint}` cannot be locked at {value}: its limits are [{lower}, {upper}]")]
     LockedOutsideLimits {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value asked for.
+        /// The requested value, radians or metres.
         value: f64,
-        /// Lower limit.
+        /// Lower limit of the joint.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of the joint.
         upper: f64,
     },
-    /// Too few or too many numbers.
+    /// A slice of wrong length.
     #[error("{what} has {expected} numbers, {given} were given")]
     Length {
-        /// "a configuration of this model", "the variables of this map", …
+        /// Name of the slice: "a configuration of this model", "the variables of this map", …
         what: &'static str,
-        /// Numbers given.
+        /// Given number of values.
         given: usize,
-        /// Numbers needed.
+        /// Required number of values.
         expected: usize,
     },
-    /// One of several numbers that is not finite.
+    /// An element of a slice that is not finite.
     #[error("number {index} of {what} is {value}, which is not a finite number")]
     BadNumber {
-        /// As of [`Length`](Self::Length).
+        /// Name of the slice, as in [`Length`](Self::Length).
         what: &'static str,
-        /// Which, from 0.
+        /// Index of the element, from 0.
         index: usize,
-        /// The number.
+        /// The value.
         value: f64,
     },
-    /// A share of the way between two configurations that is not finite.
+    /// An interpolation parameter that is not finite.
     #[error(
         "the share of the way between two configurations is {share}, which is not a finite number"
     )]
     BadShare {
-        /// The share.
+        /// The interpolation parameter.
         share: f64,
     },
-    /// Coupled joints whose limits leave no common value.
+    /// Coupled joints whose limits have no common value.
     #[error("joint `{joint}` and the joints that follow it have no value within all limits")]
     EmptyRange {
-        /// The master joint.
+        /// The source joint.
         joint: String,
     },
 }

@@ -1,8 +1,7 @@
-//! Typed indices, so that a joint cannot be taken for a frame.
+//! Typed indices of joints and frames.
 //!
-//! An id is a position in its model's list. One of another model is refused where it is out of
-//! range; where it is not, it names whatever stands there, so look names up in the model they are
-//! for.
+//! An id is an index in its model's list. An id of another model is rejected only if it is out of range; otherwise it
+//! refers to the object with that index. Look names up in the model that uses the ids.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -12,12 +11,12 @@ macro_rules! id {
         pub struct $name(u32);
 
         impl $name {
-            /// Only for ids of things that exist: counts are checked where those are built.
+            /// Only for existing objects: the builder checks counts.
             pub(crate) fn new(index: usize) -> Self {
                 Self(index as u32)
             }
 
-            /// The position in the model's list.
+            /// The index in the model's list.
             #[must_use]
             pub fn index(self) -> usize {
                 self.0 as usize

@@ -1,47 +1,48 @@
-//! One joint: where it stands in its parent, how it moves, how far it may.
+//! Joints: placement in the parent, kind, axis and limits.
 
 use super::{BallLimits, JointId, Limits};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// The way a joint moves.
+/// The kind of motion of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum JointKind {
-    /// It does not.
+    /// Does not move.
     Fixed,
-    /// Turns about its axis within limits, in radians.
+    /// Rotates about its axis within limits, in radians.
     Revolute,
-    /// Turns about its axis without limits, in radians.
+    /// Rotates about its axis without limits, in radians.
     Continuous,
-    /// Slides along its axis within limits, in metres.
+    /// Translates along its axis within limits, in metres.
     Prismatic,
-    /// Turns any way about one point, within [`BallLimits`] if it has any; in a configuration it is a unit
-    /// quaternion w, x, y, z.
+    /// Rotates about one point, within [`BallLimits`] if it has any.
+    ///
+    /// Its coordinates are a unit quaternion w, x, y, z.
     Ball,
 }
 
 impl JointKind {
-    /// Whether it is a ball, whose value is a quaternion.
+    /// True for a ball joint, whose value is a quaternion.
     #[must_use]
     pub const fn is_ball(self) -> bool {
         matches!(self, Self::Ball)
     }
 
-    /// Whether it moves at all: its value is a number of the configuration.
+    /// True if the joint moves and so has coordinates in a configuration.
     #[must_use]
     pub const fn moves(self) -> bool {
         !matches!(self, Self::Fixed)
     }
 
-    /// Whether it turns what it carries.
+    /// True if the joint rotates the bodies it carries.
     #[must_use]
     pub const fn turns(self) -> bool {
         matches!(self, Self::Revolute | Self::Continuous | Self::Ball)
     }
 
-    /// How many numbers of a configuration are its own.
+    /// Number of its coordinates in a configuration.
     #[must_use]
     pub const fn coordinates(self) -> usize {
         match self {
@@ -51,7 +52,7 @@ impl JointKind {
         }
     }
 
-    /// How many ways it can move: how many numbers of a velocity are its own.
+    /// Number of its components in a velocity.
     #[must_use]
     pub const fn degrees_of_freedom(self) -> usize {
         match self {
@@ -60,13 +61,13 @@ impl JointKind {
         }
     }
 
-    /// Whether its value is a length.
+    /// True if its value is a length.
     #[must_use]
     pub const fn slides(self) -> bool {
         matches!(self, Self::Prismatic)
     }
 
-    /// What a joint is that has these limits: one without any that gets some is one with limits.
+    /// The kind of a joint of this kind that gets `limits`: a continuous joint with limits becomes revolute.
     pub(crate) fn within(self, limits: &Limits) -> Self {
         match self {
             Self::Continuous if *limits != Limits::UNBOUNDED => Self::Revolute,
@@ -74,7 +75,8 @@ impl JointKind {
         }
     }
 
-    /// Where a value about or along a unit axis takes it, in its own frame at zero; a ball stays.
+    /// The displacement at a value about or along the unit `axis`, in the joint frame at zero; identity for a ball
+    /// joint.
     pub(crate) fn joint_from_moved(self, axis: Vector3<f64>, value: f64) -> Placement<f64> {
         match self {
             Self::Fixed | Self::Ball => Placement::identity(),
@@ -86,7 +88,7 @@ impl JointKind {
         }
     }
 
-    /// What URDF calls it, or would.
+    /// The name that URDF uses; "ball" has none in URDF.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -104,26 +106,27 @@ impl JointKind {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Joint {
-    /// Unique within the model.
+    /// Name, unique within the model.
     pub name: String,
-    /// The joint it stands on; `None` for the world.
+    /// The parent joint; `None` for the world.
     pub parent: Option<JointId>,
-    /// Where the joint's frame stands in its parent's at value zero.
+    /// Placement of the joint frame in the parent joint's frame at value zero.
     pub parent_from_joint: Placement<f64>,
-    /// How it moves.
+    /// The kind of motion.
     pub kind: JointKind,
-    /// Unit axis in the joint's own frame; meaningless for a fixed joint, whose axis a builder
-    /// sets to x; that of a ball joint's twist.
+    /// Unit axis in the joint frame; for a ball joint, the axis of the twist.
+    ///
+    /// A fixed joint does not use it; a builder sets it to x.
     pub axis: Vector3<f64>,
-    /// Its range; unbounded for a continuous joint and for a ball.
+    /// Range of the value, radians or metres; unbounded for a continuous joint and for a ball joint.
     pub limits: Limits,
-    /// How far a ball joint may go; `None` anywhere, as for any other kind.
+    /// Limits of a ball joint; `None`: no limits. `None` for every other kind.
     #[cfg_attr(feature = "serde", serde(default))]
     pub ball: Option<BallLimits>,
 }
 
 impl Joint {
-    /// A joint of its parts. What is built of it checks them; the axis need not be of unit length.
+    /// A joint from its parts, unchecked. The model builder checks it; the axis need not be of unit length.
     pub fn new(
         name: impl Into<String>,
         parent: Option<JointId>,
@@ -143,12 +146,12 @@ impl Joint {
         }
     }
 
-    /// Whether its limits leave it room to move.
+    /// True if the joint is not fixed and its limits allow more than one value.
     pub(crate) fn moves(&self) -> bool {
         self.kind != JointKind::Fixed && !self.limits.is_locked()
     }
 
-    /// Whether it turns what it carries.
+    /// True if it moves and rotates the bodies it carries.
     pub(crate) fn turns(&self) -> bool {
         self.moves() && self.kind != JointKind::Prismatic
     }

@@ -1,11 +1,12 @@
-//! Joints of several numbers: balls, and chains of joints that move as one.
+//! Builder methods for joints with several coordinates: ball, free, planar and universal joints.
 
 use super::{BallLimits, Joint, JointId, JointKind, Limits, ModelBuilder};
 use crate::spatial::{Placement, Vector3};
 
 impl ModelBuilder {
-    /// Adds a joint that turns any way about one point, within a cone about `axis` (own frame) and a range of
-    /// twist if there are limits.
+    /// Adds a joint that rotates about one point.
+    ///
+    /// With limits, it stays within a cone about `axis` (joint frame) and a range of twist.
     pub fn ball(
         &mut self,
         name: impl Into<String>,
@@ -20,11 +21,12 @@ impl ModelBuilder {
         self.joint(joint)
     }
 
-    /// Adds a joint that moves and turns any way: slides along its own x, y and z within `room` (metres), named
-    /// `NAME/x`, `NAME/y` and `NAME/z`, and then a ball `NAME/rotation`, which is what it returns and what
-    /// carries the rest. In a configuration it is x, y, z, w, x, y, z; a velocity of it, in
-    /// [`Model::integrate`](super::Model::integrate) and Jacobians, is linear and angular in the moved frame's own axes, as
-    /// Pinocchio's free flyer has it.
+    /// Adds a free joint: three prismatic joints and a ball joint.
+    ///
+    /// The prismatic joints `NAME/x`, `NAME/y` and `NAME/z` move along the joint's x, y and z within `room` (metres).
+    /// The ball joint `NAME/rotation` follows; its id is returned, and children attach to it. Coordinates: x, y, z and
+    /// the quaternion w, x, y, z. A velocity, in [`Model::integrate`](super::Model::integrate) and in Jacobians, is
+    /// linear and then angular. Both are in the axes of the moved frame, as for Pinocchio's free flyer.
     pub fn free(
         &mut self,
         name: impl Into<String>,
@@ -46,9 +48,11 @@ impl ModelBuilder {
         self.ball(named, Some(along_z), at_parent, x, None)
     }
 
-    /// Adds a joint that moves in a plane: slides `NAME/x` and `NAME/y` within `room` (metres) across `normal` (own
-    /// frame), and then a turn about it, `NAME/yaw`, within `yaw` (radians), which is what it returns. For a normal
-    /// z the slides are along x and y.
+    /// Adds a planar joint: two prismatic joints and a rotation about the plane's normal.
+    ///
+    /// The prismatic joints `NAME/x` and `NAME/y` move within `room` (metres), perpendicular to `normal` (joint frame).
+    /// The rotation `NAME/yaw` about `normal` follows, within `yaw` (radians); its id is returned. For a normal along z
+    /// the prismatic joints move along x and y.
     pub fn planar(
         &mut self,
         name: impl Into<String>,
@@ -60,7 +64,7 @@ impl ModelBuilder {
     ) -> JointId {
         let name = name.into();
         let z: Vector3<f64> = normal.into();
-        // The coordinate axis after the one that the normal is nearest to lies most across it.
+        // The coordinate axis after the one nearest to the normal is the most perpendicular to it.
         let [along_x, along_y, along_z] = [z.x.abs(), z.y.abs(), z.z.abs()];
         let next = match (along_z >= along_x && along_z >= along_y, along_x >= along_y) {
             (true, _) => Vector3::UNITS[0],
@@ -76,8 +80,9 @@ impl ModelBuilder {
         self.joint(Joint::new(named, Some(along_y), at_parent, kind, z, yaw))
     }
 
-    /// Adds a universal joint: a turn about `first`, `NAME/first`, and then one about `second` as the first has
-    /// turned it, `NAME/second`, which is what it returns; limits in radians.
+    /// Adds a universal joint: `NAME/first` rotates about `first`, then `NAME/second` about the rotated `second`.
+    ///
+    /// Returns the id of `NAME/second`; limits in radians.
     pub fn universal(
         &mut self,
         name: impl Into<String>,

@@ -1,14 +1,14 @@
-//! What a model counts lengths in.
+//! Unit of a model's lengths.
 
-/// The unit of a model's lengths, for what people read: no calculation depends on it.
+/// The unit of a model's lengths in texts for people; no calculation depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LengthUnit {
-    /// Metres, as robots have it.
+    /// Metres, for robots.
     #[default]
     Metres,
-    /// A unit of the model's own: a rig says nothing about its size in the world.
+    /// An arbitrary unit: a rig has no known physical size.
     Own,
 }
 

@@ -1,6 +1,6 @@
-//! How far something may move.
+//! Closed intervals of joint values.
 
-/// Limits so many spreads away (for angles: four turns) stand in for none.
+/// Distance, in spreads, beyond which a limit counts as absent: four full rotations for angles.
 const ENDLESS: f64 = 8.0;
 
 /// A closed interval, in radians or metres; infinite ends are allowed.
@@ -24,25 +24,25 @@ impl Limits {
         upper: f64::INFINITY,
     };
 
-    /// From `lower` to `upper`. What is built with these limits checks that they are in order.
+    /// The interval from `lower` to `upper`, unchecked; model builders check the order.
     #[must_use]
     pub const fn new(lower: f64, upper: f64) -> Self {
         Self { lower, upper }
     }
 
-    /// Whether both ends are the same number.
+    /// True if both ends are equal.
     #[must_use]
     pub fn is_locked(&self) -> bool {
         self.lower == self.upper
     }
 
-    /// Neither NaN nor out of order nor an infinity on the wrong side.
+    /// True if the interval is not empty, has no NaN and contains a finite number.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         self.lower <= self.upper && self.lower < f64::INFINITY && self.upper > f64::NEG_INFINITY
     }
 
-    /// Whether `lower <= value && value <= upper`, to the bit.
+    /// True if `lower <= value && value <= upper`, compared exactly.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         self.lower <= value && value <= self.upper
@@ -61,8 +61,9 @@ impl Limits {
         }
     }
 
-    /// Where random values near `at` are drawn from: the limits, where one is missing or so far
-    /// away that it only means that there is none, `spread` from `at` instead.
+    /// The range for random values near `at`.
+    ///
+    /// A limit that is absent or farther than [`ENDLESS`] spreads away is replaced by `at` ± `spread`.
     pub(crate) fn sampling_range(&self, at: f64, spread: f64) -> (f64, f64) {
         let lower = if at - self.lower <= ENDLESS * spread {
             self.lower
@@ -77,14 +78,14 @@ impl Limits {
         (lower, upper)
     }
 
-    /// The values allowed by both.
+    /// The intersection of both intervals; invalid if they are disjoint.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         Self::new(self.lower.max(other.lower), self.upper.min(other.upper))
     }
 }
 
-/// An open end is none: JSON has no infinity.
+/// An infinite end becomes `None`: JSON has no infinity.
 #[cfg(feature = "serde")]
 impl From<Limits> for [Option<f64>; 2] {
     fn from(limits: Limits) -> Self {

@@ -1,59 +1,59 @@
-//! How the mass of a body is spread over its frames, as far as its centre needs it.
+//! Masses of a model's frames, for its centre of mass.
 
 use super::{FrameId, JointId, Model};
 use crate::spatial::{Placement, Vector3};
 
-/// A mass on a frame.
+/// A point mass on a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointMass {
-    /// The frame that carries it.
+    /// The frame that carries the mass.
     pub frame: FrameId,
-    /// Where it is, in the frame's coordinates, metres.
+    /// Position in the frame's coordinates, metres.
     pub at: Vector3<f64>,
-    /// In kilograms, above 0.
+    /// Mass in kilograms; not negative.
     pub mass: f64,
 }
 
-/// Why masses have no centre.
+/// Errors of masses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MassError {
-    /// Nothing that joints move has mass.
+    /// No mass on any body that joints move.
     #[error("`{model}` has no centre of mass: nothing that its joints move has mass")]
     NoMass {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// A mass is negative or not finite.
     #[error("the mass of `{frame}` is {mass} kg, which is no number of at least 0")]
     BadMass {
-        /// What has it.
+        /// The frame with the mass.
         frame: String,
-        /// In kilograms.
+        /// The mass in kilograms.
         mass: f64,
     },
-    /// A mass stands nowhere.
+    /// A position of a mass that is not finite.
     #[error(
         "the mass of `{frame}` stands at {coordinate} m in one axis, which is not a finite number"
     )]
     BadPlace {
-        /// What has it.
+        /// The frame with the mass.
         frame: String,
-        /// In metres.
+        /// The coordinate in metres.
         coordinate: f64,
     },
-    /// A frame id beyond the model's frames.
+    /// A frame id that is not in the model.
     #[error("a mass is on frame number {index}, but model `{model}` has {frames} frames")]
     ForeignFrame {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// The position that the id stands for.
+        /// The index of the frame id.
         index: usize,
-        /// How many frames the model has.
+        /// Number of frames in the model.
         frames: usize,
     },
-    /// The robot's file leaves masses to the files of meshes, which are not opened.
+    /// A robot description without inertials whose masses depend on mesh files, which are not opened.
     #[error(
         "{} its mass or its centre to the file of a mesh, which is not opened: state it by an inertial, or give masses",
         match others {
@@ -63,20 +63,19 @@ pub enum MassError {
         }
     )]
     LeftToMeshes {
-        /// The first body.
+        /// The first body without inertial.
         frame: String,
-        /// How many more there are.
+        /// Number of further bodies without inertial.
         others: usize,
     },
-    /// A mesh has no volume to take masses from.
+    /// A mesh without volume to compute masses from.
     #[error("masses come from the volume of a mesh: {0}")]
     NoVolume(String),
 }
 
-/// The masses that a model's joints move, one for each joint that carries any: what is fixed to each other is
-/// taken together.
+/// The masses that a model's joints move, combined into one for each joint that carries any.
 ///
-/// What stands in the world counts for nothing, as in Pinocchio: a bolted base is the world's.
+/// Masses fixed in the world are ignored, as in Pinocchio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Masses {
     points: Vec<PointMass>,
@@ -84,7 +83,7 @@ pub struct Masses {
 }
 
 impl Masses {
-    /// Takes masses on frames of `model`; those of 0 count for nothing.
+    /// Combines point masses on frames of `model`; ignores masses of 0.
     ///
     /// ```
     /// # use kinopt::kinematics::centre_of_mass;
@@ -103,7 +102,11 @@ impl Masses {
     /// ```
     ///
     /// # Errors
-    /// A mass that is negative or not finite, a frame that the model does not have, nothing that has mass.
+    /// Returns an error for:
+    /// - a mass that is negative or not finite;
+    /// - a position that is not finite;
+    /// - a frame that is not in the model;
+    /// - a total mass that is zero or not finite.
     pub fn new(
         model: &Model,
         masses: impl IntoIterator<Item = PointMass>,
@@ -147,16 +150,16 @@ impl Masses {
     }
 
     getters! {
-        /// One for each moving joint that carries any.
+        /// The point masses, one for each moving joint that carries any.
         pub fn points(&self) -> &[PointMass] = &self.points;
-        /// In kilograms, above 0.
+        /// Total mass in kilograms, above 0.
         pub fn total(&self) -> f64 = self.total;
-        /// The frames that carry them.
+        /// The frames that carry the point masses.
         pub(crate) fn frames(&self) -> Vec<FrameId> =
             self.points.iter().map(|point| point.frame).collect();
     }
 
-    /// The share of each in the total, and where it is in its frame.
+    /// For each point mass, its fraction of the total and its position in its frame, metres.
     pub(crate) fn shares(&self) -> impl Iterator<Item = (f64, Vector3<f64>)> + '_ {
         let points = self.points.iter();
         points.map(|point| (point.mass / self.total, point.at))
@@ -164,7 +167,7 @@ impl Masses {
 }
 
 impl PointMass {
-    /// Takes up a mass that is fixed to this one.
+    /// Adds a mass that is fixed relative to this one; the result is at the common centre.
     fn join(&mut self, model: &Model, other: &Self) {
         let own_from_other =
             carrier_from(model, self.frame).inverse() * carrier_from(model, other.frame);
@@ -175,13 +178,13 @@ impl PointMass {
     }
 }
 
-/// The joint that moves a frame, fixed ones aside.
+/// The nearest moving joint above a frame; `None` for a frame fixed in the world.
 pub(crate) fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
     let mut above = model.joints_above(frame);
     above.find(|joint| model.joints()[joint.index()].kind.moves())
 }
 
-/// Where a frame stands on the joint that moves it.
+/// Placement of a frame in the joint that moves it, or in the world.
 fn carrier_from(model: &Model, frame: FrameId) -> Placement<f64> {
     let mut placed = model.frames()[frame.index()].joint_from_frame;
     for joint in model.joints_above(frame) {

@@ -1,4 +1,4 @@
-//! The articulated model: joints, frames and limits, immutable once built.
+//! Kinematic models: joints, frames and limits, immutable once built.
 
 mod ball;
 mod ball_variables;
@@ -45,25 +45,25 @@ pub use unknown_name::UnknownName;
 
 use crate::spatial::{Placement, Vector3};
 
-/// A named place on a joint: a link, a bone's tip, a tool point.
+/// A named frame on a joint: a link, a bone's tip, a tool centre point.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Frame {
-    /// Unique within the model.
+    /// Name, unique within the model.
     pub name: String,
     /// The joint that carries it; `None` for a frame fixed in the world.
     pub joint: Option<JointId>,
-    /// Where the frame stands in its joint's frame.
+    /// Placement of the frame in its joint's frame.
     pub joint_from_frame: Placement<f64>,
 }
 
-/// A tree of joints, parents before children, that no algorithm changes.
+/// A tree of joints, parents before children, immutable once built.
 ///
-/// A configuration `q` has one number for each moving joint but balls, in the order of
-/// [`moving_joints`](Self::moving_joints): radians for revolute and continuous joints, metres for
-/// prismatic ones. A ball joint has four, its unit quaternion w, x, y, z. A
-/// [free joint](ModelBuilder::free) is three slides and a ball, its q x, y, z, w, x, y, z.
+/// A configuration `q` has one number for each moving joint except ball joints, in the order of
+/// [`moving_joints`](Self::moving_joints): radians for revolute and continuous joints, metres for prismatic joints. A
+/// ball joint has four: its unit quaternion w, x, y, z. A [free joint](ModelBuilder::free) is three prismatic joints
+/// and a ball joint; its coordinates are x, y, z, w, x, y, z.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -76,13 +76,13 @@ pub struct Model {
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     loops: Vec<Loop>,
-    /// Coordinate k of a configuration is joint `moving[k]`'s.
+    /// The joint of each coordinate of a configuration.
     moving: Vec<JointId>,
-    /// The first coordinate of each joint.
+    /// The first coordinate of each joint; `None` for a fixed joint.
     coordinates: Vec<Option<usize>>,
-    /// What moves as one, in the order of a configuration.
+    /// Parts of a configuration that are integrated together, in its order.
     segments: Vec<Segment>,
-    /// The first slide of each free joint; its other slides and its ball follow.
+    /// The first prismatic joint of each free joint; its other joints follow.
     free: Vec<JointId>,
     joint_by_name: HashMap<String, JointId>,
     frame_by_name: HashMap<String, FrameId>,
@@ -96,7 +96,7 @@ impl Model {
     }
 
     getters! {
-        /// What its lengths are counted in.
+        /// The unit of lengths.
         pub fn length_unit(&self) -> LengthUnit = self.length_unit;
         /// The model's name.
         pub fn name(&self) -> &str = &self.name;
@@ -104,17 +104,17 @@ impl Model {
         pub fn joints(&self) -> &[Joint] = &self.joints;
         /// All frames.
         pub fn frames(&self) -> &[Frame] = &self.frames;
-        /// The loops that every problem on the model closes; a configuration may leave them open.
+        /// The loop closures, which are constraints of every problem on the model; a configuration may leave them open.
         pub fn loops(&self) -> &[Loop] = &self.loops;
-        /// How many numbers a configuration has: four for a ball joint, one for any other that moves.
+        /// Number of coordinates of a configuration: four for a ball joint, one for every other moving joint.
         pub fn configuration_len(&self) -> usize = self.moving.len();
-        /// The joint that each coordinate of a configuration is of: four times the same for a ball.
+        /// The joint of each coordinate of a configuration; a ball joint occurs four times.
         pub fn moving_joints(&self) -> &[JointId] = &self.moving;
-        /// The first slide of each [free](ModelBuilder::free) joint; its other slides and its ball follow.
+        /// The first prismatic joint of each [free](ModelBuilder::free) joint; its other joints follow.
         pub fn free_joints(&self) -> &[JointId] = &self.free;
     }
 
-    /// How many numbers a velocity has: three for a ball joint, one for any other that moves.
+    /// Number of components of a velocity: three for a ball joint, one for every other moving joint.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
         let last = self.segments.last();
@@ -131,15 +131,17 @@ impl Model {
         (0..self.frames.len()).map(FrameId::new)
     }
 
-    /// Where a joint's value stands in a configuration, or the first of a ball's four numbers; `None` for a
-    /// fixed joint or an id beyond this model's joints.
+    /// Index of a joint's first coordinate in a configuration.
+    ///
+    /// Returns `None` for a fixed joint or an id that is not in the model.
     #[must_use]
     pub fn coordinate(&self, joint: JointId) -> Option<usize> {
         self.coordinates.get(joint.index()).copied().flatten()
     }
 
-    /// The limits of every coordinate, in configuration order: from -1 to 1 for those of a ball, whose cone is
-    /// in its [`Joint::ball`].
+    /// Limits of every coordinate, in configuration order.
+    ///
+    /// A ball joint's four are [-1, 1]; its cone is in [`Joint::ball`].
     pub fn limits(&self) -> impl Iterator<Item = Limits> + '_ {
         self.moving.iter().map(|id| {
             let joint = &self.joints[id.index()];
@@ -150,36 +152,35 @@ impl Model {
         })
     }
 
-    /// Looks a joint up.
+    /// The joint of this name.
     ///
     /// # Errors
-    /// An unknown name; the error tells the valid ones.
+    /// Returns an error with the valid names for an unknown name.
     pub fn joint(&self, name: &str) -> Result<JointId, UnknownName> {
         self.joint_by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("joint", name, self.joints.iter().map(|j| j.name.as_str()))
         })
     }
 
-    /// Looks a frame up.
+    /// The frame of this name.
     ///
     /// # Errors
-    /// An unknown name; the error tells the valid ones.
+    /// Returns an error with the valid names for an unknown name.
     pub fn frame(&self, name: &str) -> Result<FrameId, UnknownName> {
         self.frame_by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("frame", name, self.frames.iter().map(|f| f.name.as_str()))
         })
     }
 
-    /// The joint whose coordinate it is.
+    /// The joint of a coordinate.
     pub(crate) fn joint_of(&self, coordinate: usize) -> &Joint {
         &self.joints[self.moving[coordinate].index()]
     }
 
-    /// The same model with the origins of some joints elsewhere on their parents (in the parent's axes, metres): links of
-    /// other lengths.
+    /// The model with new joint origins, in the parent joint's axes, metres: links of other lengths.
     ///
     /// # Errors
-    /// A joint beyond this model's, and a place that is not finite.
+    /// Returns an error for a joint id that is not in the model or an origin that is not finite.
     pub fn with_joint_origins(
         mut self,
         origins: impl IntoIterator<Item = (JointId, [f64; 3])>,
@@ -197,33 +198,33 @@ impl Model {
         Ok(self)
     }
 
-    /// Puts a joint elsewhere on its parent, turned as it was; for layers that own the model.
+    /// Moves a joint's origin on its parent and keeps its rotation; for modules that own the model.
     pub(crate) fn move_joint(&mut self, joint: JointId, translation: Vector3<f64>) {
         if let Some(own) = self.joints.get_mut(joint.index()) {
             own.parent_from_joint.translation = translation;
         }
     }
 
-    /// Puts a joint elsewhere on its parent and turns it; for layers that own the model.
+    /// Sets a joint's placement on its parent; for modules that own the model.
     pub(crate) fn place_joint(&mut self, joint: JointId, parent_from_joint: Placement<f64>) {
         if let Some(own) = self.joints.get_mut(joint.index()) {
             own.parent_from_joint = parent_from_joint;
         }
     }
 
-    /// Puts a frame elsewhere on its joint, turned as it was.
+    /// Moves a frame's origin on its joint and keeps its rotation.
     pub(crate) fn move_frame(&mut self, frame: FrameId, translation: Vector3<f64>) {
         if let Some(own) = self.frames.get_mut(frame.index()) {
             own.joint_from_frame.translation = translation;
         }
     }
 
-    /// How far what turns reaches, in metres: the longest way from the first moving joint above a
-    /// frame to that frame, adding up offsets and the travel of slides that a joint above them turns,
-    /// each slide by no more than the offsets' longest way. What does not move says nothing about the
-    /// size of the model (frames in the world, fixed and locked joints next to the root), nor does
-    /// how far a base may slide: it lengthens no lever. Where nothing turns, all slides count. It is
-    /// the length by which tolerances and weights scale; 0 where nothing moves.
+    /// Length of the longest lever of the model, in metres; 0 if no joint moves. Tolerances and weights scale with it.
+    ///
+    /// It is the longest chain from the first moving joint above a frame to that frame. Offsets between joints count
+    /// fully. The travel of a prismatic joint below a rotating joint counts up to the longest sum of offsets. Prismatic
+    /// joints above all rotating joints lengthen no lever and do not count, unless no joint rotates. Frames in the
+    /// world do not count, nor do fixed and locked joints next to the root.
     #[must_use]
     pub fn reach(&self) -> f64 {
         let rigid = self.longest_way(|_, _| 0.0);
@@ -235,10 +236,11 @@ impl Model {
         })
     }
 
-    /// The longest way from the first moving joint above a frame to it, by offsets and what `travel`
-    /// adds for a moving joint, which hears whether one above it turns.
+    /// The longest chain from the first moving joint above a frame to that frame, metres.
+    ///
+    /// Sums offsets and `travel(joint, rotates)` of each moving joint; `rotates` is true if a joint above it rotates.
     fn longest_way(&self, travel: impl Fn(&Joint, bool) -> f64) -> f64 {
-        // By joint: the length up to it, once something above or at it moves, and whether that turns.
+        // By joint: the length up to it (`None` if no joint up to it moves), and whether a joint up to it rotates.
         let mut length: Vec<(Option<f64>, bool)> = Vec::with_capacity(self.joints.len());
         for joint in &self.joints {
             let above = joint.parent.map(|p| length[p.index()]);
@@ -258,22 +260,26 @@ impl Model {
             .fold(0.0, f64::max)
     }
 
-    /// How far from where it stands a joint is drawn at random where its limits mean none: half a
-    /// turn; for slides the reach, or their travel where that is of the reach's order.
+    /// Half width of the sampling range of a joint without limits.
+    ///
+    /// π for rotations. For prismatic joints, their travel if it is of the order of the reach or less, otherwise the
+    /// reach; never below the reach.
     pub(crate) fn sampling_spread(&self, joint: &Joint, reach: f64) -> f64 {
         const SAME_ORDER: f64 = 100.0;
-        // Files may say lengths whose sum is no number any more; what is drawn must be one.
+        // Lengths in files may have an infinite sum; samples must be finite.
         let reach = reach.min(f64::MAX / 100.0);
         match travel(joint) {
             _ if !joint.kind.slides() => std::f64::consts::PI,
-            // Where what turns has no lever, travel is all the size that there is.
+            // Without a lever, the travel is the only length of the model.
             travel if reach == 0.0 || travel <= SAME_ORDER * reach => travel.max(reach),
             _ => reach,
         }
     }
 }
 
-/// How far a sliding joint goes from its zero. Files write numbers like 1e16 for "no limit".
+/// Largest distance of a prismatic joint from zero, metres.
+///
+/// 0 for other joints and beyond 1e9: files write numbers like 1e16 for "no limit".
 fn travel(joint: &Joint) -> f64 {
     const PLACEHOLDER: f64 = 1e9;
     let farthest = joint.limits.lower.abs().max(joint.limits.upper.abs());

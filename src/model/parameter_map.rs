@@ -1,38 +1,38 @@
-//! The map from solver variables to configurations: q = S x + s₀, sparse.
+//! The sparse map from solver variables to configurations: q = S x + s₀.
 //!
-//! Locked joints, URDF `mimic` joints, coupled joints and "only this arm" are all this one map.
-//! Every coordinate of q depends on at most one variable, so limits on q are limits on x and hard
-//! bounds stay boxes; but for ball joints, whose four depend on three (see [`BallVariables`]).
+//! It expresses locked joints, URDF `mimic` joints, coupled joints and subsets of joints. Every coordinate of q depends
+//! on at most one variable, so limits on q are bounds on x. Ball joints are the exception: their four coordinates
+//! depend on three variables (see [`BallVariables`]).
 
 use super::{BallVariables, Joint, Limits, Model, ModelError, ParameterMapBuilder, quaternion_at};
 use crate::scalar::Scalar;
 use crate::spatial::{Quaternion, Vector3};
 
-/// Where one coordinate of a configuration comes from.
+/// The source of one coordinate of a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Source {
-    /// Held at a value.
+    /// Locked at a value, radians or metres.
     Constant(f64),
     /// `ratio · x[variable] + offset`.
     Variable {
-        /// Which solver variable.
+        /// Index of the solver variable.
         variable: usize,
         /// Coordinate units per variable unit.
         ratio: f64,
-        /// In the coordinate's unit.
+        /// Offset in the coordinate's unit.
         offset: f64,
     },
-    /// A component of the unit quaternion of a ball joint, which three variables turn together.
+    /// A component of the unit quaternion of a ball joint, which depends on three variables.
     Rotation {
-        /// The first of the three.
+        /// Index of the first of the three variables.
         variable: usize,
     },
 }
 
 impl Source {
-    /// The variable itself.
+    /// A plain copy of a variable.
     pub(crate) const fn copy_of(variable: usize) -> Self {
         Self::of_variable(variable, 1.0, 0.0)
     }
@@ -46,7 +46,7 @@ impl Source {
         }
     }
 
-    /// The coordinate at x; 0 for one of a ball.
+    /// The coordinate at x; 0 for one of a ball joint.
     pub(crate) fn at(&self, x: &[f64]) -> f64 {
         match *self {
             Self::Rotation { .. } => 0.0,
@@ -59,7 +59,7 @@ impl Source {
         }
     }
 
-    /// Which variable alone moves the coordinate, and its derivative by that variable.
+    /// The only variable of the coordinate and the derivative by it; `None` for constants and ball joints.
     pub(crate) const fn slope(&self) -> Option<(usize, f64)> {
         match *self {
             Self::Constant(_) | Self::Rotation { .. } => None,
@@ -80,7 +80,7 @@ impl Source {
 pub struct ParameterMap {
     pub(super) sources: Vec<Source>,
     pub(super) limits: Vec<Limits>,
-    /// The coordinate that each variable is a plain copy of, or one of the quaternion that it turns.
+    /// For each variable, the coordinate that it is a copy of, or one of the quaternion that it moves.
     pub(super) leaders: Vec<usize>,
     pub(super) balls: Vec<BallVariables>,
     pub(super) lower: Vec<f64>,
@@ -88,15 +88,16 @@ pub struct ParameterMap {
 }
 
 impl ParameterMap {
-    /// Every coordinate its own variable, also one that its limits lock, and three for a ball: x is q, but
-    /// for rotation vectors in place of quaternions. It is the map for evaluating a configuration as given;
-    /// solving wants [`builder`](Self::builder), which turns locked coordinates into constants.
+    /// A variable for every coordinate, locked ones included, and three for a ball joint.
+    ///
+    /// x equals q, except for rotation vectors instead of quaternions. Use this map to evaluate a given configuration.
+    /// To solve, use [`builder`](Self::builder), which makes locked coordinates constant.
     #[must_use]
     pub fn identity(model: &Model) -> Self {
         Self::of_own_variables(model, false)
     }
 
-    /// Every coordinate its own variable, except those whose limits leave one value, and three for a ball.
+    /// A variable for every coordinate that its limits do not lock, and three for a ball joint.
     #[must_use]
     pub fn free(model: &Model) -> Self {
         Self::of_own_variables(model, true)
@@ -122,7 +123,7 @@ impl ParameterMap {
         own
     }
 
-    /// No variable: what has a value of its own stands there.
+    /// A map without variables; each coordinate is constant at its lower limit.
     pub(super) fn empty(model: &Model) -> Self {
         let limits: Vec<Limits> = model.limits().collect();
         Self {
@@ -135,7 +136,7 @@ impl ParameterMap {
         }
     }
 
-    /// A variable that is a coordinate.
+    /// Adds a variable that is a copy of a coordinate.
     pub(super) fn add_variable(&mut self, coordinate: usize, bounds: &Limits) {
         self.sources[coordinate] = Source::copy_of(self.leaders.len());
         self.leaders.push(coordinate);
@@ -143,7 +144,7 @@ impl ParameterMap {
         self.upper.push(bounds.upper);
     }
 
-    /// Three variables that turn a ball, within its limits or any way.
+    /// Adds the three variables of a ball joint, with its limits or without.
     pub(super) fn add_ball(&mut self, coordinate: usize, joint: &Joint, within_limits: bool) {
         let limits = joint.ball.as_ref().filter(|_| within_limits);
         let variable = self.leaders.len();
@@ -157,14 +158,16 @@ impl ParameterMap {
         self.balls.push(ball);
     }
 
-    /// Starts from every joint free.
+    /// A builder that starts with every joint free.
     #[must_use]
     pub fn builder(model: &Model) -> ParameterMapBuilder<'_> {
         ParameterMapBuilder::new(model)
     }
 
-    /// The least of limits that coordinates of q set to each variable: a follower's limit counts by its ratio. One limit for every number
-    /// of a configuration; infinity for a variable of which none is.
+    /// The smallest limit on each variable from limits on the coordinates of q, in variable units.
+    ///
+    /// A limit on a mimic joint is divided by its ratio. `limits` has one entry for each coordinate. Infinity for a
+    /// variable of which no coordinate is a multiple.
     pub(crate) fn least_by_variable(&self, limits: &[f64]) -> Vec<f64> {
         let mut least = vec![f64::INFINITY; self.variables()];
         for (source, limit) in self.sources.iter().zip(limits) {
@@ -178,21 +181,21 @@ impl ParameterMap {
     }
 
     getters! {
-        /// How many solver variables there are.
+        /// Number of solver variables.
         pub fn variables(&self) -> usize = self.leaders.len();
-        /// Where each coordinate of q comes from.
+        /// Source of each coordinate of q.
         pub fn sources(&self) -> &[Source] = &self.sources;
-        /// For each variable the coordinate of q that it is a copy of.
+        /// For each variable, the coordinate of q that it is a copy of.
         pub fn leaders(&self) -> &[usize] = &self.leaders;
-        /// Lower bounds of the variables, those of followers included.
+        /// Lower bounds of the variables, limits of mimic joints included.
         pub fn lower(&self) -> &[f64] = &self.lower;
-        /// Upper bounds of the variables, those of followers included.
+        /// Upper bounds of the variables, limits of mimic joints included.
         pub fn upper(&self) -> &[f64] = &self.upper;
-        /// The ball joints that variables turn.
+        /// The ball joints with variables.
         pub(crate) fn balls(&self) -> &[BallVariables] = &self.balls;
     }
 
-    /// The variables that move a coordinate.
+    /// The indices of the variables that move a coordinate.
     pub(crate) fn variables_of(&self, coordinate: usize) -> std::ops::Range<usize> {
         match self.sources[coordinate] {
             Source::Constant(_) => 0..0,
@@ -201,7 +204,7 @@ impl ParameterMap {
         }
     }
 
-    /// The derivatives of a coordinate at x by the variables that move it.
+    /// The variables that move a coordinate, with its derivatives by them at x.
     pub(crate) fn slopes(
         &self,
         coordinate: usize,
@@ -220,10 +223,10 @@ impl ParameterMap {
         self.variables_of(coordinate).zip(slopes)
     }
 
-    /// Narrows one coordinate's limits, and with them the bounds of the variable it comes from.
+    /// Intersects one coordinate's limits with `limits` and updates the bounds of its variable.
     ///
     /// # Errors
-    /// The interval that is left, if it is none.
+    /// Returns the invalid interval if no value is left.
     pub(crate) fn narrow(&mut self, coordinate: usize, limits: &Limits) -> Result<(), Limits> {
         let own = self.limits[coordinate].intersection(limits);
         if !limits.is_valid() || !own.is_valid() {
@@ -249,33 +252,35 @@ impl ParameterMap {
         }
     }
 
-    /// Writes q = S x + s₀. Shapes: `x` [`variables`](Self::variables), `q` the model's degrees of
-    /// freedom.
+    /// Writes q = S x + s₀.
+    ///
+    /// Lengths: `x` [`variables`](Self::variables), `q` the model's [`configuration_len`](Model::configuration_len).
     ///
     /// # Errors
-    /// A slice of another length, or a variable that is not finite.
+    /// Returns an error for a slice of wrong length or a variable that is not finite.
     pub fn expand(&self, x: &[f64], q: &mut [f64]) -> Result<(), ModelError> {
         self.check(x, q.len())?;
         self.scatter(x, q);
         Ok(())
     }
 
-    /// As [`expand`](Self::expand), then clamps a follower that rounding took past its own limit.
+    /// Does the same as [`expand`](Self::expand), then clamps mimic joints that rounding moved past their limits.
     ///
     /// # Errors
-    /// As [`expand`](Self::expand).
+    /// Returns the errors of [`expand`](Self::expand).
     pub fn expand_within_limits(&self, x: &[f64], q: &mut [f64]) -> Result<(), ModelError> {
         self.check(x, q.len())?;
         self.scatter_within_limits(x, q);
         Ok(())
     }
 
-    /// Reads the variables out of a configuration and clamps them into their bounds; the values of
-    /// locked and following coordinates are not looked at. Shapes: `q` the model's degrees of
-    /// freedom, `x` [`variables`](Self::variables).
+    /// Reads the variables from a configuration and clamps them to their bounds.
+    ///
+    /// Ignores the values of locked and mimic coordinates. Lengths: `q` the model's
+    /// [`configuration_len`](Model::configuration_len), `x` [`variables`](Self::variables).
     ///
     /// # Errors
-    /// A slice of another length, or a value to read that is NaN.
+    /// Returns an error for a slice of wrong length or for a NaN in a coordinate that it reads.
     pub fn reduce(&self, q: &[f64], x: &mut [f64]) -> Result<(), ModelError> {
         check_length(CONFIGURATION, q.len(), self.sources.len())?;
         check_length(VARIABLES, x.len(), self.variables())?;
@@ -295,8 +300,9 @@ impl ParameterMap {
         check_numbers(VARIABLES, x)
     }
 
-    /// [`expand`](Self::expand) where lengths are known: a shorter `q` takes what it has room for, and
-    /// what reads a variable that `x` lacks is NaN.
+    /// [`expand`](Self::expand) without checks.
+    ///
+    /// A shorter `q` gets a prefix. Coordinates whose variable is missing in `x` become NaN.
     #[inline]
     pub(crate) fn scatter<S: Scalar>(&self, x: &[S], q: &mut [S]) {
         for (value, source) in q.iter_mut().zip(&self.sources) {
@@ -329,7 +335,7 @@ impl ParameterMap {
         }
     }
 
-    /// [`reduce`](Self::reduce) where lengths are known; NaN stays NaN.
+    /// [`reduce`](Self::reduce) without checks; NaN stays NaN.
     pub(crate) fn gather(&self, q: &[f64], x: &mut [f64]) {
         let bounds = self.lower.iter().zip(&self.upper);
         for ((value, &leader), (&lower, &upper)) in x.iter_mut().zip(&self.leaders).zip(bounds) {
@@ -348,7 +354,7 @@ impl ParameterMap {
         }
     }
 
-    /// The x of an identity map's configuration, of any scalar; quaternions need not be of unit length.
+    /// The x of a configuration, for an identity map and any scalar; quaternions need not be of unit length.
     pub(crate) fn gather_all<S: Scalar>(&self, q: &[S], x: &mut [S]) {
         for (value, &leader) in x.iter_mut().zip(&self.leaders) {
             *value = q[leader];
@@ -366,13 +372,13 @@ impl ParameterMap {
     }
 }
 
-/// One number for each degree of freedom, all finite.
+/// Checks that `q` has one finite number for each coordinate.
 pub(crate) fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ModelError> {
     ModelError::check_numbers(CONFIGURATION, q, model.configuration_len())
 }
 
 impl ModelError {
-    /// So many numbers, all finite.
+    /// Checks that there are `expected` numbers, all finite.
     pub(crate) fn check_numbers(
         what: &'static str,
         given: &[f64],
@@ -412,7 +418,7 @@ pub(super) fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<(), M
     }
 }
 
-/// The x for which `ratio · x + offset` is within the limits.
+/// The interval of x for which `ratio · x + offset` is within the limits.
 pub(super) fn preimage(limits: &Limits, ratio: f64, offset: f64) -> Limits {
     if ratio == 0.0 {
         return if limits.contains(offset) {

@@ -1,26 +1,26 @@
-//! How a parameter map is said: which joints are locked, which follow, which are free.
+//! Builder of parameter maps: locked, mimic and free joints.
 
 use super::parameter_map::{ParameterMap, Source, check_configuration, preimage};
 use super::{JointId, Limits, Model, ModelError, quaternion_at};
 use crate::spatial::Quaternion;
 
-/// How far outside its limits a joint may be locked, radians or metres.
+/// Largest violation of its limits at which a joint may be locked, radians or metres.
 const MAX_EXCESS: f64 = 1e-3;
 
-/// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
+/// Assigns roles to joints. A joint that is both locked and coupled has the role that was set last.
 #[derive(Clone, Debug)]
 pub struct ParameterMapBuilder<'m> {
     model: &'m Model,
     limits: Vec<Limits>,
-    /// Of each coordinate; `None` is free, and a variable is the coordinate that it follows.
+    /// Role of each coordinate; `None` is free. In a role, a variable is the index of the source coordinate.
     roles: Vec<Option<Source>>,
-    /// Which joints were locked and coupled by name: twice is a slip that nobody would find.
+    /// For each coordinate, whether it was locked and coupled by name: setting a role twice is an error.
     named: Vec<[bool; 2]>,
     problem: Option<ModelError>,
 }
 
 impl<'m> ParameterMapBuilder<'m> {
-    /// Every joint free.
+    /// A builder with every joint free.
     pub(super) fn new(model: &'m Model) -> Self {
         Self {
             model,
@@ -32,11 +32,13 @@ impl<'m> ParameterMapBuilder<'m> {
     }
 
     getters! {
-        /// The model whose joints are given roles.
+        /// The model of the map.
         pub(crate) fn model(&self) -> &'m Model = self.model;
     }
 
-    /// Locks a joint at `value`, radians or metres. A value up to 1e-3 outside the limits, as sensors report it, is clamped.
+    /// Locks a joint at `value`, radians or metres.
+    ///
+    /// A value up to 1e-3 outside the limits, as sensors report it, is clamped to them.
     #[must_use]
     pub fn with_locked(mut self, joint: JointId, value: f64) -> Self {
         if let Some(coordinate) = self.single(joint, "locked") {
@@ -46,7 +48,7 @@ impl<'m> ParameterMapBuilder<'m> {
         self
     }
 
-    /// Holds a ball joint at a rotation, a quaternion w, x, y, z of any length but zero; limits do not matter.
+    /// Locks a ball joint at a rotation: a quaternion w, x, y, z of any length except zero. Ignores limits.
     #[must_use]
     pub fn with_locked_ball(mut self, joint: JointId, rotation: [f64; 4]) -> Self {
         let Some(first) = self.moving(joint, "locked") else {
@@ -70,7 +72,7 @@ impl<'m> ParameterMapBuilder<'m> {
         self
     }
 
-    /// Lets a joint follow another: its value is `ratio · master + offset`.
+    /// Makes `joint` a mimic joint of `master`: its value is `ratio · master + offset`.
     #[must_use]
     pub fn with_coupled(
         mut self,
@@ -88,7 +90,7 @@ impl<'m> ParameterMapBuilder<'m> {
         self
     }
 
-    /// Leaves a joint only the values that `limits` (radians or metres) allow too.
+    /// Intersects the limits of a joint with `limits`, radians or metres.
     #[must_use]
     pub fn with_narrowed(mut self, joint: JointId, limits: Limits) -> Self {
         if let Some(coordinate) = self.single(joint, "narrowed") {
@@ -98,8 +100,10 @@ impl<'m> ParameterMapBuilder<'m> {
         self
     }
 
-    /// Frees only the given joints: every other joint that was free is locked at its value in `q`
-    /// (shape: degrees of freedom; [`build`](Self::build) refuses another length and what is not finite), by the rule of
+    /// Frees only the given joints. Locks every other free joint at its value in `q`.
+    ///
+    /// `q` has the model's [`configuration_len`](Model::configuration_len). [`build`](Self::build) returns an error for
+    /// a wrong length or a number that is not finite. Values outside the limits follow the rule of
     /// [`with_locked`](Self::with_locked).
     #[must_use]
     pub fn with_only(mut self, joints: &[JointId], q: &[f64]) -> Self {
@@ -138,8 +142,13 @@ impl<'m> ParameterMapBuilder<'m> {
     /// Checks the roles and numbers the variables in configuration order.
     ///
     /// # Errors
-    /// The first joint, by name, that is fixed but was given a role, is locked or coupled twice, is
-    /// locked outside its limits, follows itself, has a number that is not finite, or whose followers leave it no value.
+    /// Returns an error with the name of the first joint that:
+    /// - is fixed but was given a role;
+    /// - is locked or coupled twice;
+    /// - is locked outside its limits;
+    /// - is its own source through mimic joints;
+    /// - has a number that is not finite;
+    /// - has no value within the limits of its mimic joints.
     pub fn build(self) -> Result<ParameterMap, ModelError> {
         if let Some(problem) = self.problem {
             return Err(problem);
@@ -174,7 +183,7 @@ impl<'m> ParameterMapBuilder<'m> {
             }
         }
 
-        // Products along a chain of masters may overflow though every factor is finite.
+        // Products along a chain of mimic joints may overflow although every factor is finite.
         let through = [
             "the ratio through its masters",
             "the offset through its masters",
@@ -213,7 +222,7 @@ impl<'m> ParameterMapBuilder<'m> {
         Ok(map)
     }
 
-    /// Notes a configuration that is not one of the model's, for [`build`](Self::build) to refuse.
+    /// Records an invalid configuration, for which [`build`](Self::build) returns an error.
     pub(crate) fn checked(mut self, q: &[f64]) -> Self {
         if let Err(problem) = check_configuration(self.model, q) {
             self.problem.get_or_insert(problem);
@@ -221,7 +230,7 @@ impl<'m> ParameterMapBuilder<'m> {
         self
     }
 
-    /// Gives a role by name, which happens once for each.
+    /// Sets a role by name. Records an error for a role that is set twice.
     fn set(&mut self, coordinate: usize, new: Source) {
         let model = self.model;
         let (kind, role) = match new {
@@ -238,7 +247,7 @@ impl<'m> ParameterMapBuilder<'m> {
         self.roles[coordinate] = Some(new);
     }
 
-    /// The coordinate of a joint that has only one.
+    /// The coordinate of a joint that has only one; records an error for every other joint.
     fn single(&mut self, joint: JointId, role: &'static str) -> Option<usize> {
         let coordinate = self.moving(joint, role)?;
         let own = self.model.joint_of(coordinate);
@@ -269,7 +278,7 @@ impl<'m> ParameterMapBuilder<'m> {
     }
 }
 
-/// The value clamped into the limits if it is no more than [`MAX_EXCESS`] outside, else the value.
+/// The value clamped to the limits if it is at most [`MAX_EXCESS`] outside them, otherwise the value itself.
 fn within_excess(limits: &Limits, value: f64) -> f64 {
     let clamped = limits.clamp(value);
     match (clamped - value).abs() <= MAX_EXCESS {
@@ -278,7 +287,9 @@ fn within_excess(limits: &Limits, value: f64) -> f64 {
     }
 }
 
-/// The bounds that the allowed values restrict. A bound that rounding alone moves stays; `shift` is the offset in the bounds' unit.
+/// The intersection of the bounds with the allowed values.
+///
+/// A bound that changes only by rounding stays; `shift` is the offset in the bounds' unit.
 fn restricted(bounds: &Limits, allowed: &Limits, shift: f64) -> Limits {
     let end = |own: f64, restricted: f64| {
         let rounding = 8.0 * f64::EPSILON * (own.abs() + shift.abs());
@@ -293,7 +304,9 @@ fn unit_parts(Quaternion { w, v }: Quaternion<f64>) -> [f64; 4] {
     [w, v.x, v.y, v.z]
 }
 
-/// Whether a source's numbers, of these names, are finite and a constant is within the limits.
+/// Checks that a source's numbers are finite and that a constant is within the limits.
+///
+/// `ratio_is` and `offset_is` name the numbers in errors.
 fn check(
     source: &Source,
     limits: &Limits,
@@ -322,7 +335,7 @@ fn check(
     }
 }
 
-/// Follows masters to their end; `None` when they run in a ring. What is free has a variable.
+/// The source of a coordinate through its chain of mimic joints; `None` for a cycle.
 fn resolve(
     coordinate: usize,
     roles: &[Option<Source>],

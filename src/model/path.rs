@@ -1,18 +1,18 @@
-//! The way through the tree from one frame, or the world, to another.
+//! Path through the joint tree from one frame, or the world, to another.
 
 use super::{FrameId, JointId, Model};
 
-/// The joints from a base to a frame, without those that both stand on.
+/// The joints between two frames, without the common ancestors.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
-    /// From the base up to the common ancestor.
+    /// From the base up to the common ancestor, excluded.
     pub(crate) up: Vec<JointId>,
-    /// From the common ancestor down to the tip.
+    /// From the common ancestor, excluded, down to the tip.
     pub(crate) down: Vec<JointId>,
 }
 
 impl Model {
-    /// The way from `base` (none: the world) up to the common ancestor and down to `tip`.
+    /// The path from `base` (`None`: the world) up to the common ancestor and down to `tip`.
     pub(crate) fn path(&self, base: Option<FrameId>, tip: FrameId) -> Path {
         let mut up = base.map_or_else(Vec::new, |base| self.joints_down_to(base));
         let mut down = self.joints_down_to(tip);
@@ -23,7 +23,7 @@ impl Model {
         Path { up, down }
     }
 
-    /// The joints that carry a frame, from its own up to the root; none for a frame of another model.
+    /// The joints that carry a frame, from its joint up to the root; none for a frame that is not in the model.
     pub fn joints_above(&self, frame: FrameId) -> impl Iterator<Item = JointId> + '_ {
         let first = self.frames.get(frame.index()).and_then(|f| f.joint);
         std::iter::successors(first, |joint| self.joints[joint.index()].parent)

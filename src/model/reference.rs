@@ -1,13 +1,13 @@
-//! A frame or a joint, said by its id or by its name.
+//! References to frames and joints by id or name.
 
 use super::{FrameId, JointId, Model, UnknownName};
 
-/// A thing of a model by its id `I` or by its name: what builders take, which look it up once.
+/// A reference to an object of a model, by its id `I` or its name. Builders resolve it once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reference<'a, I> {
-    /// By its id in the same model.
+    /// The id in the same model.
     Id(I),
-    /// By its name.
+    /// The name.
     Name(&'a str),
 }
 
@@ -17,10 +17,10 @@ pub type FrameRef<'a> = Reference<'a, FrameId>;
 pub type JointRef<'a> = Reference<'a, JointId>;
 
 impl FrameRef<'_> {
-    /// The frame of `model` that is meant.
+    /// The id of the frame in `model`.
     ///
     /// # Errors
-    /// A name or an id that the model does not have; the error tells the valid names.
+    /// Returns an error with the valid names for a name or an id that is not in the model.
     pub fn resolve(self, model: &Model) -> Result<FrameId, UnknownName> {
         match self {
             Self::Name(name) => model.frame(name),
@@ -35,10 +35,10 @@ impl FrameRef<'_> {
 }
 
 impl JointRef<'_> {
-    /// The joint of `model` that is meant.
+    /// The id of the joint in `model`.
     ///
     /// # Errors
-    /// A name or an id that the model does not have; the error tells the valid names.
+    /// Returns an error with the valid names for a name or an id that is not in the model.
     pub fn resolve(self, model: &Model) -> Result<JointId, UnknownName> {
         match self {
             Self::Name(name) => model.joint(name),

@@ -1,9 +1,8 @@
-//! The three variables that a solver moves a ball joint by.
+//! Charts of the rotation of a ball joint by three solver variables.
 //!
-//! Without a cone they are the rotation vector: exact derivatives everywhere within a turn, and a longer
-//! one is the same rotation as one within half a turn. With one they are the swing's two angles and the
-//! twist, so that the twist has bounds like any joint's and the swing an ellipse; this chart has no
-//! singular place but a swing by π.
+//! Without a cone, the variables are the rotation vector. Its derivatives are exact for angles below 2π; a vector
+//! longer than π is the same rotation as one within π. With a cone, the variables are the two angles of the swing and
+//! the twist. The twist then has bounds and the swing an ellipse. This chart is singular only at a swing of π.
 
 use std::f64::consts::PI;
 
@@ -12,17 +11,17 @@ use crate::random::RandomStream;
 use crate::scalar::Scalar;
 use crate::spatial::{Quaternion, Vector3, rotation_exp_jacobian};
 
-/// How three numbers stand for a rotation.
+/// A map from three numbers to a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum RotationChart {
-    /// The rotation vector, in radians.
+    /// Rotation vector, radians.
     Exponential,
-    /// Swing about two axes across and twist about the third, in radians.
+    /// Swing about two axes perpendicular to the twist axis, and twist, radians.
     SwingTwist(SwingFrame),
 }
 
-/// The frame that swing and twist are told in: about `first`, about `second`, and about the axis.
+/// The axes of swing and twist, orthonormal, in the joint frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SwingFrame {
@@ -32,7 +31,7 @@ pub(crate) struct SwingFrame {
 }
 
 impl RotationChart {
-    /// For a ball joint of this unit axis.
+    /// The chart of a ball joint with this unit axis.
     pub(super) fn new(axis: Vector3<f64>, limits: Option<&BallLimits>) -> Self {
         let cone = limits.filter(|limits| limits.has_cone());
         cone.map_or(Self::Exponential, |limits| {
@@ -40,7 +39,7 @@ impl RotationChart {
         })
     }
 
-    /// The rotation at `x`.
+    /// The rotation at `x`, radians.
     pub(crate) fn rotation<S: Scalar>(&self, x: [S; 3]) -> Quaternion<S> {
         match self {
             Self::Exponential => Quaternion::exp(Vector3::new(x[0], x[1], x[2])),
@@ -51,7 +50,7 @@ impl RotationChart {
         }
     }
 
-    /// The x of a unit quaternion; −q is the same as q.
+    /// The variables of a unit quaternion; −q gives the variables of q.
     pub(crate) fn variables<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
         match self {
             Self::Exponential => rotation.log().to_array(),
@@ -59,7 +58,7 @@ impl RotationChart {
         }
     }
 
-    /// Whether a rotation is within a ball joint's limits, to `rounding` in radians and as a share of its cone.
+    /// True if a rotation is within the limits, up to `rounding` in radians and relative to the cone.
     pub(super) fn is_within(
         &self,
         rotation: Quaternion<f64>,
@@ -81,7 +80,7 @@ impl RotationChart {
         within && limits.angle.is_none_or(|most| angle() <= most + rounding)
     }
 
-    /// A rotation drawn within a cone and a range of twist, or within the angle of a joint without those.
+    /// A sampled rotation within a cone and a range of twist, or within the angle of a joint without a cone.
     pub(super) fn draw(&self, limits: &BallLimits, random: &mut RandomStream) -> Quaternion<f64> {
         match self {
             Self::Exponential => {
@@ -98,8 +97,7 @@ impl RotationChart {
         }
     }
 
-    /// What turning is done by each variable: angular velocity for a rate of 1, in the joint's own frame
-    /// before it turned.
+    /// Angular velocity for a unit rate of each variable, in the joint frame before its rotation.
     #[inline(always)]
     pub(crate) fn axes<S: Scalar>(&self, x: [S; 3]) -> [Vector3<S>; 3] {
         match self {
@@ -122,10 +120,10 @@ impl RotationChart {
 }
 
 impl SwingFrame {
-    /// Of a joint's unit axis and the direction that its ellipse is told by.
+    /// The axes for a joint's unit axis and the first axis of its ellipse.
     fn new(axis: Vector3<f64>, about: Option<Vector3<f64>>) -> Self {
         let [x, y, _] = Vector3::UNITS;
-        // Any direction across will do: that of the two which is farther from the axis.
+        // Any perpendicular direction works: take the coordinate axis farther from the joint axis.
         let any = match axis.x.abs() < axis.y.abs() {
             true => x,
             false => y,
@@ -140,13 +138,13 @@ impl SwingFrame {
         }
     }
 
-    /// The swing's rotation vector.
+    /// The rotation vector of a swing, radians.
     #[inline(always)]
     fn swing<S: Scalar>(&self, x: [S; 2]) -> Vector3<S> {
         Vector3::constant(self.first) * x[0] + Vector3::constant(self.second) * x[1]
     }
 
-    /// Parts a rotation into its swing, by the two axes across, and its twist, in radians.
+    /// Splits a rotation into swing, by the two perpendicular axes, and twist, radians.
     fn part<S: Scalar>(&self, rotation: Quaternion<S>) -> [S; 3] {
         let (one, zero) = (S::one(), S::zero());
         let along = Vector3::constant(self.axis).dot(rotation.v);
@@ -155,7 +153,7 @@ impl SwingFrame {
         let along = S::select(negative, -along, along);
         let v = Vector3::select(negative, -rotation.v, rotation.v);
         let squared = w * w + along * along;
-        // Turned upside down it has no twist of its own: none is taken.
+        // At a swing of π the twist is undetermined; it is set to zero.
         let none = squared.less_than(S::constant(f64::MIN_POSITIVE));
         let length = S::select(none, one, squared).sqrt();
         let (cos, sin) = (
@@ -175,13 +173,13 @@ impl SwingFrame {
     }
 }
 
-/// Uniform over all rotations: a point of the ball in four dimensions, made of unit length.
+/// A rotation sampled uniformly over all rotations: a normalised point of the four-dimensional unit ball.
 pub(super) fn any_rotation(random: &mut RandomStream) -> Quaternion<f64> {
     let drawn: [f64; 4] = in_ball(random);
     quaternion_at(&drawn).unwrap_or(Quaternion::exp(Vector3::zero()))
 }
 
-/// Uniform within the unit ball of so many dimensions.
+/// A point sampled uniformly within the `N`-dimensional unit ball.
 fn in_ball<const N: usize>(random: &mut RandomStream) -> [f64; N] {
     for _ in 0..1000 {
         let drawn: [f64; N] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);

@@ -1,17 +1,16 @@
-//! What of a configuration moves as one: a joint, or a free joint's slides and ball together.
+//! Segments of a configuration: joints, or the joints of a free joint together.
 
 use super::{Joint, JointId, JointKind, ModelError};
 use crate::spatial::{Quaternion, Vector3};
 
-/// How a part of a configuration and of a velocity belong together.
+/// The layout of a segment in a configuration and in a velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SegmentKind {
-    /// One number, whose rate is one number.
+    /// One coordinate and one velocity component.
     Scalar,
-    /// A unit quaternion w, x, y, z, whose rate is an angular velocity in the turned frame's own axes.
+    /// A unit quaternion w, x, y, z, and an angular velocity in the rotated frame's axes.
     Ball,
-    /// x, y, z and a unit quaternion, whose rate is a velocity and an angular velocity, both in the moved frame's
-    /// own axes.
+    /// x, y, z and a unit quaternion; linear and angular velocity in the moved frame's axes.
     Free,
 }
 
@@ -33,20 +32,20 @@ impl SegmentKind {
     }
 }
 
-/// A part of a configuration that moves as one.
+/// A part of a configuration that is integrated as a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Segment {
     pub(crate) kind: SegmentKind,
-    /// Its joint, or the first of a free joint's.
+    /// Its joint, or the first joint of a free joint.
     pub(crate) joint: JointId,
-    /// Where it begins in a configuration.
+    /// Index of its first coordinate in a configuration.
     pub(crate) coordinate: usize,
-    /// Where it begins in a velocity.
+    /// Index of its first component in a velocity.
     pub(crate) velocity: usize,
 }
 
 impl Segment {
-    /// The joint that turns, of a ball or of a free joint.
+    /// The ball joint of a ball or free segment.
     pub(crate) fn ball(&self) -> JointId {
         match self.kind {
             SegmentKind::Free => JointId::new(self.joint.index() + 3),
@@ -54,7 +53,7 @@ impl Segment {
         }
     }
 
-    /// Where its quaternion begins in a configuration.
+    /// Index of its quaternion in a configuration; `None` for a scalar segment.
     pub(crate) fn quaternion(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Scalar => None,
@@ -64,10 +63,10 @@ impl Segment {
     }
 }
 
-/// The segments of joints in configuration order; `free` joints begin at these.
+/// The segments of joints in configuration order; `free` lists the first joint of each free joint.
 ///
 /// # Errors
-/// A free joint whose four joints are not side by side.
+/// Returns an error for a free joint whose four joints are not consecutive.
 pub(super) fn segments(
     joints: &[Joint],
     order: &[JointId],
@@ -112,7 +111,7 @@ pub(super) fn segments(
     Ok(found)
 }
 
-/// The quaternion w, x, y, z that begins a slice, made of unit length; `None` where it has none.
+/// The quaternion w, x, y, z at the start of a slice, normalised; `None` if it is zero or not finite.
 pub(crate) fn quaternion_at(numbers: &[f64]) -> Option<Quaternion<f64>> {
     let &[w, x, y, z] = numbers.first_chunk()?;
     // Scaled, so that a length of 1e-200 still has a direction.

@@ -1,11 +1,11 @@
-//! A model and a parameter map as serde writes them. What is read is built and checked anew.
+//! Serialised form of models and parameter maps; deserialisation builds and checks them again.
 
 use super::parameter_map::Source;
 use super::{
     BallVariables, Frame, Joint, JointId, LengthUnit, Limits, Loop, Model, ModelError, ParameterMap,
 };
 
-/// How far what is built may be from what was written for that to count as the same number.
+/// Largest difference between a built and a written axis that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -17,7 +17,7 @@ pub(super) struct Parts {
     #[serde(default)]
     loops: Vec<Loop>,
     configuration_order: Vec<JointId>,
-    /// The first slide of each free joint.
+    /// The first prismatic joint of each free joint.
     #[serde(default)]
     free_joints: Vec<JointId>,
 }
@@ -55,7 +55,7 @@ impl TryFrom<Parts> for Model {
         builder.configuration_order(parts.configuration_order);
         builder.free_joints(parts.free_joints);
         let mut model = builder.build()?;
-        // An axis of unit length keeps its bits, which normalising it once more need not.
+        // Keep the written axis: normalising a unit axis again may change its bits.
         for (joint, written) in model.joints.iter_mut().zip(axes) {
             if (joint.axis - written).norm() <= ROUNDING {
                 joint.axis = written;
@@ -65,7 +65,7 @@ impl TryFrom<Parts> for Model {
     }
 }
 
-/// A parameter map; bounds may be infinite, which limits can write.
+/// The serialised form of a parameter map. Bounds are `Limits` because those serialise infinity.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(super) struct Map {
     sources: Vec<Source>,
@@ -76,7 +76,7 @@ pub(super) struct Map {
     balls: Vec<BallVariables>,
 }
 
-/// What of a map that was read contradicts itself.
+/// A contradiction in a deserialised parameter map.
 #[derive(Debug, thiserror::Error)]
 #[error("a parameter map whose {0}")]
 pub(super) struct NoMap(&'static str);

@@ -1,36 +1,37 @@
-//! A name that is not there, and the names that may have been meant.
+//! Error for an unknown name, with suggestions.
 
 use std::fmt;
 
 use thiserror::Error;
 
-/// So many names are listed in full; of more, the nearest are.
+/// Largest number of names that the message lists in full.
 const LISTED: usize = 12;
-/// So many names are suggested.
+/// Largest number of suggestions.
 const SUGGESTED: usize = 3;
-/// Names count as spelt with so many letters; the rest of longer ones is not compared.
+/// Number of leading letters of a name that are compared.
 const COMPARED: usize = 64;
 
-/// A name that is not there, with the ones that are. Its message lists up to twelve of them; of more
-/// it suggests those that are [like](Self::suggestions) the one asked for.
+/// Error for an unknown name, with the valid names.
+///
+/// The message lists up to twelve valid names. For more it gives [suggestions](Self::suggestions).
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub struct UnknownName {
-    /// What was looked up: "joint", "frame", …
+    /// The kind of object: "joint", "frame", …
     pub kind: &'static str,
-    /// The name asked for.
+    /// The requested name.
     pub name: Box<str>,
-    /// All names there are.
+    /// All valid names.
     pub valid: Vec<String>,
-    /// What else is to be said of the valid names.
+    /// A remark on the valid names.
     note: Option<Box<Note>>,
 }
 
-/// Boxed, as errors that hold this one are returned from everywhere.
+/// Boxed to keep this error, which most functions return, small.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Note(String);
 
 impl UnknownName {
-    /// Records the valid names beside the wrong one.
+    /// An error for `name`, with the valid names.
     pub fn new<'a>(
         kind: &'static str,
         name: &str,
@@ -44,22 +45,24 @@ impl UnknownName {
         }
     }
 
-    /// Says more of the valid names, such as where all of them are listed.
+    /// Adds a remark on the valid names, for example where they are listed.
     #[must_use]
     pub fn with_note(mut self, note: impl Into<String>) -> Self {
         self.note = Some(Box::new(Note(note.into())));
         self
     }
 
-    /// Up to three valid names that may have been meant, likeliest first: the same letters and
-    /// digits whatever their case, one within the other, or a few slips of the finger apart.
+    /// Up to three valid names that resemble the unknown one, most similar first.
+    ///
+    /// Names are similar if their letters and digits are equal without case, if one contains the other, or if few edits
+    /// separate them.
     #[must_use]
     pub fn suggestions(&self) -> Vec<&str> {
         let near = self.near().into_iter().take(SUGGESTED);
         near.map(|(_, valid)| valid).collect()
     }
 
-    /// The valid names that are like the one asked for, nearest first, and how far they are from it.
+    /// The valid names that resemble the unknown one, with their distances, nearest first.
     fn near(&self) -> Vec<(usize, &str)> {
         let asked = letters(&self.name);
         let mut near: Vec<(usize, &str)> = self
@@ -67,12 +70,12 @@ impl UnknownName {
             .iter()
             .filter_map(|valid| Some((distance(&asked, &letters(valid))?, valid.as_str())))
             .collect();
-        // Stable: of equally near names the first stays first.
+        // A stable sort: equally near names stay in order.
         near.sort_by_key(|(distance, _)| *distance);
         near
     }
 
-    /// The one that is nearer than all others.
+    /// The valid name that is nearer than all others.
     fn nearest(&self) -> Option<&str> {
         match self.near().as_slice() {
             [(_, only)] => Some(only),
@@ -125,7 +128,7 @@ impl fmt::Display for UnknownName {
     }
 }
 
-/// The letters and digits of a name, in lower case: `Left_Hand` and `leftHand` are alike.
+/// The letters and digits of a name, in lower case: `Left_Hand` and `leftHand` are equal.
 fn letters(name: &str) -> Vec<char> {
     let letters = name.chars().filter(|c| c.is_alphanumeric());
     letters
@@ -134,7 +137,7 @@ fn letters(name: &str) -> Vec<char> {
         .collect()
 }
 
-/// How far apart two spellings are; none where one was hardly meant for the other.
+/// Distance between two spellings; `None` if they are too different.
 fn distance(asked: &[char], valid: &[char]) -> Option<usize> {
     let (shorter, longer) = match asked.len() <= valid.len() {
         true => (asked, valid),
@@ -148,14 +151,15 @@ fn distance(asked: &[char], valid: &[char]) -> Option<usize> {
         return Some(slips);
     }
     if shorter.len() >= 3 && longer.windows(shorter.len()).any(|part| part == shorter) {
-        // After single slips; those with the least around it first.
+        // Ranked after single typing errors, names with the fewest further letters first.
         return Some(2 + longer.len() - shorter.len());
     }
     (slips <= 1 + longer.len() / 5).then_some(1 + slips)
 }
 
-/// The least number of letters put in, left out, changed, or changed with their neighbour, that
-/// makes one word of the other (optimal string alignment).
+/// Edit distance of two words with insertion, deletion, substitution and transposition of neighbours.
+///
+/// Source: optimal string alignment.
 fn slips(a: &[char], b: &[char]) -> usize {
     let mut before: Vec<usize> = Vec::new();
     let mut last: Vec<usize> = (0..=b.len()).collect();

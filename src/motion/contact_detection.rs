@@ -1,31 +1,31 @@
-//! When what may stand does, told by where it goes.
+//! Contact detection from the speed and height of points.
 
 use std::ops::Range;
 
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::spatial::Vector3;
 
-/// How long the legs are of a body whose feet stand below the default speed, metres.
+/// Leg length for which the default speed limit is meant, metres.
 pub(super) const USUAL_LEG_M: f64 = 0.9;
 
-/// When something that may stand does: by its speed, and how high it is, on a body of the model's size.
+/// Criteria of contact of a point: speed and height, for a character of the model's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ContactDetection {
-    /// It moves no faster than this, m/s.
+    /// Largest speed in contact, m/s.
     pub speed: f64,
-    /// It is no higher over the ground than this, metres; infinity where people climb.
+    /// Largest height above the ground in contact, metres; infinity for climbing.
     #[cfg_attr(feature = "serde", serde(with = "crate::search::non_finite"))]
     pub height: f64,
-    /// It does so for at least this long, seconds.
+    /// Shortest duration of a contact, seconds.
     pub shortest_s: f64,
-    /// So long before and after, what stands is led to its place and let go, seconds.
+    /// Duration of the blend to and from a contact position, seconds.
     pub lead_s: f64,
 }
 
 impl Default for ContactDetection {
-    /// 0.25 m/s at any height, for a tenth of a second, led for 0.15 seconds.
+    /// Returns 0.25 m/s at any height, a shortest duration of 0.1 s and a blend of 0.15 s.
     fn default() -> Self {
         Self {
             speed: 0.25,
@@ -38,17 +38,17 @@ impl Default for ContactDetection {
 
 impl ContactDetection {
     setters! {
-        /// How fast it moves at most, m/s.
+        /// Sets the largest speed in contact, m/s.
         pub fn with_speed(mut self, speed: f64) { self.speed = speed }
-        /// How high it is at most, metres.
+        /// Sets the largest height in contact, metres.
         pub fn with_height(mut self, height: f64) { self.height = height }
-        /// How long it stands at least, seconds.
+        /// Sets the shortest duration of a contact, seconds.
         pub fn with_shortest(mut self, seconds: f64) { self.shortest_s = seconds }
-        /// How long it is led to its place and let go, seconds.
+        /// Sets the duration of the blend to and from a contact position, seconds.
         pub fn with_lead(mut self, seconds: f64) { self.lead_s = seconds }
     }
 
-    /// Whether its numbers are in their ranges.
+    /// Checks the ranges of all options.
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::check("the speed of what stands", self.speed, AT_LEAST_0)?;
         BadOption::check("the height of what stands", self.height, AT_LEAST_0)?;
@@ -56,8 +56,10 @@ impl ContactDetection {
         BadOption::check("lead_s", self.lead_s, NOT_NEGATIVE)
     }
 
-    /// The spans of frames over which a point hardly moves and is not high: by where it is in each frame, its height
-    /// over the ground there, and how many frames a second there are.
+    /// Returns the spans of capture frames in which a point is in contact.
+    ///
+    /// `way` has the position of the point in each capture frame, metres. `height` returns its height above the ground,
+    /// metres. `rate` is in capture frames per second.
     pub(super) fn spans(
         &self,
         way: &[Vector3<f64>],
@@ -65,7 +67,7 @@ impl ContactDetection {
         rate: f64,
     ) -> Vec<Range<usize>> {
         let last = way.len().saturating_sub(1);
-        // Over five frames, as captures tremble.
+        // A window of five capture frames, because captures are noisy.
         let is_still = |frame: usize| {
             let (from, to) = (frame.saturating_sub(2), (frame + 2).min(last));
             let moved = (way[to] - way[from]).norm() * rate / (to - from).max(1) as f64;
@@ -83,19 +85,19 @@ impl ContactDetection {
         spans
     }
 
-    /// Over how many frames what stands is led there, and let go.
+    /// Returns the duration of the blend in capture frames.
     pub(super) fn lead_frames(&self, rate: f64) -> usize {
         (self.lead_s * rate).ceil() as usize
     }
 }
 
-/// The middle of where a point is over some frames, at least one.
+/// Returns the mean position over some capture frames. Needs at least one.
 pub(super) fn mean_place(way: &[Vector3<f64>]) -> Vector3<f64> {
     let sum = way.iter().fold(Vector3::zero(), |sum, at| sum + *at);
     sum * (1.0 / way.len().max(1) as f64)
 }
 
-/// From 0 to 1, level at both ends.
+/// Smoothstep from 0 to 1, with zero slope at both ends.
 pub(super) fn smooth(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
@@ -105,7 +107,7 @@ mod tests {
     use super::ContactDetection;
     use crate::spatial::Vector3;
 
-    /// The first and the last frames have fewer beside them, over which less is gone.
+    /// The window is shorter at the first and last capture frames.
     #[test]
     fn what_goes_evenly_stands_nowhere() {
         let detection = ContactDetection {

@@ -1,4 +1,4 @@
-//! Whole motions, above single poses.
+//! Trajectories and paths: Cartesian paths, clips, retargeting and contact detection.
 
 pub mod clip;
 pub mod clip_ik;

@@ -2,21 +2,21 @@
 
 use super::joint_motion::GoalMotion;
 
-/// Positions of a goal configuration in the last cycles, and the motion that they agree on.
+/// Positions of a goal configuration in the last cycles, and the motion estimated from them.
 ///
-/// The step of a joint is the smaller of its last two differences where they have one sign, else zero; its change likewise.
-/// So a target that moves smoothly is followed without lag, and one that is noisy, or held between updates, is taken for
-/// resting.
+/// The step of a joint is the smaller of its last two differences if they have equal signs, otherwise zero. The change
+/// of the step is estimated in the same way. A smoothly moving target is therefore followed without lag. A target that
+/// is noisy, or constant between updates, counts as resting.
 #[derive(Clone, Debug)]
 pub(crate) struct GoalHistory {
-    /// The last position, its last step and the last change of that.
+    /// The last position; its last step and the last change of the step follow.
     last: Vec<f64>,
     steps: Vec<f64>,
     changes: Vec<f64>,
     motions: Vec<GoalMotion>,
 }
 
-/// The number of smaller size of two with one sign; zero for two with different signs.
+/// The smaller in magnitude of two numbers with equal signs; zero for different signs.
 fn agreed(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
         0.0
@@ -38,7 +38,7 @@ impl GoalHistory {
         }
     }
 
-    /// Forgets all motion: the goal rests.
+    /// Sets the goal to rest at `goal`.
     pub(crate) fn rest_at(&mut self, goal: &[f64]) {
         self.last.copy_from_slice(goal);
         self.steps.fill(0.0);
@@ -46,7 +46,7 @@ impl GoalHistory {
         self.motions.fill(GoalMotion::default());
     }
 
-    /// Takes the goal of the next cycle.
+    /// Adds the goal of the next cycle.
     pub(crate) fn push(&mut self, goal: &[f64]) {
         for (i, &goal) in goal.iter().enumerate() {
             let step = goal - self.last[i];
@@ -62,7 +62,7 @@ impl GoalHistory {
         }
     }
 
-    /// The predicted motion of each joint, a control cycle.
+    /// The predicted motion of each joint, per control cycle.
     pub(crate) fn motions(&self) -> &[GoalMotion] {
         &self.motions
     }

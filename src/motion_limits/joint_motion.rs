@@ -1,17 +1,17 @@
 //! Motion of one joint in control cycles, within limits of position, velocity, acceleration and jerk.
 //!
-//! All rates are counted a cycle: a step is `velocity * time_step`, its change `acceleration * time_step²`, and the change of
-//! that `jerk * time_step³`. So q′ = q + d′, d′ = d + e′ and |e′ − e| ≤ K: the limits hold for the finite differences of
-//! the commanded positions, which is what robot controllers check.
+//! All rates are per cycle: a step is `velocity * time_step`, its change `acceleration * time_step²`, and the change of
+//! that `jerk * time_step³`. So q′ = q + d′, d′ = d + e′ and |e′ − e| ≤ K. The limits hold for the finite differences
+//! of the commanded positions, which robot controllers check.
 //!
 //! A state is viable if the joint can come to rest from it within all limits. [`JointMotion::braking_change`] is the
-//! policy that does so soonest: it decelerates as hard as it may and still releases the deceleration in time. A cycle
-//! chooses among the changes after which the policy still stops within the limits. The policy's own change is one of
-//! them, so that a viable state always has a viable successor.
+//! policy with the earliest stop: it decelerates as much as possible and still releases the deceleration in time. A
+//! cycle chooses among the changes after which this policy stops within the limits. The policy's own change is one of
+//! them, so a viable state always has a viable successor.
 
 use std::cmp::Ordering;
 
-/// Limits of a joint, positions in radians or metres, rates a control cycle; infinite for none.
+/// Limits of a joint: positions in radians or metres, rates per control cycle; infinite for none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CycleLimits {
     pub(crate) lower: f64,
@@ -20,16 +20,18 @@ pub(crate) struct CycleLimits {
     pub(crate) step: f64,
     /// Largest change E of a step.
     pub(crate) change: f64,
-    /// Largest change K of that.
+    /// Largest change K of a change.
     pub(crate) change_rate: f64,
 }
 
-/// Share of an acceleration or jerk limit that is left for rounding that adds up over a stop.
+/// Fraction of an acceleration or jerk limit reserved for rounding that accumulates over a stop.
 const ROUNDING: f64 = 1e-9;
 
 impl CycleLimits {
-    /// Limits between two positions, of rates a second and so on, for a joint at `q`: less what rounding of positions adds to their
-    /// differences. The largest step of a joint without a velocity limit is `unlimited_step`.
+    /// Limits per cycle of a joint at `q`, from limits per second, second² and second³.
+    ///
+    /// They are reduced by the rounding of position differences. `unlimited_step` is the largest step of a joint
+    /// without a velocity limit.
     pub(crate) fn new(
         [lower, upper]: [f64; 2],
         q: f64,
@@ -58,7 +60,7 @@ impl CycleLimits {
 /// State of a joint after a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct JointMotion {
-    /// Radians or metres.
+    /// Position, radians or metres.
     pub(crate) q: f64,
     /// Last step d.
     pub(crate) step: f64,
@@ -66,7 +68,7 @@ pub(crate) struct JointMotion {
     pub(crate) change: f64,
 }
 
-/// Extremes of a stop, as offsets from where it begins.
+/// Extremes of a stop, relative to its start.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Stop {
     pub(crate) lowest: f64,
@@ -74,15 +76,16 @@ pub(crate) struct Stop {
     pub(crate) end: f64,
 }
 
-/// Most iterations of a one-dimensional search.
+/// Largest number of iterations of a one-dimensional search.
 const SEARCH_ITERATIONS: usize = 60;
-/// Cycles after which a stop is taken for endless: beyond any limits that a robot has.
+/// Number of cycles after which a stop counts as endless; no robot's limits need as many.
 const MAX_STOP_CYCLES: usize = 100_000;
-/// Longest stop that is simulated exactly where only an estimate is needed, cycles.
+/// Longest stop, in cycles, that is simulated exactly if an estimate suffices.
 const MAX_SIMULATED_CYCLES: f64 = 24.0;
 
-/// Largest first decrement x that ends at zero after a total of `total` if every decrement is at most `rate` smaller than
-/// the one before: the root of x + Σ max(x − k·rate, 0) = total. Zero for a total below zero.
+/// Largest first decrement x of a sequence with a total of `total` that decreases by at most `rate` to zero.
+///
+/// It is the root of x + Σ max(x − k·rate, 0) = total. Zero for a total below zero.
 fn first_decrement(total: f64, rate: f64) -> f64 {
     if total <= 0.0 {
         return 0.0;
@@ -127,7 +130,7 @@ impl JointMotion {
         }
     }
 
-    /// The state within the position limits; it leaves them by rounding only.
+    /// The state clamped to the position limits, which it exceeds by rounding only.
     pub(crate) fn within(self, limits: &CycleLimits) -> Self {
         let q = self.q.max(limits.lower).min(limits.upper);
         let by = q - self.q;
@@ -138,7 +141,7 @@ impl JointMotion {
         }
     }
 
-    /// The change of the policy that comes to rest soonest.
+    /// The change of the policy with the earliest stop.
     pub(crate) fn braking_change(&self, limits: &CycleLimits) -> f64 {
         let CycleLimits {
             change: most,
@@ -156,7 +159,7 @@ impl JointMotion {
             .clamp(-most, most)
     }
 
-    /// The path of a stop by the braking policy.
+    /// The course of a stop by the braking policy.
     pub(crate) fn stop(&self, limits: &CycleLimits) -> Stop {
         let (change, rate) = (limits.change, limits.change_rate);
         let mut stop = Stop::default();
@@ -170,11 +173,11 @@ impl JointMotion {
             return stop;
         }
         let mut state = Self { q: 0.0, ..*self };
-        // Below this nothing is left but rounding.
+        // Smaller steps are rounding.
         let negligible = 1e-12 * rate;
         for _ in 0..MAX_STOP_CYCLES {
             let next = state.braking_change(limits);
-            // Cycles at full deceleration are counted at once.
+            // Skip cycles at constant full deceleration.
             if next == state.change && next.abs() == change {
                 let held = state.step.abs() - later_decrements(change, rate);
                 let count = (held / change).floor() - 1.0;
@@ -195,18 +198,18 @@ impl JointMotion {
         stop
     }
 
-    /// The step when the change has ended as fast as the jerk limit allows.
+    /// The step after the change is reduced to zero as fast as the jerk limit allows.
     pub(crate) fn coasting_step(&self, limits: &CycleLimits) -> f64 {
         let later = later_decrements(self.change.abs(), limits.change_rate);
         self.step + later.copysign(self.change)
     }
 
-    /// The least and the largest change of the next cycle from which the joint still stops within its limits.
+    /// The smallest and the largest change of the next cycle after which the joint still stops within its limits.
     pub(crate) fn viable_changes(&self, limits: &CycleLimits) -> (f64, f64) {
         let braking = self.braking_change(limits);
         let mut lower = (-limits.change).max(self.change - limits.change_rate);
         let mut upper = limits.change.min(self.change + limits.change_rate);
-        // Velocity limits: what the acceleration adds until it is released counts.
+        // Velocity limits include the speed gained until the acceleration is released.
         let rate = limits.change_rate;
         let up = limits.step - self.step;
         let down = limits.step + self.step;
@@ -220,7 +223,7 @@ impl JointMotion {
         } else {
             -first_decrement(down, rate)
         });
-        // What lies on the wrong side is rounding, or a joint beyond its velocity limit, which brakes.
+        // A bound on the wrong side of braking is rounding, or a joint beyond its velocity limit, which brakes.
         upper = upper.max(braking);
         lower = lower.min(braking);
         upper = self.highest_change(braking, upper, limits);
@@ -238,7 +241,8 @@ impl JointMotion {
         (lower, upper)
     }
 
-    /// The largest change up to `most` from which the joint stops short of its upper limit; `braking` is known to be one.
+    /// The largest change up to `most` after which the joint stops before its upper limit; `braking` is known to be
+    /// one.
     fn highest_change(&self, braking: f64, most: f64, limits: &CycleLimits) -> f64 {
         let room = limits.upper - self.q;
         if room.is_infinite() {
@@ -252,7 +256,7 @@ impl JointMotion {
             };
             return most.min(step - self.step).max(braking);
         }
-        // Far from the limit no stop is simulated.
+        // Far from the limit no stop needs simulation.
         let CycleLimits {
             change: deceleration,
             change_rate: rate,
@@ -300,19 +304,20 @@ fn side(number: f64) -> Ordering {
     number.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
-/// Predicted motion of a joint's goal, a control cycle.
+/// Predicted motion of a joint's goal, per control cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GoalMotion {
     pub(crate) step: f64,
     pub(crate) change: f64,
 }
 
-/// Share of an acceleration limit that is left at least to meet a goal that accelerates.
+/// Smallest fraction of an acceleration limit that remains for meeting an accelerating goal.
 const LEAST_AUTHORITY: f64 = 0.25;
 
 impl JointMotion {
-    /// Where the joint would meet its goal's motion if it braked towards that from now on, as a position of the goal now: for a
-    /// goal at rest the position at which the joint comes to rest.
+    /// The position of the goal at which the joint, braking from now on, would match its motion.
+    ///
+    /// It is a position of the goal now. For a goal at rest it is the position at which the joint comes to rest.
     pub(crate) fn meeting(&self, goal: GoalMotion, limits: &CycleLimits) -> f64 {
         if limits.change.is_infinite() && limits.change_rate.is_infinite() {
             return self.q;
@@ -334,7 +339,7 @@ impl JointMotion {
         self.q + relative.stop_offset(&limits)
     }
 
-    /// Offset of the end of a stop: exact for short ones, else of the continuous motion a cycle earlier.
+    /// Offset of the end of a stop: exact for short stops, otherwise from the continuous motion a cycle earlier.
     fn stop_offset(&self, limits: &CycleLimits) -> f64 {
         let (most, rate) = (limits.change, limits.change_rate);
         let peak = self.step.abs() + 0.5 * self.change * self.change / rate;
@@ -347,7 +352,7 @@ impl JointMotion {
             return self.stop(limits).end;
         }
         let (v, a) = (self.step - 0.5 * self.change, self.change);
-        // Velocity once the acceleration is released.
+        // Velocity after release of the acceleration.
         let released = v + 0.5 * a * a.abs() / rate;
         let sign = 1.0_f64.copysign(released);
         let (v, a) = (v * sign, a * sign);
@@ -366,8 +371,10 @@ impl JointMotion {
         sign * distance - self.step
     }
 
-    /// The change within `range` after which the joint meets its goal nearest to `position`, and how that position compares with what
-    /// the range allows: `Less` where it lies below, `Greater` above, `Equal` where the joint meets it.
+    /// The change within `range` after which the joint meets its goal nearest to `position`.
+    ///
+    /// Also returns how `position` compares with what the range allows: `Less` below, `Greater` above, `Equal` if it is
+    /// met.
     pub(crate) fn change_to_meet(
         &self,
         position: f64,
@@ -377,7 +384,7 @@ impl JointMotion {
     ) -> (f64, Ordering) {
         let (mut low, mut high) = range;
         let excess = |change: f64| self.after(change).meeting(goal, limits) - position;
-        // Straight to the goal, where that needs no braking.
+        // Straight to the goal, if that needs no braking.
         let straight = (position - self.q) - self.step;
         if straight >= low && straight <= high && excess(straight).abs() <= 1e-12 {
             return (straight, Ordering::Equal);
@@ -439,7 +446,7 @@ mod tests {
         }
     }
 
-    /// Changes drawn at random from the viable ones never lead to a state without one, nor beyond a limit.
+    /// Random viable changes never lead to a state without a viable change, nor beyond a limit.
     #[test]
     fn viable_changes_lead_to_viable_states() {
         let mut state = 7;
@@ -481,7 +488,7 @@ mod tests {
         }
     }
 
-    /// The estimate of a long stop is as the exact one to a hundredth.
+    /// The estimate of a long stop agrees with the exact one to 1 %.
     #[test]
     fn long_stops_are_estimated_well() {
         let limits = limits(1e-4, 1e-6);

@@ -1,4 +1,4 @@
-//! Builds a problem: resolves ids, sizes, weights and bounds once.
+//! Problem builder: resolves ids, lengths, weights and bounds once.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -16,19 +16,19 @@ use crate::task::{ErasedResidual, Quantity, Residual, Role, Room, Rows, Task};
 
 /// Default tolerance of lengths in metres and angles in radians.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// By default a radian counts as much as this share of the model's reach.
+/// Default weight of a radian as a fraction of the model's reach.
 pub(super) const RADIAN_PER_REACH: f64 = 0.25;
-/// Default tolerance of image distances, in pixels.
+/// Default tolerance of image distances, pixels.
 const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
 
-/// A task before its rows are placed.
+/// A task before its rows have indices.
 #[derive(Clone, Debug)]
 pub(super) struct PendingTask {
     name: Option<String>,
     kind: &'static str,
-    /// Whether it has no frame of its own, which reports would name.
+    /// True if it has no frame that reports would name.
     is_of_body: bool,
-    /// Whether it closes a loop of the model: no task of the user's, and before all of them.
+    /// True if it closes a loop of the model. Such tasks are not the user's, and come before them in priority.
     pub(super) is_loop: bool,
     role: Role,
     level: usize,
@@ -41,12 +41,12 @@ pub(super) struct PendingTask {
     residual: Box<dyn ErasedResidual>,
 }
 
-/// What a clearance is among the tasks.
+/// The role of a clearance among the tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ClearanceAs {
-    /// A goal of the first level.
+    /// A required task of the first level.
     Goal,
-    /// A preference, and the others pull no more.
+    /// A soft task; all other soft tasks get weight 0.
     OnlyPreference,
 }
 
@@ -103,54 +103,64 @@ impl<'m> ProblemBuilder<'m> {
         }
     }
 
-    /// Which joints are free, locked or coupled. Without it every joint is free.
+    /// Sets the free, locked and coupled joints; by default every joint is free.
     pub fn parameters(&mut self, map: ParameterMap) -> &mut Self {
         self.map = Some(map);
         self
     }
 
-    /// Adds a task: a residual, or a [`Task`] that says more about it.
+    /// Adds a task: a residual, or a [`Task`] with further settings.
     ///
-    /// Default weights are 1 per metre, pixel and joint unit, and a quarter of the model's reach
-    /// per radian, so that answers do not depend on the unit of length.
+    /// Default weights are 1 per metre, pixel and joint unit, and a quarter of the model's reach per radian. Solutions
+    /// therefore do not depend on the unit of length.
     pub fn add<R: Residual>(&mut self, task: impl Into<Task<R>>) -> TaskId<R> {
         self.tasks.push(PendingTask::new(task.into()));
         TaskId::new(self.tasks.len() - 1)
     }
 
-    /// Narrows a joint's limits for this problem, in radians or metres. Bounds on a joint that
-    /// follows another narrow the one it follows; bounds on a locked joint must hold its value.
+    /// Narrows a joint's limits for this problem, in radians or metres.
+    ///
+    /// Bounds on a mimic joint narrow its source joint. Bounds on a locked joint must contain its value.
     pub fn bound(&mut self, joint: JointId, limits: Limits) -> &mut Self {
         self.extra_bounds.push((joint, limits));
         self
     }
 
-    /// The tolerance of all tasks that do not set their own. Unset, it is 1e-6 m and 1e-6 rad (also a
-    /// second) and 1e-3 px, and infinite for joint units and ratios.
+    /// Sets the tolerance of a quantity for all tasks that do not set their own.
+    ///
+    /// The defaults are 1e-6 m, 1e-6 rad, 1e-6 m/s, 1e-6 rad/s and 1e-3 px, and infinity for joint units and ratios.
     pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
         self.tolerances.push((quantity, tolerance));
         self
     }
 
-    /// Chooses the derivative route; it may be changed later.
+    /// Sets the derivative method; [`Problem::with_derivatives`] changes it later.
     pub fn derivatives(&mut self, route: Derivatives) -> &mut Self {
         self.derivatives = route;
         self
     }
 
-    /// Whether preferences act within what the goals leave free, as they do by default, or are traded
-    /// off against the goals by their weights.
+    /// Sets the treatment of soft tasks.
+    ///
+    /// By default they act in the null space of the required tasks. Otherwise they are weighted against them.
     pub fn preferences(&mut self, preferences: Preferences) -> &mut Self {
         self.preferences = preferences;
         self
     }
 
-    /// Checks everything and compiles the kinematics. The model's [loops](Model::loops) become goals after the
-    /// tasks that were added, to be closed within [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE).
+    /// Checks all parts and compiles the kinematics.
+    ///
+    /// The model's [loops](Model::loops) become required tasks after the added tasks. Their tolerance is
+    /// [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE).
     ///
     /// # Errors
-    /// The first thing that is wrong, by name: no task, no free joint, ids beyond the model's,
-    /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing, a checker of another model.
+    /// Returns the first defect by name:
+    /// - no task or no free joint;
+    /// - ids that are not in the model;
+    /// - targets that are not finite;
+    /// - weights or tolerances out of range;
+    /// - bounds that leave no value;
+    /// - a checker of another model.
     pub fn build(mut self) -> Result<Problem, ProblemError> {
         let asked = self.clear_of.take();
         let fence = asked.map(|asked| self.fence(asked)).transpose()?;
@@ -159,7 +169,7 @@ impl<'m> ProblemBuilder<'m> {
         Ok(problem)
     }
 
-    /// The problem, with a clearance after all other tasks where there is one.
+    /// The problem, with an optional clearance after all other tasks.
     pub(super) fn compile(
         mut self,
         clearance: Option<(PendingTask, ClearanceAs)>,
@@ -304,7 +314,7 @@ impl<'m> ProblemBuilder<'m> {
     }
 }
 
-/// Which variables move a free joint; empty where there is none.
+/// For each variable, true if it moves a free joint; empty if there is no free joint.
 fn floating(model: &Model, map: &ParameterMap) -> Vec<bool> {
     let free: Vec<usize> = model.free_coordinates().flatten().collect();
     match free.is_empty() {
@@ -317,7 +327,7 @@ fn floating(model: &Model, map: &ParameterMap) -> Vec<bool> {
     }
 }
 
-/// Resolves one task; adds the frames it is the first to look at to `frames`.
+/// Resolves one task. Appends the frames that no task before it reads to `frames`.
 fn compile_task(
     model: &Model,
     index: usize,
@@ -446,7 +456,7 @@ fn compile_task(
     Ok(task)
 }
 
-/// A task's own weights and tolerances must be usable and speak of rows that it has.
+/// Checks that a task's weights and tolerances are valid and refer to rows that it has.
 fn check_numbers(
     task: &str,
     rows: &[Rows],
@@ -491,7 +501,7 @@ fn default_tolerance(quantity: Quantity) -> f64 {
     }
 }
 
-/// Narrows the map by the problem's own bounds.
+/// Narrows the map by the problem's bounds.
 fn narrow(
     model: &Model,
     map: &mut ParameterMap,
@@ -505,7 +515,7 @@ fn narrow(
         };
         let narrowed = match model.coordinate(id) {
             Some(coordinate) => map.narrow(coordinate, &limits),
-            // A fixed joint stands at zero.
+            // A fixed joint is at zero.
             None if limits.is_valid() && limits.contains(0.0) => Ok(()),
             None => Err(limits),
         };

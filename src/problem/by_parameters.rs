@@ -1,5 +1,4 @@
-//! The derivatives of a problem's rows by what is asked: targets, weights, and where joints stand on their
-//! parents.
+//! Derivatives of a problem's rows by its parameters: targets, weights and joint origins.
 
 use super::{Evaluation, ParameterVector};
 use crate::buffer::refill;
@@ -9,22 +8,24 @@ use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Matrix3, Placement, Vector3};
 use crate::task::{CHUNK, DualScratch, ErasedResidual};
 
-/// Memory for derivatives by parameters.
+/// Workspace for derivatives by parameters.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ParameterScratch {
     step: Vec<Dual<CHUNK>>,
     dual: DualScratch,
     rows: Vec<f64>,
-    /// By row of a task, what it counts before weighting.
+    /// For each row of a task, its coefficient before weighting.
     counts: Vec<f64>,
     rotations: Vec<Matrix3<f64>>,
-    /// By joint: what pushes on it and on what it carries, or how fast it moves.
+    /// For each joint, the force on it and on its descendants, or its velocity.
     by_joint: Vec<Vector3<f64>>,
 }
 
 impl Evaluation<'_> {
-    /// Adds to `slopes` how a fixed sum of the whole problem's weighted rows at x, cᵀr, changes with the
-    /// parameters, times a factor. With a model they include its joints' origins.
+    /// Adds the derivatives of `factor` · cᵀr by the parameters to `slopes`, for the weighted rows r at x.
+    ///
+    /// `coefficients` is c, one entry for each row of the whole problem. With a model, joint origins are parameters
+    /// too.
     pub(crate) fn add_parameter_slopes(
         &mut self,
         x: &[f64],
@@ -109,7 +110,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Writes how one task's weighted rows at x change with each number of its target, number by number.
+    /// Writes the derivatives of one task's weighted rows at x by its target, parameter by parameter.
     pub(crate) fn rows_by_target(
         &mut self,
         x: &[f64],
@@ -136,7 +137,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Writes the rates of the whole problem's weighted rows at x for rates of its parameters.
+    /// Writes the rates of the whole problem's weighted rows at x for given rates of its parameters.
     pub(crate) fn rows_by_parameters(
         &mut self,
         x: &[f64],
@@ -212,7 +213,7 @@ impl Evaluation<'_> {
 }
 
 impl ParameterScratch {
-    /// Takes what a residual reads.
+    /// Copies the input of a residual as constants.
     fn read(&mut self, (frames, joints): (&[Placement<f64>], &[f64]), rows: usize) {
         let dual = &mut self.dual;
         dual.frames.clear();
@@ -223,7 +224,7 @@ impl ParameterScratch {
         refill(&mut dual.residual, rows, Dual::zero());
     }
 
-    /// Evaluates with some of the target's numbers as variables.
+    /// Evaluates with a range of the target's parameters as variables.
     fn move_target(
         &mut self,
         residual: &dyn ErasedResidual,

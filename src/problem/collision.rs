@@ -1,15 +1,15 @@
-//! Two things that touch, or are in each other's way.
+//! Pairs of bodies in collision, or too close.
 
 use std::fmt;
 
-/// What it is that touches: a robot's link and an obstacle may bear the same name.
+/// The kind of a body in a collision: a link and an obstacle may have equal names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum BodyKind {
-    /// A link of the robot, or a bone of a figure.
+    /// A link of a robot, or a bone of a skeleton.
     Link,
-    /// An obstacle of the world, one that is attached to a link too.
+    /// An obstacle of the world, attached to a link or not.
     Obstacle,
 }
 
@@ -30,9 +30,9 @@ impl fmt::Display for BodyKind {
     }
 }
 
-/// Two things that are nearer to each other than they should be, or that [end a way](Self::on_the_way).
+/// Two bodies whose distance is below the required margin, or that [block a motion](Self::on_the_way).
 ///
-/// Its text says what each of them is: ``link `hand` and obstacle `table` ``.
+/// Its text names both kinds: ``link `hand` and obstacle `table` ``.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -41,20 +41,22 @@ pub struct Collision {
     pub first: String,
     /// An obstacle, or another link.
     pub second: String,
-    /// What the first is.
+    /// The kind of the first body.
     pub first_kind: BodyKind,
-    /// What the second is.
+    /// The kind of the second body.
     pub second_kind: BodyKind,
-    /// How far they are apart, metres; negative where one is in the other: by how much the shortest way frees them.
+    /// Distance between the bodies, metres; minus the penetration depth if they overlap.
     pub distance: f64,
-    /// Whether they are met on the way to a place, not at it: the step of a path or of a drag, or a part of it, was not made, as it is
-    /// not surely free. The distance is then that where the way ends, and may be up to a micrometre more than the margin: so near
-    /// nothing is told apart from touching.
+    /// True if the pair blocks a motion rather than its end configuration.
+    ///
+    /// The step of a path or of a drag was then not made, or made in part, because it is not proven collision-free. The
+    /// distance is the one at the end of the executed motion. It may exceed the margin by up to a micrometre, the
+    /// resolution of the check.
     pub on_the_way: bool,
 }
 
 impl Collision {
-    /// A link and an obstacle by name, and how far they are apart, metres.
+    /// A link and an obstacle by name, and their distance, metres.
     #[must_use]
     pub fn new(first: &str, second: &str, distance: f64) -> Self {
         Self {
@@ -68,21 +70,21 @@ impl Collision {
     }
 
     setters! {
-        /// The same pair of other kinds.
+        /// Sets the kinds of both bodies.
         pub fn between(mut self, first: BodyKind, second: BodyKind) {
             (self.first_kind, self.second_kind) = (first, second);
         }
-        /// The same pair, met [on the way](Self::on_the_way).
+        /// Marks the pair as [blocking a motion](Self::on_the_way).
         pub fn met_on_the_way(mut self) { self.on_the_way = true }
     }
 
-    /// Whether another one is of the same two things.
+    /// True if `other` has the same two bodies.
     pub(crate) fn is_of_same_pair(&self, other: &Self) -> bool {
         let of = |pair: &Self| (pair.first_kind, pair.second_kind);
         of(self) == of(other) && self.first == other.first && self.second == other.second
     }
 
-    /// How deep one is in the other, metres; 0 where they are apart.
+    /// Penetration depth, metres; 0 if the bodies do not overlap.
     #[must_use]
     pub fn depth(&self) -> f64 {
         (-self.distance).max(0.0)

@@ -1,4 +1,4 @@
-//! A task with its names resolved to slots and its rows placed.
+//! Compiled tasks, with names resolved to slots and rows numbered.
 
 use std::ops::Range;
 
@@ -6,13 +6,13 @@ use super::ProblemError;
 use crate::kinematics::FrameSlot;
 use crate::task::{Quantity, Role, Room, Rows};
 
-/// How far from where it was a goal may end for the sake of ranks below, as a share of its tolerance.
+/// Largest change of a required task's error in favour of lower priorities, relative to its tolerance.
 const KEPT: f64 = 1e-3;
 
-/// Rows of one quantity, their weight and tolerance.
+/// Rows of one quantity with their weight and tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    /// What they measure, and how many they are.
+    /// Quantity and number of the rows.
     pub(crate) measure: Rows,
     /// Rows of the whole problem.
     pub(crate) rows: Range<usize>,
@@ -21,10 +21,10 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// What multiplies its rows, from a weight that is given.
+    /// The factor on the rows for a given weight.
     ///
     /// # Errors
-    /// One that is negative or not finite.
+    /// Returns an error for a weight that is negative or not finite.
     pub(super) fn weight_of(
         task: &str,
         quantity: Quantity,
@@ -37,61 +37,61 @@ impl Block {
                 weight,
             });
         }
-        // In the cost a weight whose square is nothing is none.
+        // A weight whose square underflows has no effect on the cost.
         Ok(match weight * weight < f64::MIN_POSITIVE {
             true => 0.0,
             false => weight,
         })
     }
 
-    /// Its rows, where those of its task begin at `to` instead of `from`.
+    /// The rows, after the first row of the task moves from `from` to `to`.
     pub(crate) fn rows_after(&self, from: usize, to: usize) -> Range<usize> {
         self.rows.start - from + to..self.rows.end - from + to
     }
 
-    /// How far from where it was its weighted error may end for the sake of ranks below.
+    /// Largest change of its weighted error in favour of lower priorities.
     pub(crate) fn kept_within(&self) -> f64 {
         KEPT * self.tolerance * self.weight
     }
 
-    /// Whether anything is asked of the rows: a weight of 0 or an infinite tolerance asks nothing.
+    /// True if the rows can be unreached: the weight is above 0 and the tolerance is finite.
     pub(crate) fn can_miss(&self) -> bool {
         self.weight > 0.0 && self.tolerance < f64::INFINITY
     }
 }
 
-/// A task as a problem evaluates and judges it.
+/// A task in the form in which a problem evaluates and judges it.
 ///
-/// A block *can miss* where its weight and tolerance ask for something. A goal *binds* where one of its
-/// blocks can: only those are ever missed, and what ranks below must *keep* those blocks' errors. Every
-/// other task pulls. Its rank follows from that and its level: see [`Ranks`](super::Ranks).
+/// A block *can miss* if its weight is above 0 and its tolerance finite. A required task *binds* if one of its blocks
+/// can miss. Only such tasks are ever unreached, and lower priorities must *keep* the errors of those blocks. All other
+/// tasks are soft. The rank of a task is its position in the priority order: see [`Ranks`](super::Ranks).
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledTask {
     pub(crate) name: String,
-    /// Whether it closes a loop of the model.
+    /// True if it closes a loop of the model.
     pub(crate) is_loop: bool,
     pub(crate) role: Role,
     pub(crate) blocks: Vec<Block>,
     /// All rows, of the whole problem.
     pub(crate) rows: Range<usize>,
-    /// Whether it is a goal that can be missed.
+    /// True if it is a required task that can be unreached.
     pub(crate) binds: bool,
-    /// The level that it was given: lower ones come first.
+    /// The priority level that it was given; lower levels come first.
     pub(crate) level: usize,
-    /// Which tasks it is weighed against; lower ones come first.
+    /// Position in the priority order; tasks of equal rank are weighted against each other.
     pub(crate) rank: usize,
-    /// The same rows, rank by rank.
+    /// All rows, numbered in the priority order.
     pub(crate) rows_by_rank: Range<usize>,
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
-    /// Within what its rows vanish, where the edges of that stand, rank by rank, and the weight of each.
+    /// Inequalities of the rows; the range of their slacks in the priority order and the weight of each slack follow.
     pub(crate) rooms: Vec<Room>,
     pub(crate) edges_by_rank: Range<usize>,
     pub(crate) edge_weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
-    /// Whether its Jacobian comes cheaper by sweeps over the whole tree than frame by frame.
+    /// True if its Jacobian is cheaper by sweeps over the whole tree than frame by frame.
     pub(crate) swept: bool,
-    /// Coordinates of the configuration.
+    /// Coordinates of the configuration that it reads.
     pub(crate) coordinates: Vec<usize>,
 }
 
@@ -104,7 +104,7 @@ impl CompiledTask {
         self.blocks.iter()
     }
 
-    /// What follows from the weights of its blocks.
+    /// Updates the values that depend on the weights of its blocks.
     pub(super) fn weigh(&mut self) {
         let blocks = self.blocks.iter();
         self.weights.clear();
@@ -120,7 +120,7 @@ impl CompiledTask {
         self.binds = self.role == Role::Goal && self.blocks.iter().any(Block::can_miss);
     }
 
-    /// Whether what ranks below must leave a block's error where the search of its own rank left it.
+    /// True if lower priorities must keep the error of a block.
     pub(crate) fn keeps(&self, block: &Block) -> bool {
         self.binds && block.can_miss()
     }

@@ -1,12 +1,14 @@
-//! The four ways to a Jacobian.
+//! Derivative methods.
 
-/// How a problem's derivatives are found. All give the same numbers, to rounding for the exact
-/// routes and to about 1e-7 (forward) or 1e-10 (central) for the differences.
+/// The method for a problem's derivatives.
+///
+/// All methods give the same numbers: exact ones up to rounding, forward differences to about 1e-7, central differences
+/// to about 1e-10.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Derivatives {
-    /// The geometric Jacobian, and reverse mode for the gradient: exact, and the fastest by far.
+    /// The geometric Jacobian, and reverse mode for the gradient: exact, and much faster than the others.
     #[default]
     Analytic,
     /// The forward pass on dual numbers, six variables at a time: exact.
@@ -18,7 +20,7 @@ pub enum Derivatives {
 }
 
 impl Derivatives {
-    /// All routes, in the order of their speed.
+    /// All methods, fastest first.
     pub const ALL: [Self; 4] = [
         Self::Analytic,
         Self::Dual,

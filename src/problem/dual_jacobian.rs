@@ -1,4 +1,4 @@
-//! The Jacobian by a forward pass on dual numbers, six variables at a time.
+//! Jacobian by a forward pass on dual numbers, six variables at a time.
 
 use nalgebra::DMatrix;
 

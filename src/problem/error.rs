@@ -1,87 +1,87 @@
-//! What can be wrong with a problem.
+//! Errors of problems.
 
 use thiserror::Error;
 
 use crate::SizeMismatch;
 use crate::task::Quantity;
 
-/// Why tasks and a model do not make a problem.
+/// Errors of problems.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ProblemError {
-    /// More or fewer numbers of a target than its task has.
+    /// Too many or too few numbers for a task's target.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// Nothing to solve for.
+    /// A model without free joints.
     #[error("model `{model}` has no free joint: everything is fixed or locked")]
     NoVariables {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// Nothing asked.
+    /// A problem without tasks.
     #[error("no task: say what the frames of `{model}` should do")]
     NoTasks {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// A frame or joint id beyond those of the model, or a joint that does not move.
+    /// A frame or joint id that is not in the model, or a joint that does not move.
     #[error("task {task} refers to a {kind} that model `{model}` does not have")]
     ForeignId {
-        /// The task's name.
+        /// Name of the task.
         task: String,
-        /// "frame" or "moving joint".
+        /// Kind of the object: "frame" or "moving joint".
         kind: &'static str,
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// Numbers in a task that make no sense.
+    /// Invalid parameters of a task.
     #[error("task {task}: {problem}")]
     BadTask {
-        /// The task's name.
+        /// Name of the task.
         task: String,
-        /// What is wrong.
+        /// The defect.
         problem: String,
     },
     /// A weight that is negative or not finite.
     #[error("task {task}: weight {weight} per {quantity} is not a finite number of at least 0")]
     BadWeight {
-        /// The task's name.
+        /// Name of the task.
         task: String,
-        /// Which rows.
+        /// The quantity of the rows.
         quantity: Quantity,
         /// The weight.
         weight: f64,
     },
-    /// Weights of a problem that has fewer or more rows in its reports.
+    /// Weights whose number differs from the number of row blocks in reports.
     #[error(
         "{given} weights are given, the problem has {expected}: one for each of a solution's rows"
     )]
     WeightCount {
-        /// How many were given.
+        /// Number of given weights.
         given: usize,
-        /// How many there are.
+        /// Number of row blocks.
         expected: usize,
     },
-    /// A model of another shape than the problem's.
+    /// A model that differs from the problem's in joints or frames.
     #[error("model `{given}` is not the problem's `{expected}` with its joints elsewhere")]
     ForeignModel {
-        /// The model that was given.
+        /// The given model.
         given: String,
-        /// The problem's.
+        /// The problem's model.
         expected: String,
     },
-    /// Other numbers for a problem that keeps clear of something, which depends on them.
+    /// New weights or joint origins for a problem with collision avoidance, which depends on them.
     #[error("a problem that keeps clear of something does not take other {what}: build it anew")]
     KeepsClear {
-        /// "weights" or "joint origins".
+        /// The rejected parameters: "weights" or "joint origins".
         what: &'static str,
     },
     /// A tolerance that is negative or NaN.
     #[error("task {task}: tolerance {tolerance} in {quantity} is not a number of at least 0")]
     BadTolerance {
-        /// The task's name.
+        /// Name of the task.
         task: String,
-        /// Which rows.
+        /// The quantity of the rows.
         quantity: Quantity,
         /// The tolerance.
         tolerance: f64,
@@ -89,73 +89,73 @@ pub enum ProblemError {
     /// A weight or tolerance for rows that the task does not have.
     #[error("task {task} has no rows in {quantity}")]
     NoSuchQuantity {
-        /// The task's name.
+        /// Name of the task.
         task: String,
-        /// The quantity asked for.
+        /// The requested quantity.
         quantity: Quantity,
     },
     /// A task id of another problem.
     #[error("task number {task} is not one of these, or of another type: {}", tasks.join(", "))]
     ForeignTask {
-        /// The id's place in its own problem.
+        /// The index of the id.
         task: usize,
-        /// What the tasks here are, in order.
+        /// The kinds of the tasks of this problem, in order.
         tasks: Vec<String>,
     },
     /// Targets of a problem with other tasks.
     #[error("{given} targets of another problem; that on `{model}` has {expected} tasks")]
     ForeignTargets {
-        /// How many they are.
+        /// Number of tasks of the targets.
         given: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// How many tasks there are.
+        /// Number of tasks of the problem.
         expected: usize,
     },
-    /// A parameter map of another model, told by its size.
+    /// A parameter map of another model, detected by its size.
     #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
     ForeignMap {
-        /// Coordinates in the map.
+        /// Number of coordinates of the map.
         map: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Coordinates in the model.
+        /// Number of coordinates of the model.
         model_coordinates: usize,
     },
-    /// A checker of another model, told by its size.
+    /// A collision checker of another model, detected by its size.
     #[error(
         "the checker is of configurations of {given} numbers, those of model `{model}` have {expected}"
     )]
     ForeignChecker {
-        /// Numbers that it checks.
+        /// Number of coordinates that the checker expects.
         given: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Numbers of the model.
+        /// Number of coordinates of the model.
         expected: usize,
     },
-    /// Bounds for a joint beyond those of the model.
+    /// Bounds on a joint that is not in the model.
     #[error("bounds are set on a joint that model `{model}` does not have")]
     ForeignBound {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// Extra bounds of one number on a ball, which has none.
+    /// Extra bounds on a ball joint, which has several coordinates.
     #[error(
         "joint `{joint}` is a ball, which bounds of one number do not limit: give it a cone, or limit its move"
     )]
     BoundOnBall {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
     /// Extra bounds that leave a joint no value.
     #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave it no value")]
     EmptyRange {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Lower end of what is left.
+        /// Lower end of the remaining interval.
         lower: f64,
-        /// Upper end of what is left.
+        /// Upper end of the remaining interval.
         upper: f64,
     },
 }

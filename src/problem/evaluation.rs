@@ -1,4 +1,4 @@
-//! Evaluating a problem: one forward pass gives all residuals, and the derivatives reuse it.
+//! Evaluation of a problem: residuals by one forward pass, which the derivatives reuse.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use crate::solver::{ConfigurationSpace, LeastSquares};
 use crate::spatial::{Placement, Vector3};
 use crate::task::{CHUNK, DualScratch, ErasedResidual, LocalJacobian};
 
-/// A problem's scratch memory. It belongs to one caller at a time; a problem may have many.
+/// Workspace of a problem. One caller uses it at a time; a problem may have many.
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    /// Tells the problem that this memory was made for.
+    /// Identifies the problem of this workspace.
     owner: Arc<ReportNames>,
     state: TreeState<f64>,
     /// The x of the last forward pass; NaN before the first.
@@ -31,7 +31,7 @@ pub struct Scratch {
     pub(super) shifted_residual: [Vec<f64>; 2],
 }
 
-/// What the forward pass on dual numbers needs.
+/// Workspace of the forward pass on dual numbers.
 #[derive(Clone, Debug)]
 pub(super) struct DualPass {
     pub(super) state: TreeState<Dual<CHUNK>>,
@@ -81,17 +81,17 @@ impl Scratch {
 }
 
 impl Scratch {
-    /// Forgets the last forward pass: joints and frames stand elsewhere now.
+    /// Invalidates the last forward pass, after joints or frames moved.
     pub(crate) fn forget(&mut self) {
         self.at.fill(f64::NAN);
     }
 
-    /// What the task gathered last reads: its frames and its joints.
+    /// The frames and joint values of the task gathered last.
     pub(super) fn placed(&self) -> (&[Placement<f64>], &[f64]) {
         (&self.frames, &self.joints)
     }
 
-    /// The same, and room for derivatives by it.
+    /// The frames and joint values of the task gathered last, with the workspace for its derivatives.
     pub(super) fn reading(
         &mut self,
     ) -> (
@@ -105,21 +105,21 @@ impl Scratch {
     }
 
     getters! {
-        /// Where the last forward pass left the tree.
+        /// The state of the tree after the last forward pass.
         pub(super) fn state(&self) -> &TreeState<f64> = &self.state;
-        /// The derivatives of the task differentiated last, weighted.
+        /// The weighted derivatives of the task differentiated last.
         pub(super) fn local(&self) -> &LocalJacobian = &self.local;
         /// The configuration of the last forward pass.
         pub(crate) fn q(&self) -> &[f64] = &self.q;
     }
 
-    /// Whether this memory was made for `problem`.
+    /// True if this workspace was made for `problem`.
     pub(crate) fn fits(&self, problem: &Problem) -> bool {
         Arc::ptr_eq(&self.owner, &problem.names)
     }
 }
 
-/// A question to a problem and the memory to evaluate it.
+/// A problem instance with the workspace to evaluate it.
 #[derive(Debug)]
 pub struct Evaluation<'a> {
     pub(super) question: Question<'a>,
@@ -128,14 +128,15 @@ pub struct Evaluation<'a> {
 }
 
 impl<'a> Evaluation<'a> {
-    /// Evaluates a problem with memory made by its [`Problem::scratch`]; memory of another problem is
-    /// replaced. Arguments of the wrong shape give NaN everywhere.
+    /// Evaluates a problem with a workspace from its [`Problem::scratch`].
+    ///
+    /// A workspace of another problem is replaced. Arguments of wrong length give NaN in every entry.
     #[must_use]
     pub fn new(question: impl Into<Question<'a>>, scratch: &'a mut Scratch) -> Self {
         Self::of(Share::All, question.into(), scratch)
     }
 
-    /// As [`new`](Self::new), of a share of the tasks.
+    /// Does the same as [`new`](Self::new), for a subset of the tasks.
     pub(crate) fn of(share: Share, question: Question<'a>, scratch: &'a mut Scratch) -> Self {
         if !scratch.fits(question.problem) {
             *scratch = question.problem.scratch();
@@ -150,7 +151,7 @@ impl<'a> Evaluation<'a> {
     /// r(x) of the whole problem before weighting.
     pub(crate) fn unweighted(&mut self, x: &[f64]) -> &[f64] {
         self.forward(x);
-        // In the room that finite differences have, which need nothing kept there.
+        // Reuses the buffer of finite differences, which keep nothing in it.
         let mut residual = std::mem::take(&mut self.scratch.shifted_residual[0]);
         for (index, task) in self.question.problem.tasks.iter().enumerate() {
             Self::gather(self.scratch, task);
@@ -162,7 +163,7 @@ impl<'a> Evaluation<'a> {
         &self.scratch.shifted_residual[0]
     }
 
-    /// Where the first frame of a task is at x.
+    /// The placement of a task's first frame at x.
     pub(crate) fn first_frame(&mut self, x: &[f64], task: usize) -> Option<Placement<f64>> {
         self.forward(x);
         let slot = self.question.problem.tasks.get(task)?.frames.first()?;
@@ -173,7 +174,7 @@ impl<'a> Evaluation<'a> {
         x.len() == self.question.problem.variables() && rows == self.rows()
     }
 
-    /// Runs the forward pass unless the last one was at the same x.
+    /// Runs the forward pass, unless the last one was at the same x.
     pub(super) fn forward(&mut self, x: &[f64]) {
         let scratch = &mut *self.scratch;
         if scratch.at != x {
@@ -183,7 +184,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Copies what a task reads side by side.
+    /// Copies the input of a task into consecutive memory.
     pub(super) fn gather(scratch: &mut Scratch, task: &CompiledTask) {
         let all = scratch.state.frames();
         scratch.frames.clear();
@@ -209,13 +210,13 @@ impl<'a> Evaluation<'a> {
         local.scale_rows(&task.weights);
     }
 
-    /// The rows of a task are W (Σ_k L_k Jv_k + A_k Jω_k + Σ_j ∂r/∂q_j ∂q_j/∂x): over its frames
-    /// the local derivatives by velocity and angular velocity times the geometric Jacobian, and over its
-    /// joints' coordinates those by value.
-    /// By the variables themselves, not by the components of a step.
+    /// The Jacobian by the variables themselves, not by the components of a step.
+    ///
+    /// The rows of a task are W (Σ_k L_k Jv_k + A_k Jω_k + Σ_j ∂r/∂q_j ∂q_j/∂x). L_k and A_k are the derivatives by
+    /// velocity and angular velocity of frame k; Jv_k and Jω_k are its geometric Jacobian.
     pub(crate) fn analytic_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
-        // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
+        // A slice fill, because nalgebra's `fill` writes entry by entry and is much slower.
         jacobian.as_mut_slice().fill(0.0);
         let problem = self.question.problem;
         for (index, task, task_rows) in problem.tasks_of(self.share) {
@@ -223,7 +224,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Adds the rows of one task at the last forward pass, which was at x, from `first_row` on.
+    /// Adds the rows of one task, starting at `first_row`; the last forward pass must have been at x.
     pub(super) fn add_rows(
         &mut self,
         x: &[f64],
@@ -235,7 +236,7 @@ impl<'a> Evaluation<'a> {
         self.add_local(x, task, first_row, jacobian);
     }
 
-    /// Adds the rows that the derivatives of one task by what it reads make.
+    /// Adds the rows of one task from its local derivatives.
     #[inline]
     pub(super) fn add_local(
         &mut self,
@@ -271,8 +272,10 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// A row at a time, as the gradient of one scalar: for tasks whose frames share most of their joints, such
-    /// as a centre of mass, O(rows · (joints + frames)) instead of O(rows · joints · frames).
+    /// Adds the rows one at a time, as gradients of scalars.
+    ///
+    /// For tasks whose frames share most joints, such as a centre of mass. The cost is O(rows · (joints + frames))
+    /// instead of O(rows · joints · frames).
     fn add_by_sweeps(
         tree: &Tree,
         scratch: &mut Scratch,
@@ -287,7 +290,7 @@ impl<'a> Evaluation<'a> {
             wrenches.clear();
             let part = |parts: &[Vector3<f64>]| parts.get(row).copied();
             let nothing = |parts| part(parts).is_none_or(|v| v.to_array() == [0.0; 3]);
-            // As those of a body that balances are.
+            // Skip rows without derivative, such as those of a balanced body.
             if (0..task.frames.len()).all(|k| nothing(local.linear(k)) && nothing(local.angular(k)))
             {
                 continue;
@@ -305,8 +308,9 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Jᵀ r, by one sweep over the tree from the frames to the root; by the variables themselves, not by the
-    /// components of a step.
+    /// Jᵀ r by one sweep over the tree from the frames to the root.
+    ///
+    /// Derivatives are by the variables themselves, not by the components of a step.
     pub(crate) fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
         self.start_sweep(x, gradient);
         self.push_residual(x, r, gradient);
@@ -319,7 +323,7 @@ impl<'a> Evaluation<'a> {
         self.scratch.wrenches.clear();
     }
 
-    /// Adds what a share's rows push at the frames, and the gradient by the joints that they read.
+    /// Adds the wrenches of a subset's rows on the frames, and the gradient by the joints that they read.
     pub(super) fn push_residual(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
         let problem = self.question.problem;
         for (index, task, rows) in problem.tasks_of(self.share) {
@@ -328,7 +332,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// The same of the task that was differentiated last.
+    /// Adds the wrenches and joint gradient of the task that was differentiated last.
     #[inline]
     pub(super) fn push_local(
         &mut self,
@@ -359,7 +363,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Adds to the gradient what has been pushed at the frames.
+    /// Adds the gradient of all wrenches on the frames.
     pub(super) fn end_sweep(&mut self, gradient: &mut [f64]) {
         let (tree, scratch) = (self.question.tree(), &mut *self.scratch);
         tree.sweep(&scratch.state, &mut scratch.wrenches, gradient);

@@ -1,4 +1,4 @@
-//! The Jacobian by differences of the residual, forward or central.
+//! Jacobian by forward or central differences of the residual.
 
 use nalgebra::DMatrix;
 

@@ -1,26 +1,27 @@
-//! Where the chain of a frame begins, and how far from there the frame can be.
+//! Reach of a frame: origin and length of its kinematic chain.
 
 use crate::model::{FrameId, Model, ParameterMap};
 use crate::spatial::{Placement, Vector3};
 
-/// The ball that a frame cannot leave.
+/// A sphere that contains a frame at every configuration.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Anchor {
-    /// The joint that begins the chain.
+    /// The name of the first joint of the chain.
     pub(crate) joint: String,
-    /// Where that joint stands in the world.
+    /// Position of that joint in the world, metres.
     pub(crate) centre: Vector3<f64>,
-    /// The chain's length: all its offsets and the longest ways of its slides.
+    /// Length of the chain, metres: all offsets and the largest travel of its prismatic joints.
     pub(crate) reach: f64,
 }
 
-/// Rounding of the lengths that are compared, as a share of them.
+/// Relative rounding error of the lengths.
 const ROUNDING: f64 = 1e-9;
 
 impl Anchor {
-    /// How far a place is from where the chain begins, and how far that reaches with a point's offset from its tip,
-    /// metres; none unless it certainly reaches no place within a tolerance of there.
+    /// The distance of a target from the centre and the largest reach of a point at `offset` from the frame, metres.
+    ///
+    /// `None` unless the target is proven unreachable within `tolerance`.
     pub(crate) fn falls_short_of(
         &self,
         place: Vector3<f64>,
@@ -34,7 +35,7 @@ impl Anchor {
     }
 }
 
-/// The anchor of a frame; `None` where nothing moves it or a slide has no end.
+/// The reach of a frame; `None` if no joint moves it or a prismatic joint has no limit.
 pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Option<Anchor> {
     let frame = model.frames().get(frame.index())?;
     let mut chain = Vec::new();
@@ -70,7 +71,7 @@ pub(super) fn anchor(model: &Model, map: &ParameterMap, frame: FrameId) -> Optio
     anchor.reach.is_finite().then_some(anchor)
 }
 
-/// How far from zero a coordinate can be.
+/// Largest distance of a coordinate from zero.
 fn farthest(map: &ParameterMap, coordinate: usize) -> f64 {
     let source = map.sources()[coordinate];
     let [one, other] = [map.lower(), map.upper()].map(|end| source.at(end).abs());

@@ -1,5 +1,6 @@
-//! How deep goals are within the edges of their rooms, weighted as the rows that vanish there: rows beside those of the
-//! residual, rank by rank, for what ranks below.
+//! Weighted slacks of the inequalities of required tasks, for lower priorities.
+//!
+//! Slacks are numbered in the priority order, separately from the residual rows.
 
 use std::ops::Range;
 
@@ -7,27 +8,27 @@ use nalgebra::DMatrix;
 
 use super::{CompiledTask, Evaluation, Problem, Share};
 
-/// A room of a goal above some rank.
+/// An inequality of a required task above some rank.
 #[derive(Clone, Debug)]
 pub(crate) struct RoomAbove {
     pub(crate) rank: usize,
-    /// Its rows and edges, among those of all ranks above.
+    /// Its rows and slacks, among those of all ranks above.
     pub(crate) rows: Range<usize>,
     pub(crate) edges: Range<usize>,
-    /// How far from where it was it may be left for the sake of ranks below.
+    /// Largest change of its error in favour of lower priorities.
     pub(crate) kept_within: f64,
-    /// How far beyond an edge it is as good as within.
+    /// Largest violation of a slack that counts as satisfied.
     pub(crate) tolerance: f64,
 }
 
 impl Problem {
-    /// How many edges the rooms of goals above a rank have.
+    /// Number of slacks of required tasks above a rank.
     pub(crate) fn edges_above(&self, rank: usize) -> usize {
         let above = self.tasks.iter().filter(|task| task.rank < rank);
         above.map(|task| task.edge_weights.len()).sum()
     }
 
-    /// The rooms of goals above a rank whose errors must be kept.
+    /// The inequalities of required tasks above a rank whose errors must be kept.
     pub(crate) fn rooms_above(&self, rank: usize) -> impl Iterator<Item = RoomAbove> {
         let above = self.tasks_of(Share::above(rank));
         above.flat_map(|(_, task, rows)| {
@@ -51,7 +52,7 @@ impl Problem {
 }
 
 impl Evaluation<'_> {
-    /// Writes the depths at x of a share of the first ranks.
+    /// Writes the slacks at x of a subset of the first ranks.
     pub(crate) fn depths(&mut self, x: &[f64], depths: &mut [f64]) {
         self.forward(x);
         let problem = self.question.problem;
@@ -69,7 +70,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// Writes their derivatives by the components of a step.
+    /// Writes the derivatives of the slacks by the components of a step.
     pub(crate) fn depth_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.forward(x);
         jacobian.as_mut_slice().fill(0.0);
@@ -85,7 +86,7 @@ impl Evaluation<'_> {
         space.by_steps(x, rows, jacobian.as_mut_slice());
     }
 
-    /// Writes Jᵀr and adds what multipliers make of the depths' gradients.
+    /// Writes Jᵀr and adds the slacks' gradients times `multipliers`.
     pub(crate) fn slope_of_all(
         &mut self,
         x: &[f64],
@@ -107,7 +108,7 @@ impl Evaluation<'_> {
         self.question.space().by_steps(x, 1, slope);
     }
 
-    /// The weighted local derivatives of one task's depths at the last forward pass.
+    /// The weighted local derivatives of one task's slacks at the last forward pass.
     fn differentiate_depths(&mut self, index: usize, task: &CompiledTask) {
         let residual = self.question.residual(index);
         Self::gather(self.scratch, task);

@@ -1,4 +1,4 @@
-//! What a body keeps clear of: asked for here, answered by [`collision::Checker`](crate::collision::Checker) or by one's own.
+//! Collision avoidance of problems, by [`collision::Checker`](crate::collision::Checker) or the caller's own checker.
 
 use std::fmt::Debug;
 
@@ -6,49 +6,52 @@ use super::builder::{ClearanceAs, PendingTask};
 use super::{Collision, Problem, ProblemBuilder, ProblemError};
 use crate::task::{Residual, Task};
 
-/// How much more a clearance counts that holds than one that leads. A goal that pulls into something by e metres comes e/w² into
-/// what the clearance adds to the margin, which at a millimetre so holds a pull of ten metres.
+/// Weight factor of a holding clearance relative to a leading one.
+///
+/// A required task with an error of e metres inside an obstacle violates the clearance's additional distance by e/w².
+/// With a distance of 1 mm, this factor withstands an error of 10 m.
 const HOLDING: f64 = 100.0;
 
-/// What tells whether a body touches something.
+/// A collision checker.
 ///
-/// A [`collision::Checker`](crate::collision::Checker) is one; so can be a distance field or a check on another device. A
-/// problem is given one by [`ProblemBuilder::keep_clear`].
+/// [`collision::Checker`](crate::collision::Checker) is one. Others may use a distance field or another device.
+/// [`ProblemBuilder::keep_clear`] adds one to a problem.
 pub trait KeepClear {
-    /// The residual that leads out of what is touched.
+    /// The residual that moves the body out of collisions.
     type Clearance: Residual;
-    /// A check with memory of its own.
+    /// A check with its own workspace.
     type Check: ClearanceCheck + 'static;
 
-    /// How many numbers a configuration has that it checks.
+    /// Number of coordinates of the configurations it checks.
     fn configuration_len(&self) -> usize;
 
-    /// The residual that leads out of what is touched: within its tolerance only where nothing is.
+    /// The residual that moves the body out of collisions; within its tolerance only without collision.
     fn clearance(&self) -> Task<Self::Clearance>;
 
-    /// A check with memory of its own.
+    /// A check with its own workspace.
     fn check(&self) -> Self::Check;
 }
 
-/// Checks configurations one after the other: all of the right length and finite.
+/// Checks configurations one after the other; all have the right length and are finite.
 pub trait ClearanceCheck: Clone + Debug + Send + Sync {
-    /// The pairs that are too near at a configuration, the deepest first.
+    /// The pairs in collision at a configuration, deepest first.
     fn collisions(&mut self, q: &[f64]) -> Vec<Collision>;
 
-    /// Whether no pair is too near.
+    /// True if no pair is in collision.
     fn is_free(&mut self, q: &[f64]) -> bool {
         self.collisions(q).is_empty()
     }
 
-    /// What ends the way from one configuration to another, on which all joints move evenly, [on the way](Collision::on_the_way);
-    /// `None` where all of it is surely free.
+    /// The collision that [blocks](Collision::on_the_way) the motion between two configurations.
+    ///
+    /// The motion interpolates all joints linearly. `None` if the whole motion is proven collision-free.
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision>;
 
-    /// The share of such a way after which there is still some room to move: 1 where all of it is so.
+    /// The fraction of such a motion that ends with some clearance left; 1 for the whole motion.
     fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64;
 }
 
-/// A check without its type.
+/// A type-erased check.
 pub(crate) trait AnyClearanceCheck: Debug + Send + Sync {
     fn collisions(&mut self, q: &[f64]) -> Vec<Collision>;
     fn is_free(&mut self, q: &[f64]) -> bool;
@@ -75,12 +78,12 @@ impl<C: ClearanceCheck + 'static> AnyClearanceCheck for C {
 
 impl Clone for Box<dyn AnyClearanceCheck> {
     fn clone(&self) -> Self {
-        // Of what is inside, not of the box.
+        // Clone the content, not the box.
         (**self).boxed()
     }
 }
 
-/// What a builder was given to keep clear of.
+/// The collision avoidance that a builder was given.
 #[derive(Clone, Debug)]
 pub(super) struct ClearanceRequest {
     configuration_len: usize,
@@ -88,27 +91,27 @@ pub(super) struct ClearanceRequest {
     check: Box<dyn AnyClearanceCheck>,
 }
 
-/// What a problem keeps clear of.
+/// The collision constraint of a problem.
 #[derive(Clone, Debug)]
 pub(crate) struct Fence {
-    /// The same tasks, and after them the clearance: solved only where an answer without it touches something.
+    /// The tasks and then the clearance: solved only if a solution without clearance is in collision.
     leading: Problem,
-    /// The same with a clearance that holds against what pulls into something.
+    /// The tasks and a clearance that withstands required tasks inside obstacles.
     holding: Problem,
-    /// The same with the clearance within what the goals leave free: as little is touched as they allow.
+    /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
     yielding: Problem,
     check: Box<dyn AnyClearanceCheck>,
 }
 
 impl Fence {
     getters! {
-        /// The same tasks, and after them the clearance. Targets of the problem without it are targets of this one.
+        /// The tasks and then the clearance. Accepts targets of the problem without clearance.
         pub(crate) fn leading(&self) -> &Problem = &self.leading;
-        /// The same with a clearance that holds against what pulls into something.
+        /// The tasks and a clearance that withstands required tasks inside obstacles.
         pub(crate) fn holding(&self) -> &Problem = &self.holding;
-        /// The same with the clearance within what the goals leave free: as little is touched as they allow.
+        /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
         pub(crate) fn yielding(&self) -> &Problem = &self.yielding;
-        /// A check with memory of its own.
+        /// A check with its own workspace.
         pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
     }
 
@@ -121,12 +124,12 @@ impl Fence {
 }
 
 impl ProblemBuilder<'_> {
-    /// Keeps the body clear of what a checker has: the obstacles of a world, and itself. A solution is then reached only if
-    /// nothing touches, by the checker, and says which pairs do otherwise
-    /// ([`Solution::collisions`](crate::Solution::collisions)).
+    /// Avoids collisions with the obstacles of a checker's world, and self-collisions.
     ///
-    /// Not seen among the tasks: the goals are solved as if nothing were in the way, and where that touches something
-    /// the checker's clearance joins the goals of the first level.
+    /// A solution is then reached only if the checker finds no collision.
+    /// [`Solution::collisions`](crate::Solution::collisions) lists the pairs otherwise. The tasks are first solved
+    /// without collision avoidance. If that solution is in collision, the checker's clearance is added to the required
+    /// tasks of the first level. It does not appear in reports on tasks.
     pub fn keep_clear<C: KeepClear>(&mut self, of: &C) -> &mut Self {
         self.clear_of = Some(ClearanceRequest {
             configuration_len: of.configuration_len(),
@@ -136,7 +139,7 @@ impl ProblemBuilder<'_> {
         self
     }
 
-    /// The problem with the clearance among its goals.
+    /// The collision constraint: the problem with the clearance among its tasks.
     pub(super) fn fence(&self, asked: ClearanceRequest) -> Result<Fence, ProblemError> {
         let (given, expected) = (asked.configuration_len, self.model.configuration_len());
         if given != expected {

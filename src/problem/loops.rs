@@ -1,4 +1,4 @@
-//! A model's loops as the tasks that close them.
+//! Tasks that close a model's loops.
 
 use super::builder::PendingTask;
 use crate::model::{Loop, LoopKind, Model};

@@ -1,4 +1,4 @@
-//! Tasks and bounds put together: r(x), its derivatives, and what the errors mean.
+//! Problems: tasks and bounds with residual r(x), derivatives and errors.
 
 mod builder;
 mod by_parameters;
@@ -68,7 +68,7 @@ impl<R> TaskId<R> {
         }
     }
 
-    /// The position in the problem's list, and in a solution's reports.
+    /// The index in the problem's list of tasks, and in a solution's reports.
     #[must_use]
     pub fn index(self) -> usize {
         self.index
@@ -85,8 +85,8 @@ impl<R> Copy for TaskId<R> {}
 
 /// A bounded nonlinear least-squares problem: minimise ½‖r(x)‖² subject to lower ≤ x ≤ upper.
 ///
-/// Built once: names, sizes and ranges are checked then. It never changes, and is `Send` and `Sync`: many
-/// threads solve one problem, each with [`Targets`] of its own.
+/// The builder checks names, lengths and ranges once. A problem never changes, and is `Send` and `Sync`. Many threads
+/// may solve one problem, each with its own [`Targets`].
 #[derive(Clone)]
 pub struct Problem {
     names: Arc<ReportNames>,
@@ -100,20 +100,20 @@ pub struct Problem {
     preferences: Preferences,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// How the variables move the model.
+    /// The map from rates of the variables to a velocity of the model.
     tangent: Tangent,
-    /// Which variables turn ball joints.
+    /// The variables that rotate ball joints.
     rotations: RotationSets,
-    /// Which variables move a free joint; empty where there is none.
+    /// For each variable, true if it moves a free joint; empty if there is no free joint.
     floating: Vec<bool>,
-    /// How far around the start an unbounded variable is drawn at random: π or the reach.
+    /// Half width of the sampling range of each unbounded variable: π or the reach.
     spread: Vec<f64>,
-    /// Whether any task depends on each variable.
+    /// For each variable, true if a task depends on it.
     moving: Vec<bool>,
-    /// A length of the model's own scale, in metres.
+    /// The model's reach, metres.
     reach: f64,
     derivatives: Derivatives,
-    /// What it keeps clear of.
+    /// The collision constraint, if any.
     fence: Option<Arc<Fence>>,
 }
 
@@ -136,18 +136,18 @@ impl std::fmt::Debug for Problem {
 }
 
 impl Problem {
-    /// Starts a problem on `model`, with every joint free.
+    /// A builder of a problem on `model`, with every joint free.
     #[must_use]
     pub fn builder(model: &Model) -> ProblemBuilder<'_> {
         ProblemBuilder::new(model)
     }
 
     getters! {
-        /// How many solver variables there are.
+        /// Number of solver variables.
         pub fn variables(&self) -> usize = self.map.variables();
-        /// How many residual rows there are.
+        /// Number of residual rows.
         pub fn rows(&self) -> usize = self.rows;
-        /// How many numbers a configuration of the model has.
+        /// Number of coordinates of a configuration.
         pub fn configuration_len(&self) -> usize = self.map.sources().len();
         /// The map from variables to configurations.
         pub fn parameters(&self) -> &ParameterMap = &self.map;
@@ -155,48 +155,49 @@ impl Problem {
         pub fn lower(&self) -> &[f64] = &self.lower;
         /// Upper bounds of the variables.
         pub fn upper(&self) -> &[f64] = &self.upper;
-        /// The model's own length scale in metres.
+        /// The model's reach: its length scale in metres.
         pub fn reach(&self) -> f64 = self.reach;
-        /// How many tasks there are, those that close the model's loops included.
+        /// Number of tasks, including those that close the model's loops.
         pub fn tasks(&self) -> usize = self.tasks.len();
-        /// Which derivative route is taken.
+        /// The derivative method.
         pub fn derivatives(&self) -> Derivatives = self.derivatives;
-        /// A copy of the residuals that the problem was built with, to move their targets.
+        /// A copy of the residuals that the problem was built with, to change their targets.
         pub fn targets(&self) -> Targets = self.targets.clone();
-        /// What preferences may cost the goals.
+        /// The treatment of soft tasks.
         pub fn preferences(&self) -> Preferences = self.preferences;
-        /// The compiled kinematics that the tasks' slots refer to.
+        /// The compiled kinematics with the slots of the tasks.
         pub(crate) fn tree(&self) -> &Tree = &self.tree;
         /// The tasks in order.
         pub(crate) fn compiled_tasks(&self) -> &[CompiledTask] = &self.tasks;
-        /// How the variables move the model.
+        /// The map from rates of the variables to a velocity of the model.
         pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
-        /// The order in which the tasks are met.
+        /// The priority order of the tasks.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
-        /// What it keeps clear of, if anything.
+        /// The collision constraint, if any.
         pub(crate) fn fence(&self) -> Option<&Arc<Fence>> = self.fence.as_ref();
-        /// Scratch memory for this problem.
+        /// A workspace for this problem.
         pub fn scratch(&self) -> Scratch = Scratch::new(self);
     }
 
-    /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
-    /// [`rows`](Self::rows)). Rows of weight 0 are not asked for.
+    /// True if every required task is within its tolerances for the weighted residual `r`.
+    ///
+    /// `r` has [`rows`](Self::rows) entries. Rows of weight 0 are ignored.
     ///
     /// # Errors
-    /// Another length.
+    /// Returns an error for a wrong length.
     pub fn is_reached(&self, r: &[f64]) -> Result<bool, SizeMismatch> {
         SizeMismatch::check("rows of the residual", r.len(), self.rows())?;
         Ok(self.is_reached_by(Share::All, r))
     }
 
-    /// A task's name.
+    /// The name of a task; `None` for an index out of range.
     #[must_use]
     pub fn task_name(&self, task: usize) -> Option<&str> {
         self.tasks.get(task).map(CompiledTask::name)
     }
 
-    /// The same problem by another derivative route.
+    /// The problem with another derivative method.
     #[must_use]
     pub fn with_derivatives(mut self, route: Derivatives) -> Self {
         self.derivatives = route;
@@ -205,10 +206,10 @@ impl Problem {
         self
     }
 
-    /// The question with targets of one's own instead of those that the problem was built with.
+    /// A problem instance with `targets` instead of those that the problem was built with.
     ///
     /// # Errors
-    /// Targets of a problem with other tasks.
+    /// Returns an error for targets of a problem with other tasks.
     pub fn with_targets<'a>(&'a self, targets: &'a Targets) -> Result<Question<'a>, ProblemError> {
         match targets.fit(self) {
             true => Ok(Question::from(self).with_targets(targets)),
@@ -220,25 +221,26 @@ impl Problem {
         }
     }
 
-    /// Whether any task is a preference, so that reaching the goals is not yet the minimum.
+    /// True if some task is soft, so that a reached solution may not be the minimum.
     #[must_use]
     pub fn has_preferences(&self) -> bool {
         self.tasks.iter().any(|task| task.role == Role::Preference)
     }
 
-    /// Whether any task of a share is a preference.
+    /// True if some task of a subset is soft.
     pub(crate) fn pulls_in(&self, share: Share) -> bool {
         let mut tasks = self.tasks_of(share);
         tasks.any(|(_, task, _)| task.role == Role::Preference)
     }
 
-    /// The goals that can be missed, and what is traded with them.
+    /// The required tasks that can be unreached, and soft tasks weighted against them.
     pub(crate) fn goals(&self) -> Share {
         Share::above(self.ranks.levels())
     }
 
-    /// What a solver searches with at first: the goals of all levels where anything ranks below another,
-    /// everything where there is nothing to tell apart.
+    /// The tasks of a solver's first search.
+    ///
+    /// The required tasks of all levels if there are several ranks to separate, otherwise all tasks.
     pub(crate) fn search_share(&self) -> Share {
         let (levels, ranks) = (self.ranks.levels(), self.ranks.count());
         match levels > 1 || (levels > 0 && ranks > levels && self.has_preferences()) {
@@ -247,7 +249,7 @@ impl Problem {
         }
     }
 
-    /// How many rows a share has.
+    /// Number of rows of a subset.
     pub(crate) fn rows_of(&self, share: Share) -> usize {
         match share {
             Share::All => self.rows,
@@ -255,7 +257,7 @@ impl Problem {
         }
     }
 
-    /// The tasks of a share with their numbers, and where their rows stand in it.
+    /// The tasks of a subset with their indices and the range of their rows in it.
     pub(crate) fn tasks_of(
         &self,
         share: Share,
@@ -264,7 +266,7 @@ impl Problem {
         tasks.filter_map(move |(index, task)| Some((index, task, self.ranks.rows_in(task, share)?)))
     }
 
-    /// Rows of tasks of a share that bind for which any error will do.
+    /// Rows with weight 0 or infinite tolerance in binding tasks of a subset.
     pub(crate) fn free_rows(&self, share: Share) -> impl Iterator<Item = Range<usize>> {
         self.tasks_of(share).flat_map(|(_, task, rows)| {
             let free = task
@@ -274,7 +276,7 @@ impl Problem {
         })
     }
 
-    /// Whether the goals of a share, whose weighted residual has changed by `change`, are where they were.
+    /// True if a change of a subset's weighted residual keeps the errors of its required tasks.
     pub(crate) fn is_kept(&self, share: Share, change: &[f64]) -> bool {
         self.tasks_of(share).all(|(_, task, rows)| {
             let mut kept = task.blocks().filter(|block| task.keeps(block));
@@ -285,25 +287,26 @@ impl Problem {
         })
     }
 
-    /// Half the range that values of a variable without bounds are drawn from: π or the reach.
+    /// Half width of the sampling range of an unbounded variable: π or the reach.
     pub(crate) fn spread(&self, variable: usize) -> f64 {
         self.spread[variable]
     }
 
-    /// Where the chain of a task's first frame begins, if that is known.
+    /// The reach of a task's first frame, if it is bounded.
     pub(crate) fn anchor(&self, task: usize) -> Option<&Anchor> {
         self.names.anchors.get(task)?.as_ref()
     }
 
-    /// Marks the variables that move a missed goal and no reached one, given the weighted residual of
-    /// a share there; all that any task feels where there is none such.
+    /// Marks the variables that move an unreached required task and no reached one.
+    ///
+    /// `r` is the weighted residual of the subset. Without such variables, marks all that move a task.
     pub(crate) fn mark_local(&self, share: Share, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
             for (index, task, _) in self.tasks_of(share) {
                 let mut blocks = self.errors(share, r).filter(|block| block.task == index);
                 let missed = blocks.any(|block| !block.reached);
-                // A closed loop holds nothing still: its joints may move anywhere and close it again.
+                // Loop closures do not fix variables: the joints of a closed loop may move and close it again.
                 let counts = task.role == Role::Goal && !(pass_reached && task.is_loop);
                 if counts && missed != pass_reached {
                     for variable in self.variables_moving(task) {
@@ -317,22 +320,22 @@ impl Problem {
         }
     }
 
-    /// Whether a variable moves a free joint, and with it the whole of a body.
+    /// True if a variable moves a free joint, and with it the whole body.
     pub(crate) fn floats(&self, variable: usize) -> bool {
         self.floating.get(variable).is_some_and(|floats| *floats)
     }
 
-    /// Whether the whole of a body moves freely.
+    /// True if a free joint moves the whole body.
     pub(crate) fn has_free_joint(&self) -> bool {
         self.floating.contains(&true)
     }
 
-    /// The bounded swing that a variable is one of the two numbers of.
+    /// The bounded swing of which a variable is one of the two components.
     pub(crate) fn swing_at(&self, variable: usize) -> Option<&Swing> {
         self.rotations.swing_of(variable)
     }
 
-    /// Whether any task of the search depends on a variable.
+    /// True if some task of the search depends on a variable.
     pub(crate) fn moves_a_task(&self, variable: usize) -> bool {
         self.moving[variable]
     }
@@ -348,7 +351,7 @@ impl Problem {
         self.moving = moving;
     }
 
-    /// Sweeps pass every joint and frame once, where each frame by itself passes all joints that move it.
+    /// A sweep visits every joint and frame once; frame by frame, each frame visits all joints that move it.
     fn choose_sweeps(&mut self) {
         let Self { tree, tasks, .. } = self;
         for task in tasks {
@@ -358,8 +361,10 @@ impl Problem {
         }
     }
 
-    /// Joins variables that a task of a share depends on together: afterwards `joined` has for each variable the lowest one that it is
-    /// joined with. Shape: variables, each its own index before. Returns the number of separate sets that tasks depend on.
+    /// Joins variables on which a task of a subset depends together (union-find).
+    ///
+    /// Afterwards `joined` holds for each variable the lowest variable of its set. On entry, each entry is its own
+    /// index. Returns the number of separate sets on which tasks depend.
     pub(crate) fn join_by_tasks(&self, share: Share, joined: &mut [usize]) -> usize {
         fn root(joined: &[usize], mut variable: usize) -> usize {
             while joined[variable] != variable {
@@ -385,8 +390,9 @@ impl Problem {
         (0..joined.len()).filter(moves_a_task).count()
     }
 
-    /// Whether the goals of a share that depend on a set of [joined](Self::join_by_tasks) variables are reached, by the weighted
-    /// residual of the share. False for a set that no goal depends on.
+    /// True if the required tasks of a subset on one set of [joined](Self::join_by_tasks) variables are reached.
+    ///
+    /// `residual` is the weighted residual of the subset. False for a set without required tasks.
     pub(crate) fn is_limb_reached(
         &self,
         share: Share,
@@ -426,9 +432,9 @@ impl Problem {
         by_frames.chain(by_joints)
     }
 
-    /// For every block of rows of a share: its task, its quantity, the error in that quantity's unit
-    /// for the share's weighted residual `r`, and whether it is within tolerance. Rows of weight 0 say
-    /// nothing about their error and are not asked for.
+    /// The error of every row block of a subset, for its weighted residual `r`.
+    ///
+    /// Errors are in the unit of their quantity. Rows of weight 0 report an error of 0.
     pub(crate) fn errors<'a>(
         &'a self,
         share: Share,
@@ -456,14 +462,15 @@ impl Problem {
         })
     }
 
-    /// Whether any rows have weight 0.
+    /// True if some rows have weight 0.
     pub(crate) fn leaves_rows_out(&self) -> bool {
         let mut blocks = self.tasks.iter().flat_map(CompiledTask::blocks);
         blocks.any(|block| block.weight == 0.0)
     }
 
-    /// The true errors of rows of weight 0, by the unweighted residual of the whole problem, in the
-    /// order of [`errors`](Self::errors); `None` for the others.
+    /// The true errors of rows of weight 0, from the unweighted residual of the whole problem.
+    ///
+    /// In the order of [`errors`](Self::errors); `None` for all other rows.
     pub(crate) fn unasked_errors<'a>(
         &'a self,
         unweighted: &'a [f64],
@@ -475,8 +482,9 @@ impl Problem {
         })
     }
 
-    /// Whether all goals are near, given the weighted residual of a share at the start: those that are not reached miss by at most
-    /// [`NEARBY`], metres as a share of the distance that counts as much as a radian.
+    /// True if every required task of a subset is reached or within [`NEARBY`] of its target at the start.
+    ///
+    /// Metres are compared relative to the distance that has the weight of a radian. `r` is the weighted residual.
     pub(crate) fn is_nearby(&self, share: Share, r: &[f64]) -> bool {
         self.errors(share, r).all(|block| {
             let most = match block.quantity {
@@ -488,7 +496,7 @@ impl Problem {
         })
     }
 
-    /// As [`is_reached`](Self::is_reached), by the residual of a share.
+    /// Does the same as [`is_reached`](Self::is_reached), for the residual of a subset.
     pub(crate) fn is_reached_by(&self, share: Share, r: &[f64]) -> bool {
         r.len() == self.rows_of(share)
             && self
@@ -497,15 +505,16 @@ impl Problem {
     }
 }
 
-/// Largest error of a target near the start, radians (metres by their weight). For near targets the first attempt runs to its
-/// end before any other is made. Farther targets leave an attempt that stalls to the other attempts, which take less time than
-/// continuing it.
+/// Largest error of a near target at the start, radians (metres by their weight).
+///
+/// For near targets the first attempt runs to its end before any other starts. For farther targets a stalled attempt is
+/// abandoned, because further attempts take less time than continuing it.
 pub(crate) const NEARBY: f64 = 1.0;
 
-/// A task is swept where its frames pass so many times more joints than a sweep does.
+/// Ratio of joints visited frame by frame to those of a sweep, above which a task is swept.
 const SWEPT: usize = 2;
 
-/// Euclidean norm, also where squares are too small or too large for a number.
+/// Euclidean norm, without overflow or underflow of the squares.
 fn norm(rows: &[f64]) -> f64 {
     let squared: f64 = rows.iter().map(|v| v * v).sum();
     if squared.is_normal() {
@@ -519,7 +528,7 @@ fn norm(rows: &[f64]) -> f64 {
     largest * scaled.sqrt()
 }
 
-/// The error of one block of rows.
+/// The error of one row block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockError {
     pub(crate) task: usize,

@@ -1,4 +1,4 @@
-//! The names that reports need, shared with every solution.
+//! Names in reports, shared with every solution.
 
 use super::frame_reach::Anchor;
 use crate::model::LengthUnit;
@@ -9,22 +9,22 @@ use crate::model::LengthUnit;
 pub(crate) struct ReportNames {
     pub(crate) model: String,
     pub(crate) length_unit: LengthUnit,
-    /// The joint that each variable moves directly, or which part of a ball joint.
+    /// For each variable, the joint that it moves directly, or the part of a ball joint.
     pub(crate) variables: Vec<String>,
-    /// The joints themselves.
+    /// For each variable, the joint that it moves directly.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) joints: Vec<String>,
-    /// Whether that joint turns, rather than slides.
+    /// For each variable, true if that joint rotates, false if it translates.
     pub(crate) variable_is_angle: Vec<bool>,
     pub(crate) tasks: Vec<String>,
-    /// The model's loops, which the last tasks close.
+    /// The model's loops; the last tasks close them.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) loops: Vec<String>,
-    /// The level each task was given.
+    /// The priority level of each task.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) task_levels: Vec<usize>,
-    /// The first frame each task looks at, if any.
+    /// The first frame of each task, if any.
     pub(crate) task_frames: Vec<Option<String>>,
-    /// Where the chain of that frame begins, if it is of finite length.
+    /// The reach of that frame, if it is finite.
     pub(crate) anchors: Vec<Option<Anchor>>,
 }

@@ -1,4 +1,4 @@
-//! JᵀJ and Jᵀr of a whole problem, with what its tree leaves empty left out.
+//! Sparse JᵀJ and Jᵀr of a whole problem, by the structure of its tree.
 
 use std::collections::BTreeSet;
 
@@ -9,25 +9,25 @@ use super::{Evaluation, Problem, Question, Scratch};
 use crate::kinematics::{Composites, Partials};
 use crate::solver::BranchedMatrix;
 
-/// Memory for a problem's normal equations.
+/// Workspace for a problem's normal equations.
 ///
-/// Rows of one frame come by [`Composites`]; all others row by row, from the variables that each depends on. These are what a
-/// factorisation couples beside the ways of joints to the root.
+/// Rows that depend on one frame are added by [`Composites`]. All other rows are added row by row, from the variables
+/// that each depends on. These rows add coupling to a factorisation, next to the paths of joints to the root.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalEquations {
-    /// The tasks whose rows are of one frame.
+    /// Indices of tasks whose rows depend on one frame.
     on_frames: Vec<usize>,
-    /// Those whose are not, with the variables that each row depends on.
+    /// Indices of all other tasks, with the variables that each row depends on.
     others: Vec<(usize, Vec<Vec<usize>>)>,
     composites: Composites,
-    /// J of the others' rows.
+    /// J of the rows of the other tasks.
     rows: DMatrix<f64>,
     matrix: BranchedMatrix,
     gradient: Vec<f64>,
 }
 
 impl NormalEquations {
-    /// Of all tasks of a problem, whose derivatives are the analytic ones.
+    /// Normal equations of all tasks of a problem with analytic derivatives.
     pub(crate) fn new(problem: &Problem) -> Self {
         let (tree, n) = (problem.tree(), problem.variables());
         let by_frames = tree.has_own_variables();
@@ -79,7 +79,7 @@ fn variables_of_task(problem: &Problem, task: &CompiledTask) -> Vec<usize> {
     all.into_iter().collect()
 }
 
-/// The variables that each row of a task on joints depends on: which joints it reads does not change.
+/// The variables that each row of a task on joints depends on; the same at every configuration.
 fn variables_of_joints(
     problem: &Problem,
     index: usize,
@@ -104,7 +104,7 @@ fn variables_of_joints(
 }
 
 impl Evaluation<'_> {
-    /// Writes JᵀJ and Jᵀr at x, by the components of a step there; `residual` is r(x), of all tasks.
+    /// Writes JᵀJ and Jᵀr at x, by the components of a step; `residual` is r(x) of all tasks.
     pub(crate) fn normal_equations(
         &mut self,
         x: &[f64],
@@ -190,7 +190,7 @@ mod tests {
     use crate::spatial::{Placement, Vector3};
     use crate::task::{Distance, JointCoupling, Point, Pose, Posture};
 
-    /// A body on a free base with two limbs, each of a ball within a cone and two hinges; the knees of both.
+    /// A body on a free base with two limbs, each with a ball joint in a cone and two hinges; returns both knees.
     fn body() -> (Model, [JointId; 2]) {
         let mut builder = Model::builder("body");
         let at = |x, y, z| Placement::translation(Vector3::new(x, y, z));
@@ -232,8 +232,10 @@ mod tests {
         tasks.build().unwrap()
     }
 
-    /// Against the whole Jacobian: a body and one whose limbs are tied to each other, with joints of their own and with one knee
-    /// that follows the other, between bounds and on the edges of cones.
+    /// Compares with the dense Jacobian.
+    ///
+    /// Covers limbs with and without a coupling task, and knees with separate variables and with a mimic joint. Points
+    /// are between bounds and at the edges of cones.
     #[test]
     fn they_are_what_the_jacobian_makes() {
         let mut random = RandomStream::new(7, 0);

@@ -1,26 +1,27 @@
-//! A number for every parameter of a problem's solution: a change of them, or a slope by them.
+//! Vectors with a number for every parameter of a problem.
 
 use std::ops::Range;
 
 use super::{CompiledTask, Problem};
 use crate::spatial::Vector3;
 
-/// One number for each parameter that the solution of a [`Problem`] depends on: how far each is moved, or how
-/// much something else changes with each.
+/// One number for each parameter that the solution of a [`Problem`] depends on: a change or a derivative.
 ///
-/// A task's target has the numbers that its residual says ([`Residual::target_len`]): three for a place, six for
-/// a pose (along and about the target's own axes, metres then radians, as
-/// [`Model::integrate`](crate::model::Model::integrate) moves a free joint), one a joint of a posture and three a
-/// ball of it, none where it has no target.
+/// A task's target has as many numbers as its residual reports ([`Residual::target_len`]):
+/// - three for a position;
+/// - six for a pose, along and about the target's axes, metres then radians, as
+///   [`Model::integrate`](crate::model::Model::integrate) moves a free joint;
+/// - for a posture one for each joint, three for each ball joint;
+/// - none without a target.
 ///
 /// [`Residual::target_len`]: crate::task::Residual::target_len
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParameterVector {
     targets: Vec<f64>,
-    /// Where the target of each task begins, and where all end.
+    /// Start of each task's target, followed by the end of the last.
     starts: Vec<usize>,
     weights: Vec<f64>,
-    /// By joint of the model; empty where none is asked for.
+    /// By joint of the model; empty if joint origins are not parameters.
     joint_origins: Vec<Vector3<f64>>,
 }
 
@@ -43,7 +44,7 @@ impl ParameterVector {
         }
     }
 
-    /// The same with joints' origins, of a model of so many joints: without it they are none of the parameters.
+    /// Adds the origins of `joints` joints; by default they are not parameters.
     #[must_use]
     pub fn with_joint_origins(mut self, joints: usize) -> Self {
         self.joint_origins = vec![Vector3::zero(); joints];
@@ -51,29 +52,33 @@ impl ParameterVector {
     }
 
     getters! {
-        /// By all targets, one task's numbers after the other's.
+        /// Entries of all targets, task after task.
         pub fn targets(&self) -> &[f64] = &self.targets;
-        /// The same, to write.
+        /// Entries of all targets, mutable.
         pub fn targets_mut(&mut self) -> &mut [f64] = &mut self.targets;
-        /// By the weights, one for each of [`Solution::rows`](crate::Solution): what multiplies those rows, as
-        /// [`Task::weight`](crate::task::Task::weight) and [`times`](crate::task::Task::times) make it.
+        /// Entries of the weights, one for each of [`Solution::rows`](crate::Solution).
+        ///
+        /// A weight multiplies these rows; [`Task::weight`](crate::task::Task::weight) and
+        /// [`times`](crate::task::Task::times) set it.
         pub fn weights(&self) -> &[f64] = &self.weights;
-        /// The same, to write.
+        /// Entries of the weights, mutable.
         pub fn weights_mut(&mut self) -> &mut [f64] = &mut self.weights;
-        /// By where each joint's origin stands on its parent (in the parent's axes, metres), by
-        /// [`JointId::index`](crate::model::JointId::index): the lengths of links. Empty unless asked for.
+        /// Entries of the joint origins on their parents, in the parent's axes, metres: the lengths of links.
+        ///
+        /// Indexed by [`JointId::index`](crate::model::JointId::index). Empty unless added by
+        /// [`with_joint_origins`](Self::with_joint_origins).
         pub fn joint_origins(&self) -> &[Vector3<f64>] = &self.joint_origins;
-        /// The same, to write.
+        /// Entries of the joint origins, mutable.
         pub fn joint_origins_mut(&mut self) -> &mut [Vector3<f64>] = &mut self.joint_origins;
     }
 
-    /// By the target of one task, by its position in the problem; empty for one that has none.
+    /// Entries of one task's target, by its index in the problem; empty if it has none.
     #[must_use]
     pub fn target(&self, task: usize) -> &[f64] {
         self.targets.get(self.range(task)).unwrap_or_default()
     }
 
-    /// The same, to write.
+    /// Entries of one task's target, mutable.
     #[must_use]
     pub fn target_mut(&mut self, task: usize) -> &mut [f64] {
         let range = self.range(task);
@@ -94,7 +99,7 @@ impl ParameterVector {
         self.joint_origins.fill(Vector3::zero());
     }
 
-    /// Whether it is of a problem's shape, and of a model's with so many joints if it has joints.
+    /// True if its lengths fit a problem, and a model with `joints` joints if it has joint origins.
     pub(crate) fn fits(&self, problem: &Problem, joints: Option<usize>) -> bool {
         let own = &problem.targets.residuals;
         let lens = own.iter().map(|residual| residual.target_len());
@@ -104,7 +109,7 @@ impl ParameterVector {
         lens.eq(starts) && self.weights.len() == blocks && links
     }
 
-    /// The weights of one task's blocks, the first of which is `first` of the problem's.
+    /// The weights of one task's blocks; `first` is the index of its first block in the problem.
     pub(super) fn weights_of(&mut self, first: usize, task: &CompiledTask) -> &mut [f64] {
         &mut self.weights[first..first + task.blocks.len()]
     }

@@ -1,19 +1,20 @@
-//! How preferences stand to goals.
+//! Treatment of soft tasks relative to required tasks.
 
-/// What preferences may cost the goals.
+/// The effect of soft tasks on required tasks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Preferences {
-    /// Nothing. The goals are solved as if they were alone; then the preferences' ½ Σ ‖W r‖² falls as
-    /// far as it can while every goal keeps the error that it came to. So it is on a miss too: the
-    /// goals' nearest place first, the preferences among the configurations that are as near.
+    /// No effect: soft tasks act in the null space of the required tasks.
     ///
-    /// A goal whose every tolerance is infinite is never missed, and pulls with the preferences.
+    /// The required tasks are solved as if they were alone. Then ½ Σ ‖W r‖² of the soft tasks is minimised while every
+    /// required task keeps its error, reached or not. A required task with only infinite tolerances is never unreached
+    /// and is solved with the soft tasks.
     #[default]
     WithinGoals,
-    /// Their weights' worth: the weighted sum of goals and preferences is minimised at once, so that
-    /// a goal within reach is missed by a little or by much. Of goals of several
-    /// [levels](crate::task::Task::at_level) the last is traded.
+    /// Weighted: the sum of required and soft tasks is minimised at once.
+    ///
+    /// A reachable required task may then have an error. With several [levels](crate::task::Task::at_level), soft tasks
+    /// are weighted against the last level.
     Traded,
 }

@@ -1,4 +1,4 @@
-//! The same problem with other numbers: what a solution is differentiated by can be moved.
+//! Problems with changed parameters: weights and joint origins.
 
 use std::sync::Arc;
 
@@ -8,19 +8,20 @@ use crate::kinematics::Tree;
 use crate::model::Model;
 
 impl Problem {
-    /// What multiplies the rows: a weight for each of [`Solution::rows`](crate::Solution), as
-    /// [`Task::weight`](crate::task::Task::weight) and [`times`](crate::task::Task::times) made it.
+    /// The factors on the rows, one for each of [`Solution::rows`](crate::Solution).
+    ///
+    /// [`Task::weight`](crate::task::Task::weight) and [`times`](crate::task::Task::times) set them.
     #[must_use]
     pub fn weights(&self) -> Vec<f64> {
         let blocks = self.tasks.iter().flat_map(CompiledTask::blocks);
         blocks.map(|block| block.weight).collect()
     }
 
-    /// The same problem with other [weights](Self::weights); its targets stay those that it was built with.
+    /// The problem with other [weights](Self::weights); its targets stay those that it was built with.
     ///
     /// # Errors
-    /// Another number of weights, one that is negative or not finite, and a problem that keeps clear of something: the
-    /// clearance's weight follows from the others.
+    /// Returns an error for a wrong number of weights, or a weight that is negative or not finite. A problem with
+    /// collision avoidance is an error too, because the clearance's weight depends on the others.
     pub fn with_weights(mut self, weights: &[f64]) -> Result<Self, ProblemError> {
         let expected = self.tasks.iter().map(|task| task.blocks.len()).sum();
         if weights.len() != expected {
@@ -42,12 +43,14 @@ impl Problem {
         Ok(self.apart())
     }
 
-    /// The same problem where the joints stand elsewhere on their parents, as they do in `model`: that of the problem
-    /// [moved](Model::with_joint_origins). Its weights, limits and lengths to judge by stay. A residual that keeps a
-    /// model's lengths itself, as [`Manipulability`](crate::task::Manipulability) does, keeps them.
+    /// The problem with the joint origins of `model`: its own model [moved](Model::with_joint_origins).
+    ///
+    /// Weights, limits and the reach stay. A residual with lengths of its own, such as
+    /// [`Manipulability`](crate::task::Manipulability), keeps them.
     ///
     /// # Errors
-    /// A model with other joints or frames, and a problem that keeps clear of something: a checker has the links' lengths.
+    /// Returns an error for a model with other joints or frames. A problem with collision avoidance is an error too,
+    /// because its checker stores the lengths of links.
     pub fn with_joint_origins(mut self, model: &Model) -> Result<Self, ProblemError> {
         if !self.is_of(model) {
             return Err(ProblemError::ForeignModel {
@@ -61,7 +64,7 @@ impl Problem {
         Ok(self.apart())
     }
 
-    /// Whether `model` has the shape of the one that it was stated on.
+    /// True if `model` has the joints and frames of the problem's model.
     pub(crate) fn is_of(&self, model: &Model) -> bool {
         let known = model.frames().len();
         model.name() == self.names.model
@@ -76,7 +79,7 @@ impl Problem {
         }
     }
 
-    /// Memory of the problem that it was is not its own: what was placed there stands elsewhere now.
+    /// Gives the problem a new identity, because workspaces of the old one hold outdated placements.
     fn apart(mut self) -> Self {
         self.names = Arc::new((*self.names).clone());
         self

@@ -1,4 +1,4 @@
-//! What a solver is asked: a problem, where its targets are, and within which bounds.
+//! Problem instances: a problem with targets and bounds.
 
 use super::{Problem, Scratch, Targets};
 use crate::kinematics::Tree;
@@ -6,17 +6,16 @@ use crate::model::{Limits, ParameterMap};
 use crate::solver::{ConfigurationSpace, RotationSets, TurnLimit};
 use crate::task::ErasedResidual;
 
-/// One question to a [`Problem`]. A reference to a problem is one: with the targets that it was built
-/// with, within all its bounds.
+/// An instance of a [`Problem`]. A problem reference converts to one with its own targets and bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) targets: &'a Targets,
     lower: &'a [f64],
     upper: &'a [f64],
-    /// How far balls may go from where they stood.
+    /// Largest rotations of ball joints from their start.
     moves: &'a [TurnLimit],
-    /// Which variables belong together as rotations, as steps are told at their edges.
+    /// Variables that form rotations; steps at the edges of their sets use other components.
     rotations: &'a RotationSets,
     tree: &'a Tree,
 }
@@ -37,21 +36,21 @@ impl<'a> From<&'a Problem> for Question<'a> {
 
 impl<'a> Question<'a> {
     getters! {
-        /// The problem that is asked.
+        /// The problem.
         pub fn problem(&self) -> &'a Problem = self.problem;
-        /// How many solver variables there are.
+        /// Number of solver variables.
         pub fn variables(&self) -> usize = self.problem.variables();
-        /// How many residual rows there are.
+        /// Number of residual rows.
         pub fn rows(&self) -> usize = self.problem.rows();
         /// The map from variables to configurations.
         pub fn parameters(&self) -> &'a ParameterMap = self.problem.parameters();
-        /// Scratch memory for this problem.
+        /// A workspace for this problem.
         pub fn scratch(&self) -> Scratch = self.problem.scratch();
         /// Lower bounds of the variables.
         pub fn lower(&self) -> &'a [f64] = self.lower;
         /// Upper bounds of the variables.
         pub fn upper(&self) -> &'a [f64] = self.upper;
-        /// The compiled kinematics that the tasks' slots refer to.
+        /// The compiled kinematics with the slots of the tasks.
         pub(crate) fn tree(&self) -> &'a Tree = self.tree;
     }
 
@@ -61,7 +60,8 @@ impl<'a> Question<'a> {
         ConfigurationSpace::new(self.lower, self.upper).with_rotations(self.rotations, self.moves)
     }
 
-    /// The same with derivatives by the variables at the edges of cones and angles too, for who knows those by himself.
+    /// The instance with derivatives by the variables even at the edges of cones and angles, for callers that handle
+    /// them.
     pub(crate) fn by_variables(self) -> Self {
         Self {
             rotations: const { &RotationSets::NONE },
@@ -69,12 +69,12 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// The same with other targets, which are of this problem.
+    /// The instance with other targets of the same problem.
     pub(crate) fn with_targets(self, targets: &'a Targets) -> Self {
         Self { targets, ..self }
     }
 
-    /// The same within other bounds, which lie within the problem's, and with balls no further than these moves.
+    /// The instance with tighter bounds and limits on the rotation of ball joints.
     pub(crate) fn within(self, lower: &'a [f64], upper: &'a [f64], moves: &'a [TurnLimit]) -> Self {
         Self {
             lower,
@@ -84,17 +84,17 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// The same where joints and frames stand elsewhere on their parents.
+    /// The instance with another tree, in which joints and frames have moved on their parents.
     pub(crate) fn with_places(self, tree: &'a Tree) -> Self {
         Self { tree, ..self }
     }
 
-    /// Whether joints stand elsewhere than where the problem was built.
+    /// True if the tree differs from the problem's.
     pub(crate) fn places_moved(&self) -> bool {
         !std::ptr::eq(self.tree, &self.problem.tree)
     }
 
-    /// A task's residual: the caller's, or of a clearance, which the caller does not see, the problem's own.
+    /// A task's residual: the caller's, or the problem's for a clearance, which the caller does not see.
     pub(crate) fn residual(&self, task: usize) -> &'a dyn ErasedResidual {
         match self.targets.residuals.get(task) {
             Some(residual) => &**residual,
@@ -102,7 +102,7 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// The same tasks and bounds of a problem that has the clearance of what this one keeps clear of among its goals.
+    /// The instance for a problem with the same tasks and bounds and an added clearance.
     pub(crate) fn fenced(self, by: &'a Problem) -> Self {
         Self {
             problem: by,
@@ -111,8 +111,7 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// Where random values of a variable are drawn from: its bounds, or where one is missing or
-    /// endlessly far away π or the reach from `at`.
+    /// The sampling range of a variable: its bounds, or `at` ± (π or the reach) if a bound is absent or very distant.
     pub(crate) fn sampling_range(&self, variable: usize, at: f64) -> (f64, f64) {
         let mut moves = self.moves.iter();
         if let Some(turn) = moves.find(|turn| turn.variables().contains(&variable)) {

@@ -1,23 +1,24 @@
-//! The order in which tasks are met, and the shares of a problem that follow from it.
+//! The priority order of tasks, and subsets of a problem's tasks.
 //!
-//! Tasks of one rank are weighed against each other; a rank never costs one above it. First come the model's
-//! loops, then the goals that can be missed, level by level, then what only pulls: preferences, and goals for which any error will
-//! do, level by level too. Where preferences are traded, all that pulls stands with the last level.
+//! Tasks of equal rank are weighted against each other; a rank never increases the error of a rank before it. The
+//! model's loops come first. Then come the required tasks that can be unreached, level by level. Soft tasks and
+//! required tasks with infinite tolerances come last, level by level. If soft tasks are weighted, they join the last
+//! level.
 
 use std::ops::Range;
 
 use super::{CompiledTask, Preferences};
 
-/// A part of a problem's tasks.
+/// A subset of a problem's tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Share {
-    /// Every task, in the order in which they were added.
+    /// Every task, in the order of addition.
     All,
-    /// The tasks of these ranks, rank by rank, and by the order in which they were added within one.
+    /// The tasks of a range of ranks, rank by rank, and in the order of addition within a rank.
     Ranks {
-        /// The first one.
+        /// The first rank.
         from: usize,
-        /// The one after the last.
+        /// One past the last rank.
         to: usize,
     },
 }
@@ -37,28 +38,28 @@ impl Share {
     }
 }
 
-/// What comes before what.
+/// Coarse priority of a task.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Class {
-    /// What closes a loop of the model.
+    /// A loop closure.
     Loop,
-    /// A goal that can be missed.
+    /// A required task that can be unreached, or a soft task weighted with it.
     Goal,
-    /// What only pulls.
+    /// A soft task, or a required task with infinite tolerances.
     Pull,
 }
 
 /// The ranks of a problem.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ranks {
-    /// Where the rows of each end, among those of all ranks one after the other.
+    /// End of the rows of each rank, in the priority order.
     ends: Vec<usize>,
-    /// How many have goals that can be missed: the first ones.
+    /// Number of leading ranks with required tasks that can be unreached.
     levels: usize,
 }
 
 impl Ranks {
-    /// Gives every task its rank, and its rows their place.
+    /// Assigns a rank to every task and numbers its rows in the priority order.
     pub(super) fn of(tasks: &mut [CompiledTask], preferences: Preferences) -> Self {
         let last_level = tasks.iter().filter(|task| task.binds && !task.is_loop);
         let last_level = last_level.map(|task| task.level).max();
@@ -89,13 +90,13 @@ impl Ranks {
     }
 
     getters! {
-        /// How many have goals that can be missed: the first ones.
+        /// Number of leading ranks with required tasks that can be unreached.
         pub(crate) fn levels(&self) -> usize = self.levels;
-        /// How many there are.
+        /// Number of ranks.
         pub(crate) fn count(&self) -> usize = self.ends.len();
     }
 
-    /// Where the rows of a rank begin.
+    /// Start of the rows of a rank.
     fn start(&self, rank: usize) -> usize {
         rank.checked_sub(1).map_or(0, |last| self.end(last))
     }
@@ -104,17 +105,17 @@ impl Ranks {
         self.ends.get(rank).copied().unwrap_or(0)
     }
 
-    /// How many rows some ranks have.
+    /// Number of rows of a range of ranks.
     pub(super) fn rows(&self, from: usize, to: usize) -> usize {
         self.start(to) - self.start(from)
     }
 
-    /// The rows of a rank, among those of all.
+    /// The rows of a rank, among those of all ranks.
     pub(crate) fn rows_of(&self, rank: usize) -> Range<usize> {
         self.start(rank)..self.end(rank)
     }
 
-    /// Where a task's rows stand among those of a share, if it belongs to that.
+    /// The rows of a task among those of a subset; `None` if it is not in the subset.
     pub(super) fn rows_in(&self, task: &CompiledTask, share: Share) -> Option<Range<usize>> {
         match share {
             Share::All => Some(task.rows.clone()),

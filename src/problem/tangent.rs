@@ -1,16 +1,16 @@
-//! How the variables of a problem move a model: the way from their rates to a velocity of the model.
+//! Map from rates of a problem's variables to a velocity of the model.
 
 use crate::model::{Model, ParameterMap, Segment, SegmentKind, Source, quaternion_at};
 use crate::spatial::{Matrix3, Quaternion, Vector3};
 
-/// The map ẋ ↦ v, where v is what [`Model::integrate`] takes.
+/// The map ẋ ↦ v, with v as in [`Model::integrate`].
 #[derive(Clone, Debug)]
 pub(crate) struct Tangent {
     segments: Vec<Segment>,
     degrees_of_freedom: usize,
 }
 
-/// A configuration with the variables that it comes from.
+/// A configuration with its variables.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Standing<'a> {
     pub(crate) map: &'a ParameterMap,
@@ -19,8 +19,10 @@ pub(crate) struct Standing<'a> {
 }
 
 impl Standing<'_> {
-    /// Where a ball's quaternion begins in q: its three axes by the rates of its variables, before it is turned,
-    /// if variables turn it.
+    /// The variables of a ball joint whose quaternion starts at `coordinate`: first index, and angular velocity per
+    /// unit rate.
+    ///
+    /// Axes are in the frame before its rotation. `None` if no variables move the joint.
     fn ball_axes(&self, coordinate: usize) -> Option<(usize, [Vector3<f64>; 3])> {
         let mut balls = self.map.balls().iter();
         let ball = balls.find(|ball| ball.coordinate == coordinate)?;
@@ -36,7 +38,7 @@ impl Standing<'_> {
     }
 }
 
-/// Slopes by a quaternion's numbers as slopes by its angular velocity in its own axes: q' = ½ q ω.
+/// Converts derivatives by a quaternion to derivatives by its angular velocity in its own axes: q' = ½ q ω.
 fn by_turn(q: &[f64], by_q: &[f64]) -> [f64; 3] {
     let Some(Quaternion { w, v }) = quaternion_at(q) else {
         return [0.0; 3];
@@ -54,7 +56,7 @@ impl Tangent {
         }
     }
 
-    /// How many numbers a velocity has.
+    /// Number of components of a velocity.
     pub(crate) fn degrees_of_freedom(&self) -> usize {
         self.degrees_of_freedom
     }
@@ -90,8 +92,7 @@ impl Tangent {
         }
     }
 
-    /// Adds to the slopes by the variables those by v that a scalar has: the transpose of
-    /// [`velocity`](Self::velocity).
+    /// Adds derivatives by v, converted to derivatives by the variables: the transpose of [`velocity`](Self::velocity).
     pub(crate) fn add_slope(&self, at: &Standing<'_>, by_v: &[f64], slope: &mut [f64]) {
         for Segment {
             kind,
@@ -131,7 +132,7 @@ impl Tangent {
         }
     }
 
-    /// Turns slopes by the numbers of a configuration, quaternions included, into slopes by v.
+    /// Converts derivatives by the coordinates of a configuration, quaternions included, to derivatives by v.
     pub(crate) fn slope_by_velocity(&self, q: &[f64], by_q: &[f64], by_v: &mut [f64]) {
         for Segment {
             kind,
@@ -156,7 +157,7 @@ impl Tangent {
         }
     }
 
-    /// Writes the squared length of v for a rate of 1 of each variable that turns no ball; 0 for those that do.
+    /// Writes the squared norm of v for a unit rate of each variable; 0 for variables of ball joints.
     pub(crate) fn squared_speeds(&self, at: &Standing<'_>, squared: &mut [f64]) {
         squared.fill(0.0);
         for coordinate in 0..at.map.sources().len() {

@@ -1,13 +1,12 @@
-//! Where the targets of a problem's tasks are: a small value beside the problem, which never changes.
+//! Targets of a problem's tasks: a small value separate from the constant problem.
 
 use super::{Problem, ProblemError, TaskId};
 use crate::task::{ErasedResidual, Residual};
 
-/// The residuals of a problem's tasks, whose targets move.
+/// The residuals of a problem's tasks, with targets that can change.
 ///
-/// A [`Problem`] holds those that it was built with. To ask for others, take a copy by
-/// [`Problem::targets`], move what should move, and solve [`Problem::with_targets`]: many threads solve
-/// one problem, each with targets of its own.
+/// A [`Problem`] holds those that it was built with. For other targets, copy them by [`Problem::targets`], change them,
+/// and solve [`Problem::with_targets`]. Many threads may solve one problem, each with its own targets.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
@@ -33,7 +32,7 @@ use crate::task::{ErasedResidual, Residual};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Targets {
-    /// By task.
+    /// The residual of each task.
     pub(super) residuals: Vec<Box<dyn ErasedResidual>>,
 }
 
@@ -41,20 +40,21 @@ impl Targets {
     /// A task's residual.
     ///
     /// # Errors
-    /// An id of another problem that is out of range here or names a residual of another type.
+    /// Returns an error for an id that is out of range or has another residual type.
     pub fn get<R: Residual>(&self, task: TaskId<R>) -> Result<&R, ProblemError> {
         let residual = self.residuals.get(task.index());
         let residual = residual.and_then(|residual| residual.as_any().downcast_ref());
         residual.ok_or_else(|| self.foreign(task.index()))
     }
 
-    /// A task's residual, to move its target. Numbers set here are not checked: a target that is not
-    /// finite ends the solve as non-finite.
+    /// A task's residual, to change its target.
+    ///
+    /// Numbers set here are not checked: a target that is not finite ends the solve as non-finite.
     ///
     /// # Errors
-    /// As [`get`](Self::get).
+    /// Returns the errors of [`get`](Self::get).
     pub fn get_mut<R: Residual>(&mut self, task: TaskId<R>) -> Result<&mut R, ProblemError> {
-        // Looked up twice, as a failure still borrows what it would have returned.
+        // Looked up twice, because a failure would still borrow the returned reference.
         self.get(task)?;
         let residual = self.residuals.get_mut(task.index());
         let residual = residual.and_then(|residual| residual.as_any_mut().downcast_mut());
@@ -72,7 +72,7 @@ impl Targets {
         }
     }
 
-    /// Whether these are of a problem with the same tasks.
+    /// True if these are targets of a problem with the same tasks.
     pub(super) fn fit(&self, problem: &Problem) -> bool {
         let own = &problem.targets.residuals;
         let mut pairs = self.residuals.iter().zip(own);

@@ -1,61 +1,64 @@
-//! What a robot's root link moves on.
+//! Base joints: the joint between the world and the root link of a robot.
 
 use super::Robot;
 use crate::model::{JointId, Limits, ModelBuilder, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
-/// The name of the joint that is put under a robot, or what its parts' names begin with.
+/// Name of the base joint, and prefix of the names of its parts.
 const NAME: &str = "root_joint";
 
-/// How the root of a robot moves in the world.
+/// Motion of a robot's root link in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BaseJoint {
-    /// It does not.
+    /// The root link is fixed in the world.
     Fixed,
-    /// Any way, as a humanoid's pelvis does: x, y, z within `room` (metres) and a unit quaternion, which begin
-    /// the configuration. Its joints are `root_joint/x`, `root_joint/y`, `root_joint/z` and
-    /// `root_joint/rotation`.
+    /// Six degrees of freedom, as of a humanoid's pelvis: x, y and z (metres) and a unit quaternion. They come first in
+    /// the configuration.
+    ///
+    /// The joints are `root_joint/x`, `root_joint/y`, `root_joint/z` and `root_joint/rotation`.
     Free {
-        /// Where it may stand.
+        /// Bounds of x, y and z, metres.
         room: [Limits; 3],
     },
-    /// On the ground, as a mobile base does: x and y within `room` (metres) and a turn about z within `yaw`
-    /// (radians). Its joints are `root_joint/x`, `root_joint/y` and `root_joint/yaw`.
+    /// Planar motion on the ground, as of a mobile base: x and y (metres) and a rotation about z (radians).
+    ///
+    /// The joints are `root_joint/x`, `root_joint/y` and `root_joint/yaw`.
     Planar {
-        /// Where it may stand.
+        /// Bounds of x and y, metres.
         room: [Limits; 2],
-        /// How far it may turn.
+        /// Bounds of the rotation about z, radians.
         yaw: Limits,
     },
-    /// On a rail: `root_joint` slides along `axis`, of any length but zero, within `limits` (metres).
+    /// A linear rail: the prismatic joint `root_joint`. `axis` may have any length but zero.
     Sliding {
-        /// The rail's direction in the world.
+        /// Direction of the rail in the world.
         axis: Vector3<f64>,
-        /// Where on it it may stand.
+        /// Bounds of the position along the rail, metres.
         limits: Limits,
     },
 }
 
 impl BaseJoint {
-    /// Any way and anywhere.
+    /// Six degrees of freedom without bounds.
     pub const FREE: Self = Self::Free {
         room: [Limits::UNBOUNDED; 3],
     };
 
-    /// Anywhere on the ground, turned any way about z.
+    /// Planar motion without bounds.
     pub const PLANAR: Self = Self::Planar {
         room: [Limits::UNBOUNDED; 2],
         yaw: Limits::UNBOUNDED,
     };
 
-    /// What it is called from outside: `fixed`, `free`, `planar`, or `slide-x` and its like along an axis of the
-    /// world.
+    /// Names of the kinds of base joints. `slide-x`, `slide-y` and `slide-z` are rails along the axes of the world.
     pub const KINDS: [&'static str; 6] =
         ["fixed", "free", "planar", "slide-x", "slide-y", "slide-z"];
 
-    /// The base joint of a [kind](Self::KINDS), within ranges along the axes on which it moves: `x`, `y` and `z` in
-    /// metres, of a planar one `yaw` in radians. What no range is given for is anywhere; of two along one axis both count.
+    /// Creates the base joint of a [kind](Self::KINDS), with bounds along the axes on which it moves.
+    ///
+    /// The axes are `x`, `y` and `z` (metres), and for `planar` also `yaw` (radians). Axes without a range are
+    /// unbounded. Two ranges of one axis are intersected.
     ///
     /// ```
     /// # use kinopt::model::Limits;
@@ -68,7 +71,7 @@ impl BaseJoint {
     /// ```
     ///
     /// # Errors
-    /// An unknown kind, or an axis on which such a base does not move; the error tells those that there are.
+    /// An unknown kind, or an axis on which the base does not move. The error lists the valid names.
     pub fn named<A: AsRef<str>>(
         kind: &str,
         ranges: impl IntoIterator<Item = (A, Limits)>,
@@ -83,7 +86,7 @@ impl BaseJoint {
             let own = moves.iter().find(|&&own| AXES[own] == axis);
             let valid = moves.iter().map(|&own| AXES[own]);
             let own = own.ok_or_else(|| UnknownName::new("axis of this base", axis, valid))?;
-            // One that is none stays so, for the builder to name.
+            // Limits that are NaN stay NaN, so that the model builder reports them.
             let own = &mut room[*own];
             let is_none = |limits: &Limits| limits.lower.is_nan() || limits.upper.is_nan();
             match (is_none(own), is_none(&range)) {
@@ -119,11 +122,13 @@ impl BaseJoint {
 }
 
 impl Robot {
-    /// The same robot on a joint that moves the whole of it: everything that stood in the world stands on
-    /// that. Frames keep their ids; joints get new ones, and those of the base come first in a configuration.
+    /// Puts the robot on a base joint that moves it as a whole. All joints and links that are fixed to the world become
+    /// children of the base joint.
     ///
-    /// A robot that a free joint of its own moves as a whole, as most MJCF files have one, has a free base: that one is
-    /// taken, under its own name, within the room and first in a configuration, and joints keep their ids.
+    /// Frames keep their ids. Joints get new ids, and the base joints come first in the configuration.
+    ///
+    /// A robot whose file already has a free joint at the root, as most MJCF files do, keeps that joint as its free
+    /// base. The joint keeps its name, gets the bounds and comes first in the configuration. All joints keep their ids.
     ///
     /// ```
     /// # use kinopt::robot::{BaseJoint, Robot};
@@ -134,8 +139,8 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A room that is none, an axis without direction, a robot that has a joint of that name, or a planar or sliding
-    /// base of one that moves freely.
+    /// Invalid bounds, an axis of zero length, or a joint name that already exists. Also a planar or sliding base for a
+    /// robot with a free root joint.
     pub fn with_base_joint(self, base: BaseJoint) -> Result<Self, ModelError> {
         match (base, self.free_root()) {
             (BaseJoint::Fixed, _) | (_, None) => self.put_on(base),
@@ -147,8 +152,8 @@ impl Robot {
         }
     }
 
-    /// Whether a joint slides everything that moves: a free, planar or sliding base, be it the file's own or
-    /// [put under it](Self::with_base_joint).
+    /// Reports whether a joint translates all moving parts: a free, planar or sliding base, from the file or from
+    /// [`with_base_joint`](Self::with_base_joint).
     #[must_use]
     pub fn moves_as_a_whole(&self) -> bool {
         let joints = self.model.joints();
@@ -156,14 +161,14 @@ impl Robot {
         carrying.any(|id| joints[id.index()].kind.slides())
     }
 
-    /// The first slide of the free joint that everything that moves hangs on, if there is one.
+    /// The first translation joint of the free root joint, if the robot has one.
     #[must_use]
     pub fn free_root(&self) -> Option<JointId> {
         let free = self.model.free_joints();
         self.carrying_joints().find(|id| free.contains(id))
     }
 
-    /// The moving joints that everything that moves hangs on.
+    /// The moving joints that carry all moving joints; a joint carries itself.
     fn carrying_joints(&self) -> impl Iterator<Item = JointId> {
         let joints = self.model.joints();
         let up = |id: &JointId| joints[id.index()].parent;
@@ -174,12 +179,12 @@ impl Robot {
         moving.iter().copied().filter(carries)
     }
 
-    /// The same robot whose own free joint stays within a room and comes first in a configuration.
+    /// The robot with bounds on its free root joint, which comes first in the configuration.
     fn keep_within(self, first: JointId, room: [Limits; 3]) -> Result<Self, ModelError> {
         let mut builder = ModelBuilder::from_model(&self.model);
         let mut order = self.model.moving_joints().to_vec();
         order.dedup();
-        // Its slides and its ball stand side by side.
+        // A free joint is four consecutive joints: three translations and a ball.
         let end = order.iter().take_while(|id| **id != first).count() + 4;
         if let Some(to_base) = order.get_mut(..end) {
             to_base.rotate_right(4);
@@ -193,7 +198,7 @@ impl Robot {
         Ok(Self { model, map, ..self })
     }
 
-    /// The same robot on one more joint.
+    /// The robot on an added base joint.
     fn put_on(self, base: BaseJoint) -> Result<Self, ModelError> {
         let before = self.model.joints().len();
         let builder = ModelBuilder::on_base(&self.model, |builder| base.add_to(builder));

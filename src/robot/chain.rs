@@ -1,8 +1,8 @@
-//! Ways through the tree: from a base to a tip, and where the tree ends.
+//! Kinematic chains between two frames, and end frames of the tree.
 
 use crate::model::{FrameId, JointId, Model};
 
-/// The moving joints on the way from `base` up to the common ancestor and down to `tip`.
+/// The moving joints from `base` up to the common ancestor and down to `tip`.
 pub(super) fn between(model: &Model, base: FrameId, tip: FrameId) -> Vec<JointId> {
     let path = model.path(Some(base), tip);
     let joints = path.up.into_iter().chain(path.down);
@@ -11,8 +11,8 @@ pub(super) fn between(model: &Model, base: FrameId, tip: FrameId) -> Vec<JointId
         .collect()
 }
 
-/// The frames whose joint carries no other joint. Of several on one joint (a flange and a tool
-/// point) each counts; frames in the world count only where there is nothing else.
+/// The frames whose joint has no child joint. All frames of such a joint count, for example a flange and a tool point.
+/// Frames in the world count only in a model without joints.
 pub(super) fn tips(model: &Model) -> Vec<FrameId> {
     let mut carries = vec![false; model.joints().len()];
     for parent in model.joints().iter().filter_map(|joint| joint.parent) {

@@ -1,54 +1,58 @@
-//! Which links of an MJCF file touch each other, by MuJoCo's rules.
+//! Enabled collision pairs of the links of an MJCF file, by MuJoCo's rules.
 //!
-//! MuJoCo's documentation, "Computation", "Selection" of collisions: geoms of bodies that are welded to each other never touch,
-//! nor a body's and its parent's unless that is welded to the world, nor what `exclude` names, nor geoms whose bits do not meet;
-//! what `pair` names does, whatever else is said.
+//! Source: MuJoCo's documentation, "Computation", "Selection" of collisions. These pairs are disabled:
+//! - geoms of bodies that are welded to each other;
+//! - geoms of a body and its parent, unless the parent is welded to the world;
+//! - pairs of bodies that `exclude` names;
+//! - geoms whose contact bits do not match.
+//!
+//! A `pair` element enables its pair in all cases.
 
 use crate::spatial::Placement;
 
-/// `contype` and `conaffinity`.
+/// `contype` (`own`) and `conaffinity` (`of_others`) of a geom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContactBits {
     pub(crate) own: u32,
     pub(crate) of_others: u32,
 }
 
-/// What a body says about contacts; links are counted as bodies are.
+/// Contact properties of a body. Body indices equal link indices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactBody {
-    /// The body that it is welded to, or itself; 0 is the world.
+    /// Index of the topmost body to which it is welded, or its own index. 0 is the world.
     pub(crate) weld: usize,
-    /// Of the body that `weld` stands on.
+    /// `weld` of the parent of the body `weld`.
     pub(crate) weld_parent: usize,
-    /// Of its shapes.
+    /// Contact bits of the collision geoms.
     pub(crate) bits: Vec<ContactBits>,
 }
 
-/// A half-space that stands on a body, its z axis outwards.
+/// A half-space fixed to a body; its z axis is the outward normal.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactPlane {
     pub(crate) name: String,
     pub(crate) body: usize,
     pub(crate) body_from_plane: Placement<f64>,
     pub(crate) bits: ContactBits,
-    /// Bodies that are kept over it, whatever else is said.
+    /// Bodies for which a `pair` element enables collisions with the plane.
     pub(crate) paired: Vec<usize>,
 }
 
-/// Which links are kept apart.
+/// Enabled collision pairs of links and planes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Contacts {
     pub(crate) bodies: Vec<ContactBody>,
     pub(crate) planes: Vec<ContactPlane>,
-    /// Bodies, the lower first.
+    /// Disabled pairs of bodies, the lower index first.
     pub(crate) excluded: Vec<[usize; 2]>,
     pub(crate) paired: Vec<[usize; 2]>,
-    /// Whether a body and its parent touch too.
+    /// Collisions of a body with its parent are enabled too.
     pub(crate) parents_count: bool,
 }
 
 impl ContactBits {
-    /// MuJoCo's own for what says nothing.
+    /// MuJoCo's default for geoms without the attributes.
     pub(crate) const USUAL: Self = Self {
         own: 1,
         of_others: 1,
@@ -60,18 +64,18 @@ impl ContactBits {
 }
 
 impl Contacts {
-    /// Whether two links are kept apart.
+    /// Reports whether collisions of two links are enabled.
     pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
         self.paired.contains(&[a.min(b), a.max(b)])
             || self.bodies_meet(a, b) && self.meeting(a, b).any(|meet| meet)
     }
 
-    /// Whether some shapes of two links that are kept apart could go through each other.
+    /// Reports whether collisions of two links are enabled, but disabled for some pairs of their geoms.
     pub(crate) fn are_apart_in_part(&self, a: usize, b: usize) -> bool {
         self.are_apart(a, b) && !self.meeting(a, b).all(|meet| meet)
     }
 
-    /// Whether a link is kept over a plane.
+    /// Reports whether collisions of a link with a plane are enabled.
     pub(crate) fn is_over(&self, plane: &ContactPlane, link: usize) -> bool {
         plane.paired.contains(&link)
             || self.bodies_meet(plane.body, link)

@@ -1,4 +1,4 @@
-//! What moves a joint, as far as files tell it: speed, effort, soft limits.
+//! Joint velocity, acceleration, jerk and effort limits, and soft limits.
 
 use super::{Robot, mimic};
 use crate::ik::MotionLimits;
@@ -7,24 +7,24 @@ use crate::model::{JointId, Limits, ModelError};
 /// Limits of a joint's drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Drive {
-    /// rad/s or m/s.
+    /// In rad/s or m/s.
     pub(super) velocity: Option<f64>,
-    /// rad/s² or m/s².
+    /// In rad/s² or m/s².
     pub(super) acceleration: Option<f64>,
-    /// rad/s³ or m/s³.
+    /// In rad/s³ or m/s³.
     pub(super) jerk: Option<f64>,
-    /// N·m or N.
+    /// In N·m or N.
     pub(super) effort: Option<f64>,
-    /// Radians or metres.
+    /// In radians or metres.
     pub(super) soft_limits: Option<Limits>,
 }
 
 impl Robot {
-    /// How fast a joint may move, in rad/s or m/s: `velocity` of its `<limit>` in the file. `None`
-    /// where the file states none, for fixed joints and for ids beyond this robot's joints.
+    /// Velocity limit of a joint, rad/s or m/s: `velocity` of its `<limit>` in the file. `None` for joints without a
+    /// limit, fixed joints and unknown ids.
     ///
-    /// A `velocity` of 0 or less is `None` too: URDF demands the attribute, and files that know no
-    /// speed write 0; a joint that cannot move at all is a fixed one.
+    /// A `velocity` of 0 or less counts as no limit. URDF requires the attribute, and exporters that have no value
+    /// write 0.
     ///
     /// ```
     /// # use kinopt::robot::Robot;
@@ -38,10 +38,12 @@ impl Robot {
         self.drives.get(joint.index())?.velocity
     }
 
-    /// How far each joint gets in a time, in radians or metres: its [`velocity_limit`](Self::velocity_limit) times
-    /// `seconds`, one for every number of a configuration, infinity for what has no limit. For
-    /// [`MoveLimits::new`](crate::ik::MoveLimits::new), which refuses what a negative time makes of it. A ball turns by
-    /// the angle; a free joint's slides and ball each have their own.
+    /// Largest displacement of each joint in `seconds`, radians or metres: its [`velocity_limit`](Self::velocity_limit)
+    /// times `seconds`. [`MoveLimits::new`](crate::ik::MoveLimits::new) takes the result, and rejects the negative
+    /// values that a negative time gives.
+    ///
+    /// The length is that of a configuration. Joints without a limit have infinity. The displacement of a ball joint is
+    /// its rotation angle. The translations and the ball of a free joint have separate limits.
     #[must_use]
     pub fn moves_within(&self, seconds: f64) -> Vec<f64> {
         let joints = self.model.moving_joints().iter();
@@ -50,8 +52,9 @@ impl Robot {
         moves.collect()
     }
 
-    /// Acceleration limit of a joint, rad/s² or m/s²: `acceleration` of a URDF's `<limit>` (URDF 1.2), or `max_acceleration` of a
-    /// [`joint_limits.yaml`](Self::with_joint_limits). `None` as for [`velocity_limit`](Self::velocity_limit).
+    /// Acceleration limit of a joint, rad/s² or m/s²: `acceleration` of a URDF's `<limit>` (URDF 1.2), or
+    /// `max_acceleration` of a [`joint_limits.yaml`](Self::with_joint_limits). `None` as for
+    /// [`velocity_limit`](Self::velocity_limit).
     #[must_use]
     pub fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
         self.drives.get(joint.index())?.acceleration
@@ -64,9 +67,11 @@ impl Robot {
         self.drives.get(joint.index())?.jerk
     }
 
-    /// Velocity, acceleration and jerk limits of the robot's files, for
-    /// [`Drag::with_motion_limits`](crate::ik::Drag::with_motion_limits). Infinite for joints without one, such as a free base: set its
-    /// numbers, the first three linear, the next four angular.
+    /// Velocity, acceleration and jerk limits from the robot's files, for
+    /// [`Drag::with_motion_limits`](crate::ik::Drag::with_motion_limits).
+    ///
+    /// Joints without a limit, such as a free base, have infinity. Set the values of a free base directly: the first
+    /// three are linear, the next four angular.
     #[must_use]
     pub fn motion_limits(&self) -> MotionLimits {
         let of = |limit: fn(&Self, JointId) -> Option<f64>| -> Vec<f64> {
@@ -80,34 +85,35 @@ impl Robot {
             .with_jerk(of(Self::jerk_limit))
     }
 
-    /// How hard a joint may push, in N·m or N: `effort` of its `<limit>` in the file. `None` as for
+    /// Effort limit of a joint, N·m or N: `effort` of its `<limit>` in the file. `None` as for
     /// [`velocity_limit`](Self::velocity_limit).
     #[must_use]
     pub fn effort_limit(&self, joint: JointId) -> Option<f64> {
         self.drives.get(joint.index())?.effort
     }
 
-    /// The range in which the joint's own safety controller leaves it alone, in radians or metres:
-    /// `<safety_controller>` in the file, unbounded on a side that it does not give. `None` where it
-    /// gives neither. It binds nothing unless [`with_soft_limits`](Self::with_soft_limits) is asked
-    /// for.
+    /// Soft limits of a joint, radians or metres: the range outside which the joint's safety controller acts. They come
+    /// from `<safety_controller>` in the file, unbounded on a side that the file does not state.
+    ///
+    /// `None` if the file states neither side. Soft limits have no effect unless
+    /// [`with_soft_limits`](Self::with_soft_limits) is called.
     #[must_use]
     pub fn soft_limits(&self, joint: JointId) -> Option<Limits> {
         self.drives.get(joint.index())?.soft_limits
     }
 
-    /// The same robot with every joint also within its [`soft_limits`](Self::soft_limits), where a
-    /// real robot's controller would stop or push it back.
+    /// Narrows the limits of every joint to its [`soft_limits`](Self::soft_limits), at which the controller of a real
+    /// robot stops the joint or pushes it back.
     ///
     /// # Errors
-    /// The first joint whose soft limits leave it no value, or whose followers do.
+    /// The first joint whose soft limits, or those of its mimic joints, leave it no value.
     pub fn with_soft_limits(self) -> Result<Self, ModelError> {
         let soft = |joint| Some((joint, self.soft_limits(joint)?));
         let narrowed: Vec<_> = self.model.joint_ids().filter_map(soft).collect();
         self.narrowed(&narrowed)
     }
 
-    /// The same robot with joints also within these limits.
+    /// Narrows the limits of the given joints.
     pub(super) fn narrowed(self, limits: &[(JointId, Limits)]) -> Result<Self, ModelError> {
         let mut mimics = self.mimics;
         let mut builder = mimics.with_ranges_of_files(&self.model);

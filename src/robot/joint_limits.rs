@@ -1,4 +1,4 @@
-//! MoveIt's `joint_limits.yaml`: what a robot's joints may do, beside what its description says.
+//! MoveIt's `joint_limits.yaml`: joint limits in addition to those of a robot description.
 
 use std::path::Path;
 
@@ -8,13 +8,15 @@ use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::model::{JointId, JointRef, Limits};
 use crate::yaml::{self, Node, Value};
 
-/// Bytes that are read of a file.
+/// Largest file size that is read, bytes.
 const LONGEST: u64 = 16 << 20;
 
 impl Robot {
-    /// The same robot with the limits of a `joint_limits.yaml`, as MoveIt's configurations have it: under `joint_limits` each
-    /// joint's `max_velocity`, `max_acceleration` and `max_jerk` (`has_velocity_limits: false` removes one), `min_position` and
-    /// `max_position`, which narrow what the robot's file says. Radians and metres, seconds. Other keys are ignored.
+    /// Adds the limits of a `joint_limits.yaml`, as in a MoveIt configuration.
+    ///
+    /// The map `joint_limits` holds `max_velocity`, `max_acceleration` and `max_jerk` of each joint.
+    /// `has_velocity_limits: false` and the like remove a limit. `min_position` and `max_position` narrow the limits of
+    /// the robot's file. Units are radians, metres and seconds. Other keys are ignored.
     ///
     /// ```
     /// use kinopt::robot::Robot;
@@ -27,15 +29,15 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A file that cannot be read or is no such file, a joint that the robot does not have, a limit that is not above 0 (a
-    /// position that is not finite), or positions that leave a joint no value.
+    /// A file that cannot be read or has another format, an unknown joint, or a rate limit that is not above 0. Also a
+    /// position that is not finite, or positions that leave a joint no value.
     pub fn with_joint_limits(self, path: impl AsRef<Path>) -> Result<Self, ReadError> {
         read_with(path.as_ref(), LONGEST, |bytes, file| {
             self.with_joint_limits_of(bytes, file)
         })
     }
 
-    /// The same from bytes; `file` is its name in messages.
+    /// Adds the limits of a `joint_limits.yaml` from bytes. `file` is the file name for error messages.
     ///
     /// # Errors
     /// As for [`with_joint_limits`](Self::with_joint_limits).
@@ -53,7 +55,7 @@ impl Robot {
         })?;
         let joints = match &told.value {
             Value::Map(joints) => joints.as_slice(),
-            // All joints commented out.
+            // A file whose joints are all commented out.
             _ if told.list().is_some_and(<[_]>::is_empty) => &[],
             _ => return Err(fail(file, told, "`joint_limits` is no map of joints")),
         };
@@ -94,7 +96,7 @@ impl Joint<'_, '_> {
             .map_err(|unknown| fail(self.file, self.name, &unknown.to_string()))
     }
 
-    /// What `has_…_limits` says; what is not said is taken by whether there is a number.
+    /// Value of `has_…_limits`, if the file has it.
     fn has(&self, what: &str) -> Result<Option<bool>, ReadError> {
         let key = format!("has_{what}_limits");
         let Some(node) = self.limits.get(&key) else {
@@ -120,7 +122,7 @@ impl Joint<'_, '_> {
         number.map(Some).ok_or_else(problem)
     }
 
-    /// Replaces a limit of a rate, or takes it away.
+    /// Replaces or removes a velocity, acceleration or jerk limit.
     fn rate(&self, what: &str, known: &mut Option<f64>) -> Result<(), ReadError> {
         let key = format!("max_{what}");
         match (self.has(what)?, self.number(&key)?) {

@@ -1,96 +1,97 @@
-//! What a link is made of: shapes and mass. Kinematics needs none of it.
+//! Shapes and masses of links. Kinematics does not use them.
 
 use crate::spatial::Placement;
 
-/// A link's shapes and mass, as its file gives them.
+/// Shapes and mass of a link, as its file states them.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Link {
-    /// What it looks like.
+    /// Shapes for display.
     pub visuals: Vec<Shape>,
-    /// What it bumps into things with.
+    /// Shapes for collision checks.
     pub collisions: Vec<Shape>,
-    /// Its mass; `None` where the file states none, or leaves it to meshes.
+    /// Mass and inertia. `None` if the file states none, or if they depend on mesh files.
     pub inertial: Option<Inertial>,
-    /// What of its mass stands in the files of meshes, which are not opened: MJCF weighs shapes.
+    /// The part of the inertia that depends on mesh files, which the reader does not open. Only MJCF computes masses
+    /// from shapes.
     pub left_to_meshes: Option<LeftToMeshes>,
 }
 
-/// What of a mass cannot be known without opening the file of a mesh.
+/// Mass properties that are unknown without opening a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LeftToMeshes {
-    /// How much there is: a volume times a density.
+    /// The mass: a volume times a density.
     Mass,
-    /// Where its centre is.
+    /// The centre of mass; the mass itself is known.
     Centre {
-        /// Kilograms, which are stated.
+        /// Mass in kilograms, as the file states it.
         mass: f64,
     },
 }
 
-/// A body of a link.
+/// A shape of a link, for display or for collision checks.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Shape {
-    /// Its name, which few have.
+    /// Name of the shape, if the file gives one.
     pub name: Option<String>,
-    /// Where it stands in the link's frame.
+    /// Pose of the shape in the link's frame.
     pub link_from_shape: Placement<f64>,
-    /// What it is.
+    /// Type and dimensions.
     pub geometry: Geometry,
 }
 
-/// The kinds of bodies, centred on their own origins; lengths in metres.
+/// Types of shapes, each centred on its origin; lengths in metres.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Geometry {
-    /// A box with its whole lengths along x, y and z.
+    /// A box.
     Box {
-        /// Along x, y and z.
+        /// Full lengths along x, y and z.
         size: [f64; 3],
     },
     /// A cylinder along z.
     Cylinder {
-        /// Its radius.
+        /// Radius.
         radius: f64,
-        /// From one end to the other.
+        /// Length along z, from end to end.
         length: f64,
     },
-    /// A cylinder along z with half a sphere at either end.
+    /// A capsule: a cylinder along z with a half-sphere at each end.
     Capsule {
-        /// Of the cylinder and the spheres.
+        /// Radius of the cylinder and of the half-spheres.
         radius: f64,
-        /// Of the cylinder alone.
+        /// Length of the cylinder without the half-spheres.
         length: f64,
     },
     /// A sphere.
     Sphere {
-        /// Its radius.
+        /// Radius.
         radius: f64,
     },
-    /// An ellipsoid, which MJCF knows.
+    /// An ellipsoid (MJCF only).
     Ellipsoid {
-        /// Its radii along x, y and z.
+        /// Radii along x, y and z.
         radii: [f64; 3],
     },
-    /// A mesh in a file of its own, which is not opened.
+    /// A mesh in a separate file, which the reader does not open.
     Mesh {
-        /// As it stands in the robot's file: `package://…`, `file://…` or a path.
+        /// Reference as the robot's file states it: `package://…`, `file://…` or a path.
         file: String,
-        /// Factors along x, y and z.
+        /// Scale factors along x, y and z.
         scale: [f64; 3],
     },
 }
 
-/// The mass of a link and how it is spread.
+/// Mass and moments of inertia of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Inertial {
-    /// Kilograms.
+    /// Mass, kilograms.
     pub mass: f64,
-    /// The frame that the moments are in; its origin is the centre of mass, in the link's frame.
+    /// Pose of the inertia frame in the link's frame; its origin is the centre of mass.
     pub link_from_inertia: Placement<f64>,
-    /// Moments of inertia about the centre of mass, kg·m²: symmetric, rows of the matrix.
+    /// Moments of inertia about the centre of mass in the inertia frame, kg·m²: rows of the symmetric matrix.
     pub moments: [[f64; 3]; 3],
 }

@@ -1,4 +1,4 @@
-//! A robot's masses, as the inertials of its links give them.
+//! Masses of a robot, from the inertials of its links.
 
 use nalgebra::Matrix3xX;
 
@@ -8,7 +8,7 @@ use crate::model::{MassError, Masses, PointMass, moving_joint};
 use crate::spatial::Vector3;
 
 impl Robot {
-    /// The masses that the file gives the links (`<inertial>`), but for those that stand in the world.
+    /// Masses of the links, from `<inertial>` in the file. Links that are fixed to the world are left out.
     ///
     /// ```
     /// # use kinopt::robot::Robot;
@@ -23,22 +23,22 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A negative mass, by the link's name, none at all, or a mass that stands in the file of a mesh
-    /// ([`Link::left_to_meshes`](super::Link::left_to_meshes)).
+    /// A negative mass, no mass at all, or a mass that depends on a mesh file
+    /// ([`Link::left_to_meshes`](super::Link::left_to_meshes)). The error names the link.
     pub fn masses(&self) -> Result<Masses, MassError> {
         self.gathered(|link| link.left_to_meshes.is_some())
     }
 
-    /// What [`masses`](Self::masses) weigh together, kilograms; known too where their centre is not.
+    /// Sum of the [`masses`](Self::masses), kilograms. A link whose mass is known and whose centre is not still counts.
     ///
     /// # Errors
-    /// As [`masses`](Self::masses), but for masses of which only the centre stands in the file of a mesh.
+    /// As [`masses`](Self::masses), except for links of which only the centre of mass depends on a mesh file.
     pub fn total_mass(&self) -> Result<f64, MassError> {
         let masses = self.gathered(|link| link.left_to_meshes == Some(LeftToMeshes::Mass))?;
         Ok(masses.total())
     }
 
-    /// The masses of links that joints move, none of which may be `unknown`.
+    /// The masses of links that joints move; an error if `unknown` holds for one of them.
     fn gathered(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
         let links = || self.model.frame_ids().zip(&self.links);
         let mut left = links()
@@ -59,15 +59,15 @@ impl Robot {
         Masses::new(&self.model, masses)
     }
 
-    /// Where the centre of its masses is at a configuration (radians and metres), in the world, metres.
+    /// Position of the centre of mass in the world at a configuration (radians and metres), metres.
     ///
     /// # Errors
-    /// As [`masses`](Self::masses), or a configuration that is none.
+    /// As [`masses`](Self::masses), or an invalid configuration.
     pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, CentreOfMassError> {
         Ok(centre_of_mass(&self.model, &self.masses()?, q)?)
     }
 
-    /// How the centre of mass moves: see [`centre_of_mass_jacobian`].
+    /// Jacobian of the centre of mass: see [`centre_of_mass_jacobian`].
     ///
     /// # Errors
     /// As [`centre_of_mass`](Self::centre_of_mass).

@@ -5,29 +5,29 @@ use crate::model::{JointId, Limits, Model, ModelBuilder, ModelError, ParameterMa
 #[cfg(feature = "xml")]
 use crate::robot::Mended;
 
-/// Largest distance of a mimic joint from its own range that counts as rounding of the file's numbers, radians or metres.
+/// Largest distance of a mimic joint from its range that counts as rounding of the file's numbers, radians or metres.
 #[cfg(any(feature = "urdf", feature = "mjcf"))]
 const MAX_ROUNDING: f64 = 1e-6;
 /// Largest distance of a mimic joint from the value that its source joint gives, radians or metres.
 const MAX_DEVIATION: f64 = 1e-9;
 
-/// A joint that follows another: its value is `ratio · master + offset`.
+/// A mimic joint: its value is `ratio · master + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mimic {
-    /// The joint that follows.
+    /// The mimic joint.
     pub joint: JointId,
-    /// The joint it follows, which may itself follow another.
+    /// The source joint, which may be a mimic joint itself.
     pub master: JointId,
-    /// In units of the joint per unit of the master.
+    /// Factor, in units of the mimic joint per unit of the source joint.
     pub ratio: f64,
-    /// In radians or metres.
+    /// Offset, in radians or metres.
     pub offset: f64,
 }
 
 /// The mimic joints of a robot, and the ranges that its files state for them.
 ///
-/// The model's limits of a mimic joint contain every value that its source joint gives it, so that they restrict no source
-/// joint, unless [`restrict_sources`](Self::restrict_sources) is set.
+/// The model's limits of a mimic joint contain every value that the source joint gives it. Mimic joints then do not
+/// restrict their sources, unless [`restrict_sources`](Self::restrict_sources) is set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mimics {
     pub(super) joints: Vec<Mimic>,
@@ -37,7 +37,7 @@ pub(super) struct Mimics {
 }
 
 impl Mimics {
-    /// Mimic joints of a model that has the ranges of the files.
+    /// Creates the mimic joints of a model that has the ranges of the files.
     pub(super) fn of(model: &Model, joints: Vec<Mimic>) -> Self {
         Self {
             ranges: ranges(model, &joints),
@@ -115,10 +115,11 @@ fn hull(a: &Limits, b: &Limits) -> Limits {
 }
 
 impl Robot {
-    /// The same robot whose mimic joints also restrict their source joints: a source joint keeps only the values at which all joints
-    /// that follow it are within their own limits.
+    /// Restricts source joints by the limits of their mimic joints. A source joint keeps only the values at which all
+    /// its mimic joints are within their own limits.
     ///
-    /// Without it a source joint keeps its own limits, and the limits of a mimic joint contain all values that the source gives it.
+    /// By default a source joint keeps its own limits. The limits of a mimic joint then contain all values that the
+    /// source gives it.
     ///
     /// ```
     /// # use kinopt::robot::Robot;
@@ -143,27 +144,29 @@ impl Robot {
         Ok(Self { model, map, ..self })
     }
 
-    /// The configuration closest to all zeros within the limits, with mimic joints at the values that their source joints give them.
+    /// The configuration closest to all zeros within the limits, with mimic joints at the values that their source
+    /// joints give them.
     #[must_use]
     pub fn neutral(&self) -> Vec<f64> {
         self.with_mimics_applied(self.model.neutral())
     }
 
-    /// A configuration sampled as by [`Model::random_configuration`], with mimic joints at the values that their source joints give them.
+    /// A configuration sampled as by [`Model::random_configuration`]. Mimic joints have the values that their source
+    /// joints give them.
     #[must_use]
     pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
         self.with_mimics_applied(self.model.random_configuration(seed))
     }
 
-    /// Reports whether a configuration is within the limits of all joints and has every mimic joint at the value that its source
-    /// joint gives it, up to 1e-9 rad or m. False for a configuration of another length.
+    /// Reports whether a configuration is valid: all joints are within their limits, and every mimic joint has the
+    /// value of its source joint up to 1e-9 rad or m. False for a configuration of another length.
     #[must_use]
     pub fn is_within_limits(&self, q: &[f64]) -> bool {
         self.model.is_within_limits(q) && self.follows(q)
     }
 
-    /// The configuration with mimic joints at the values that their source joints in it give them, within their limits. Shape: the
-    /// model's [`configuration_len`](Model::configuration_len), radians and metres.
+    /// Sets the mimic joints of a configuration to the values that their source joints give them, clamped to their
+    /// limits. The length is the model's [`configuration_len`](Model::configuration_len), in radians and metres.
     ///
     /// # Errors
     /// A configuration of another length.
@@ -210,8 +213,8 @@ impl Robot {
         self.mimics.joints.iter().filter_map(value).collect()
     }
 
-    /// The mimic joints that their source joints move out of the range that the file states: the mimic joint, the source joint at the
-    /// end of the chain, and the values that the mimic joint takes.
+    /// The mimic joints that their source joints move out of the range that the file states. Each comes with the repair
+    /// that names the source joint at the end of the chain and the values of the mimic joint.
     #[cfg(any(feature = "urdf", feature = "mjcf"))]
     pub(super) fn mimics_beyond_range(&self) -> Vec<(JointId, Mended)> {
         let beyond = |(mimic, range): (&Mimic, &Limits)| {

@@ -1,9 +1,9 @@
-//! Robots: a model with its mimic joints, and the reader for URDF files.
+//! Robots: models with mimic joints, and readers of robot files.
 
 mod base_joint;
 mod chain;
 #[cfg(feature = "mjcf")]
-#[cfg_attr(not(feature = "collision"), allow(dead_code))] // Collision models ask them.
+#[cfg_attr(not(feature = "collision"), allow(dead_code))] // Used by collision models only.
 mod contacts;
 mod drive;
 #[cfg(feature = "yaml")]
@@ -46,39 +46,40 @@ use crate::model::{
 };
 use crate::spatial::Placement;
 
-/// A robot: joints and links as a [`Model`], and which of its joints follow others.
+/// A robot: joints and links as a [`Model`], and its mimic joints.
 ///
-/// Every link is a frame of the model under the link's name; the root link stands in the world. A
-/// configuration lists the joints that move in the order of the file, mimic joints among them;
-/// solvers see the variables of [`map`](Self::map), where mimic joints and joints whose limits
-/// leave them one value are gone.
+/// Every link is a frame of the model under the link's name; the root link is fixed in the world. A configuration lists
+/// the moving joints in the order of the file, mimic joints included.
+///
+/// Solvers use the variables of [`map`](Self::map). The map has no variables for mimic joints and for joints whose
+/// limits allow one value only.
 #[derive(Clone, Debug)]
 pub struct Robot {
     model: Model,
     mimics: Mimics,
     map: ParameterMap,
-    /// By joint index; shorter where the last joints have none.
+    /// By joint index; may be shorter than the list of joints.
     drives: Vec<Drive>,
-    /// By frame index; frames beyond are no links.
+    /// By frame index; later frames are no links.
     links: Vec<Link>,
     passive: Vec<JointId>,
-    /// Which links touch, where the file is MJCF.
+    /// Enabled collision pairs of an MJCF file.
     #[cfg(feature = "mjcf")]
     #[cfg_attr(not(feature = "collision"), allow(dead_code))]
     contacts: Option<Contacts>,
-    /// Where it was read from.
+    /// File that the robot was read from.
     file: Option<PathBuf>,
-    /// Whether the files it names are opened only below its folder.
+    /// Mesh files outside the folder of the robot's file are rejected.
     confined: bool,
     #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
 
 impl Robot {
-    /// A robot of its parts.
+    /// Creates a robot from a model and mimic joints.
     ///
     /// # Errors
-    /// Mimic joints that are fixed, follow in a ring or have a number that is not finite.
+    /// Mimic joints that are fixed, that form a cycle, or that have a number that is not finite.
     pub fn new(model: Model, mimics: Vec<Mimic>) -> Result<Self, ModelError> {
         let mimics = Mimics::of(&model, mimics);
         let (model, map) = mimics.applied(model)?;
@@ -99,74 +100,74 @@ impl Robot {
     }
 
     getters! {
-        /// The robot's name.
+        /// Name of the robot.
         pub fn name(&self) -> &str = self.model.name();
-        /// Its joints, links and limits.
+        /// Joints, links and limits.
         pub fn model(&self) -> &Model = &self.model;
-        /// All joints free but the mimic ones, which follow.
+        /// The parameter map in which all joints are free except mimic joints.
         pub fn map(&self) -> &ParameterMap = &self.map;
-        /// The joints that follow others.
+        /// The mimic joints.
         pub fn mimics(&self) -> &[Mimic] = &self.mimics.joints;
-        /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.
+        /// Starts a parameter map that couples the mimic joints. Lock joints or free only some.
         ///
         /// ```
         /// # use kinopt::robot::Robot;
         /// let robot = Robot::read("models/franka_panda.urdf")?;
-        /// // The arm alone, the fingers held open: the second follows the first.
+        /// // The arm alone with the fingers locked open: the second finger is a mimic joint of the first.
         /// let finger = robot.model().joint("finger_left_slide")?;
         /// let arm = robot.parameters().with_locked(finger, 0.04).build()?;
         /// assert_eq!(arm.variables(), 7);
-        /// // Three joints, the others at the neutral configuration.
+        /// // Three joints, the others locked at the neutral configuration.
         /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
         /// let wrist = robot.parameters().with_only(&wrist, &robot.model().neutral()).build()?;
         /// assert_eq!(wrist.variables(), 3);
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
         pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics.joints);
-        /// The joints that nothing drives: of an MJCF file with actuators those that none of them moves, by itself or
-        /// through a fixed tendon, and that follow no other; else those that were
-        /// [said to be](Self::with_passive_joints).
+        /// The passive joints: moving joints without an actuator.
+        ///
+        /// In an MJCF file with actuators they are the joints that no actuator drives, directly or through a fixed
+        /// tendon, and that are no mimic joints. Otherwise they are those set by
+        /// [`with_passive_joints`](Self::with_passive_joints).
         pub fn passive_joints(&self) -> &[JointId] = &self.passive;
-        /// The frames on which nothing hangs: hands, tools, feet.
+        /// The end frames of the tree, such as hands, tools and feet: frames whose joint carries no other joint.
         pub fn tips(&self) -> Vec<FrameId> = chain::tips(&self.model);
-        /// The shapes and mass of a link, which is a frame; `None` for frames that are no links, such as
-        /// tools, and for robots that came from no file.
+        /// Shapes and mass of the link of a frame. `None` for frames that are no links, such as tools, and for robots
+        /// without a file.
         pub fn link(&self, frame: FrameId) -> Option<&Link> = self.links.get(frame.index());
-        /// The file that it was read from, whose folder relative paths of meshes count from; `None` for one that was
-        /// parsed from memory, unless [said](Self::with_file).
+        /// The file that the robot was read from; relative mesh paths are relative to its folder. `None` for a robot
+        /// parsed from memory, unless [`with_file`](Self::with_file) sets it.
         pub fn file(&self) -> Option<&Path> = self.file.as_deref();
-        /// Whether meshes are opened only below the folder of the robot's file and below the package folders that the caller lists:
-        /// see [`confined`](Self::confined).
+        /// Reports whether mesh files must be below the folder of the robot's file or below the package folders of the
+        /// caller: see [`confined`](Self::confined).
         pub fn is_confined(&self) -> bool = self.confined;
     }
 
     setters! {
-        /// The same robot as if it had been read from this file, which need not exist.
+        /// Sets the file that [`file`](Self::file) returns. It need not exist.
         pub fn with_file(mut self, file: impl Into<PathBuf>) { self.file = Some(file.into()) }
-        /// The same robot, of whose meshes only those below the folder of its file are opened, and those below the package folders
-        /// of a collision model's builder. Robot files may name meshes anywhere: use this
-        /// for files that are not trusted.
+        /// Restricts mesh files to those below the folder of the robot's file and below the package folders of a
+        /// collision model's builder. Use this for untrusted files, since robot files may name meshes anywhere.
         pub fn confined(mut self) { self.confined = true }
     }
 
-    /// Which links touch, where the file is MJCF.
+    /// Enabled collision pairs of an MJCF file.
     #[cfg(all(feature = "mjcf", feature = "collision"))]
     pub(crate) fn contacts(&self) -> Option<&Contacts> {
         self.contacts.as_ref()
     }
 
-    /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.
+    /// Defaults and corrections that the reader applied, in the order of the file.
     #[cfg(feature = "xml")]
     #[must_use]
     pub fn repairs(&self) -> &[Repair] {
         &self.repairs
     }
 
-    /// The same robot with these as its [passive joints](Self::passive_joints), as an SRDF file names them
-    /// ([`Srdf::passive_joints`]).
+    /// Sets the [passive joints](Self::passive_joints), for example those of an SRDF file ([`Srdf::passive_joints`]).
     ///
     /// # Errors
-    /// The first joint that the robot does not have; the error lists the valid names.
+    /// The first unknown joint. The error lists the valid names.
     pub fn with_passive_joints<'a, J: Into<JointRef<'a>>>(
         mut self,
         joints: impl IntoIterator<Item = J>,
@@ -179,19 +180,18 @@ impl Robot {
         Ok(self)
     }
 
-    /// Looks several joints up.
+    /// Looks up several joints by name.
     ///
     /// # Errors
-    /// The first unknown name; the error lists the valid ones.
+    /// The first unknown name. The error lists the valid ones.
     pub fn joints(&self, names: &[&str]) -> Result<Vec<JointId>, UnknownName> {
         names.iter().map(|name| self.model.joint(name)).collect()
     }
 
-    /// The moving joints between two frames, from base to tip: down the tree, or up from the base
-    /// to where both meet and down to the tip.
+    /// The moving joints between two frames: from `base` up to the common ancestor, then down to `tip`.
     ///
     /// # Errors
-    /// A frame that the robot does not have; the error lists the valid names.
+    /// An unknown frame. The error lists the valid names.
     pub fn chain<'a>(
         &self,
         base: impl Into<FrameRef<'a>>,
@@ -202,8 +202,8 @@ impl Robot {
         Ok(chain::between(&self.model, base, tip))
     }
 
-    /// The same robot with one more frame, `link_from_tool` away from the frame `link`. The ids of
-    /// joints and frames stay as they are.
+    /// Adds a frame fixed to the frame `link`. `link_from_tool` is the pose of the new frame in `link`, in metres. Ids
+    /// of joints and frames do not change.
     ///
     /// ```
     /// # use kinopt::robot::Robot;
@@ -215,7 +215,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// An unknown `link`, a `name` that is taken, or a placement that is not rigid.
+    /// An unknown `link`, a `name` that already exists, or a placement that is not rigid.
     pub fn with_tool<'a>(
         self,
         name: &str,
@@ -234,11 +234,11 @@ impl Robot {
 }
 
 impl Robot {
-    /// The same robot with a loop that its file does not know of, as URDF has none: see [`Loop`].
+    /// Adds a loop closure that the file does not describe, as URDF has none: see [`Loop`].
     ///
     /// # Errors
-    /// A loop's name that is taken, a frame that the robot does not have, places that are not rigid, or a
-    /// loop that no configuration closes.
+    /// A loop name that already exists, an unknown frame, placements that are not rigid, or a loop that no
+    /// configuration closes.
     pub fn with_loop(self, closed: Loop) -> Result<Self, ModelError> {
         let mut builder = ModelBuilder::from_model(&self.model);
         builder.close(closed);
@@ -249,24 +249,24 @@ impl Robot {
     }
 
     setters! {
-        /// The same robot without the loops of its file, for one whose loops contradict each other or are not meant.
+        /// Removes the loops of the file, for example if they contradict each other.
         pub fn without_loops(mut self) { self.model = self.model.without_loops() }
     }
 }
 
-/// Why a tool cannot be put on a robot.
+/// Error of [`Robot::with_tool`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ToolError {
-    /// No frame has the name.
+    /// No frame has the name of the link.
     #[error(transparent)]
     UnknownLink(#[from] UnknownName),
-    /// The tool's own name or placement is wrong.
+    /// The name or the placement of the tool is invalid.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
-/// All joints free, but that some follow.
+/// A parameter map in which all joints are free except mimic joints.
 pub(crate) fn coupled<'m>(model: &'m Model, mimics: &[Mimic]) -> ParameterMapBuilder<'m> {
     let free = ParameterMap::builder(model);
     mimics.iter().fold(free, |map, mimic| {

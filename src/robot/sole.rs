@@ -1,15 +1,16 @@
-//! What a robot stands on.
+//! Contact points of a foot on the ground.
 
 use super::{Geometry, Robot, Shape};
 use crate::model::{Frame, FrameId, JointId};
 use crate::spatial::{Placement, Vector3};
 
 impl Robot {
-    /// Points that a foot stands on, in its frame, metres: where the links begin that are fixed to it, its own first, and the
-    /// corners of their collision shapes, a square within the rim of what is round. Meshes' files are not opened: they add none.
+    /// Contact points of a foot in its frame, metres: the origins of the links fixed to it, its own first, and corners
+    /// of their collision shapes.
     ///
-    /// Seen from above their hull is what the foot can stand on, as a
-    /// [`SupportPolygon`](crate::task::SupportPolygon::with_points_on) asks for. None for a frame of another model.
+    /// A cylinder gives the corners of the square inscribed in its rim. Mesh files are not opened, so meshes add no
+    /// points. The convex hull of the points in a top view is the area for
+    /// [`SupportPolygon`](crate::task::SupportPolygon::with_points_on). Empty for a frame of another model.
     #[must_use]
     pub fn sole(&self, foot: FrameId) -> Vec<Vector3<f64>> {
         let frames = self.model().frames();
@@ -40,7 +41,7 @@ impl Robot {
         points
     }
 
-    /// The joint that carries a frame past all that do not move, and where the frame stands on it.
+    /// The nearest moving joint that carries a frame, and the pose of the frame in it.
     fn carried(&self, frame: &Frame) -> (Option<JointId>, Placement<f64>) {
         let joints = self.model().joints();
         let (mut carrier, mut place) = (frame.joint, frame.joint_from_frame);
@@ -54,7 +55,8 @@ impl Robot {
     }
 }
 
-/// Corners of a shape, in its own coordinates; of what is round all over its middle, of a mesh none.
+/// Corner points of a shape in its frame, metres. Capsules give the ends of their axis, spheres and ellipsoids their
+/// centre, and meshes nothing.
 fn corners(shape: &Shape) -> Vec<Vector3<f64>> {
     let half = match shape.geometry {
         Geometry::Box { size } => size.map(|side| 0.5 * side),

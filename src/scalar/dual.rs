@@ -6,7 +6,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::{Scalar, each, elementary};
 
-/// A value and its derivatives along `N` directions at once.
+/// A value and its derivatives along `N` directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
     value: f64,
@@ -14,8 +14,9 @@ pub struct Dual<const N: usize> {
 }
 
 impl<const N: usize> Dual<N> {
-    /// A variable: its own derivative is 1 along `direction`, 0 along the others. A `direction`
-    /// of `N` or more gives a constant.
+    /// A variable: derivative 1 along `direction`, 0 along every other direction.
+    ///
+    /// A `direction` of `N` or more gives a constant.
     #[must_use]
     pub fn variable(value: f64, direction: usize) -> Self {
         let derivatives = each!(N, own, 0.0, f64::from(own == direction));
@@ -35,7 +36,7 @@ impl<const N: usize> Dual<N> {
         pub fn derivatives(&self) -> [f64; N] = self.derivatives;
     }
 
-    /// A function of this number, from its value and its derivative there.
+    /// A function of this number, from the function's value and derivative (chain rule).
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Self {
         Self {
@@ -44,7 +45,7 @@ impl<const N: usize> Dual<N> {
         }
     }
 
-    /// A function of two numbers, from its value and its derivatives by the first and the second.
+    /// A function of two numbers, from its value and its two partial derivatives (chain rule).
     #[inline(always)]
     fn chain2(self, other: Self, value: f64, slopes: [f64; 2]) -> Self {
         Self {
@@ -160,7 +161,7 @@ impl<const N: usize> Scalar for Dual<N> {
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        // d atan2(y, x) = (x dy − y dx) / (x² + y²), at x = 0 too.
+        // d atan2(y, x) = (x dy − y dx) / (x² + y²), also at x = 0.
         let (y, squared) = (self.value, self.value * self.value + x.value * x.value);
         let angle = elementary::atan2(y, x.value);
         self.chain2(x, angle, [x.value / squared, -(y / squared)])

@@ -1,15 +1,16 @@
-//! The number type over which kinematics and residuals are written once.
+//! Number types for kinematics and residuals.
 //!
-//! The same code runs on `f64` to solve, on [`Dual`] numbers to differentiate, and on SIMD lanes to
-//! go fast. Code over [`Scalar`] must not branch on values, because lanes would branch differently:
-//! it compares into a [`Scalar::Mask`] and picks with [`Scalar::select`].
+//! The same code runs on `f64` to solve, on [`Dual`] numbers to differentiate, and on SIMD lanes for speed. Code over
+//! [`Scalar`] must not branch on values, because lanes would branch differently. It compares into a [`Scalar::Mask`]
+//! and picks with [`Scalar::select`].
 
 mod dual;
 pub(crate) mod elementary;
 pub(crate) mod trigonometry;
 
-/// An array of length `$n` with `$value` at `$i`, like `std::array::from_fn`. Counted by hand and without
-/// a closure: those are calls in a debug build, of which such small arrays would be the most part.
+/// An array of length `$n` with `$value` at index `$i`, like `std::array::from_fn`.
+///
+/// A loop without a closure: in debug builds the calls to a closure dominate the time of such small arrays.
 macro_rules! each {
     ($n:ident, $i:ident, $zero:expr, $value:expr) => {{
         let mut out = [$zero; $n];
@@ -36,12 +37,11 @@ pub trait Mask:
 
 impl Mask for bool {}
 
-/// A real number, or several side by side, or one with its derivatives.
+/// A real number, several real numbers in SIMD lanes, or a number with its derivatives.
 ///
-/// Comparisons of dual numbers look at the value only; [`select`](Scalar::select) keeps the
-/// derivatives of the side it picks. When one side would divide by zero or take the root of zero,
-/// make that side's argument harmless with a `select` first: the derivative of an unpicked branch
-/// is computed all the same.
+/// Comparisons of dual numbers look at the value only. [`select`](Scalar::select) keeps the derivatives of the side it
+/// picks. It computes the derivatives of both sides. If one side would divide by zero or take the root of zero, replace
+/// that side's argument by a harmless one first, with another `select`.
 pub trait Scalar:
     Copy
     + Debug
@@ -57,7 +57,7 @@ pub trait Scalar:
     + SubAssign
     + MulAssign
 {
-    /// What a comparison returns.
+    /// The result type of a comparison.
     type Mask: Mask;
 
     /// A constant: every lane holds `value`, every derivative is zero.
@@ -75,7 +75,7 @@ pub trait Scalar:
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
 
-    /// Sines and cosines of many angles in radians, over the shortest of the slices.
+    /// Sines and cosines of many angles in radians. The shortest slice sets the count.
     #[inline]
     fn sin_cos_all(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
         for ((angle, sin), cos) in angles.iter().zip(sines).zip(cosines) {
@@ -92,16 +92,16 @@ pub trait Scalar:
     /// Natural logarithm.
     fn ln(self) -> Self;
 
-    /// Whether `self < other`, lane by lane, by value.
+    /// True if `self < other`, lane by lane, by value.
     fn less_than(self, other: Self) -> Self::Mask;
 
-    /// `yes` where the mask is set, `no` elsewhere.
+    /// `yes` in lanes whose mask is set, `no` in all other lanes.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// Whether its value is neither NaN nor infinite, in every lane.
+    /// True if the value is neither NaN nor infinite, in every lane.
     fn is_finite(self) -> bool;
 
-    /// Its value, without derivatives; `None` where several stand side by side.
+    /// The value without derivatives; `None` for SIMD lanes.
     #[inline(always)]
     fn as_f64(self) -> Option<f64> {
         None
@@ -144,7 +144,7 @@ impl Scalar for f64 {
     answers! {
         #[inline(always)]
         fn constant(value: f64) -> Self = value;
-        // As the trait has it, but without the calls that generic operators are in a debug build.
+        // Repeats the trait's default without its operator calls, which cost time in debug builds.
         #[inline(always)]
         fn mul_add(self, factor: Self, addend: Self) -> Self = self * factor + addend;
         #[inline(always)]

@@ -1,13 +1,12 @@
 //! Sine and cosine without branches, by argument reduction and the polynomials of fdlibm.
 //!
-//! The argument is reduced by the nearest multiple of π/2, held in three parts of 33 bits
-//! (Cody and Waite 1980), which is exact for |x| up to [`MAX_ANGLE`]; then sin and cos on
-//! [−π/4, π/4] are the minimax polynomials of fdlibm's `k_sin.c` and `k_cos.c` (Sun Microsystems
-//! 1993). The error is below 1e-15 for every |x| ≤ [`MAX_ANGLE`].
+//! The reduction subtracts the nearest multiple of π/2, stored in three parts of 33 bits (Cody and Waite 1980). It is
+//! exact for |x| up to [`MAX_ANGLE`]. On [−π/4, π/4], sin and cos are the minimax polynomials of fdlibm's `k_sin.c` and
+//! `k_cos.c` (Sun Microsystems 1993). The error is below 1e-15 for every |x| ≤ [`MAX_ANGLE`].
 
 use super::{Scalar, elementary};
 
-/// The largest |angle| in radians for which the polynomials keep their accuracy.
+/// The largest |angle| for which the polynomials keep their accuracy, radians.
 pub(crate) const MAX_ANGLE: f64 = 1.0e6;
 
 const TWO_OVER_PI: f64 = std::f64::consts::FRAC_2_PI;
@@ -17,7 +16,7 @@ const HALF_PI: [f64; 3] = [
     f64::from_bits(0x3DD0_B461_1A60_0000),
     f64::from_bits(0x3BA3_198A_2E03_7073),
 ];
-/// 1.5 · 2⁵²: added to a small number it leaves the nearest integer in the low bits.
+/// 1.5 · 2⁵²: added to a small number, it leaves the nearest integer in the low bits.
 pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 // The digits as published.
@@ -40,8 +39,9 @@ const COS: [f64; 6] = [
     -1.135_964_755_778_819_482_65e-11,
 ];
 
-/// Sine and cosine of x less its quarter turns, and the number that holds those in its low bits.
-/// [`turned`] puts the three together.
+/// Sine and cosine of x reduced by multiples of π/2, and the number with that multiple in its low bits.
+///
+/// Returns (multiple, sine, cosine), the arguments of [`turned`].
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn reduced_sin_cos<S: Scalar>(x: S) -> (S, S, S) {
     let c = S::constant;
@@ -57,8 +57,10 @@ pub(crate) fn reduced_sin_cos<S: Scalar>(x: S) -> (S, S, S) {
     (rounded, sin, cos)
 }
 
-/// Turns by the quarter turns in the low bits of `rounded`: odd ones swap sine and cosine; bit 1
-/// of their number, and of the next, gives the signs.
+/// Sine and cosine of the full angle from those of the reduced angle.
+///
+/// The low bits of `rounded` count quarter rotations. Odd counts swap sine and cosine. Bit 1 of the count is the sign
+/// of the sine; bit 1 of the next count is the sign of the cosine.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn turned(rounded: f64, sin: f64, cos: f64) -> (f64, f64) {
     let quarter = rounded.to_bits();
@@ -72,8 +74,9 @@ pub(crate) fn turned(rounded: f64, sin: f64, cos: f64) -> (f64, f64) {
     )
 }
 
-/// Sines and cosines of many angles: one loop that vectorises, and the library where an angle is
-/// too large or not finite.
+/// Sines and cosines of many angles, in one loop that vectorises.
+///
+/// Angles above [`MAX_ANGLE`] go through [`elementary::sin_cos`].
 pub(super) fn sin_cos_all(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
     for ((&angle, sin), cos) in angles.iter().zip(&mut *sines).zip(&mut *cosines) {
         let (rounded, s, c) = reduced_sin_cos(angle);

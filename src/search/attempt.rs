@@ -1,9 +1,9 @@
-//! What attempts came to.
+//! Results of attempts and of searches.
 
 use super::Solution;
 use crate::solver::{Counts, Termination};
 
-/// What one attempt came to.
+/// Result of one attempt.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
     pub(crate) termination: Termination,
@@ -14,20 +14,21 @@ pub(crate) struct Attempt {
     pub(crate) projected_gradient: Option<f64>,
 }
 
-/// What several attempts came to, by the one that counts; where, is in the [`Keeper`].
+/// Result of a search over several attempts: that of the best attempt, with totals. The [`Keeper`] holds its
+/// configuration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
     pub(crate) termination: Termination,
-    /// The last attempt that it took, from 0.
+    /// Index of the latest attempt when this result was taken, from 0.
     pub(crate) number: usize,
     pub(crate) cost: f64,
     pub(crate) reached: bool,
     pub(crate) projected_gradient: Option<f64>,
-    /// Of all attempts together.
+    /// Total over all attempts.
     pub(crate) iterations: usize,
     pub(crate) attempts: usize,
     pub(crate) counts: Counts,
-    /// How many attempts stopped as near as the one that counts, itself included.
+    /// Number of attempts whose cost agrees with that of the best one, which is included.
     pub(crate) agreeing: usize,
 }
 
@@ -49,7 +50,7 @@ impl Default for Found {
 }
 
 impl Found {
-    /// Takes further attempts into account; whether one of those counts from now on.
+    /// Adds the result of a later search; returns whether its best attempt is the new best one.
     pub(crate) fn go_on_with(&mut self, more: &Self) -> bool {
         let better = more.reached || self.attempts == 0 || more.cost < self.cost;
         let all = (
@@ -64,7 +65,7 @@ impl Found {
         better
     }
 
-    /// Returns to the attempt that counted earlier; all that were made are counted still.
+    /// Restores an earlier best attempt; iterations and attempts keep their totals.
     pub(crate) fn fall_back_to(&mut self, earlier: &Self) {
         *self = Self {
             iterations: self.iterations,
@@ -75,14 +76,14 @@ impl Found {
 }
 
 impl Found {
-    /// What a solution says of the attempts that led to it.
+    /// The result of the search that led to a solution.
     pub(crate) fn of(solution: &Solution) -> Self {
         let mut found = Self::default();
         found.add(solution);
         found
     }
 
-    /// Takes further searches for the same into account, by what the last one came to.
+    /// Adds the totals of a further search for one solution, and takes its termination.
     pub(crate) fn add(&mut self, solution: &Solution) {
         self.termination = solution.termination;
         self.projected_gradient = solution.projected_gradient;
@@ -92,7 +93,7 @@ impl Found {
         self.counts += solution.counts;
     }
 
-    /// The same attempts, the last of which went on in a search for what else is wanted.
+    /// Adds a search that refined the last attempt; the number of attempts does not change.
     pub(crate) fn refined_by(mut self, solution: &Solution) -> Self {
         let attempts = self.attempts;
         self.add(solution);
@@ -100,7 +101,7 @@ impl Found {
         self
     }
 
-    /// A lone attempt, whose end is not judged yet.
+    /// A single attempt without a cost yet.
     pub(crate) fn alone(termination: Termination, iterations: usize) -> Self {
         Self {
             termination,

@@ -1,4 +1,4 @@
-//! Attempts one after the other.
+//! The loop over the attempts of a search.
 
 use super::attempt::{Attempt, Found};
 use super::basin_hopping::Hops;
@@ -9,34 +9,34 @@ use crate::clock::{Instant, is_past};
 use crate::problem::{Question, Share};
 use crate::solver::{Stopping, Termination};
 
-/// What searches from one start.
+/// A local search from one start.
 pub(crate) trait Engine {
-    /// The residual at the caller's start of what is searched for.
+    /// Weighted residual at the caller's start, of the tasks that are searched for.
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64];
 
     /// Searches from x, projected into the bounds.
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt;
 
-    /// Where the last attempt ended, and the residual there.
+    /// Variables and residual at the end of the last attempt.
     fn end(&self) -> (&[f64], &[f64]);
 }
 
-/// The memory of a search.
+/// State and workspace of a search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Attempts {
-    /// The caller's start.
+    /// Variables of the caller's start.
     pub(crate) start: Vec<f64>,
     pub(crate) keeper: Keeper,
-    /// Where the next attempt starts.
+    /// Start of the next attempt.
     pub(crate) x: Vec<f64>,
-    /// The variables that the first attempts beside the start may move.
+    /// Variables that the first attempts near the start may change.
     local: Vec<bool>,
     hops: Hops,
     limbs: IndependentLimbs,
 }
 
 impl Attempts {
-    /// Makes room for a question.
+    /// Resizes the workspace for a problem.
     pub(crate) fn fit(&mut self, question: Question<'_>, share: Share) {
         let variables = question.variables();
         self.start.resize(variables, 0.0);
@@ -48,8 +48,8 @@ impl Attempts {
     }
 }
 
-/// Runs the trials of a schedule from the search's start until one reaches the goals, several agree that
-/// none can, or they run out.
+/// Runs the trials of a schedule. The search ends when an attempt reaches the goals, when enough attempts agree, or
+/// when no trials or time remain.
 pub(crate) fn run(
     question: Question<'_>,
     share: Share,

@@ -1,24 +1,24 @@
-//! Attempts that begin where an earlier one ended, with half of the joints drawn anew.
+//! Basin hopping: attempts that start at the end of an earlier one, with half of the joints sampled again.
 //!
-//! Two hands and two feet of a body on a free base must each be on the right branch, and chance alone would have
-//! to find all of them at once. An end that is low has some of them right, and about as many hops keep those as
-//! there are limbs. So where all starts are drawn alike a fifth to a half of the attempts is lost (iterated local
-//! search, Lourenço, Martin & Stützle 2003, "Iterated local search").
+//! Several limbs on a free base must each be on the right branch, which uniform samples rarely achieve at once. An end
+//! of low cost has some of the limbs right, and a hop often keeps these.
+//!
+//! The method is iterated local search (Lourenço, Martin & Stützle 2003, "Iterated local search").
 
 use super::attempt::Attempt;
 use crate::problem::Question;
 use crate::random::RandomStream;
 
-/// The first attempts begin beside the caller's start or anywhere: most bodies need no others.
+/// Number of first attempts without hops, from starts near the caller's start or anywhere. Most problems need no more.
 const FIRST: usize = 8;
 
-/// After so many hops from a place that did not lead lower, the next attempt begins anywhere.
+/// Largest number of hops without a lower cost; the next attempt then starts anywhere.
 const PATIENCE: usize = 12;
 
-/// The share of the joints that a hop draws anew.
+/// Fraction of the joints that a hop samples again.
 const DRAWN: f64 = 0.5;
 
-/// Where hops begin.
+/// Start of the hops: the end of lowest cost.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hops {
     x: Vec<f64>,
@@ -27,17 +27,17 @@ pub(super) struct Hops {
 }
 
 impl Hops {
-    /// Makes room.
+    /// Resizes the memory.
     pub(super) fn fit(&mut self, variables: usize) {
         self.x.resize(variables, 0.0);
     }
 
-    /// Forgets the last search.
+    /// Starts a search, or starts hops from another configuration.
     pub(super) fn begin(&mut self) {
         (self.cost, self.failed) = (f64::INFINITY, 0);
     }
 
-    /// Writes where attempt `index` begins, if it is a hop.
+    /// Writes the start of attempt `index` and returns true if the attempt is a hop.
     pub(super) fn start_of(
         &mut self,
         index: usize,
@@ -65,7 +65,7 @@ impl Hops {
         true
     }
 
-    /// Takes where an attempt ended.
+    /// Takes the end of an attempt.
     pub(super) fn take(&mut self, attempt: &Attempt, x: &[f64]) {
         match attempt.cost < self.cost {
             true => {

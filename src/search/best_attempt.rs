@@ -1,45 +1,45 @@
-//! Which of several attempts counts, and how many agree with it.
+//! Choice of the best attempt, and the number of attempts that agree with it.
 
 use super::attempt::{Attempt, Found};
 use super::schedule::{Schedule, Trial};
 use crate::solver::Termination;
 
-/// Smallest share of the cost by which an attempt must be lower to replace the best one.
+/// Smallest relative reduction of the cost by which an attempt replaces the best one.
 const SAME_COST: f64 = 1e-6;
 
-/// Attempts whose costs exceed the lowest by at most this share agree with it, both for the end of a search and for the number
-/// that a solution reports. The first attempt is kept if it agrees with the lowest.
+/// Largest relative excess over the lowest cost at which an attempt agrees with it. It applies to the end of a search
+/// and to the number in a solution. The first attempt is kept if it agrees with the lowest.
 const AGREEING_COST: f64 = 1e-3;
 
-/// Room for the costs of so many attempts is made before the first.
+/// Number of attempts for whose costs memory is reserved.
 const USUAL_ATTEMPTS: usize = 1024;
 
-/// The attempts made so far: where the one that counts ended, and what all came to.
+/// The best attempt so far, and the totals of all attempts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Keeper {
     pub(crate) x: Vec<f64>,
-    /// Of what is searched for, at x.
+    /// Weighted residual at x, of the tasks that are searched for.
     pub(crate) residual: Vec<f64>,
     pub(super) found: Found,
-    /// Where the attempt from the caller's start ended.
+    /// End of the attempt from the caller's start.
     first_x: Vec<f64>,
     first_is_best: bool,
-    /// Whether it may be the one that counts, though another is better.
+    /// The first attempt may be returned although another one has a lower cost.
     first_may_win: bool,
-    /// Costs of the attempts that count for agreement.
+    /// Costs of the attempts that may end the search by agreement.
     settled_costs: Vec<f64>,
-    /// The cost of every attempt that came to its end or stalled, where the schedule tells agreement.
+    /// Costs of all attempts that converged or stalled, if the schedule counts agreement.
     costs: Vec<f64>,
 }
 
 impl Keeper {
-    /// Makes room for a search of so many variables and rows.
+    /// Resizes the workspace.
     pub(crate) fn fit(&mut self, variables: usize, rows: usize) {
         self.x.resize(variables, 0.0);
         self.residual.resize(rows, 0.0);
     }
 
-    /// Forgets the last search, before one by a schedule.
+    /// Resets the state for a search by a schedule.
     pub(super) fn begin(&mut self, schedule: &Schedule) {
         self.found = Found::default();
         (self.first_is_best, self.first_may_win) = (true, false);
@@ -53,7 +53,7 @@ impl Keeper {
         }
     }
 
-    /// Whether a trial makes sense after those before.
+    /// Reports whether a trial is useful after the earlier ones.
     pub(super) fn wants(&self, trial: Trial, schedule: &Schedule) -> bool {
         let found = &self.found;
         let over = found.iterations >= schedule.restarts().steps || self.agree(schedule.enough());
@@ -67,14 +67,14 @@ impl Keeper {
         }
     }
 
-    /// Whether so many attempts agree with the lowest.
+    /// Reports whether `enough` attempts agree with the lowest cost.
     fn agree(&self, enough: usize) -> bool {
         let agreeing = self.found.cost * (1.0 + AGREEING_COST);
         let mut costs = self.settled_costs.iter().filter(|cost| **cost <= agreeing);
         enough == 0 || costs.nth(enough - 1).is_some()
     }
 
-    /// Where a trial that finishes another begins.
+    /// Start of a trial that continues another one.
     pub(super) fn start_of(&self, trial: Trial) -> &[f64] {
         match trial {
             Trial::FinishFirst => &self.first_x,
@@ -82,8 +82,7 @@ impl Keeper {
         }
     }
 
-    /// Takes what a trial came to. Among equals the earliest, which is the nearest to the caller's start,
-    /// stays.
+    /// Takes the result of a trial. Of equal results the earliest is kept, as it is the nearest to the caller's start.
     pub(super) fn take(
         &mut self,
         trial: Trial,
@@ -97,7 +96,7 @@ impl Keeper {
         found.iterations += attempt.iterations;
         found.counts += attempt.counts;
         if trial == Trial::NearbyFirst && !attempt.reached {
-            // It counts as the attempt that gave up, which is finished later like any other.
+            // The attempt already counts as stalled, and is finished later like any other.
             return;
         }
         let settled = schedule.settles(attempt.termination);
@@ -132,12 +131,12 @@ impl Keeper {
         }
     }
 
-    /// Says what cut the search short: reported also where an earlier attempt is the one returned.
+    /// Sets the termination that ended the search early, also if an earlier attempt is returned.
     pub(super) fn cut(&mut self, termination: Termination) {
         self.found.termination = termination;
     }
 
-    /// What the attempts came to.
+    /// The result of the search.
     pub(super) fn found(&mut self, schedule: &Schedule) -> Found {
         if schedule.tells_agreement() {
             let alike = self.found.cost * (1.0 + AGREEING_COST);

@@ -1,10 +1,10 @@
-//! Where a search begins.
+//! Checks of the start of a search.
 
 use super::SolveError;
 use crate::model::{BallVariables, quaternion_at};
 use crate::problem::{Problem, Question};
 
-/// A start must have one finite number for every coordinate that leads a variable.
+/// Checks the length of a start, that its coordinates of variables are finite, and that its quaternions are not zero.
 pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
     if start.len() != problem.configuration_len() {
         return Err(SolveError::StartLength {
@@ -26,7 +26,7 @@ pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveE
     match map.balls().iter().find(no_rotation) {
         None => Ok(()),
         Some(ball) => Err(SolveError::StartNoRotation {
-            // Variables of a ball with limits are told as its swing and its twist.
+            // The variables of a ball joint with limits are named as its swing and its twist.
             joint: problem.names().variables[ball.variable]
                 .trim_end_matches(" swing")
                 .to_owned(),
@@ -34,7 +34,7 @@ pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveE
     }
 }
 
-/// The variables of a configuration, within the bounds.
+/// The variables of a configuration, projected into the bounds.
 pub(crate) fn variables_at(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>, SolveError> {
     let problem = question.problem;
     check_start(problem, q)?;

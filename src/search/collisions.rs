@@ -1,18 +1,21 @@
-//! What a solution touches.
+//! Collisions of a solution.
 
 use super::Solution;
 use crate::problem::{Collision, Question};
 
 impl Solution {
-    /// What is in the way: the pairs that are nearer to each other at `q` than the margin asked for, the deepest first; or where there are
-    /// none and the step to a better place is not surely free, the pair that it would come to ([`Collision::on_the_way`]). A solution
-    /// that is [reached](Self::reached) has none; none are known where no world was given.
+    /// Collision pairs that prevent the solution from being [reached](Self::reached); empty for a reached solution and
+    /// without a world.
+    ///
+    /// They are the pairs at `q` that are nearer than the required margin, the deepest first. If there are none, the
+    /// step to a better configuration may be blocked: the result is then the pair that limits the step
+    /// ([`Collision::on_the_way`]).
     #[must_use]
     pub fn collisions(&self) -> &[Collision] {
         &self.collisions
     }
 
-    /// Whether every goal is within its tolerances, though something may be touched.
+    /// Reports whether all required tasks are within their tolerances, even if there are collisions.
     #[must_use]
     pub fn goals_reached(&self) -> bool {
         self.reached || !self.collisions.is_empty() && self.goals_are_met()
@@ -23,7 +26,7 @@ impl Solution {
         goals.all(|task| task.reached)
     }
 
-    /// Checks what a question's problem keeps clear of, for engines that are not led out of what they touch.
+    /// Checks the collisions of the problem at `q`, for engines that do not avoid them.
     pub(crate) fn check_clear(&mut self, question: Question<'_>) {
         let fence = question.problem.fence();
         if let Some(fence) = fence.filter(|_| self.q.iter().all(|value| value.is_finite())) {
@@ -31,7 +34,7 @@ impl Solution {
         }
     }
 
-    /// Takes what is in the way; a solution that has something in its way is not reached.
+    /// Sets the collisions. A solution with collisions is not reached.
     pub(crate) fn set_collisions(&mut self, collisions: Vec<Collision>) {
         self.reached &= collisions.is_empty();
         self.collisions = collisions;

@@ -1,82 +1,82 @@
-//! Input that no solve can start from.
+//! Errors of the input of a solve.
 
 use thiserror::Error;
 
 use crate::bad_option::BadOption;
 
-/// Why a solve did not start. Missing a target is not an error but a [`Solution`](super::Solution).
+/// Error of a solve that did not start. An unreached target is no error but a [`Solution`](super::Solution).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// An option out of its range.
+    /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// A start of the wrong length.
+    /// The start has a wrong length.
     #[error("the start has {given} numbers, a configuration of `{model}` has {expected}")]
     StartLength {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Numbers given.
+        /// Length of the given start.
         given: usize,
-        /// The model's degrees of freedom.
+        /// Length of a configuration of the model.
         expected: usize,
     },
-    /// A start whose quaternion for a ball joint is zero.
+    /// The start has a zero quaternion for a ball joint.
     #[error("the start holds a quaternion without length for joint `{joint}`")]
     StartNoRotation {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A start that is NaN or infinite. Outside the limits is fine.
+    /// The start is NaN or infinite. A start outside the limits is allowed.
     #[error("the start holds {value} for joint `{joint}`, which is not a finite number")]
     StartNotFinite {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value.
+        /// Value of the coordinate.
         value: f64,
     },
-    /// Another number of moves than a configuration has numbers.
+    /// The number of moves differs from the length of a configuration.
     #[error("{given} moves are given, a configuration of `{model}` has {expected} numbers")]
     MovesLength {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Moves given.
+        /// Number of given moves.
         given: usize,
-        /// The numbers of a configuration.
+        /// Length of a configuration of the model.
         expected: usize,
     },
-    /// Several moves for one ball joint, which turns by one angle.
+    /// The four moves of a ball joint differ; it has one rotation angle.
     #[error("the four moves of ball joint `{joint}` are not the same")]
     MovesOfBall {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// Another number of limits than a configuration has numbers.
+    /// The number of motion limits differs from the length of a configuration.
     #[error("{option} has {given} numbers, a configuration of `{model}` has {expected}")]
     MotionLimitsLength {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Numbers given.
+        /// Number of given limits.
         given: usize,
-        /// The numbers of a configuration.
+        /// Length of a configuration of the model.
         expected: usize,
     },
-    /// A problem whose motion cannot be limited by a time step.
+    /// The motion of the problem cannot be limited by a time step.
     #[error("time_step: a drag with {reason} cannot keep limits of acceleration")]
     UnsupportedTimeStep {
-        /// What the drag has.
+        /// The unsupported property of the drag.
         reason: String,
     },
-    /// Moves of a problem with other variables.
+    /// The moves belong to a problem with other variables.
     #[error("moves of a problem of {given} variables; that on `{model}` has {expected}")]
     ForeignMoves {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// The variables of the moves.
+        /// Number of variables of the moves.
         given: usize,
-        /// The variables of the problem.
+        /// Number of variables of the problem.
         expected: usize,
     },
 }

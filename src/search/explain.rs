@@ -1,4 +1,4 @@
-//! A solution in words.
+//! Explanation of a solution in words.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -10,14 +10,14 @@ use crate::scalar::elementary;
 use crate::solver::Termination;
 use crate::task::Role;
 
-/// So many ends of allowed moves are listed one by one: where a body follows its target over several frames,
-/// most of its joints are at one.
+/// Largest number of active move limits that are listed one by one. A drag that follows its target over several frames
+/// has most joints at one.
 const MOST_MOVES: usize = 3;
-/// Of more, so many by name.
+/// Number of joints that are named if there are more.
 const NAMED_MOVES: usize = 2;
 
 impl Solution {
-    /// Says which task missed by how much, which limits hold it, and why the search ended.
+    /// Explains a solution: the errors of unreached tasks, the active limits, and the reason for the end of the search.
     #[must_use]
     pub fn explain(&self) -> String {
         let mut text = String::new();
@@ -65,7 +65,7 @@ impl Solution {
         self.write_limits(text)
     }
 
-    /// What is in the way where every goal can be met.
+    /// Lists the collisions of a solution whose required tasks are met.
     fn write_collisions(&self, text: &mut String) -> std::fmt::Result {
         writeln!(
             text,
@@ -74,7 +74,7 @@ impl Solution {
         self.write_pairs(text)
     }
 
-    /// What is nearer to each other than it should be, or would be.
+    /// Lists the pairs that are too close, or that would be after the step.
     fn write_pairs(&self, text: &mut String) -> std::fmt::Result {
         let unit = self.length_unit().symbol();
         for pair in &self.collisions {
@@ -96,13 +96,13 @@ impl Solution {
         Ok(())
     }
 
-    /// The joints that went as far as they were allowed to.
+    /// The active limits of the allowed moves.
     fn moves(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
         let limits = self.active_limits();
         limits.filter(|limit| limit.kind == BoundKind::Move)
     }
 
-    /// What cut a search short that came to a solution all the same.
+    /// The event that ended the search of a reached solution early.
     fn ended_early(&self) -> Option<&'static str> {
         let pulled = self.rows.iter().any(|rows| rows.role == Role::Preference);
         Some(match (self.termination, pulled) {
@@ -158,7 +158,7 @@ impl Solution {
         Ok(())
     }
 
-    /// Which level gives way, where goals stand on several.
+    /// Names the priority levels that are not met, if there are several levels.
     fn write_levels(&self, text: &mut String) -> std::fmt::Result {
         let goals = || {
             let tasks = self.tasks();
@@ -194,7 +194,7 @@ impl Solution {
         }
     }
 
-    /// Out of reach, or a local minimum: as far as it can be known.
+    /// States whether the target is out of reach or the solution may be a local minimum.
     fn write_verdict(&self, text: &mut String) -> std::fmt::Result {
         if let (Some(beyond), Some(names)) = (self.beyond, self.names.as_deref()) {
             let unit = self.length_unit().symbol();
@@ -226,7 +226,7 @@ impl Solution {
         }
         match (self.agreeing, self.attempts) {
             (0, _) => Ok(()),
-            // What is on its way is no miss yet.
+            // A motion that is still limited by its moves is no failure yet.
             (1, 1) if self.moves().next().is_some() => Ok(()),
             (1, 1) => writeln!(
                 text,
@@ -246,7 +246,7 @@ impl Solution {
     }
 
     fn write_limits(&self, text: &mut String) -> std::fmt::Result {
-        // A search that was cut short proves nothing about what is in its way.
+        // A search that was cut short proves nothing about limits.
         let cut_short = matches!(
             self.termination,
             Termination::Stalled | Termination::IterationLimit | Termination::TimeLimit
@@ -306,7 +306,7 @@ impl Solution {
     }
 }
 
-/// Four significant digits: no miss, however small, reads as zero.
+/// A number with four significant digits; small errors do not print as zero.
 struct Significant(f64);
 
 impl std::fmt::Display for Significant {

@@ -1,20 +1,20 @@
-//! Limbs that share no variable and no goal, whose solutions are found independently.
+//! Independent limbs: limbs without common variables and tasks, solved separately.
 //!
-//! An attempt that solves one limb and misses another is not lost: later attempts start the solved limb at its solution, so that each
-//! limb needs a good start of its own, and not all of them in the same attempt.
+//! An attempt that solves one limb and not another is still useful: later attempts start the solved limb at its
+//! solution. Each limb then needs a good start at some time, not all of them in one attempt.
 
 use crate::problem::{Question, Share};
 
-/// The limbs of a search, and their solutions so far.
+/// Limbs of a search, and their solutions so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IndependentLimbs {
-    /// The limb of each variable; a limb is known by one of its variables.
+    /// Limb of each variable, as the index of the limb's first variable.
     limbs: Vec<usize>,
-    /// Whether there are several, and nothing else connects them.
+    /// There are several limbs, and no collision avoidance connects them.
     several: bool,
-    /// Whether each limb is solved, by that variable.
+    /// Solved limbs, by index of the limb.
     solved: Vec<bool>,
-    /// The variables of solved limbs.
+    /// Solutions: the variables of solved limbs.
     x: Vec<f64>,
 }
 
@@ -30,11 +30,11 @@ impl IndependentLimbs {
         self.solved.reserve(variables);
     }
 
-    /// Begins a search.
+    /// Starts a search.
     pub(super) fn begin(&mut self, question: Question<'_>, share: Share) {
         let problem = question.problem;
         self.several = false;
-        // Obstacles and other limbs may be in the way of a solution by itself.
+        // With collision avoidance the solution of one limb may collide with obstacles or other limbs.
         if problem.fence().is_some() {
             return;
         }
@@ -50,7 +50,7 @@ impl IndependentLimbs {
         }
     }
 
-    /// Notes the limbs that an attempt solved, which ended at `x` with this residual of the share.
+    /// Stores the solutions of the limbs that an attempt solved. It ended at `x` with this residual of the task subset.
     pub(super) fn take(
         &mut self,
         question: Question<'_>,
@@ -77,7 +77,7 @@ impl IndependentLimbs {
         }
     }
 
-    /// Starts solved limbs at their solutions.
+    /// Writes the solutions of solved limbs into a start.
     pub(super) fn keep(&self, x: &mut [f64]) {
         if !self.several {
             return;

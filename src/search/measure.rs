@@ -1,4 +1,4 @@
-//! The truth about the place where a search ended.
+//! Measurement of the errors and limits at the end of a search.
 
 use std::sync::Arc;
 
@@ -8,30 +8,32 @@ use crate::problem::{Evaluation, Question, ReportNames, Scratch, Share};
 use crate::solver::{Edge, Side, SolverState, Stopping, half_squared, negligible_slope};
 use crate::task::{Quantity, Role};
 
-/// Where a search ended, and what is known of that place.
+/// End of a search.
 pub(crate) struct End<'a> {
     pub(crate) question: Question<'a>,
     pub(crate) x: &'a [f64],
-    /// What was searched for, and its weighted residual at x.
+    /// Task subset that was searched for, and its weighted residual at x.
     pub(crate) share: Share,
     pub(crate) searched: &'a [f64],
-    /// The weighted residual of all tasks.
+    /// Weighted residual of all tasks.
     pub(crate) residual: &'a [f64],
 }
 
-/// How steep the cost is at a place.
+/// Gradient of the cost at a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slope {
-    /// A slope along one variable up to this is none.
+    /// Largest derivative by one variable that counts as zero.
     pub(crate) negligible: f64,
-    /// Whether no variable that is free has more: the solvers' own test.
+    /// The point is stationary by the solvers' test.
     pub(crate) is_level: bool,
 }
 
 impl Solution {
-    /// Takes the configuration, its cost and its errors; where it misses, how steep the cost of what was
-    /// searched for is there (its Jacobian stays in `memory`) and which limits block it. No slope is taken of
-    /// a cost that is not finite, nor where nothing lower is asked for.
+    /// Sets the configuration, its cost and its errors.
+    ///
+    /// It also sets the projected gradient of the searched cost, unless the solution is reached and no lower cost is
+    /// wanted. For an unreached solution it lists the limits that block it. The Jacobian stays in `memory`. Returns
+    /// `None` without a gradient, also for a cost that is not finite.
     pub(crate) fn measure(
         &mut self,
         end: &End<'_>,
@@ -83,12 +85,12 @@ impl Solution {
         let cosine = left(steepest * steepest) * steepest / (2.0 * cost).sqrt();
         Some(Slope {
             negligible,
-            // Where nothing is left to fall, the angle is that of nothing with nothing.
+            // With a zero gradient or a zero cost the angle is undefined.
             is_level: cosine <= stopping.gradient_tolerance() || steepest == 0.0 || cost == 0.0,
         })
     }
 
-    /// Takes the errors of all tasks; what was known of a miss is forgotten.
+    /// Sets the errors of all tasks and clears the findings about an unreached target.
     pub(crate) fn tell_errors(
         &mut self,
         names: &Arc<ReportNames>,
@@ -107,8 +109,7 @@ impl Solution {
         }
     }
 
-    /// Lists the variables that stand on a bound of the question beyond which the cost falls, by a slope of
-    /// more than `negligible`.
+    /// Lists the variables at a bound beyond which the cost would fall, with a derivative above `negligible`.
     pub(crate) fn tell_limits(
         &mut self,
         question: Question<'_>,
@@ -126,7 +127,7 @@ impl Solution {
                 Side::Lower => limits.lower()[variable],
                 Side::Upper => limits.upper()[variable],
             };
-            // The bounds of a move lie within the limits.
+            // The bounds of a move are within the limits.
             let kind_of = |value: f64| match value == limit {
                 true => BoundKind::Limit,
                 false => BoundKind::Move,
@@ -157,7 +158,7 @@ impl Solution {
 }
 
 impl RowsReport {
-    /// The error of the only goal.
+    /// Report of the only required task.
     pub(crate) fn of_goal(quantity: Quantity, error: f64, tolerance: f64) -> Self {
         Self {
             task: 0,

@@ -1,10 +1,8 @@
-//! The search that every engine is run by: numbered attempts, which of them counts, and the truth about
-//! where it ended.
+//! The search over attempts, common to all engines.
 //!
-//! An [`Engine`] searches from one start. [`run`] hands it the starts of a [`Schedule`], the
-//! [`Keeper`](best_attempt::Keeper)
-//! says which attempt counts and how many agree, and [`Solution::measure`] and
-//! [`explain`](Solution::explain) tell what is true of its end.
+//! An [`Engine`] searches from one start. [`run`] gives it the starts of a [`Schedule`]. The
+//! [`Keeper`](best_attempt::Keeper) chooses the best attempt and counts those that agree with it. [`Solution::measure`]
+//! measures the errors at its end, and [`explain`](Solution::explain) describes them.
 
 mod attempt;
 mod attempts;

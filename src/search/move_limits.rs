@@ -1,23 +1,25 @@
-//! How far joints may go from a configuration: a step of a controller, a frame of a drag.
+//! Limits of joint displacements from a configuration, for a control step or a frame of a drag.
 
 use super::{SolveError, check_start};
 use crate::bad_option::{AT_LEAST_0, BadOption};
 use crate::problem::{Problem, Question};
 use crate::solver::TurnLimit;
 
-/// A slide moves as far as a joint at this share of the model's reach would carry it.
+/// Displacement of a prismatic joint that corresponds to one radian, relative to the model's reach.
 const REACH_PER_RADIAN: f64 = 0.25;
-/// Half a turn is as far as a ball can be turned.
+/// Largest rotation angle of a ball joint, radians.
 const FARTHEST_TURN: f64 = std::f64::consts::PI;
-/// A ball that may turn by less than this, in radians, stays where it is: quaternions tell no less.
+/// Smallest angle of a ball joint's move, radians; smaller moves lock the joint, as quaternions cannot resolve them.
 const LEAST_TURN: f64 = 1e-12;
 
-/// How far the joints of one problem may go from where they stand, hard: `|q − q₀|` of a hinge or a slide, to the bit,
-/// and of a ball the angle between its two rotations, to the rounding of quaternions. A free joint's slides and its
-/// ball are limited one by one. What would go further is told among the
-/// [`active_limits`](super::Solution::active_limits) as a [`BoundKind::Move`](super::BoundKind::Move).
+/// Hard limits of the displacements of a problem's joints from a start.
 ///
-/// A joint that follows another is limited through that one, too.
+/// For a revolute or prismatic joint the displacement is `|q − q₀|`, and the limit holds exactly. For a ball joint it
+/// is the angle between its two rotations, up to the rounding of quaternions. The prismatic joints and the ball of a
+/// free joint have separate limits. A mimic joint is limited through its source joint.
+///
+/// A limit that stops a joint is one of the [`active_limits`](super::Solution::active_limits), with the kind
+/// [`BoundKind::Move`](super::BoundKind::Move).
 ///
 /// ```
 /// use kinopt::ik::{MoveLimits, Solver};
@@ -35,7 +37,7 @@ const LEAST_TURN: f64 = 1e-12;
 /// tasks.add(Point::new(hand, [0.0, 1.0, 0.0]));
 /// let problem = tasks.build()?;
 ///
-/// // 2 rad/s for a hundredth of a second.
+/// // 2 rad/s for 0.01 s.
 /// let start = model.neutral();
 /// let moves = MoveLimits::new(&problem, &[0.02; 4], &start)?;
 /// let step = Solver::default().solve_once(Question::from(&problem).with_moves(&moves)?, &start)?;
@@ -48,27 +50,27 @@ const LEAST_TURN: f64 = 1e-12;
 /// ```
 #[derive(Clone, Debug)]
 pub struct MoveLimits {
-    /// By variable; infinite for those of a ball.
+    /// Largest displacement by variable; infinite for the variables of a ball joint.
     most: Vec<f64>,
     turns: Vec<TurnLimit>,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// The three variables of balls that must not turn.
+    /// First of the three variables of each locked ball joint.
     still: Vec<usize>,
-    /// Whether `|q − q₀|`, as rounded, is within the move, too.
+    /// The limit also holds exactly for the rounded difference `|q − q₀|`.
     to_the_bit: bool,
 }
 
 impl MoveLimits {
-    /// Moves of at most so much from `start`, in radians and metres: one for every number of a configuration, of
-    /// which those of a ball's quaternion are the same; infinity for no limit. [`Robot::moves_within`] has them
-    /// from speeds.
+    /// Limits displacements from `start`, in radians and metres. `most` has the length of a configuration; the four
+    /// numbers of a ball joint are equal. Infinity is no limit. [`Robot::moves_within`] computes them from velocity
+    /// limits.
     ///
     /// [`Robot::moves_within`]: crate::robot::Robot::moves_within
     ///
     /// # Errors
-    /// Another number of moves, one that is negative or NaN, or four of a ball that are not the same; a start as
-    /// [`Solver::solve`](crate::Solver::solve) refuses it.
+    /// A wrong number of moves, a move that is negative or NaN, or four moves of a ball joint that differ. Also a start
+    /// that [`Solver::solve`](crate::Solver::solve) rejects.
     pub fn new(problem: &Problem, most: &[f64], start: &[f64]) -> Result<Self, SolveError> {
         if most.len() != problem.configuration_len() {
             return Err(SolveError::MovesLength {
@@ -96,11 +98,11 @@ impl MoveLimits {
         Ok(own)
     }
 
-    /// Moves by an angle at most from `start`, in radians, of slides as far as a joint would carry what is a quarter
-    /// of the model's reach away.
+    /// Limits displacements from `start` by an angle in radians. For prismatic joints a radian corresponds to a quarter
+    /// of the model's reach.
     ///
     /// # Errors
-    /// A number that is not above 0; a start as [`Solver::solve`](crate::Solver::solve) refuses it.
+    /// An angle that is not above 0, or a start that [`Solver::solve`](crate::Solver::solve) rejects.
     pub fn by_angle(problem: &Problem, radians: f64, start: &[f64]) -> Result<Self, SolveError> {
         let above = |radians| radians > 0.0;
         BadOption::check("max_move", radians, (above, "a number above 0"))?;
@@ -138,7 +140,7 @@ impl MoveLimits {
         }
     }
 
-    /// Lowers the moves to these, by variable; those of a ball are its angle.
+    /// Lowers the limits to `steps`, by variable. The first variable of a ball joint holds its angle.
     pub(crate) fn lower_to(&mut self, problem: &Problem, steps: &[f64]) {
         for (most, step) in self.most.iter_mut().zip(steps) {
             *most = most.min(*step);
@@ -158,7 +160,7 @@ impl MoveLimits {
         }
     }
 
-    /// Limits the turn of the ball whose variables begin here.
+    /// Limits the rotation of the ball joint whose variables start at `first`.
     fn limit_turn(&mut self, problem: &Problem, first: usize, most: f64) {
         let mut balls = problem.parameters().balls().iter();
         let Some(ball) = balls.find(|ball| ball.variable == first) else {
@@ -172,10 +174,10 @@ impl MoveLimits {
         }
     }
 
-    /// Takes for the start another configuration, from which moves are limited alike.
+    /// Sets another start with equal limits.
     ///
     /// # Errors
-    /// A start as [`Solver::solve`](crate::Solver::solve) refuses it.
+    /// A start that [`Solver::solve`](crate::Solver::solve) rejects.
     pub fn start_at(&mut self, problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
         check_start(problem, start)?;
         let mut x = vec![0.0; problem.variables()];
@@ -185,7 +187,7 @@ impl MoveLimits {
         Ok(())
     }
 
-    /// As [`start_at`](Self::start_at), for variables within the problem's limits. Allocates nothing.
+    /// As [`start_at`](Self::start_at), for variables within the problem's limits. Does not allocate.
     pub(crate) fn start_from(&mut self, problem: &Problem, x: &[f64]) {
         let limits = problem.lower().iter().zip(problem.upper());
         let bounds = self.lower.iter_mut().zip(&mut self.upper);
@@ -208,7 +210,7 @@ impl MoveLimits {
 }
 
 impl<'a> Question<'a> {
-    /// The same with no joint going further than these moves.
+    /// Limits the displacements of joints from a start.
     ///
     /// # Errors
     /// Moves of a problem with other variables.
@@ -223,13 +225,13 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// [`with_moves`](Self::with_moves) of the same problem.
+    /// As [`with_moves`](Self::with_moves), for moves of this problem.
     pub(crate) fn near(self, moves: &'a MoveLimits) -> Self {
         self.within(&moves.lower, &moves.upper, &moves.turns)
     }
 }
 
-/// How far a slide moves for what weighs as much as a radian.
+/// Displacement of a prismatic joint that corresponds to one radian.
 pub(crate) fn slide_per_radian(problem: &Problem) -> f64 {
     match problem.reach() {
         reach if reach > 0.0 => REACH_PER_RADIAN * reach,
@@ -237,7 +239,7 @@ pub(crate) fn slide_per_radian(problem: &Problem) -> f64 {
     }
 }
 
-/// `start + by`, rounded so that it is no further away than `by` in floating point.
+/// `start + by`, rounded such that its computed distance from `start` is at most `by`.
 pub(crate) fn within(start: f64, by: f64) -> f64 {
     let end = start + by;
     if end.is_infinite() || (end - start).abs() <= by.abs() {

@@ -1,5 +1,5 @@
-//! Numbers that JSON has no word for, as texts: a residual of the caller's may be infinite or NaN, and what came
-//! of it is told all the same.
+//! Serialisation of infinite and NaN numbers as text, because JSON lacks them. Residuals of callers may have such
+//! values.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -50,7 +50,7 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::
     Number::deserialize(from).map(f64::from)
 }
 
-/// The same of numbers that may be missing.
+/// Serialisation of optional numbers.
 pub(super) mod optional {
     use super::{Deserialize, Deserializer, Number, Serialize, Serializer};
 

@@ -1,28 +1,28 @@
-//! Which of the model's loops a solution leaves open.
+//! Loop closures that a solution violates.
 
 use super::Solution;
 
-/// A loop of the model whose places are farther apart than [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE).
+/// A loop of the model whose closure error exceeds [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct OpenLoop<'a> {
-    /// The loop's name.
+    /// Name of the loop.
     pub name: &'a str,
-    /// How far its places are apart, in metres.
+    /// Distance of the closure points, metres.
     pub gap: f64,
-    /// How far one place is turned from the other, in radians; 0 where the loop holds origins alone.
+    /// Angle between the closure frames, radians; 0 for loops that constrain points only.
     pub angle: f64,
 }
 
 impl Solution {
-    /// Whether every loop of the model is closed at `q`; true where it has none. A solution that is
-    /// [reached](Self::reached) has closed them all.
+    /// Reports whether every loop of the model is closed at `q`; true for a model without loops. In a
+    /// [reached](Self::reached) solution all loops are closed.
     #[must_use]
     pub fn loops_closed(&self) -> bool {
         self.open_loops().next().is_none()
     }
 
-    /// The loops that are open at `q`, in the model's order.
+    /// The loops that are open at `q`, in the order of the model.
     pub fn open_loops(&self) -> impl Iterator<Item = OpenLoop<'_>> {
         let names = self.names.as_deref();
         let loops = names.map_or(&[][..], |names| &names.loops);

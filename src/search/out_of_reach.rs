@@ -1,27 +1,27 @@
-//! Targets that are certainly out of reach.
+//! Detection of targets that are provably out of reach.
 
 use super::Solution;
 use crate::problem::{CompiledTask, Question};
 use crate::task::{FrameGoal, Quantity, Role};
 
-/// A goal whose place is farther from where its chain begins than the chain is long.
+/// A required task whose target is farther from the start of its chain than the chain is long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Beyond {
     pub(super) task: usize,
-    /// From the chain's first joint to the place.
+    /// Distance from the first joint of the chain to the target.
     pub(super) distance: f64,
-    /// The chain's length.
+    /// Length of the chain.
     pub(super) reach: f64,
 }
 
 impl Solution {
-    /// Whether a missed goal is one that no configuration can meet, for certain.
+    /// Reports whether an unreached required task is provably unreachable.
     pub(crate) fn is_beyond_reach(&self) -> bool {
         self.beyond.is_some()
     }
 
-    /// Looks for a missed goal that no configuration can meet.
+    /// Searches for an unreached required task that is provably unreachable.
     pub(crate) fn find_beyond(&mut self, question: Question<'_>) {
         let tasks = question.problem.compiled_tasks().iter().enumerate();
         let mut goals = tasks.filter(|(_, task)| task.role == Role::Goal);
@@ -30,7 +30,7 @@ impl Solution {
 }
 
 fn beyond(question: Question<'_>, index: usize, task: &CompiledTask) -> Option<Beyond> {
-    // Anchors are where the problem was built.
+    // Anchors are valid only for the targets with which the problem was built.
     let problem = (!question.places_moved()).then_some(question.problem)?;
     let residual = question.residual(index).as_any();
     let FrameGoal { place, offset, .. } = FrameGoal::by(residual)?;

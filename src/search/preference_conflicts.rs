@@ -1,4 +1,4 @@
-//! Which preferences keep goals from being met, where they are traded off against each other.
+//! Soft tasks that keep required tasks from being reached when they are weighted against each other.
 
 use std::ops::Range;
 
@@ -8,27 +8,27 @@ use crate::problem::{Question, Share};
 use crate::solver::largest;
 use crate::task::Role;
 
-/// A preference is named when so much of what balances the goals' slope is its own.
+/// Smallest share of a soft task in the balance of the required tasks' gradient at which the soft task is listed.
 const WORTH_NAMING: f64 = 0.1;
 
-/// A miss of a weighted sum: the Jacobian and residual of all tasks there.
+/// An unreached weighted sum: Jacobian and residual of all tasks at the solution.
 pub(crate) struct Pulls<'a> {
     pub(crate) question: Question<'a>,
     pub(crate) jacobian: &'a DMatrix<f64>,
     pub(crate) residual: &'a [f64],
-    /// A slope of the whole cost up to this is none.
+    /// Largest derivative of the total cost that counts as zero.
     pub(crate) negligible: f64,
 }
 
 impl Pulls<'_> {
-    /// Lists the preferences whose cost rises along the goals' steepest descent within the bounds at
-    /// x, the strongest first. `slope` is room for as many numbers as there are variables.
+    /// Lists the soft tasks whose cost rises along the steepest descent of the required tasks, within the bounds at x.
+    /// The strongest comes first. `slope` is a workspace with one number per variable.
     pub(crate) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
         tasks.clear();
         let (question, residual) = (self.question, self.residual);
         let problem = question.problem;
         let rows = residual.len();
-        // The slope by the j-th variable of half a task's squared residual.
+        // Derivative by variable j of half a task's squared residual.
         let slope_by = |j: usize, task: &Range<usize>| {
             let column = &self.jacobian.as_slice()[j * rows..(j + 1) * rows];
             let own = column[task.clone()].iter().zip(&residual[task.clone()]);
@@ -52,7 +52,7 @@ impl Pulls<'_> {
         if steepest <= self.negligible || !all.is_finite() {
             return;
         }
-        // How fast a preference's cost rises along minus the goals' slope.
+        // Derivative of a soft task's cost along the negative gradient of the required tasks.
         let against = |index: usize| {
             let Some(task) = problem.compiled_tasks().get(index) else {
                 return 0.0;

@@ -1,39 +1,42 @@
-//! Numbered attempts: how many, and where each one starts.
+//! Number and starts of attempts.
 //!
-//! Attempt 0 is the caller's start. Attempt i > 0 is drawn from (seed, i) alone, so attempts could
-//! run in any order; the lowest index that succeeds wins. Later attempts of a body on a free base
-//! begin where an earlier one ended: see `hops.rs`.
+//! Attempt 0 starts at the caller's start. The start of attempt i > 0 depends on (seed, i) only, so attempts are
+//! independent of their order. The attempt of the lowest index that succeeds is returned. With a free base later
+//! attempts may start at the end of an earlier one: see `basin_hopping.rs`.
 
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::problem::{Question, Share};
 use crate::random::RandomStream;
 
-/// How far a nudged start moves towards a random one. Rest poses of rigs are singular: with a bend
-/// of 0 both twists coincide, and a small move away shows the way.
+/// Fraction of the distance to a random configuration by which a start is perturbed. Rest poses of rigs are singular:
+/// with a bend of 0 both twists coincide, and a small perturbation resolves it.
 const NUDGE: f64 = 0.15;
 
-/// How many attempts after the first leave alone what already is where it should be.
+/// Number of attempts after the first that change only the variables of unreached tasks.
 const LOCAL_ATTEMPTS: usize = 2;
 
-/// Attempts where no number is given.
+/// Default number of attempts.
 const USUAL: usize = 32;
-/// For a body on a free base that has fewer than so many variables more than its goals have rows: there are few
-/// solutions, each behind a branch of every limb.
+/// Excess of variables over rows of the required tasks below which a problem with a free base has few solutions. Each
+/// is on one branch of every limb.
 const TIGHT: usize = 4;
+/// Default number of attempts for a problem with a free base and few solutions.
 const USUAL_WHERE_TIGHT: usize = 512;
 
-/// Every so many attempts a free base, too, goes anywhere; in the others it is nudged.
+/// Interval of the attempts that sample a free base anywhere; the others perturb it.
 const FAR_BASE_EVERY: usize = 4;
 
 /// Number of attempts, and the seed of their starts.
 ///
-/// The first attempt is from the caller's start. If every goal is within 1 rad of the start, lengths divided by a quarter of the
-/// model's reach, it runs to its end before others are made: a solution that it reaches is the one that is returned. For goals
-/// farther away it gives up when it stalls, and others are made.
+/// The first attempt uses the caller's start. If the error of every required task is at most 1 rad there, the attempt
+/// runs until it converges. A solution that it reaches is returned. For metres, a quarter of the model's reach
+/// corresponds to one radian.
+///
+/// With larger errors the first attempt ends when it stalls, and other attempts follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Restarts {
-    /// Unset, as many as the question wants.
+    /// `None` for the default number of the problem.
     attempts: Option<usize>,
     pub(super) seed: u64,
     pub(super) agreeing: Option<usize>,
@@ -41,9 +44,9 @@ pub struct Restarts {
 }
 
 impl Default for Restarts {
-    /// Up to 32 attempts, all of which are made where none reaches, seed 0, and any number of steps; up to 512 for
-    /// a body on a free base whose variables outnumber its goals' rows by less than four (both feet and both hands
-    /// of a robot with short arms, say).
+    /// Seed 0, no limit of steps, and up to 32 attempts. A problem with a free base gets up to 512 if its variables
+    /// exceed the rows of its required tasks by less than 4. An example is both feet and both hands of a robot with
+    /// short arms.
     fn default() -> Self {
         Self {
             attempts: None,
@@ -55,7 +58,7 @@ impl Default for Restarts {
 }
 
 impl Restarts {
-    /// Only the caller's start.
+    /// A single attempt from the caller's start.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -65,21 +68,23 @@ impl Restarts {
     }
 
     setters! {
-        /// At most so many attempts, the caller's start included; at least 1.
+        /// Sets the largest number of attempts, including that from the caller's start; at least 1.
         pub fn with_attempts(mut self, attempts: usize) { self.attempts = Some(attempts) }
-        /// The seed that all random starts come from.
+        /// Sets the seed of all random starts.
         pub fn with_seed(mut self, seed: u64) { self.seed = seed }
-        /// Ends when so many attempts have stopped within a thousandth of the lowest cost: the target is then most
-        /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
-        /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
-        /// and three are enough.
+        /// Sets the number of agreeing attempts that end the search, at least 1. Attempts agree if their costs are
+        /// within a thousandth of the lowest; the target is then most likely out of reach.
+        ///
+        /// Except for the first eight, attempts then run until they converge, which takes longer for unreached targets
+        /// and comes slightly nearer. By default this applies only to problems with soft tasks, with 3 agreeing
+        /// attempts.
         pub fn with_agreeing(mut self, agreeing: usize) { self.agreeing = Some(agreeing) }
-        /// After so many steps of all attempts together only one further attempt is made: from where the
-        /// best one stands, if that was cut off.
+        /// Sets the total number of steps after which no new attempt starts. One continuation of the best attempt may
+        /// follow, if that attempt ended early.
         pub fn with_steps(mut self, steps: usize) { self.steps = steps }
     }
 
-    /// Whether both numbers of attempts are in their ranges.
+    /// Checks the ranges of both numbers of attempts.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         let agreeing = self.agreeing.unwrap_or(1);
         let attempts = self.attempts.unwrap_or(USUAL);
@@ -87,7 +92,7 @@ impl Restarts {
         BadOption::check("agreeing", agreeing as f64, AT_LEAST_ONE)
     }
 
-    /// How many attempts a question gets.
+    /// Number of attempts for a problem.
     pub(super) fn attempts_for(&self, question: Question<'_>, share: Share) -> usize {
         self.attempts.unwrap_or_else(|| {
             let problem = question.problem;
@@ -99,9 +104,9 @@ impl Restarts {
         })
     }
 
-    /// Writes where attempt `index` starts. Odd attempts nudge the caller's start towards a random
-    /// place, even ones go there. The first attempts after the start leave what is not
-    /// `local` where it is, and all leave alone what moves no task.
+    /// Writes the start of attempt `index`. Odd attempts perturb the caller's start towards a random configuration,
+    /// even ones use the random configuration. The first attempts change only `local` variables, later ones all
+    /// variables that move a task.
     pub(super) fn start_of(
         &self,
         index: usize,
@@ -119,7 +124,7 @@ impl Restarts {
         for (j, value) in x.iter_mut().enumerate() {
             let (low, high) = question.sampling_range(j, start[j]);
             let drawn = low + (high - low) * random.unit();
-            // What a body stands on most often says more of where it can be than chance does.
+            // The caller's pose of a free base is usually a better guess than a sample.
             let share = match question.problem.floats(j) && !index.is_multiple_of(FAR_BASE_EVERY) {
                 true => NUDGE * share,
                 false => share,

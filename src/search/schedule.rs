@@ -1,53 +1,52 @@
-//! Which trials are made, in order, and how long each goes on.
+//! Order and stopping criteria of the trials of a search.
 //!
-//! Attempts give up as soon as they stall, because another start most often does better than patience; if
-//! none arrives, the best of them is finished, and the caller's own, which stays where it comes to nearly
-//! the same. So a miss costs a few times what one attempt costs that runs to its end.
+//! Attempts end when they stall, because another start usually helps more than more steps. If none reaches the goals,
+//! the best attempt is continued until it converges. The attempt from the caller's start is continued as well, and
+//! returned if its cost is nearly as low. An unreached target costs a few times the steps of one converged attempt.
 
 use super::Restarts;
 use crate::problem::{Question, Share};
 use crate::solver::{Stopping, Termination};
 
-/// Steps without halving the cost after which an attempt gives up. The caller's start is most often a
-/// neighbour of the answer, which is then found at once, or a singular rest pose, which leads nowhere.
-/// After ten slow steps a search takes its curvature from differences, which is what it waits for where
-/// others will run to their ends, and saves where all give up.
+/// Number of steps without halving the cost after which the attempt from the caller's start stalls. That start is
+/// usually near a solution, or a singular rest pose without progress.
 const PATIENCE_AT_START: usize = 6;
+/// Number of steps without halving the cost after which an attempt stalls.
 const PATIENCE: usize = 9;
+/// As [`PATIENCE`], for searches that count agreement: 10 slow steps pass before the solver uses finite differences.
 const PATIENCE_BEFORE_AGREEING: usize = 10;
 
-/// After so many attempts that gave up the best of them is finished for the first time: it often reaches
-/// what only takes long, as where limbs are stretched.
+/// Number of stalled attempts after which the best one is continued. It often reaches slow targets, such as those of
+/// stretched limbs.
 const QUICK_BEFORE_BEST: usize = 8;
-/// Where attempts run to their ends anyway, so many that agree end the search.
+/// Default number of agreeing attempts that end a search of converged attempts.
 const AGREEING: usize = 3;
 
 /// One run of an engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trial {
-    /// An attempt that gives up when it stalls.
+    /// An attempt that ends when it stalls.
     Quick(usize),
-    /// The attempt from the caller's start to its end, if it gave up when it stalled and its targets are near.
+    /// Continues the stalled attempt from the caller's start until it converges, if its targets are near.
     NearbyFirst,
-    /// The best attempt so far goes on to its end, if it gave up when it stalled.
+    /// Continues the best attempt until it converges, if it stalled.
     FinishBest,
-    /// The caller's own attempt does, if another is the best.
+    /// Continues the attempt from the caller's start, if another one is the best.
     FinishFirst,
-    /// An attempt that runs to its end.
+    /// An attempt that runs until it converges.
     Full(usize),
-    /// When attempts agree or the steps are used up, the best of all goes on, unless it came to its
-    /// end.
+    /// Continues the best attempt after attempts agreed or the steps were used up, unless it converged.
     FinishAtLast,
 }
 
 impl Trial {
-    /// Whether the trial goes on from where the best one stands.
+    /// Reports whether the trial continues the best attempt.
     pub(super) fn goes_on(self) -> bool {
         matches!(self, Self::FinishBest | Self::FinishAtLast)
     }
 }
 
-/// How attempts are made.
+/// Schedule of the attempts of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Schedule {
     restarts: Restarts,
@@ -57,19 +56,20 @@ pub(crate) struct Schedule {
     hops: bool,
 }
 
-/// What its attempts are.
+/// Kind of attempts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Searches that give up at first.
+    /// Attempts that first end when they stall.
     Quick,
-    /// Searches that all run to their ends.
+    /// Attempts that all run until they converge.
     Patient,
-    /// Sweeps, which creep: one that stalls is at its end, and none goes on later.
+    /// Sweeps of a geometric solver: a stalled attempt counts as converged, and none is continued.
     Sweeps,
 }
 
 impl Schedule {
-    /// Of searches for a share of a question within these limits each; `patient` ones all run to their ends.
+    /// Schedule of searches for a task subset of a problem, each within `stopping`. With `patient` all run until they
+    /// converge.
     pub(crate) fn of_searches(
         (question, share): (Question<'_>, Share),
         restarts: Restarts,
@@ -80,7 +80,7 @@ impl Schedule {
             true => Kind::Patient,
             false => Kind::Quick,
         };
-        // What hops from a low place end at agrees with it by its start.
+        // Hops from a low end often return to its cost, so they must not count as agreement.
         let hops = !patient && restarts.agreeing.is_none();
         Self {
             attempts: restarts.attempts_for(question, share),
@@ -91,7 +91,7 @@ impl Schedule {
         }
     }
 
-    /// Of sweeps within these limits each.
+    /// Schedule of sweeps, each within `stopping`.
     pub(crate) fn of_sweeps(
         question: Question<'_>,
         restarts: Restarts,
@@ -106,7 +106,7 @@ impl Schedule {
         }
     }
 
-    /// The same from the start alone.
+    /// The schedule with the caller's start only.
     pub(crate) fn once(self) -> Self {
         Self {
             attempts: 1,
@@ -117,22 +117,22 @@ impl Schedule {
     }
 
     getters! {
-        /// Where attempts start.
+        /// Source of the starts of attempts.
         pub(super) fn restarts(&self) -> &Restarts = &self.restarts;
-        /// How many there are at most.
+        /// Largest number of attempts.
         pub(super) fn attempts(&self) -> usize = self.attempts;
-        /// Whether later attempts begin at the end of an earlier one.
+        /// Later attempts may start at the end of an earlier one.
         pub(super) fn hops(&self) -> bool = self.hops;
     }
 
-    /// The runs, in order.
+    /// The trials in order.
     pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
         let agreeing = self.restarts.agreeing;
         let quick = match self.attempts {
             attempts if self.kind == Kind::Quick && attempts > 1 => attempts.min(QUICK_BEFORE_BEST),
             _ => 0,
         };
-        // Only attempts that came to their ends can agree.
+        // Only converged attempts can agree.
         let later = match quick > 0 && agreeing.is_none() {
             true => Trial::Quick,
             false => Trial::Full,
@@ -152,7 +152,7 @@ impl Schedule {
             .chain(at_last)
     }
 
-    /// How long a trial goes on.
+    /// Stopping criteria of a trial.
     pub(super) fn stopping(&self, trial: Trial) -> Stopping {
         let Trial::Quick(index) = trial else {
             return self.stopping;
@@ -164,7 +164,7 @@ impl Schedule {
         })
     }
 
-    /// How many attempts that agree end the search.
+    /// Number of agreeing attempts that end the search.
     pub(super) fn enough(&self) -> usize {
         let unset = match self.kind {
             Kind::Quick => usize::MAX,
@@ -173,12 +173,13 @@ impl Schedule {
         self.restarts.agreeing.unwrap_or(unset)
     }
 
-    /// Whether a search says how many attempts agree: sweeps that end alike may creep alike.
+    /// Reports whether the search counts agreeing attempts. Sweeps do not: equal costs may only mean equally slow
+    /// progress.
     pub(super) fn tells_agreement(&self) -> bool {
         self.kind != Kind::Sweeps
     }
 
-    /// Whether an attempt ended because nothing better is near, rather than for lack of patience.
+    /// Reports whether an attempt converged. A stalled attempt of sweeps counts as converged.
     pub(super) fn settles(&self, termination: Termination) -> bool {
         match self.kind {
             Kind::Sweeps => {
@@ -188,8 +189,8 @@ impl Schedule {
         }
     }
 
-    /// Whether a trial's end says something of its own about what can be reached: nudged starts of searches
-    /// fall into the hole that the start is in.
+    /// Reports whether a trial counts as evidence of what can be reached. Perturbed starts do not: they lead to the
+    /// local minimum near the start.
     pub(super) fn counts_for_agreement(&self, trial: Trial) -> bool {
         match trial {
             Trial::Quick(index) | Trial::Full(index) => self.kind == Kind::Sweeps || index % 2 == 0,

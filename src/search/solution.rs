@@ -1,4 +1,4 @@
-//! What came out, measured on the configuration that is returned.
+//! Result of a solve, measured at the returned configuration.
 
 use std::sync::Arc;
 
@@ -11,34 +11,34 @@ use crate::scalar::elementary;
 use crate::solver::{Counts, Side, Termination};
 use crate::task::{Quantity, Role};
 
-/// Whose bound it is that a joint stands on.
+/// Origin of an active bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum BoundKind {
-    /// The joint's own limit.
+    /// The limit of the joint.
     #[default]
     Limit,
-    /// How far the question lets the joint move from the start.
+    /// The limit of the joint's displacement from the start.
     Move,
 }
 
-/// A limit that holds the solution back: the joint stands on it and the cost would fall beyond it
-/// by more than what counts as stationary.
+/// A limit that holds the solution back: the joint is at it, and the cost would fall beyond it by more than the
+/// stationarity tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ActiveLimit<'a> {
-    /// The joint's name; of a ball with a cone, with "swing" or "twist" where it is one of those.
+    /// Name of the joint. For a ball joint with limits it may end in "swing" or "twist".
     pub joint: &'a str,
-    /// Which limit.
+    /// Side of the limit.
     pub side: Side,
-    /// The joint's limit, or that of its move.
+    /// Limit of the joint, or of its displacement.
     pub kind: BoundKind,
-    /// The limit, in radians or metres; of a ball's swing, its whole angle or its move, that angle.
+    /// Value of the limit in radians or metres. Limits of a ball joint's swing, total angle and move are angles.
     pub value: f64,
-    /// Whether the limit is an angle.
+    /// True if the limit is an angle.
     pub is_angle: bool,
-    /// How fast the cost would fall beyond it, per radian or metre.
+    /// Rate at which the cost would fall beyond the limit, per radian or metre.
     pub push: f64,
 }
 
@@ -49,52 +49,51 @@ pub(super) struct Blocked {
     pub(super) side: Side,
     pub(super) kind: BoundKind,
     pub(super) value: f64,
-    /// Of the joint as a whole, not of one of a ball's variables.
+    /// The limit belongs to the joint, not to one of a ball joint's variables.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) is_whole: bool,
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub(super) push: f64,
 }
 
-/// The error of a task's rows of one quantity, before weighting.
+/// Error of a task's rows of one quantity, without weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct RowsReport {
     pub(super) task: usize,
-    /// The unit of the error.
+    /// Quantity of the error, which gives its unit.
     pub quantity: Quantity,
-    /// Euclidean norm of the rows, in the unit of `quantity`, whatever their weight.
+    /// Euclidean norm of the rows without weights, in the unit of `quantity`.
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub error: f64,
-    /// Whether the error is within the task's tolerance. Rows of weight 0 are not asked for: they never
-    /// count as missed.
+    /// True if the error is within the task's tolerance. Rows of weight 0 always count as reached.
     pub reached: bool,
     pub(super) role: Role,
 }
 
-/// How one task came out.
+/// Result of one task.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct TaskReport<'a> {
-    /// The task's name.
+    /// Name of the task.
     pub name: &'a str,
-    /// The first frame it looks at, if any.
+    /// First frame of the task, if it has any.
     pub frame: Option<&'a str>,
-    /// Goal or preference.
+    /// Required or soft task.
     pub role: Role,
-    /// Whether it closes a loop of the model: no one added it.
+    /// True for the closure of a loop of the model, which is added automatically.
     pub is_loop: bool,
-    /// The strict [level](crate::task::Task::at_level) it is on; lower ones come first.
+    /// [Priority level](crate::task::Task::at_level) of the task; lower levels take precedence.
     pub level: usize,
-    /// Whether all its rows that have a weight are within tolerance.
+    /// True if all rows with a weight are within tolerance.
     pub reached: bool,
-    /// Its errors, quantity by quantity.
+    /// Errors by quantity.
     pub rows: &'a [RowsReport],
 }
 
 impl TaskReport<'_> {
-    /// The error in rows of `quantity`, in its unit; `None` if the task has no such rows.
+    /// Error in rows of `quantity`, in its unit; `None` without such rows.
     #[must_use]
     pub fn error(&self, quantity: Quantity) -> Option<f64> {
         let mut rows = self.rows.iter().filter(|r| r.quantity == quantity);
@@ -103,46 +102,46 @@ impl TaskReport<'_> {
     }
 
     getters! {
-        /// The error in metres.
+        /// Error in metres.
         pub fn position_error(&self) -> Option<f64> = self.error(Quantity::Metres);
-        /// The error in radians.
+        /// Error in radians.
         pub fn orientation_error(&self) -> Option<f64> = self.error(Quantity::Radians);
     }
 }
 
-/// The result of a solve, reached or not: the best configuration found and the truth about it.
+/// Result of a solve, reached or not: the best configuration found, and measurements of it.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Solution {
-    /// The configuration (shape: the model's degrees of freedom), within all limits to the bit.
+    /// The configuration, with the length of a configuration of the model, exactly within all limits.
     pub q: Vec<f64>,
-    /// Whether every goal is within its tolerances at `q`, and nothing [touches](Self::collisions).
+    /// True if every required task is within its tolerances at `q` and there are no [collisions](Self::collisions).
     pub reached: bool,
-    /// Which test ended the attempt that is returned, or what ended the whole search early: the clock
-    /// or the observer. Of a solution that is reached these ended a comparison or the preferences' pull.
+    /// Test that ended the returned attempt, or event that ended the whole search early: the time limit or the
+    /// observer. For a reached solution the event ended the comparison of solutions or the minimisation of soft tasks.
     pub termination: Termination,
-    /// ½ Σ ‖W r‖² at `q`, of goals and preferences.
+    /// Cost ½ Σ ‖W r‖² at `q`, of required and soft tasks.
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub cost: f64,
-    /// ‖proj(x − g) − x‖∞ at `q`, of the goals' cost where preferences act within them; `None` when the
-    /// goals were reached first.
+    /// Projected gradient ‖proj(x − g) − x‖∞ at `q`. It is that of the required tasks if soft tasks act within them.
+    /// `None` if the required tasks were reached first.
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite::optional"))]
     pub projected_gradient: Option<f64>,
-    /// Steps of all attempts together.
+    /// Total number of steps of all attempts.
     pub iterations: usize,
-    /// Attempts made, the caller's start included; where strict levels are searched one by one, in the search that
-    /// made most.
+    /// Number of attempts, including that from the caller's start. If priority levels are searched one by one, it is
+    /// that of the search with the most attempts.
     pub attempts: usize,
-    /// How many of the attempts stopped as near as this solution, within a thousandth of the cost, itself
-    /// included; 0 where it is reached, where it was cut short, or where attempts are not compared.
-    /// Many that agree are no proof that a target is out of reach, but most often it is.
+    /// Number of attempts whose cost agrees with this solution within a thousandth, including its own. 0 for a solution
+    /// that is reached or was cut short, or if attempts are not compared. Many agreeing attempts make it likely, but do
+    /// not prove, that the target is out of reach.
     pub agreeing: usize,
-    /// Evaluations of all attempts together.
+    /// Total number of evaluations of all attempts.
     pub counts: Counts,
     pub(super) rows: Vec<RowsReport>,
     pub(super) blocked: Vec<Blocked>,
-    /// The preferences that goals are traded off against, the strongest first.
+    /// Soft tasks that are weighted against the required tasks and keep them from being reached, strongest first.
     pub(crate) pulling: Vec<usize>,
     pub(super) beyond: Option<Beyond>,
     #[cfg_attr(feature = "serde", serde(default))]
@@ -173,14 +172,14 @@ impl Default for Solution {
 }
 
 impl Solution {
-    /// Makes room for what a problem with so many tasks and variables may miss: a first solve that reaches its
-    /// target names nothing, a later one may name all.
+    /// Reserves memory for all tasks and variables that an unreached solution may list, so that later solves do not
+    /// allocate.
     pub(crate) fn reserve(&mut self, tasks: usize, variables: usize) {
         vacate(&mut self.pulling, tasks);
         vacate(&mut self.blocked, variables);
     }
 
-    /// Takes what the attempts came to, all but where that is.
+    /// Takes the result of a search, except its configuration.
     pub(crate) fn tell(&mut self, found: &Found) {
         self.termination = found.termination;
         self.projected_gradient = found.projected_gradient;
@@ -191,7 +190,7 @@ impl Solution {
         self.collisions.clear();
     }
 
-    /// Every task's outcome, in the order in which the tasks were added; after them the model's loops.
+    /// Results of all tasks in the order in which they were added, then those of the model's loops.
     pub fn tasks(&self) -> impl Iterator<Item = TaskReport<'_>> {
         let groups = self.rows.chunk_by(|a, b| a.task == b.task);
         groups.filter_map(|rows| {
@@ -208,12 +207,12 @@ impl Solution {
         })
     }
 
-    /// The largest error of any goal in rows of `quantity`, in its unit; `None` if no goal has such rows.
+    /// Largest error of any required task in rows of `quantity`, in its unit; `None` without such rows.
     #[must_use]
     pub fn error(&self, quantity: Quantity) -> Option<f64> {
         let goals = self.tasks().filter(|task| task.role == Role::Goal);
         let errors = goals.filter_map(|task| task.error(quantity));
-        // NaN is larger than any error: nothing is known to be near.
+        // NaN counts as larger than any error.
         errors.reduce(|most, error| {
             if error > most || error.is_nan() {
                 error
@@ -224,17 +223,17 @@ impl Solution {
     }
 
     getters! {
-        /// The largest error of any goal in metres.
+        /// Largest error of any required task in metres.
         pub fn position_error(&self) -> Option<f64> = self.error(Quantity::Metres);
-        /// The largest error of any goal in radians.
+        /// Largest error of any required task in radians.
         pub fn orientation_error(&self) -> Option<f64> = self.error(Quantity::Radians);
-        /// Whether a missed goal is certainly out of reach: its place is farther from where the chain
-        /// begins than the chain is long. False where that is not known.
+        /// Reports whether a required task is provably out of reach: its target is farther from the start of its chain
+        /// than the chain is long. False if this is unknown.
         pub fn is_out_of_reach(&self) -> bool = self.beyond.is_some();
     }
 
-    /// The preferences that keep a missed goal from coming nearer, the strongest first. Only where they
-    /// are [traded](crate::problem::Preferences::Traded) off against goals can there be any.
+    /// Soft tasks that keep required tasks from being reached, strongest first. Empty unless soft tasks are
+    /// [weighted](crate::problem::Preferences::Traded) against required tasks.
     pub fn pulling_preferences(&self) -> impl Iterator<Item = &str> {
         self.pulling.iter().filter_map(|&task| {
             let names = self.names.as_deref()?;
@@ -242,7 +241,7 @@ impl Solution {
         })
     }
 
-    /// The limits that hold the solution back; empty when it is reached.
+    /// Limits that hold the solution back; empty for a reached solution.
     pub fn active_limits(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
         self.blocked.iter().filter_map(|blocked| {
             let names = self.names.as_deref()?;

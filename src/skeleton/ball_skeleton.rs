@@ -1,4 +1,4 @@
-//! The bones of a skeleton on ball joints instead of three hinges each.
+//! Skeletons with one ball joint per bone instead of three revolute joints.
 
 use super::{BoneId, Cones, Posing, Skeleton, SkeletonError};
 use crate::kinematics::KinematicsError;
@@ -8,35 +8,37 @@ use crate::model::{
 use crate::skeleton::{BonePlacements, Holds};
 use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// How the topmost bones that turn stand in the world.
+/// Motion of the topmost movable bones in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SkeletonRoot {
-    /// They turn where they stand at rest.
+    /// The bones rotate about their positions at rest.
     Fixed,
-    /// They move any way: x, y, z from where they stand at rest within `room` (the rig's unit, along the model's axes)
-    /// and a unit quaternion, which is how they are turned from rest in the model's axes.
+    /// The bones move with six degrees of freedom. x, y and z are offsets from the position at rest within `room` (the
+    /// rig's unit, along the model's axes). A unit quaternion is the rotation from rest in the model's axes.
     Free {
-        /// How far they may go.
+        /// Bounds of the offsets, in the rig's unit.
         room: [Limits; 3],
     },
 }
 
 impl SkeletonRoot {
-    /// Any way and anywhere.
+    /// Six degrees of freedom without bounds.
     pub const FREE: Self = Self::Free {
         room: [Limits::UNBOUNDED; 3],
     };
 }
 
-/// A skeleton whose bones turn on ball joints within cones: one unit quaternion a bone.
+/// A skeleton whose bones rotate on ball joints within cones: one unit quaternion per bone.
 ///
-/// A configuration has w, x, y, z for each bone that turns, in their order: how it is turned from rest in its own
-/// axes, so that all (1, 0, 0, 0) is the rest pose. A [free](SkeletonRoot::Free) root's begins with x, y, z. Bones whose
-/// three limits are locked at one value each do not turn; other limits of the skeleton do not count, the cones do.
+/// A configuration has w, x, y, z for each movable bone, in their order: the rotation from rest in the bone's axes. All
+/// (1, 0, 0, 0) is the rest pose. The numbers of a [free](SkeletonRoot::Free) root start with x, y, z.
 ///
-/// The model's frames have the names and ids of the skeleton's, its joints those of the bones; of a free root they
-/// are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
+/// Bones whose three limits are each locked at one value have no joint. Other limits of the skeleton are ignored; the
+/// cones replace them.
+///
+/// Frames of the model have the names and ids of the skeleton's frames, joints the names of the bones. The joints of a
+/// free root are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
 ///
 /// ```
 /// use kinopt::model::{BallLimits, Limits};
@@ -62,24 +64,24 @@ impl SkeletonRoot {
 pub struct BallSkeleton {
     skeleton: Skeleton,
     model: Model,
-    /// By bone; `None` for those that do not turn.
+    /// Ball joint by bone; `None` for bones without a joint.
     joints: Vec<Option<JointId>>,
-    /// The topmost bones that turn, of a free root.
+    /// The topmost movable bones of a free root.
     free: Vec<BoneId>,
 }
 
-/// What carries a bone, and where the bone's frame stands in that.
+/// The joint that carries a bone, and the pose of the bone's frame in it.
 type Carried = (Option<JointId>, Placement<f64>);
 
 impl BallSkeleton {
-    /// Puts every bone that turns on a ball joint, within its cone if it has one.
+    /// Creates a ball joint for every movable bone, within its cone if it has one.
     ///
-    /// A cone without an axis of its own is about the bone: from its tail to its tip, or where it has no length to the
-    /// middle of its children's tails, else on from its parent's tail.
+    /// The default axis of a cone is that of the bone, from its tail to its tip. For a bone of length 0 it points to
+    /// the mean of its children's tails, or else away from its parent's tail.
     ///
     /// # Errors
-    /// A cone of a bone that there is not, that does not turn or that is a free root; a cone that leaves nothing or whose
-    /// axis has no direction; a free root's room that is none; names that clash.
+    /// A cone of a bone that does not exist, has no joint or is a free root. Also a cone without any rotation or with a
+    /// zero axis, invalid bounds of a free root, or name clashes.
     pub fn new(
         skeleton: Skeleton,
         cones: &Cones,
@@ -146,34 +148,34 @@ impl BallSkeleton {
     }
 
     getters! {
-        /// The bones at rest; its own model has them on hinges.
+        /// The skeleton; its model has revolute joints.
         pub fn skeleton(&self) -> &Skeleton = &self.skeleton;
-        /// The model with a ball a bone; it is what problems are stated on.
+        /// The model with ball joints, for problems.
         pub fn model(&self) -> &Model = &self.model;
         /// The model frame at a bone's tail, with the bone's axes.
         pub fn tail(&self, bone: BoneId) -> FrameId = self.skeleton.tail(bone);
         /// The model frame at a bone's tip, with the bone's axes.
         pub fn tip(&self, bone: BoneId) -> FrameId = self.skeleton.tip(bone);
-        /// Whether a bone is the first that turns on a free root.
+        /// Reports whether a bone is a topmost movable bone of a free root.
         pub fn is_free(&self, bone: BoneId) -> bool = self.free.contains(&bone);
     }
 
-    /// Looks a bone up by name.
+    /// Looks up a bone by name.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// An unknown name. The error lists the valid ones.
     pub fn bone(&self, name: &str) -> Result<BoneId, UnknownName> {
         self.skeleton.bone(name)
     }
 
-    /// The ball that a bone turns on, a free root's too; `None` for one that does not turn.
+    /// The ball joint of a bone, including those of a free root; `None` for a bone without a joint.
     #[must_use]
     pub fn joint(&self, bone: BoneId) -> Option<JointId> {
         self.joints.get(bone.index()).copied().flatten()
     }
 
-    /// What moves a bone: its ball, of a free root its slides along x, y and z before it; empty for one that does not
-    /// turn.
+    /// The joints of a bone: its ball joint, for a free root after its three prismatic joints. Empty for a bone without
+    /// a joint.
     #[must_use]
     pub fn joints(&self, bone: BoneId) -> Vec<JointId> {
         let ball = self.joint(bone).map(JointId::index);
@@ -182,24 +184,23 @@ impl BallSkeleton {
         own.into_iter().flatten().collect()
     }
 
-    /// Memory for posing the bones again and again.
+    /// A workspace for posing the bones repeatedly.
     #[must_use]
     pub fn posing(&self) -> Posing {
         Posing::of_model(&self.model, self.skeleton.bone_ids().map(|b| self.tail(b)))
     }
 
-    /// Where the bones stand in a configuration; [`posing`](Self::posing) does the same without allocating each
-    /// time.
+    /// Poses of the bones at a configuration. [`posing`](Self::posing) avoids the allocations.
     ///
     /// # Errors
-    /// Another number of numbers, one that is not finite, a quaternion of length zero.
+    /// A different length, a number that is not finite, or a zero quaternion.
     pub fn pose(&self, q: &[f64]) -> Result<BonePlacements, KinematicsError> {
         let mut posing = self.posing();
         posing.pose(q).cloned()
     }
 
-    /// On top of what a map says, holds the bones that [`Holds`] says do not turn as `q` has them, but for those of
-    /// a free root, which goes where the ends that are held let it.
+    /// Locks the root chain of [`Holds`] at `q` in a parameter map. A free root is not locked: the fixed ends determine
+    /// its pose.
     #[must_use]
     pub fn hold<'m>(
         &self,
@@ -219,7 +220,7 @@ impl BallSkeleton {
         map
     }
 
-    /// The rotation of a bone from rest and, of a free root, where it went, both as `q` has them.
+    /// Rotation of a bone from rest at `q`, and the offset of a free root (zero for other bones).
     pub(crate) fn turned(
         &self,
         bone: BoneId,
@@ -235,7 +236,7 @@ impl BallSkeleton {
     }
 }
 
-/// Along a bone, in its own axes.
+/// Direction along a bone, in its axes.
 fn along(skeleton: &Skeleton, index: usize) -> Vector3<f64> {
     let bones = skeleton.bones();
     let bone = &bones[index];

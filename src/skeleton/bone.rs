@@ -1,13 +1,13 @@
-//! One bone at rest.
+//! A bone at rest.
 
 use super::SkeletonError;
 use crate::model::Limits;
 use crate::spatial::{Placement, Vector3};
 
-/// How far R̂ᵀR̂ of a rest placement may stand from the identity, entry by entry.
+/// Largest deviation of R̂ᵀR̂ of a rest placement from the identity, per entry.
 const ORTHONORMAL_WITHIN: f64 = 1e-6;
 
-/// A bone of one skeleton.
+/// Id of a bone in one skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoneId(u32);
@@ -17,44 +17,44 @@ impl BoneId {
         Self(index as u32)
     }
 
-    /// The position in the skeleton's list.
+    /// Index in the skeleton's list.
     #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// A bone at rest and how far it may turn.
+/// A bone at rest, with its limits.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bone {
-    /// Unique within the skeleton; files without names use `bone/0`, `bone/1`, …
+    /// Name, unique in the skeleton. Files without names give `bone/0`, `bone/1`, …
     pub name: String,
-    /// The bone it turns with; `None` for a root.
+    /// Parent bone; `None` for a root.
     pub parent: Option<BoneId>,
-    /// From tail to tip, in the rig's own unit; zero is allowed.
+    /// Length from tail to tip, in the rig's unit; may be 0.
     pub length: f64,
     /// T̂: canonical bone → model at rest.
     pub model_from_rest: Placement<f64>,
-    /// Ranges of (θ₁, θ₂, θ₃): first twist, bend, second twist, in radians.
+    /// Limits of (θ₁, θ₂, θ₃): first twist, bend, second twist, in radians.
     pub limits: [Limits; 3],
 }
 
 impl Bone {
-    /// The tail at rest, in model coordinates.
+    /// Position of the tail at rest, in model coordinates.
     #[must_use]
     pub fn rest_tail(&self) -> Vector3<f64> {
         self.model_from_rest.translation
     }
 
-    /// The tip at rest, in model coordinates.
+    /// Position of the tip at rest, in model coordinates.
     #[must_use]
     pub fn rest_tip(&self) -> Vector3<f64> {
         self.model_from_rest
             .apply(Vector3::new(self.length, 0.0, 0.0))
     }
 
-    /// Checks one bone that stands at `index` in its list.
+    /// Checks a bone at `index` of its list.
     pub(super) fn check(&self, index: usize) -> Result<(), SkeletonError> {
         let bone = || self.name.clone();
         if self.parent.is_some_and(|parent| parent.index() >= index) {

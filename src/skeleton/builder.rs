@@ -1,4 +1,4 @@
-//! Collects bones; ids make parents natural.
+//! Builder of skeletons, which assigns bone ids.
 
 use super::{Bone, BoneId, Skeleton, SkeletonError};
 
@@ -37,7 +37,7 @@ impl SkeletonBuilder {
         }
     }
 
-    /// Adds a bone; its id is the parent of the bones that stand on it.
+    /// Adds a bone. The returned id is the `parent` of its children.
     pub fn add(&mut self, bone: Bone) -> BoneId {
         self.bones.push(bone);
         BoneId::new(self.bones.len() - 1)
@@ -49,7 +49,7 @@ impl SkeletonBuilder {
         &self.bones
     }
 
-    /// Checks the bones and compiles them.
+    /// Checks the bones and builds the skeleton.
     ///
     /// # Errors
     /// As [`Skeleton::new`].

@@ -1,86 +1,87 @@
-//! What can be wrong with a skeleton, each naming the bone.
+//! Errors of skeletons; each names the bone.
 
 use thiserror::Error;
 
 use crate::model::{ModelError, UnknownName};
 use crate::spatial::RigidDefect;
 
-/// Why bones do not make a skeleton.
+/// Error of building a skeleton.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SkeletonError {
-    /// Parents must come before children, which also rules rings out.
+    /// A bone comes before its parent. This check also excludes cycles.
     #[error("bone `{bone}`: its parent does not come before it")]
     ParentNotBefore {
-        /// The child.
+        /// Name of the child.
         bone: String,
     },
-    /// A length that is negative or not finite.
+    /// A length is negative or not finite.
     #[error("bone `{bone}`: length {length} is not a finite number of at least 0")]
     BadLength {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// The length as given.
+        /// Given length.
         length: f64,
     },
-    /// Limits that are NaN or out of order.
+    /// Limits are NaN or out of order.
     #[error("bone `{bone}`: limits [{lower}, {upper}] rad of its {angle} are not an interval")]
     BadLimits {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// Which of its three angles.
+        /// Angle of the bone: first twist, bend or second twist.
         angle: &'static str,
-        /// Lower end, radians.
+        /// Lower limit, radians.
         lower: f64,
-        /// Upper end, radians.
+        /// Upper limit, radians.
         upper: f64,
     },
-    /// A rest placement that is not a rigid motion.
+    /// A rest placement is not a rigid motion.
     #[error("bone `{bone}`: its rest placement is not a rigid motion ({problem})")]
     BadRest {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// What is wrong with it.
+        /// Defect of the placement.
         problem: RigidDefect,
     },
-    /// A bone of an armature whose scale at rest makes of turns below it what no joint does.
+    /// A bone of an armature has a non-uniform or mirroring scale at rest. Rotations below it are then no rotations of
+    /// a joint.
     #[error(
         "bone `{bone}`: it scales its children by different numbers along its axes, or mirrors"
     )]
     UnevenScale {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// A bone of another skeleton.
+    /// A bone belongs to another skeleton.
     #[error("bone number {bone} was asked for, but there are {bones}")]
     ForeignBone {
-        /// The position that the id stands for.
+        /// Index of the bone.
         bone: usize,
-        /// How many bones there are.
+        /// Number of bones.
         bones: usize,
     },
-    /// Two bones of one name.
+    /// Two bones have the same name.
     #[error("bone name `{name}` is used twice")]
     DuplicateName {
         /// The name.
         name: String,
     },
-    /// A cone of a bone that does not turn.
+    /// A cone of a bone without a joint.
     #[error("bone `{bone}` does not turn, so a cone means nothing to it")]
     ConeOfStillBone {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// A cone of the bone that a free root turns.
+    /// A cone of the bone of a free root.
     #[error("bone `{bone}` is a free root, which turns any way: it has no cone")]
     ConeOfFreeBone {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// A cone of a bone that there is not.
+    /// A cone of a bone that does not exist.
     #[error(transparent)]
     UnknownBone(#[from] UnknownName),
-    /// A name clash or an overflow that only shows in the compiled model.
+    /// A name clash or an overflow in the compiled model.
     #[error(transparent)]
     Model(#[from] ModelError),
 }

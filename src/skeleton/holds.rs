@@ -1,36 +1,36 @@
-//! What of a body stays where it is while something else is dragged.
+//! Parts of a skeleton that stay fixed while other parts are dragged.
 
 use super::{BoneId, Skeleton};
 use crate::model::{Limits, ModelError, ParameterMap, ParameterMapBuilder};
 
-/// A limb has at least so many bones that move.
+/// Smallest number of movable bones of a limb.
 const BONES_OF_A_LIMB: usize = 2;
-/// A limb that is held is at least so long, as a share of the figure's size: an arm, a leg or a tail, not a
-/// finger, and no head, which goes with its body.
+/// Smallest length of a limb whose end is fixed, relative to the size of the skeleton. Arms, legs and tails exceed it;
+/// fingers and heads do not.
 const LENGTH_OF_A_LIMB: f64 = 0.2;
-/// How far a back may bend, all its bones together, and as much it may twist, in radians.
+/// Largest bend of the spine, summed over its bones, and largest twist, radians.
 const BENDS_OF_A_BACK: f64 = 0.7;
 
-/// What stays while bones are dragged: see [`Skeleton::holds`].
+/// Fixed parts during a drag: see [`Skeleton::holds`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Holds {
-    /// The bones from the root to where the first limbs branch off (of a character: to the hips). They
-    /// do not turn.
+    /// The bones from the root to the branching of the first limbs (of a character: to the hips). They are locked.
     pub trunk: Vec<BoneId>,
-    /// The bones between the trunk and where a dragged limb branches off another one (of a character: the
-    /// back). Together they bend and twist by 0.7 rad at most.
+    /// The bones between the root chain and the branching of a dragged limb from another one (of a character: the
+    /// spine). Together they bend and twist by at most 0.7 rad.
     pub back: Vec<BoneId>,
-    /// The ends of long limbs, one each, whose tips stay where they are.
+    /// One bone at the end of each fixed long limb; its tip stays in place.
     pub ends: Vec<BoneId>,
 }
 
 impl Skeleton {
-    /// What should stay where it is while the tips of `dragged` bones are, so that a character stays on
-    /// its feet: the trunk up to the hips, and the end of every long limb but those that a dragged bone
-    /// carries; and the back hardly bends. A limb is long from a fifth of the figure's size on: heads and
-    /// fingers go along. Where the trunk itself is dragged it is free, and where no limbs branch off there
-    /// is nothing to hold. Bones that cannot move do not count.
+    /// The parts to fix while the tips of the `dragged` bones move, so that a character stays on its feet.
+    ///
+    /// These are the root chain up to the hips and the end of every long limb that carries no dragged bone. The spine
+    /// bends only slightly. A limb is long from a fifth of the skeleton's size: heads and fingers move along.
+    ///
+    /// A dragged root chain is free. A skeleton without branching limbs has no fixed parts. Locked bones do not count.
     #[must_use]
     pub fn holds(&self, dragged: &[BoneId]) -> Holds {
         let bones = self.bones.len();
@@ -38,7 +38,7 @@ impl Skeleton {
         let moves = |bone: usize| !self.bones[bone].limits.iter().all(Limits::is_locked);
         let dragged: Vec<usize> = dragged.iter().map(|bone| bone.index()).collect();
 
-        // The most bones that move one after the other, from each bone on.
+        // Largest number of movable bones in a chain from each bone.
         let mut depth = vec![0; bones];
         for bone in (0..bones).rev() {
             depth[bone] += usize::from(moves(bone));
@@ -61,8 +61,8 @@ impl Skeleton {
         }
         let leads_to_limbs = |bone: usize| !branched[bone] && limbs[bone] > 0;
 
-        // By bone: whether it or one below it is dragged, and whether it or one above it is. A dragged
-        // trunk leaves its limbs behind.
+        // By bone: it or a descendant is dragged; it or an ancestor is dragged. A dragged root chain does not carry its
+        // limbs.
         let mut carries: Vec<bool> = (0..bones).map(|bone| dragged.contains(&bone)).collect();
         let mut carried: Vec<bool> = carries.clone();
         for bone in 0..bones {
@@ -75,7 +75,7 @@ impl Skeleton {
                 carries[parent] |= carries[bone];
             }
         }
-        // By bone: the child that moves and goes furthest.
+        // By bone: the movable child with the longest chain.
         let mut furthest: Vec<Option<usize>> = vec![None; bones];
         let long = self.limb_lengths();
         for bone in (0..bones).filter(|&bone| depth[bone] > 0) {
@@ -86,7 +86,7 @@ impl Skeleton {
                 }
             }
         }
-        // By bone: whether a dragged limb branches off another one there or further out.
+        // By bone: a dragged limb branches off another one here or at a descendant.
         let least = LENGTH_OF_A_LIMB * self.size();
         let (mut limbs_here, mut splits) = (vec![0; bones], vec![false; bones]);
         for bone in (0..bones).rev() {
@@ -97,7 +97,7 @@ impl Skeleton {
                 splits[parent] |= splits[bone];
             }
         }
-        // By bone: whether it goes on in a long limb to hold, and whether that ends there, beyond the short ones.
+        // By bone: it belongs to a long limb to fix; it is the end of that limb, apart from short limbs.
         let long_limb = |bone: usize| long[bone] >= least && depth[bone] > 0;
         let mut goes_on = vec![false; bones];
         let mut is_end = vec![false; bones];
@@ -127,7 +127,7 @@ impl Skeleton {
 }
 
 impl Skeleton {
-    /// How far the bones from each bone on go on from its tail, at rest.
+    /// Length of the longest chain from the tail of each bone, at rest.
     fn limb_lengths(&self) -> Vec<f64> {
         let mut lengths: Vec<f64> = self.bones.iter().map(|bone| bone.length).collect();
         for index in (0..lengths.len()).rev() {
@@ -138,7 +138,7 @@ impl Skeleton {
         lengths
     }
 
-    /// The same from its parent's tail on.
+    /// Length of the longest chain through a bone, from its parent's tail.
     fn goes(&self, lengths: &[f64], bone: usize) -> f64 {
         let here = &self.bones[bone];
         let parent = here.parent.map(|parent| &self.bones[parent.index()]);
@@ -148,18 +148,17 @@ impl Skeleton {
 }
 
 impl Holds {
-    /// The angles that are free: those of the skeleton but the trunk's, which stay as in `q` (stacked
-    /// angles, radians), and the back's little.
+    /// A parameter map with the root chain locked at `q` (joint angles, radians) and the spine limited around `q`.
     ///
     /// # Errors
-    /// Another number of angles, one that is not finite, or those of the trunk or the back beyond their
+    /// A wrong number of angles, an angle that is not finite, or angles of the root chain or the spine outside their
     /// limits.
     pub fn parameters(&self, skeleton: &Skeleton, q: &[f64]) -> Result<ParameterMap, ModelError> {
         let map = ParameterMap::builder(skeleton.model());
         self.narrow(map, skeleton, q).build()
     }
 
-    /// As [`parameters`](Self::parameters), on top of what a map says already.
+    /// As [`parameters`](Self::parameters), in addition to the settings of a map.
     #[must_use]
     pub fn narrow<'m>(
         &self,
@@ -178,7 +177,7 @@ impl Holds {
         }
         let bend = BENDS_OF_A_BACK / self.back.len().max(1) as f64;
         for joints in self.back.iter().map(|&bone| skeleton.joints(bone)) {
-            // Both twists turn the same way where a bone is straight.
+            // In a straight bone both twists have one axis, so each gets half.
             for (joint, far) in joints.into_iter().zip([0.5 * bend, bend, 0.5 * bend]) {
                 let at = at(joint);
                 map = map.with_narrowed(joint, Limits::new(at - far, at + far));

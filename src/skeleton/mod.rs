@@ -1,14 +1,12 @@
-//! Twist-bend-twist bones, compiled to a [`Model`].
+//! Skeletons of twist-bend-twist bones, compiled to a [`Model`].
 //!
-//! A canonical bone lies along x from its tail at 0 to its tip at (ℓ, 0, 0). The rest placement T̂
-//! puts it into the model; a pose turns it by R_x(θ₃) R_z(θ₂) R_x(θ₁) in its canonical frame, on
-//! top of its parent's pose. In the model a bone is three revolute joints at one point, and a
-//! configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃, θ₂₁, …) in radians, bone by bone.
+//! A canonical bone lies along x from its tail at 0 to its tip at (ℓ, 0, 0). The rest placement T̂ maps it to the
+//! model. A pose rotates it by R_x(θ₃) R_z(θ₂) R_x(θ₁) in its canonical frame, after the pose of its parent.
+//!
+//! In the model a bone is three revolute joints at one point. A configuration is the stacked vector (θ₁₁, θ₁₂, θ₁₃,
+//! θ₂₁, …) in radians, bone by bone. Bones come after their parents. Tips of leaf bones are the usual end effectors.
 //!
 //! A [`BallSkeleton`] has the same bones on ball joints within cones.
-//!
-//! Bones name their parent and stand after it, so one pass in the order of the list has every
-//! parent's transform before its children's; tips of leaves are the usual end effectors.
 
 mod ball_skeleton;
 mod bone;
@@ -31,10 +29,10 @@ pub use pose::{BonePlacements, Posing};
 use crate::model::{FrameId, JointId, LengthUnit, Limits, Model, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
-/// The angles of one bone, in the order of the stacked vector.
+/// Number of angles per bone in the stacked vector.
 pub const ANGLES_PER_BONE: usize = 3;
 
-/// A checked tree of bones, parents before children, and the model it compiles to.
+/// A checked tree of bones, parents before children, with its compiled model.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -54,17 +52,18 @@ impl Skeleton {
         SkeletonBuilder::new(name.into())
     }
 
-    /// Checks the bones and compiles them.
+    /// Checks the bones and compiles them to a model.
     ///
-    /// The model's frames are `NAME` (the bone's own frame, origin at its tail) and `NAME/tip`, or where
-    /// a bone is called so, as the End Sites of motion capture are, the first of `NAME/tip/2`, `NAME/tip/3`, …
-    /// that is no bone's; its joints are `NAME/twist2`, `NAME/bend` and `NAME/twist1`, from the parent outwards. A
-    /// child stands on its parent's canonical frame, wherever its own tail is at rest.
+    /// The frames of the model are `NAME` (the bone's frame at its tail) and `NAME/tip`. If a bone has the name
+    /// `NAME/tip`, as End Sites of motion capture have, the frame is the first unused of `NAME/tip/2`, `NAME/tip/3`, …
+    ///
+    /// The joints are `NAME/twist2`, `NAME/bend` and `NAME/twist1`, from the parent outwards. A child is attached to
+    /// its parent's canonical frame, also if its tail is not at the parent's tip.
     ///
     /// # Errors
-    /// The first bone that is wrong, by name: a parent that does not come before it, a length that
-    /// is negative or not finite, limits that are no interval, a rest placement that is not
-    /// rigid (within 1e-6; the rigid one next to it is then taken), a name used twice.
+    /// The first faulty bone, by name: a parent that does not come before it, a negative or non-finite length, invalid
+    /// limits, or a repeated name. Also a rest placement that is not rigid within 1e-6; within that tolerance the
+    /// nearest rigid one is used.
     pub fn new(name: impl Into<String>, mut bones: Vec<Bone>) -> Result<Self, SkeletonError> {
         let mut by_name = HashMap::with_capacity(bones.len());
         for (index, bone) in bones.iter_mut().enumerate() {
@@ -87,16 +86,14 @@ impl Skeleton {
         })
     }
 
-    /// The same bones with the root placed generally in a larger scene: every rest placement T̂ becomes
-    /// P T̂, so the targets of problems on its model are places in the scene. Angles and limits
-    /// mean what they did.
+    /// The skeleton moved as a whole into a scene: every rest placement T̂ becomes P T̂. Targets of problems on its
+    /// model are then positions in the scene. Angles and limits keep their meaning.
     ///
-    /// A mesh that stays where it was modelled follows by the
-    /// [`skinning_transforms`](BonePlacements::skinning_transforms) of the placed skeleton's poses
-    /// from the skeleton as it was. To place a pose alone, [`BonePlacements::placed`] is cheaper.
+    /// An unmoved mesh is skinned by the [`skinning_transforms`](BonePlacements::skinning_transforms) of the placed
+    /// skeleton's poses with the original skeleton. [`BonePlacements::placed`] moves a single pose at lower cost.
     ///
     /// # Errors
-    /// [`SkeletonError::BadRest`] for the first bone, if P is not a rigid motion.
+    /// [`SkeletonError::BadRest`] for the first bone if P is not a rigid motion.
     pub fn placed(
         &self,
         scene_from_model: impl Into<Placement<f64>>,
@@ -109,8 +106,8 @@ impl Skeleton {
         Self::new(self.model.name(), bones)
     }
 
-    /// Puts a bone's joint elsewhere on its parent and its tip elsewhere on the bone, in the model
-    /// alone: for layers that own the skeleton and solve on that.
+    /// Moves the joint of a bone on its parent and the tip on the bone, in the model only: for layers that own the
+    /// skeleton and solve on that model.
     pub(crate) fn stand(&mut self, bone: BoneId, on_parent: Vector3<f64>, tip: Vector3<f64>) {
         let first = JointId::new(ANGLES_PER_BONE * bone.index());
         let frame = self.tip(bone);
@@ -121,9 +118,9 @@ impl Skeleton {
     getters! {
         /// The bones, parents before children.
         pub fn bones(&self) -> &[Bone] = &self.bones;
-        /// The model that the bones compile to; it is what problems are stated on.
+        /// The compiled model, for problems.
         pub fn model(&self) -> &Model = &self.model;
-        /// How many angles a configuration has: three for each bone.
+        /// Number of angles of a configuration: three per bone.
         pub fn angles(&self) -> usize = ANGLES_PER_BONE * self.bones.len();
         /// The model frame at a bone's tail, with the bone's canonical axes.
         pub fn tail(&self, bone: BoneId) -> FrameId = FrameId::new(2 * bone.index());
@@ -136,38 +133,37 @@ impl Skeleton {
         (0..self.bones.len()).map(BoneId::new)
     }
 
-    /// The id of the bone at a position in [`bones`](Self::bones).
+    /// The id of the bone at an index of [`bones`](Self::bones).
     #[must_use]
     pub fn bone_at(&self, index: usize) -> Option<BoneId> {
         (index < self.bones.len()).then(|| BoneId::new(index))
     }
 
-    /// Looks a bone up by name.
+    /// Looks up a bone by name.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// An unknown name. The error lists the valid ones.
     pub fn bone(&self, name: &str) -> Result<BoneId, UnknownName> {
         self.by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("bone", name, self.bones.iter().map(|b| b.name.as_str()))
         })
     }
 
-    /// A bone's joints in the order of its angles: first twist, bend, second twist.
+    /// The joints of a bone in the order of its angles: first twist, bend, second twist.
     #[must_use]
     pub fn joints(&self, bone: BoneId) -> [JointId; ANGLES_PER_BONE] {
         let first = ANGLES_PER_BONE * bone.index();
         [first + 2, first + 1, first].map(JointId::new)
     }
 
-    /// The bone that a model frame belongs to, and whether the frame is its tip.
+    /// The bone of a model frame, and true if the frame is at its tip.
     #[must_use]
     pub fn bone_of_frame(&self, frame: FrameId) -> Option<(BoneId, bool)> {
         let bone = self.bone_at(frame.index() / 2)?;
         Some((bone, frame.index() % 2 == 1))
     }
 
-    /// The diagonal of the box around all tails and tips at rest, in the rig's own unit.
-    /// Tolerances scale with it.
+    /// Diagonal of the bounding box of all tails and tips at rest, in the rig's unit. Tolerances scale with it.
     #[must_use]
     pub fn size(&self) -> f64 {
         let ends = self
@@ -188,7 +184,7 @@ impl Skeleton {
     }
 }
 
-/// Three revolute joints a bone: x by θ₃ on the parent, then z by θ₂, then x by θ₁.
+/// Compiles each bone to three revolute joints: x by θ₃ on the parent, then z by θ₂, then x by θ₁.
 fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
     let about_x = Vector3::new(1.0, 0.0, 0.0);
     let about_z = Vector3::new(0.0, 0.0, 1.0);
@@ -232,7 +228,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
     Ok(builder.build()?)
 }
 
-/// The name, or the first one with a number after it that no bone has. As bones' own names differ, so do these.
+/// The name, or the first numbered one that no bone has. Results are unique, as names of bones are.
 fn free_name(name: String, taken: &HashSet<&str>) -> String {
     let numbered = (2..).map(|number| format!("{name}/{number}"));
     let free = std::iter::once(name.clone())

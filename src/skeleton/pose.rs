@@ -1,11 +1,11 @@
-//! A skeleton in a pose: where each bone went, and the transforms that carry skin along.
+//! Poses of a skeleton: bone placements and skinning transforms.
 
 use super::{BoneId, Skeleton, SkeletonError};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model};
 use crate::spatial::{Placement, Vector3};
 
-/// Where every bone of a skeleton stands in one pose.
+/// Placements of all bones of a skeleton in one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BonePlacements {
     /// W_i: canonical bone i → posed model, by bone index.
@@ -13,18 +13,18 @@ pub struct BonePlacements {
 }
 
 impl BonePlacements {
-    /// A bone's tail in the pose.
+    /// Position of a bone's tail in the pose, in model coordinates.
     ///
     /// # Errors
-    /// A bone that is not in it.
+    /// A bone outside the pose.
     pub fn tail(&self, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
         Ok(self.of(bone)?.translation)
     }
 
-    /// A bone's tip in the pose of its skeleton.
+    /// Position of a bone's tip in a pose of `skeleton`, in model coordinates.
     ///
     /// # Errors
-    /// A bone that is not in both.
+    /// A bone outside the pose or the skeleton.
     pub fn tip(&self, skeleton: &Skeleton, bone: BoneId) -> Result<Vector3<f64>, SkeletonError> {
         let own = skeleton.bones().get(bone.index());
         let own = own.ok_or_else(|| foreign(bone, skeleton.bones().len()))?;
@@ -36,8 +36,7 @@ impl BonePlacements {
         posed.ok_or_else(|| foreign(bone, self.model_from_bone.len()))
     }
 
-    /// The same pose with the root placed generally in a larger scene: W_i → P W_i, and so T_i → P T_i
-    /// for the skin.
+    /// The pose moved as a whole into a scene: W_i → P W_i, and therefore T_i → P T_i for skinning.
     #[must_use]
     pub fn placed(mut self, scene_from_model: impl Into<Placement<f64>>) -> Self {
         let scene_from_model = scene_from_model.into();
@@ -47,7 +46,7 @@ impl BonePlacements {
         self
     }
 
-    /// The skinning transforms T_i = W_i T̂_i⁻¹ by bone index: rest model → posed model.
+    /// Skinning transforms T_i = W_i T̂_i⁻¹ by bone index: rest model → posed model.
     pub fn skinning_transforms<'a>(
         &'a self,
         skeleton: &'a Skeleton,
@@ -59,7 +58,7 @@ impl BonePlacements {
     }
 }
 
-/// Poses one skeleton again and again, in memory of its own.
+/// Poses one skeleton repeatedly in reused memory.
 #[derive(Clone, Debug)]
 pub struct Posing {
     kinematics: ForwardKinematics,
@@ -67,7 +66,7 @@ pub struct Posing {
 }
 
 impl Posing {
-    /// Memory for posing `skeleton`. Every angle is read, also one whose limits lock it.
+    /// A workspace for posing `skeleton`. All angles are used, including locked ones.
     #[must_use]
     pub fn new(skeleton: &Skeleton) -> Self {
         Self::of_model(
@@ -76,7 +75,7 @@ impl Posing {
         )
     }
 
-    /// The same for the tails of the bones of another model.
+    /// A workspace for the tails of the bones of another model.
     pub(super) fn of_model(model: &Model, tails: impl Iterator<Item = FrameId>) -> Self {
         let frames: Vec<FrameId> = tails.collect();
         let kinematics = ForwardKinematics::of_configurations(model, &frames);
@@ -89,10 +88,10 @@ impl Posing {
         }
     }
 
-    /// Where the bones stand for the stacked angles `q`, in radians, or the configuration of balls.
+    /// The placements of the bones for the joint angles `q` (radians), or for a configuration of ball joints.
     ///
     /// # Errors
-    /// Another number of them than the skeleton has, or one that is not finite.
+    /// A different number of values, or a value that is not finite.
     pub fn pose(&mut self, q: &[f64]) -> Result<&BonePlacements, KinematicsError> {
         let placed = self.kinematics.place(q)?;
         self.placements.model_from_bone.copy_from_slice(placed);
@@ -101,8 +100,7 @@ impl Posing {
 }
 
 impl Skeleton {
-    /// Where the bones stand for the stacked angles `q`, in radians. [`Posing`] does the same
-    /// without allocating each time.
+    /// The placements of the bones for the joint angles `q` (radians). [`Posing`] avoids the allocations.
     ///
     /// # Errors
     /// As [`Posing::pose`].

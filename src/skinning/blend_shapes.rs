@@ -1,4 +1,4 @@
-//! Blend shapes given as whole poses: a mesh is the weighted mean of its key shapes.
+//! Blend shapes as whole shapes: a mesh is the weighted mean of its key shapes.
 
 use glam::Vec3;
 
@@ -6,11 +6,10 @@ use super::ROW_SUM_TOLERANCE;
 use crate::mesh::TriangleMesh;
 use crate::{Buffer, SizeMismatch};
 
-/// Key shapes of one mesh, each with a place for every vertex.
+/// Key shapes of one mesh, each with a position for every vertex.
 ///
-/// Where one shape is the rest and the others are differences from it, which are sparse and come
-/// before skinning, [`MorphTargets`](super::MorphTargets) give the same positions: theirs are the
-/// weights of all shapes but the rest, whose share is what is missing to 1.
+/// [`MorphTargets`](super::MorphTargets) store sparse differences from the rest shape and act before skinning. They
+/// give the same positions with the weights of all shapes except the rest; the weight of the rest is 1 minus their sum.
 ///
 /// ```
 /// use glam::Vec3;
@@ -32,71 +31,71 @@ pub struct BlendShapes {
     vertex_count: usize,
 }
 
-/// What is wrong with key shapes or their weights.
+/// Error of key shapes or their weights.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BlendShapesError {
     /// There are no shapes.
     #[error("there are no shapes")]
     Empty,
-    /// Two shapes of one name.
+    /// Two shapes have the same name.
     #[error("the shape name `{shape}` is used twice")]
     DuplicateName {
-        /// The name.
+        /// Name of the shape.
         shape: String,
     },
-    /// A shape has another number of vertices than the first.
+    /// A shape has a different number of vertices from the first.
     #[error("shape `{shape}`: {given} vertices, but the first shape has {vertices}")]
     ShapeCount {
-        /// The shape's name.
+        /// Name of the shape.
         shape: String,
-        /// How many it has.
+        /// Number of vertices of the shape.
         given: usize,
-        /// How many the first has.
+        /// Number of vertices of the first shape.
         vertices: usize,
     },
     /// A position is NaN or infinite.
     #[error("shape `{shape}`, vertex {vertex}: the position is not finite")]
     NonFinite {
-        /// The shape's name.
+        /// Name of the shape.
         shape: String,
-        /// Which vertex.
+        /// Index of the vertex, from 0.
         vertex: usize,
     },
-    /// There is not one weight per shape.
+    /// The number of weights differs from the number of shapes.
     #[error("{given} weights for {shapes} shapes: {names}")]
     WeightCount {
-        /// How many weights.
+        /// Number of weights.
         given: usize,
-        /// How many shapes.
+        /// Number of shapes.
         shapes: usize,
-        /// The shapes' names.
+        /// Names of the shapes.
         names: String,
     },
     /// A weight is NaN or infinite.
     #[error("shape `{shape}`: the weight {weight} is not finite")]
     NonFiniteWeight {
-        /// The shape's name.
+        /// Name of the shape.
         shape: String,
         /// The weight.
         weight: f32,
     },
-    /// The weights do not sum to 1, so that a shape common to all would not be kept.
+    /// The weights do not sum to 1, so a blend of equal shapes would differ from them.
     #[error("the weights sum to {sum}, not to 1 within {ROW_SUM_TOLERANCE:e}")]
     WeightSum {
-        /// What they sum to.
+        /// Sum of the weights.
         sum: f64,
     },
-    /// A buffer is not as long as the shapes.
+    /// A buffer has a different length from the shapes.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
 }
 
 impl BlendShapes {
-    /// Key shapes by name, each with the position of every vertex in the model's own unit.
+    /// Creates key shapes from names and vertex positions in the model's unit.
     ///
     /// # Errors
-    /// There is none, a name is used twice, counts of vertices differ, or a position is not finite.
+    /// There are no shapes, a name is used twice, vertex counts differ, or a position is not finite.
     pub fn new(shapes: Vec<(String, Vec<Vec3>)>) -> Result<Self, BlendShapesError> {
         let (names, shapes): (Vec<String>, Vec<Vec<Vec3>>) = shapes.into_iter().unzip();
         let vertex_count = shapes.first().ok_or(BlendShapesError::Empty)?.len();
@@ -125,7 +124,7 @@ impl BlendShapes {
         })
     }
 
-    /// The positions of meshes that share their triangles.
+    /// Creates key shapes from the positions of meshes with equal triangles.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -138,18 +137,18 @@ impl BlendShapes {
     }
 
     getters! {
-        /// The shapes' names, in the order of the weights.
+        /// Names of the shapes, in the order of the weights.
         pub fn names(&self) -> &[String] = &self.names;
-        /// How many vertices each shape has.
+        /// Number of vertices of each shape.
         pub fn vertex_count(&self) -> usize = self.vertex_count;
     }
 
-    /// p_i = Σ_j w_j p_ij. The weights must sum to 1 within
-    /// [`ROW_SUM_TOLERANCE`](super::ROW_SUM_TOLERANCE); negative ones exaggerate.
+    /// Blends the shapes: p_i = Σ_j w_j p_ij. The weights must sum to 1 within
+    /// [`ROW_SUM_TOLERANCE`](super::ROW_SUM_TOLERANCE). Negative weights exaggerate.
     ///
     /// # Errors
-    /// There is not one weight per shape, one is not finite, they do not sum to 1, or there is not
-    /// room for every vertex in a slice. Nothing is written then.
+    /// The number of weights differs from the number of shapes, or a slice has a different length from the shapes. Also
+    /// a weight that is not finite, or weights that do not sum to 1. Nothing is written then.
     pub fn blend(
         &self,
         weights: &[f32],

@@ -1,4 +1,4 @@
-//! The transforms of a pose as dual quaternions, with what they stretch apart.
+//! Bone transforms as dual quaternions with separate stretches.
 
 use glam::{Affine3A, DMat3, Mat3A, Vec3, Vec3A};
 use nalgebra as na;
@@ -9,25 +9,25 @@ use super::{DualQuaternion, SkinningError};
 use crate::SizeMismatch;
 use crate::spatial::Polar;
 
-/// Each bone's rigid motion, and where a pose stretches, what is done before it.
+/// Rigid motion of each bone, and the stretch before it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BoneMotions {
     pub(super) rigid: Vec<DualQuaternion>,
-    /// Empty, or by bone the stretch at rest.
+    /// Stretch of each bone at rest; empty if no bone stretches.
     pub(super) stretches: Vec<Affine3A>,
-    /// Scratch memory.
+    /// Workspace.
     scales: Vec<f32>,
 }
 
 impl BoneMotions {
-    /// Motions that rotate and translate only, but for a scale that all bones share.
+    /// Creates motions from rigid transforms, up to a scale that all bones share.
     pub(super) fn rigid(transforms: &[Affine3A], bones: usize) -> Result<Self, SkinningError> {
         let mut motions = Self::default();
         motions.set_rigid(transforms, bones)?;
         Ok(motions)
     }
 
-    /// As [`rigid`](Self::rigid), in the same memory.
+    /// As [`rigid`](Self::rigid), in the memory of this object.
     pub(super) fn set_rigid(
         &mut self,
         transforms: &[Affine3A],
@@ -58,9 +58,9 @@ impl BoneMotions {
         Ok(())
     }
 
-    /// T = (rigid motion) · (stretch about the bone's pivot): with the polar decomposition M = R S of
-    /// the linear part and the pivot c, the stretch is v → S (v − c) + c and the rigid motion is
-    /// v → R v + T c − R c (the two phases of Kavan et al. 2008). A scale that all bones share acts before both, about the origin.
+    /// Factors each transform as T = (rigid motion) · (stretch about the bone's pivot c), with the polar decomposition
+    /// M = R S of the linear part. The stretch is v → S (v − c) + c, and the rigid motion v → R v + T c − R c. These
+    /// are the two phases of Kavan et al. 2008. A scale that all bones share acts first, about the origin.
     pub(super) fn stretched(
         transforms: &[Affine3A],
         pivots: &[Vec3],
@@ -71,7 +71,7 @@ impl BoneMotions {
         Ok(motions)
     }
 
-    /// As [`stretched`](Self::stretched), in the same memory; not changed by an error.
+    /// As [`stretched`](Self::stretched), in the memory of this object, which an error leaves unchanged.
     pub(super) fn set_stretched(
         &mut self,
         transforms: &[Affine3A],
@@ -100,7 +100,7 @@ impl BoneMotions {
         Ok(())
     }
 
-    /// Σ_j w_j (stretch of bone j); `None` where nothing stretches.
+    /// Σ_j w_j (stretch of bone j); `None` if no bone stretches.
     pub(super) fn stretch(&self, shares: impl Iterator<Item = (usize, f32)>) -> Option<Affine3A> {
         if self.stretches.is_empty() {
             return None;
@@ -116,7 +116,8 @@ impl BoneMotions {
     }
 }
 
-/// A transform as a rigid motion after a stretch about the pivot after the shared scale, or the error of a bone.
+/// Factors a transform into a stretch about the pivot, after the shared scale, and a rigid motion. An error is a
+/// function of the bone index.
 fn two_phases(
     transform: &Affine3A,
     pivot: Vec3,
@@ -148,10 +149,10 @@ fn two_phases(
     Ok((rigid, stretch))
 }
 
-/// A smallest stretch below this share of the largest is none: the map is flat.
+/// Largest ratio of the smallest to the largest stretch at which a map counts as singular.
 const FLAT: f64 = 1e-9;
 
-/// M = R S with R a rotation and S symmetric; `None` for a map that is flat or mirrors.
+/// M = R S with a rotation R and a symmetric S; `None` for a singular or mirroring map.
 fn polar(matrix: &Mat3A) -> Option<(Mat3A, Mat3A)> {
     let wide = matrix.to_cols_array().map(f64::from);
     let polar = Polar::new(&na::Matrix3::from_column_slice(&wide))?;

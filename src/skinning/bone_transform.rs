@@ -1,4 +1,4 @@
-//! A bone's transform in the precision of meshes, and what can be said of it.
+//! Bone transforms in single precision, and checks of them.
 
 use glam::{Affine3A, Mat3A};
 
@@ -6,17 +6,17 @@ use super::SkinningError;
 use crate::SizeMismatch;
 use crate::spatial::Placement;
 
-/// How far MᵀM of a rotation may stand from the identity, entry by entry. Single precision and a
-/// chain of products of bones stay far below it.
+/// Largest deviation of an entry of MᵀM from the identity at which M counts as a rotation. Products along a chain of
+/// bones in single precision stay far below it.
 pub(super) const ROTATION_WITHIN: f32 = 1e-4;
 
-/// A bone's transform T = W T̂⁻¹ (rest model → posed model) in the precision of meshes.
+/// A bone's transform T = W T̂⁻¹ (rest model → posed model) in single precision.
 #[must_use]
 pub fn single_precision_transform(posed_from_rest: &Placement<f64>) -> Affine3A {
     Affine3A::from(*posed_from_rest)
 }
 
-/// One finite transform per bone, or which is wrong.
+/// Checks that there is one finite transform per bone.
 pub(super) fn check(transforms: &[Affine3A], bones: usize) -> Result<(), SkinningError> {
     SizeMismatch::check("bone transforms", transforms.len(), bones)?;
     match transforms.iter().position(|t| !t.is_finite()) {
@@ -25,7 +25,7 @@ pub(super) fn check(transforms: &[Affine3A], bones: usize) -> Result<(), Skinnin
     }
 }
 
-/// Whether M is a rotation: MᵀM is the identity and M does not mirror.
+/// Reports whether M is a rotation: MᵀM is the identity and det M > 0.
 pub(super) fn is_rotation(matrix: &Mat3A) -> bool {
     let (x, y, z) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
     let near = |value: f32, wanted: f32| (value - wanted).abs() <= ROTATION_WITHIN;

@@ -1,4 +1,4 @@
-//! How much of a body's volume goes with each bone.
+//! Volume of a mesh assigned to each bone.
 
 use glam::DVec3;
 
@@ -7,40 +7,40 @@ use crate::SizeMismatch;
 use crate::mesh::TriangleMesh;
 use crate::spatial::Vector3;
 
-/// Columns across the widest side of the mesh.
+/// Number of columns across the widest side of the mesh.
 const COLUMNS: usize = 256;
-/// The share of columns that may end inside, where a mesh has small holes.
+/// Largest fraction of columns that may end inside the mesh, for meshes with small holes.
 const OPEN: f64 = 0.01;
 
-/// The part of a body's volume that goes with a bone.
+/// Volume of a mesh that moves with a bone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoneVolume {
-    /// In cubic units of the mesh.
+    /// Volume in cubic units of the mesh.
     pub volume: f64,
-    /// Its centre at rest, in the mesh's coordinates; the origin where there is no volume.
+    /// Centre at rest, in the mesh's coordinates; the origin if the volume is 0.
     pub centre: Vector3<f64>,
 }
 
-/// Why a mesh has no volumes.
+/// Error of computing volumes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VolumeError {
-    /// The weights are of another mesh.
+    /// The number of weights differs from the number of vertices.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// The mesh has holes, or no inside at all.
+    /// The mesh has holes or no inside.
     #[error("the mesh does not close around a volume")]
     Open,
 }
 
-/// Shares the volume inside a closed mesh out to its bones.
+/// Distributes the volume inside a closed mesh over its bones.
 ///
-/// Columns of equal width, 256 across the widest side, pass the mesh along its narrowest; between going in
-/// and coming out the weights go over linearly from those of the one side to those of the other. All volumes
-/// together are the mesh's to about a thousandth. Parts that overlap count once.
+/// A grid of columns, 256 across the widest side, passes through the mesh along its narrowest side. Between entry and
+/// exit of a column, weights are interpolated linearly. The sum of all volumes is the volume of the mesh up to about
+/// 0.1 %. Overlapping parts count once.
 ///
 /// # Errors
-/// Weights of another number of vertices, a mesh that more than one column in a hundred leaves open.
+/// A different number of weights from vertices, or a mesh in which more than 1 % of the columns are open.
 pub fn bone_volumes(
     mesh: &TriangleMesh,
     weights: &SkinWeights,
@@ -75,7 +75,6 @@ pub fn bone_volumes(
         }
     }
     let whole: f64 = sums.iter().map(|(volume, _)| volume).sum();
-    // Counted, as fewer columns than a share of one may be open.
     if open as f64 > OPEN * columns as f64 || whole <= 0.0 {
         return Err(VolumeError::Open);
     }
@@ -92,23 +91,23 @@ pub fn bone_volumes(
     Ok(volumes.collect())
 }
 
-/// Where a column passes a triangle.
+/// Intersection of a column with a triangle.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     column: usize,
     depth: f64,
-    /// 1 or −1, by the side that it comes from.
+    /// 1 or −1, by the side of the triangle from which the column comes.
     sign: i8,
     triangle: usize,
-    /// How much each corner counts there.
+    /// Barycentric coordinates of the intersection.
     shares: [f64; 3],
 }
 
-/// Columns along one axis.
+/// A grid of columns along one axis.
 struct Grid {
     low: DVec3,
     step: f64,
-    /// Two axes across the columns, and the one along them.
+    /// Two axes across the columns, then the axis along them.
     axes: [usize; 3],
     counts: [usize; 2],
 }
@@ -138,13 +137,13 @@ impl Grid {
         }
     }
 
-    /// Where a column stands across: nowhere that corners of meshes like to be.
+    /// Coordinate of a column across the axis. Irregular offsets avoid vertices at regular coordinates.
     fn place(&self, index: usize, side: usize) -> f64 {
         let offset = [0.487_213, 0.513_829][side];
         self.low.to_array()[self.axes[side]] + (index as f64 + offset) * self.step
     }
 
-    /// The columns across a triangle's extent.
+    /// Range of the columns that may meet the extent of a triangle.
     fn columns(&self, from: f64, to: f64, side: usize) -> std::ops::Range<usize> {
         let low = self.low.to_array()[self.axes[side]];
         let first = ((from - low) / self.step - 1.0).max(0.0) as usize;
@@ -175,7 +174,7 @@ impl Grid {
         for i in rows {
             for j in columns.clone() {
                 let point = [self.place(i, 0), self.place(j, 1)];
-                // How much each corner counts, by the edge across from it.
+                // Barycentric coordinates from the areas opposite each corner.
                 let areas = [(1, 2), (2, 0), (0, 1)]
                     .map(|(a, b)| side_of_edge(point, (corners[a], at[a]), (corners[b], at[b])));
                 let ahead = areas.iter().all(|area| area.is_sign_positive());
@@ -203,7 +202,7 @@ impl Grid {
         }
     }
 
-    /// Adds what is between two hits of a column to the volumes and moments of the bones there.
+    /// Adds the volume between two hits of a column to the volumes and moments of their bones.
     fn share_out(
         &self,
         (mesh, weights): (&TriangleMesh, &SkinWeights),
@@ -213,7 +212,7 @@ impl Grid {
         let length = to.depth - from.depth;
         let (row, column) = (from.column / self.counts[1], from.column % self.counts[1]);
         let across = [self.place(row, 0), self.place(column, 1)];
-        // What falls to nothing along a way has half of its volume, its centre a third along.
+        // A weight that falls linearly to 0 along a segment has half its volume, centred at a third.
         for (hit, depth) in [
             (from, from.depth + length / 3.0),
             (to, to.depth - length / 3.0),
@@ -237,8 +236,8 @@ impl Grid {
     }
 }
 
-/// Twice the area that a point spans with an edge, positive on its left; of a point on the edge itself on one
-/// side of either triangle at it, as both see it from the corner of the lower index.
+/// Twice the signed area of a point with an edge, positive on its left. The edge is oriented from the lower vertex
+/// index, so a point on it lies on one side for both adjacent triangles.
 fn side_of_edge(point: [f64; 2], a: (u32, [f64; 3]), b: (u32, [f64; 3])) -> f64 {
     let area = |a: [f64; 3], b: [f64; 3]| {
         let way = [b[0] - a[0], b[1] - a[1]];

@@ -1,4 +1,4 @@
-//! Boxes around skinned meshes that need no skinning.
+//! Bounding boxes of skinned meshes from their bones, without skinning.
 
 use glam::{Affine3A, Vec3, Vec3A};
 
@@ -8,21 +8,21 @@ use crate::SizeMismatch;
 
 /// For each bone the box at rest of the vertices that it moves.
 ///
-/// A vertex skinned by linear blend with weights of 0 or more is a weighted mean of T_j v̂, so it lies
-/// within the box of all bones' moved boxes. The exact box of a posed mesh is
-/// [`TriangleMesh::bounding_box`](crate::mesh::TriangleMesh::bounding_box).
+/// A vertex skinned by linear blend with non-negative weights is a weighted mean of T_j v̂. It therefore lies in the
+/// common box of all transformed bone boxes. [`TriangleMesh::bounding_box`](crate::mesh::TriangleMesh::bounding_box) is
+/// the exact box of a posed mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoneBoxes {
     boxes: Vec<Option<[Vec3; 2]>>,
-    /// Σ of a vertex's |w_j| less 1, at most: how far negative weights reach beyond the mean.
+    /// Largest Σ|w_j| − 1 of a vertex: the extrapolation by negative weights.
     excess: f32,
 }
 
 impl BoneBoxes {
-    /// The boxes of a mesh's positions at rest.
+    /// Creates the boxes from the mesh's positions at rest.
     ///
     /// # Errors
-    /// There is not one position per vertex of the weights, or one is not finite.
+    /// The number of positions differs from the number of vertices of the weights, or a position is not finite.
     pub fn new(weights: &SkinWeights, rest: &[Vec3]) -> Result<Self, SkinningError> {
         SizeMismatch::check("rest positions", rest.len(), weights.vertex_count())?;
         if let Some(vertex) = rest.iter().position(|p| !p.is_finite()) {
@@ -45,14 +45,14 @@ impl BoneBoxes {
         })
     }
 
-    /// A box that holds every vertex skinned by linear blend with these transforms (rest → posed),
-    /// as [lowest, highest] corner in the model's unit; `None` without vertices. It takes time per
-    /// bone, not per vertex, and is larger than the exact box.
+    /// A box that contains every vertex skinned by linear blend with these transforms (rest → posed). The result is
+    /// [lowest, highest] corner in the model's unit; `None` without vertices.
     ///
-    /// Dual quaternions may leave it: they swing vertices on arcs about the joint.
+    /// The cost is per bone, not per vertex. The box is larger than the exact one. Vertices skinned by dual quaternions
+    /// can leave it, as they move on arcs about joints.
     ///
     /// # Errors
-    /// There is not one transform per bone, or one is not finite.
+    /// The number of transforms differs from the number of bones, or a transform is not finite.
     pub fn linear_blend(
         &self,
         transforms: &[Affine3A],
@@ -62,7 +62,7 @@ impl BoneBoxes {
         let boxes = moved.filter_map(|(entry, transform)| Some(moved_box(transform, (*entry)?)));
         let whole = boxes.fold(None, |whole, entry| Some(joined(whole, entry)));
         Ok(whole.map(|[low, high]| {
-            // Weights off from 1, weights below zero, and rounding.
+            // Margin for sums other than 1, negative weights and rounding.
             let largest = low.abs().max(high.abs()).max_element();
             let slack = self.excess * (high - low) + Vec3::splat(largest * 2e-5);
             [low - slack, high + slack]
@@ -74,7 +74,7 @@ fn joined(whole: Option<[Vec3; 2]>, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
     whole.map_or([low, high], |[l, h]| [l.min(low), h.max(high)])
 }
 
-/// The box of a moved box (Arvo 1990, "Transforming axis-aligned bounding boxes").
+/// Bounding box of a transformed box (Arvo 1990, "Transforming axis-aligned bounding boxes").
 fn moved_box(transform: &Affine3A, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
     let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let matrix = transform.matrix3;

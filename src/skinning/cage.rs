@@ -1,4 +1,4 @@
-//! Cages: a coarse closed mesh around a model, whose corners drag the space within along.
+//! Cages: coarse closed meshes around a model whose corners deform the space inside.
 
 use glam::{DVec3, Vec3};
 
@@ -6,58 +6,57 @@ use super::mean_value::mean_value_coordinates;
 use crate::mesh::TriangleMesh;
 use crate::{Buffer, SizeMismatch};
 
-/// What is wrong with a cage or its use.
+/// Error of a cage or its use.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CageError {
-    /// The triangles do not bound a solid: an edge lacks its neighbour, or there are none.
+    /// The triangles do not bound a solid: an edge has no neighbour, or there are no triangles.
     #[error("the cage is not closed: every edge must be used once in each direction")]
     NotClosed,
-    /// A triangle without area.
+    /// A triangle has no area.
     #[error("the cage's triangle {triangle} has no area")]
     FlatTriangle {
-        /// Which triangle, from 0.
+        /// Index of the triangle, from 0.
         triangle: usize,
     },
-    /// A point to bind is NaN or infinite.
+    /// A point is NaN or infinite.
     #[error("point {point} is not finite")]
     NonFinitePoint {
-        /// Which point, from 0.
+        /// Index of the point, from 0.
         point: usize,
     },
-    /// The point's weights sum to zero, so there are no coordinates. It happens outside cages only.
+    /// The weights of a point sum to zero, so it has no coordinates. This occurs outside cages only.
     #[error("point {point} has no coordinates in this cage; it is outside")]
     NoCoordinates {
-        /// Which point, from 0.
+        /// Index of the point, from 0.
         point: usize,
     },
-    /// Not one corner per corner of the cage, or not one place per point.
+    /// The number of corners differs from that of the cage, or the number of positions from that of the points.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
 }
 
 /// Points bound to a closed triangle cage by mean-value coordinates.
 ///
-/// Ju, Schaefer & Warren 2005, "Mean value coordinates for closed triangular meshes". Each point is
-/// Σ_i λ_i c_i with Σ_i λ_i = 1, so affine motions of the whole cage move the points exactly.
-/// Coordinates are smooth within the cage and defined outside too; where a cage is concave some are
-/// negative. Computed in double precision, kept and applied in single.
+/// Source: Ju, Schaefer & Warren 2005, "Mean value coordinates for closed triangular meshes". Each point is Σ_i λ_i c_i
+/// with Σ_i λ_i = 1, so affine motions of the whole cage move the points exactly.
 ///
-/// The coordinates of one point take time per triangle of the cage, and memory per corner.
+/// Coordinates are smooth inside the cage and defined outside as well. Concave cages give some negative ones. They are
+/// computed in double precision, and stored and applied in single precision. Time per point is linear in the triangles
+/// of the cage, memory in its corners.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CageBinding {
-    /// A row of coordinates per point, a number per corner.
+    /// One row per point, one number per corner.
     coordinates: Vec<f32>,
     corners: usize,
     points: usize,
 }
 
 impl CageBinding {
-    /// Binds points (in the cage's own unit) to a cage at rest.
+    /// Binds points to a cage at rest, both in the cage's frame and unit.
     ///
     /// # Errors
-    /// The cage is not closed or has a triangle without area, or a point is not finite or has no
-    /// coordinates.
+    /// The cage is not closed or has a triangle without area. Also a point that is not finite or has no coordinates.
     pub fn new(cage: &TriangleMesh, points: &[Vec3]) -> Result<Self, CageError> {
         if !cage.is_closed() {
             return Err(CageError::NotClosed);
@@ -65,7 +64,7 @@ impl CageBinding {
         let corners: Vec<DVec3> = cage.positions().iter().map(|c| c.as_dvec3()).collect();
         let size = cage.size();
         for (triangle, &[a, b, c]) in cage.triangles().iter().enumerate() {
-            // A mesh's indices are in range.
+            // Indices of a mesh are in range.
             let [a, b, c] = [a, b, c].map(|corner| corners[corner as usize]);
             if (b - a).cross(c - a).length() <= 1e-12 * size * size {
                 return Err(CageError::FlatTriangle { triangle });
@@ -90,13 +89,13 @@ impl CageBinding {
         })
     }
 
-    /// How many points are bound.
+    /// Number of bound points.
     #[must_use]
     pub fn point_count(&self) -> usize {
         self.points
     }
 
-    /// One point's coordinates, a number per corner of the cage; `None` when there is no such point.
+    /// Coordinates of one point, one number per corner of the cage; `None` for an unknown point.
     #[must_use]
     pub fn coordinates(&self, point: usize) -> Option<&[f32]> {
         let start = point.checked_mul(self.corners)?;
@@ -104,11 +103,11 @@ impl CageBinding {
         self.coordinates.get(start..end)
     }
 
-    /// Where the points go when the cage's corners are at `cage`: p' = Σ_i λ_i c'_i. Normals are best
-    /// computed anew, by [`TriangleMesh::vertex_normals`].
+    /// Writes the positions of the points for posed corners `cage`: p' = Σ_i λ_i c'_i. [`TriangleMesh::vertex_normals`]
+    /// computes normals for the new positions.
     ///
     /// # Errors
-    /// There is not one corner per corner of the cage, or one place per point in a slice.
+    /// The number of corners differs from that of the cage, or the length of a slice from the number of points.
     pub fn positions(
         &self,
         cage: &[Vec3],

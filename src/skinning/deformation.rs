@@ -1,4 +1,4 @@
-//! What every way to move skin has in common.
+//! Common interface of the skinning methods.
 
 use glam::{Vec3, Vec4};
 
@@ -7,11 +7,11 @@ use super::{PosedVertices, RestVertices, SkinningError};
 use crate::mesh::TriangleMesh;
 use crate::{Buffer, SizeMismatch};
 
-/// Vertices that one thread takes at a time: enough to hide what handing them over costs.
+/// Smallest number of vertices per thread; amortises the cost of a task.
 #[cfg(feature = "rayon")]
 const VERTICES_AT_A_TIME: usize = 4096;
 
-/// Buffers of vertices of which one is there.
+/// Vertex buffers of which only one is given.
 macro_rules! only {
     ($vertices:ident, $part:ident: $buffer:expr) => {
         $vertices {
@@ -21,22 +21,22 @@ macro_rules! only {
     };
 }
 
-/// One pose, ready to move any buffers of vertices.
+/// One pose that deforms vertex buffers.
 ///
-/// Each vertex depends on nothing but itself and the pose, so any cut into ranges gives the same
-/// bits. Nothing allocates except [`mesh`](Self::mesh).
+/// Each vertex depends only on itself and on the pose, so any split into ranges gives bitwise equal results. Only
+/// [`mesh`](Self::mesh) and growing `Vec`s allocate.
 pub trait Deformation: Sync {
-    /// How many vertices the weights know.
+    /// Number of vertices of the weights.
     fn vertex_count(&self) -> usize;
 
-    /// Moves the vertices from number `first` on, as many as there are in the buffers, whose sizes
-    /// agree. [`deform`](Self::deform) is the checked way to call it.
+    /// Deforms the vertices from index `first` on; the buffers determine their number and must agree in length.
+    /// [`deform`](Self::deform) checks the lengths.
     fn deform_range(&self, first: usize, rest: RestVertices<'_>, posed: PosedVertices<'_>);
 
-    /// Moves all vertices: whichever of positions, normals and tangents are there.
+    /// Deforms all vertices: positions, normals and tangents, as far as the buffers are not empty.
     ///
     /// # Errors
-    /// A buffer has neither one entry per vertex nor none, or differs between rest and pose.
+    /// A buffer is neither empty nor has one entry per vertex, or its rest and posed lengths differ.
     fn deform(
         &self,
         rest: RestVertices<'_>,
@@ -47,7 +47,7 @@ pub trait Deformation: Sync {
         Ok(())
     }
 
-    /// As [`deform`](Self::deform), over the threads of the current rayon pool, with the same bits.
+    /// As [`deform`](Self::deform), on the threads of the current rayon pool. The results are bitwise equal.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -63,7 +63,7 @@ pub trait Deformation: Sync {
         Ok(())
     }
 
-    /// Moves positions alone, in the model's own unit.
+    /// Deforms positions only, in the model's unit.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -72,7 +72,7 @@ pub trait Deformation: Sync {
         self.deform(rest, only!(PosedVertices, positions: posed))
     }
 
-    /// As [`positions`](Self::positions), into a `Vec` that is made as long as the mesh has vertices.
+    /// As [`positions`](Self::positions), into a `Vec` that is resized to the number of vertices.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -80,8 +80,8 @@ pub trait Deformation: Sync {
         self.positions(rest, posed.sized(rest.len()))
     }
 
-    /// Turns normals alone; they come out with unit length. A normal that is zero stays zero, and
-    /// one that the blend leaves without direction becomes zero.
+    /// Transforms normals only, to unit length. A zero normal stays zero, and one without a direction after the blend
+    /// becomes zero.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -90,7 +90,7 @@ pub trait Deformation: Sync {
         self.deform(rest, only!(PosedVertices, normals: posed))
     }
 
-    /// As [`normals`](Self::normals), into a `Vec` that is made as long as the mesh has vertices.
+    /// As [`normals`](Self::normals), into a `Vec` that is resized to the number of vertices.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -98,8 +98,7 @@ pub trait Deformation: Sync {
         self.normals(rest, posed.sized(rest.len()))
     }
 
-    /// Turns tangents alone; they come out with unit length, and the bitangent's sign changes where
-    /// the blend mirrors.
+    /// Transforms tangents only, to unit length. The bitangent sign changes if the blend mirrors.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -108,7 +107,7 @@ pub trait Deformation: Sync {
         self.deform(rest, only!(PosedVertices, tangents: posed))
     }
 
-    /// As [`tangents`](Self::tangents), into a `Vec` that is made as long as the mesh has vertices.
+    /// As [`tangents`](Self::tangents), into a `Vec` that is resized to the number of vertices.
     ///
     /// # Errors
     /// As [`deform`](Self::deform).
@@ -116,10 +115,10 @@ pub trait Deformation: Sync {
         self.tangents(rest, posed.sized(rest.len()))
     }
 
-    /// The posed mesh: positions, and normals where the rest mesh has them.
+    /// The posed mesh: positions, and normals if the rest mesh has them.
     ///
     /// # Errors
-    /// The mesh has another number of vertices than the weights, or the result is not finite.
+    /// The mesh has a different number of vertices from the weights, or the result is not finite.
     fn mesh(&self, rest: &TriangleMesh) -> Result<TriangleMesh, SkinningError> {
         let vertices = self.vertex_count();
         SizeMismatch::check("rest positions", rest.positions().len(), vertices)?;
@@ -140,7 +139,7 @@ pub trait Deformation: Sync {
     }
 }
 
-/// Both halves at once, until they are small.
+/// Deforms both halves of a range in parallel, recursively.
 #[cfg(feature = "rayon")]
 fn halve<D: Deformation + ?Sized>(
     deformation: &D,

@@ -2,9 +2,8 @@
 
 use glam::{Mat3A, Vec3, Vec3A, Vec4};
 
-/// M⁻ᵀ n / ‖M⁻ᵀ n‖; zero where it has no direction. The cofactors of M are its inverse transpose
-/// times its determinant, so only the determinant's sign is needed and a singular M is no special
-/// case.
+/// Normal M⁻ᵀ n / ‖M⁻ᵀ n‖, or zero without a direction. The cofactor matrix of M is det(M) M⁻ᵀ, so only the sign of the
+/// determinant is needed, also for a singular M.
 pub(super) fn turned_normal(matrix: &Mat3A, normal: Vec3) -> Vec3 {
     let largest = normal.abs().max_element();
     if largest == 0.0 {
@@ -22,8 +21,8 @@ pub(super) fn turned_normal(matrix: &Mat3A, normal: Vec3) -> Vec3 {
     }
 }
 
-/// A tangent lies in the surface, so the matrix itself moves it: M t / ‖M t‖. The bitangent w n × t
-/// changes its sign against the normal's where M mirrors.
+/// Tangent M t / ‖M t‖. A tangent lies in the surface, so M itself transforms it. The sign w of the bitangent w n × t
+/// changes if M mirrors.
 pub(super) fn turned_tangent(matrix: &Mat3A, tangent: Vec4) -> Vec4 {
     let direction = tangent.truncate();
     let largest = direction.abs().max_element();

@@ -1,4 +1,4 @@
-//! Dual quaternions in single precision: rigid motions that can be blended.
+//! Dual quaternions in single precision: rigid motions for blending.
 
 use std::ops::{Add, Mul};
 
@@ -6,27 +6,26 @@ use glam::{Affine3A, Quat, Vec3, Vec4};
 
 use super::SkinningError;
 
-/// q̂ = r + ε d with r the rotation and d = ½ t r, t the translation as a pure quaternion.
+/// Dual quaternion q̂ = r + ε d. r is the rotation and d = ½ t r, with the translation t as a pure quaternion.
 ///
-/// Kavan, Collins, Žára & O'Sullivan 2008, "Geometric skinning with approximate dual quaternion
-/// blending". Unit when it comes from a rigid motion; blends are not, until they are used.
+/// Source: Kavan, Collins, Žára & O'Sullivan 2008, "Geometric skinning with approximate dual quaternion blending".
+/// Rigid motions give unit dual quaternions; blends of them have other lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DualQuaternion {
-    /// The real part x, y, z, w.
+    /// Real part x, y, z, w.
     pub real: Vec4,
-    /// The dual part x, y, z, w.
+    /// Dual part x, y, z, w.
     pub dual: Vec4,
 }
 
 impl DualQuaternion {
-    /// No blend yet.
+    /// The empty blend.
     pub(super) const ZERO: Self = Self {
         real: Vec4::ZERO,
         dual: Vec4::ZERO,
     };
 
-    /// A turn about the origin, then a shift (in the model's own unit). The quaternion is made of
-    /// unit length.
+    /// A rotation about the origin followed by a translation in the model's unit. The quaternion is normalised.
     ///
     /// # Errors
     /// The quaternion is zero or not finite.
@@ -42,7 +41,7 @@ impl DualQuaternion {
         Ok(Self::of_unit(rotation / length, translation))
     }
 
-    /// The rigid part of a transform whose linear part is a rotation.
+    /// The rigid motion of a transform whose linear part is a rotation.
     pub(super) fn of_rigid(transform: &Affine3A) -> Self {
         let rotation = Quat::from_mat3a(&transform.matrix3).normalize();
         Self::of_unit(rotation, transform.translation.into())
@@ -56,8 +55,8 @@ impl DualQuaternion {
         }
     }
 
-    /// Moves a point: R p + t, for any length of the real part. Kavan et al. 2008, algorithm 1,
-    /// with both divisions by ‖r‖ made one by ‖r‖².
+    /// Transforms a point to R p + t, for any length of the real part. Source: Kavan et al. 2008, algorithm 1, with one
+    /// division by ‖r‖² instead of two by ‖r‖.
     #[must_use]
     pub fn transform_point(&self, point: Vec3) -> Vec3 {
         let (r, w) = (self.real.truncate(), self.real.w);
@@ -66,7 +65,7 @@ impl DualQuaternion {
         point + twice * (r.cross(r.cross(point) + w * point) + w * d - dw * r + r.cross(d))
     }
 
-    /// Turns a direction: R v, for any length of the real part.
+    /// Transforms a direction to R v, for any length of the real part.
     #[must_use]
     pub fn transform_vector(&self, vector: Vec3) -> Vec3 {
         let (r, w) = (self.real.truncate(), self.real.w);
@@ -74,8 +73,8 @@ impl DualQuaternion {
         vector + twice * r.cross(r.cross(vector) + w * vector)
     }
 
-    /// The same motion on the other's hemisphere: q̂ and −q̂ move alike, but only neighbours blend
-    /// along the short way.
+    /// The dual quaternion of the same motion on the hemisphere of `pivot`. q̂ and −q̂ are the same motion, but
+    /// blending takes the short arc only within one hemisphere.
     pub(super) fn towards(self, pivot: Self) -> Self {
         if self.real.dot(pivot.real) < 0.0 {
             self * -1.0

@@ -1,4 +1,4 @@
-//! Dual-quaternion skinning: vertices keep their distance from a joint that twists.
+//! Dual quaternion skinning: vertices keep their distance from a twisted joint.
 
 use glam::{Affine3A, Vec3, Vec4};
 
@@ -8,13 +8,14 @@ use super::{
     Deformation, DualQuaternion, Influence, PosedVertices, RestVertices, SkinWeights, SkinningError,
 };
 
-/// One pose by dual quaternions: q̂ = Σ_j ±w_j q̂_j, divided by the norm of its real part.
+/// One pose by dual quaternion blending: q̂ = Σ_j ±w_j q̂_j, divided by the norm of its real part.
 ///
-/// Kavan, Collins, Žára & O'Sullivan, "Skinning with dual quaternions" (2007) and "Geometric
-/// skinning with approximate dual quaternion blending" (2008). The sign puts each q̂_j on the
-/// hemisphere of the bone with the largest weight (the first of them), so that blending takes the
-/// short way. Works in single precision with any number of influences.
-/// [`PackedDualQuaternionBlend`](super::PackedDualQuaternionBlend) does the same faster for four.
+/// Sources: Kavan, Collins, Žára & O'Sullivan, "Skinning with dual quaternions" (2007) and "Geometric skinning with
+/// approximate dual quaternion blending" (2008). The sign moves each q̂_j to the hemisphere of the bone with the
+/// largest weight (the first among equals), so that blending takes the short arc.
+///
+/// It works in single precision with any number of influences.
+/// [`PackedDualQuaternionBlend`](super::PackedDualQuaternionBlend) is faster, for at most four influences.
 #[derive(Clone, Debug)]
 pub struct DualQuaternionBlend<'a> {
     weights: &'a SkinWeights,
@@ -22,23 +23,23 @@ pub struct DualQuaternionBlend<'a> {
 }
 
 impl<'a> DualQuaternionBlend<'a> {
-    /// Skinning with these weights and one rigid transform per bone (rest model → posed model).
+    /// Creates a pose from weights and one rigid transform per bone (rest model → posed model).
     ///
     /// # Errors
-    /// There is not one transform per bone of the weights, one is not finite, or one scales, shears
-    /// or mirrors by more than 1e-4.
+    /// The number of transforms differs from the number of bones, or a transform is not finite. Also a transform that
+    /// scales, shears or mirrors by more than 1e-4, unless all bones share the scale.
     pub fn new(weights: &'a SkinWeights, transforms: &[Affine3A]) -> Result<Self, SkinningError> {
         let motions = BoneMotions::rigid(transforms, weights.bone_count())?;
         Ok(Self { weights, motions })
     }
 
-    /// Skinning with transforms that may stretch, in two phases: stretches are blended linearly at
-    /// rest, each about its bone's pivot (the bone's tail at rest, in the model's unit), and the rigid
-    /// motions that remain are blended as dual quaternions.
+    /// Creates a pose from transforms that may stretch, in two phases. Stretches are blended linearly at rest, each
+    /// about its bone's pivot: the tail of the bone at rest, in the model's unit. The remaining rigid motions are
+    /// blended as dual quaternions.
     ///
     /// # Errors
-    /// There is not one transform and one pivot per bone, one is not finite, or one mirrors or
-    /// flattens space.
+    /// The number of transforms or pivots differs from the number of bones, or a number is not finite. Also a transform
+    /// that mirrors or is singular.
     pub fn stretched(
         weights: &'a SkinWeights,
         transforms: &[Affine3A],
@@ -64,7 +65,7 @@ impl<'a> DualQuaternionBlend<'a> {
     }
 }
 
-/// The influence with the largest weight; the first of those that are equal.
+/// The influence with the largest weight; the first among equals.
 fn heaviest(influences: &[Influence]) -> Option<&Influence> {
     let influences = influences.iter();
     influences.reduce(|best, next| {
@@ -91,7 +92,7 @@ impl Deformation for DualQuaternionBlend<'_> {
     }
 }
 
-/// Moves vertices by what `blended` gives for a place in the buffers: a stretch, then a rigid motion.
+/// Deforms vertices by a stretch and a rigid motion, which `blended` returns for a buffer index.
 pub(super) fn move_by_dual_quaternions(
     rest: RestVertices<'_>,
     posed: PosedVertices<'_>,

@@ -1,4 +1,4 @@
-//! Linear blend skinning: each vertex follows the weighted mean of its bones' transforms.
+//! Linear blend skinning: each vertex moves by the weighted mean of its bones' transforms.
 
 use glam::Affine3A;
 
@@ -6,13 +6,12 @@ use super::bone_transform::check;
 use super::directions::{turned_normal, turned_tangent};
 use super::{Deformation, Influence, PosedVertices, RestVertices, SkinWeights, SkinningError};
 
-/// One pose by linear blend: v' = Σ_j w_j T_j v̂, normals by the blended matrix's inverse transpose,
-/// tangents by the matrix itself.
+/// One pose by linear blend skinning: v' = Σ_j w_j T_j v̂. Normals use the inverse transpose of the blended matrix,
+/// tangents the matrix itself.
 ///
-/// Works in single precision, with any number of influences; a vertex's result is off by a few
-/// units in the last place of the largest coordinate involved, in the model's own frame. A vertex
-/// without influences goes to the origin, as the empty sum says. For at most four influences a
-/// vertex, [`PackedLinearBlend`](super::PackedLinearBlend) does the same faster.
+/// It works in single precision with any number of influences. The error of a vertex is a few units in the last place
+/// of the largest coordinate involved, in the model's frame. A vertex without influences moves to the origin, the value
+/// of the empty sum. [`PackedLinearBlend`](super::PackedLinearBlend) is faster, for at most four influences.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearBlend<'a> {
     weights: &'a SkinWeights,
@@ -20,12 +19,12 @@ pub struct LinearBlend<'a> {
 }
 
 impl<'a> LinearBlend<'a> {
-    /// Skinning with these weights and one transform per bone (rest model → posed model), as
-    /// [`single_precision_transform`](super::single_precision_transform) makes them of
+    /// Creates a pose from weights and one transform per bone (rest model → posed model).
+    /// [`single_precision_transform`](super::single_precision_transform) converts the results of
     /// [`skinning_transforms`](crate::skeleton::BonePlacements::skinning_transforms).
     ///
     /// # Errors
-    /// There is not one transform per bone of the weights, or one is not finite.
+    /// The number of transforms differs from the number of bones, or a transform is not finite.
     pub fn new(
         weights: &'a SkinWeights,
         transforms: &'a [Affine3A],
@@ -41,7 +40,7 @@ impl<'a> LinearBlend<'a> {
     fn blended(&self, influences: &[Influence]) -> Affine3A {
         let mut sum = Affine3A::ZERO;
         for influence in influences {
-            // The weights' own check keeps bones in range.
+            // The weights are checked, so bones are in range.
             if let Some(transform) = self.transforms.get(influence.bone as usize) {
                 let weight = influence.weight as f32;
                 sum.matrix3 += transform.matrix3 * weight;
@@ -64,8 +63,7 @@ impl Deformation for LinearBlend<'_> {
     }
 }
 
-/// Moves vertices by the blended transform of each, which `blended` gives for a place in the
-/// buffers.
+/// Deforms vertices by transforms, which `blended` returns for a buffer index.
 pub(super) fn move_by_matrices(
     rest: RestVertices<'_>,
     posed: PosedVertices<'_>,

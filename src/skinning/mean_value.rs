@@ -1,22 +1,22 @@
 //! Mean-value coordinates for closed triangle meshes.
 //!
-//! Ju, Schaefer & Warren 2005, with the weights of a triangle from its mean vector (their section
-//! 3.2, Floater, Kós & Reimers 2005) rather than from angles and square roots: the same numbers with
-//! fewer digits lost near planes.
+//! Source: Ju, Schaefer & Warren 2005. The weights of a triangle come from its mean vector (their section 3.2; Floater,
+//! Kós & Reimers 2005) instead of angles and square roots. This loses fewer digits near the planes of triangles.
 
 use glam::DVec3;
 
 use crate::scalar::elementary;
 
-/// Distances below this share of the cage's size count as none.
+/// Largest distance from a corner at which a point coincides with it, relative to the size of the cage.
 const ON_IT: f64 = 1e-9;
-/// A point whose directions to a triangle's corners span less than this lies in its plane, and on the
-/// triangle where they go round it to within this angle. What is left out beside the triangle is as
-/// small as the rounding error of what would be put in.
+/// Largest triple product of the unit directions to a triangle's corners at which a point is in the triangle's plane.
+///
+/// Also the largest deviation of half their angle sum from π at which the point is on the triangle, radians. The
+/// neglected weights are of the size of the rounding error.
 const IN_PLANE: f64 = 1e-8;
 
-/// Fills `row` with one point's coordinates, which sum to 1; false when they cannot be made to.
-/// `size` is the diagonal of the cage's box; the triangles' indices are in range.
+/// Fills `row` with the coordinates of one point, which sum to 1. Returns false if their sum is zero. `size` is the
+/// diagonal of the cage's bounding box; triangle indices are in range.
 pub(super) fn mean_value_coordinates(
     corners: &[DVec3],
     triangles: &[[u32; 3]],
@@ -58,21 +58,21 @@ pub(super) fn mean_value_coordinates(
     sum.abs() > 1e-12 * size
 }
 
-/// What a triangle adds to the weights of its corners.
+/// Contribution of a triangle to the weights of its corners.
 enum Weights {
     /// The point lies off the triangle's plane.
     Away([f64; 3]),
-    /// In its plane beside it: nothing.
+    /// The point lies in the plane outside the triangle: no contribution.
     InPlane,
-    /// On the triangle: only it counts, and these are barycentric coordinates but for their sum.
+    /// The point lies on the triangle. These are barycentric coordinates up to their sum.
     On([f64; 3]),
 }
 
-/// `arms` go from the point to the corners.
+/// Weights of a triangle; `arms` are the vectors from the point to the corners.
 fn triangle_weights(arms: [DVec3; 3]) -> Weights {
     let lengths = arms.map(DVec3::length);
     let units = [0, 1, 2].map(|i| arms[i] / lengths[i]);
-    // The angle opposite corner i, seen from the point; exact near 0 and π.
+    // Angles opposite each corner, seen from the point; accurate near 0 and π.
     let angles = [0, 1, 2].map(|i| {
         let (next, last) = (units[(i + 1) % 3], units[(i + 2) % 3]);
         2.0 * elementary::atan2((next - last).length(), (next + last).length())
@@ -83,15 +83,15 @@ fn triangle_weights(arms: [DVec3; 3]) -> Weights {
         if std::f64::consts::PI - half_turn > IN_PLANE {
             return Weights::InPlane;
         }
-        // 2-D mean-value coordinates are barycentric coordinates in a triangle (their figure 4).
+        // In a triangle 2-D mean-value coordinates are barycentric coordinates (their figure 4).
         return Weights::On(
             [0, 1, 2]
                 .map(|i| elementary::sin(angles[i]) * lengths[(i + 1) % 3] * lengths[(i + 2) % 3]),
         );
     }
-    // Normals of the three planes through the point and an edge, pointing to the side of corner i.
+    // Normals of the planes through the point and an edge, on the side of corner i.
     let normals = [0, 1, 2].map(|i| units[(i + 1) % 3].cross(units[(i + 2) % 3]).normalize());
     let mean: DVec3 = (0..3).map(|i| 0.5 * angles[i] * normals[i]).sum();
-    // m = Σ_i w_i (c_i − x), taken along each normal, which is at right angles to the other two arms.
+    // m = Σ_i w_i (c_i − x), projected on each normal, which is orthogonal to the other two arms.
     Weights::Away([0, 1, 2].map(|i| normals[i].dot(mean) / normals[i].dot(arms[i])))
 }

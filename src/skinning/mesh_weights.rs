@@ -1,4 +1,4 @@
-//! Weights in the form that moves a mesh fastest, pose after pose.
+//! Skin weights prepared for many poses.
 
 use glam::{Affine3A, Vec3};
 
@@ -8,9 +8,10 @@ use super::{
 };
 use crate::mesh::TriangleMesh;
 
-/// Skin weights made ready once for many poses: packed where no vertex follows more than four
-/// bones, as they are otherwise. Both give the same vertices to rounding. Nothing is pruned unasked:
-/// weights of more influences become fast by [`SkinWeights::pruned`] first, which says what is lost.
+/// Skin weights prepared once for many poses. They are packed if no vertex has more than four influences. Both forms
+/// give the same vertices up to rounding.
+///
+/// Weights are never pruned implicitly. Call [`SkinWeights::pruned`] first for speed; it returns the loss.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshWeights {
     form: Form,
@@ -34,7 +35,7 @@ impl From<SkinWeights> for MeshWeights {
 }
 
 impl MeshWeights {
-    /// Weights as they are, also where they could be packed: what packed ones are measured against.
+    /// Keeps weights unpacked, for comparisons with packed ones.
     #[must_use]
     pub fn unpacked(weights: SkinWeights) -> Self {
         Self {
@@ -43,27 +44,26 @@ impl MeshWeights {
         }
     }
 
-    /// Whether the four packed influences of the fast path are enough.
+    /// Reports whether the weights are packed, with at most four influences per vertex.
     #[must_use]
     pub fn is_packed(&self) -> bool {
         matches!(self.form, Form::Packed(_))
     }
 
-    /// Lets dual quaternions take transforms that scale: each bone stretches about its pivot, the
-    /// bone's tail at rest in the model's unit, as
-    /// [`DualQuaternionBlend::stretched`] has it.
+    /// Sets pivots, so that dual quaternions accept transforms that scale: see [`DualQuaternionBlend::stretched`]. Each
+    /// bone stretches about its pivot, the tail of the bone at rest in the model's unit.
     #[must_use]
     pub fn with_pivots(self, pivots: Vec<Vec3>) -> Self {
         let pivots = Some(pivots);
         Self { pivots, ..self }
     }
 
-    /// The posed mesh: positions, and normals where the mesh has them. Transforms are one per bone,
-    /// rest model → posed model.
+    /// The posed mesh: positions, and normals if the mesh has them. There is one transform per bone, rest model → posed
+    /// model.
     ///
     /// # Errors
-    /// Counts disagree, a number is not finite, or a transform is not rigid where it must be: with
-    /// dual quaternions and without pivots.
+    /// Counts differ, or a number is not finite. Also a transform that is not rigid, for dual quaternions without
+    /// pivots.
     pub fn mesh(
         &self,
         method: SkinningMethod,
@@ -73,11 +73,11 @@ impl MeshWeights {
         self.blend(method, transforms, |blend| blend.mesh(rest))?
     }
 
-    /// As [`mesh`](Self::mesh), into buffers of the caller's: whichever of positions, normals and
-    /// tangents are there.
+    /// As [`mesh`](Self::mesh), into the caller's buffers: positions, normals and tangents, as far as the buffers are
+    /// not empty.
     ///
     /// # Errors
-    /// As [`mesh`](Self::mesh), but that posed vertices are not looked at.
+    /// As [`mesh`](Self::mesh), except that posed vertices may be non-finite.
     pub fn deform(
         &self,
         method: SkinningMethod,
@@ -88,7 +88,7 @@ impl MeshWeights {
         self.blend(method, transforms, |blend| blend.deform(rest, posed))?
     }
 
-    /// What `then` does with the pose.
+    /// Calls `then` with the pose.
     fn blend<T>(
         &self,
         method: SkinningMethod,

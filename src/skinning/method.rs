@@ -1,4 +1,4 @@
-//! Ways to skin, by name.
+//! Skinning methods by name.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,28 +8,28 @@ use glam::Affine3A;
 use super::{Deformation, DualQuaternionBlend, LinearBlend, SkinWeights, SkinningError};
 use crate::mesh::TriangleMesh;
 
-/// How bones move skin.
+/// Skinning method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum SkinningMethod {
-    /// `lbs`, linear blend: fastest, any transforms, but skin collapses where a joint twists.
+    /// `lbs`, linear blend skinning: fastest, and takes any transforms. Skin collapses at twisted joints.
     #[default]
     LinearBlend,
-    /// `dqs`, dual quaternions: keeps its volume under twists, bulges a little under bends.
+    /// `dqs`, dual quaternion skinning: keeps its volume at twisted joints and bulges slightly at bent ones.
     DualQuaternion,
 }
 
-/// A name that no way to skin has.
+/// Error for a name of no skinning method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no skinning `{0}`; there are lbs (linear blend) and dqs (dual quaternion)")]
 pub struct UnknownSkinning(pub String);
 
 impl SkinningMethod {
-    /// Every way there is.
+    /// All methods.
     pub const ALL: [Self; 2] = [Self::LinearBlend, Self::DualQuaternion];
 
-    /// `lbs` or `dqs`.
+    /// Name of the method: `lbs` or `dqs`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -38,12 +38,12 @@ impl SkinningMethod {
         }
     }
 
-    /// The posed mesh, any number of influences: positions, and normals where the mesh has them.
-    /// Transforms are one per bone, rest model → posed model. For many poses of one mesh
-    /// [`MeshWeights`](super::MeshWeights) are faster.
+    /// The posed mesh with any number of influences: positions, and normals if the mesh has them. There is one
+    /// transform per bone, rest model → posed model. For many poses of one mesh [`MeshWeights`](super::MeshWeights) are
+    /// faster.
     ///
     /// # Errors
-    /// Counts disagree, a number is not finite, or a transform is not rigid where it must be.
+    /// Counts differ, a number is not finite, or a transform is not rigid (dual quaternions only).
     pub fn mesh(
         self,
         rest: &TriangleMesh,

@@ -1,13 +1,13 @@
-//! Skinning: moving a mesh with the handles it is bound to.
+//! Skinning: deformation of a mesh by bones, points, cages and morph targets.
 //!
-//! - Bones: [`SkinWeights`] (given, by [`AutomaticWeights`], or by `HeatWeights` with feature `heat`) and a transform per bone, by
-//!   [`LinearBlend`] or [`DualQuaternionBlend`]; both are [`Deformation`]s.
-//! - The fast path for four influences: [`PackedWeights`], [`PackedLinearBlend`],
-//!   [`PackedDualQuaternionBlend`]. [`MeshWeights`] take it where they can.
-//! - Points: [`PointHandle`]s, whose transforms move skin as those of bones do.
-//! - Cages: [`CageBinding`], by mean-value coordinates.
-//! - [`MorphTargets`] shape the mesh at rest, before any of these; [`BlendShapes`] are whole poses of
-//!   it, mixed by weights that sum to 1.
+//! - Bones: [`SkinWeights`] and one transform per bone, with [`LinearBlend`] or [`DualQuaternionBlend`]; both implement
+//!   [`Deformation`]. [`AutomaticWeights`], or `HeatWeights` with feature `heat`, compute weights.
+//! - At most four influences per vertex: [`PackedWeights`], [`PackedLinearBlend`] and [`PackedDualQuaternionBlend`] are
+//!   faster. [`MeshWeights`] use them if possible.
+//! - Points: [`PointHandle`]s, whose transforms deform skin as those of bones do.
+//! - Cages: [`CageBinding`] by mean-value coordinates.
+//! - Shapes: [`MorphTargets`] change the mesh at rest, before skinning. [`BlendShapes`] are whole shapes, blended with
+//!   weights that sum to 1.
 
 mod automatic_weights;
 mod blend_shapes;

@@ -2,19 +2,18 @@
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
-/// A point that is dragged, turned and stretched, and takes the vertices near it along.
+/// A point handle: its affine transform moves the vertices that its weights select.
 ///
-/// Handles move vertices exactly as bones do: give their weights as [`SkinWeights`](super::SkinWeights)
-/// with a handle for each bone, and [`transforms`](Self::transform) to
-/// [`LinearBlend`](super::LinearBlend). That the weights sum to 1 keeps a motion common to all
-/// handles exact.
+/// Handles deform vertices as bones do. Pass their weights as [`SkinWeights`](super::SkinWeights), with one handle per
+/// bone, and their [`transforms`](Self::transform) to [`LinearBlend`](super::LinearBlend). Weights that sum to 1 keep a
+/// common motion of all handles exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointHandle {
-    /// Where the handle is at rest, in the model's own unit.
+    /// Position at rest, in the model's unit.
     pub rest: Vec3,
-    /// Where it is now.
+    /// Posed position, in the model's unit.
     pub posed: Vec3,
-    /// What it does to its surroundings: rotation, scale, shear about itself.
+    /// Linear map about the handle: rotation, scale, shear.
     pub linear: Mat3A,
 }
 
@@ -30,13 +29,13 @@ impl PointHandle {
     }
 
     setters! {
-        /// The handle dragged to a place.
+        /// Sets the posed position.
         pub fn moved_to(mut self, posed: Vec3) { self.posed = posed }
-        /// The handle with a linear map about itself.
+        /// Sets the linear map about the handle.
         pub fn turned_by(mut self, linear: Mat3A) { self.linear = linear }
     }
 
-    /// v → A (v − rest) + posed, as a transform rest model → posed model.
+    /// The transform rest model → posed model: v → A (v − rest) + posed.
     #[must_use]
     pub fn transform(&self) -> Affine3A {
         Affine3A {
@@ -45,7 +44,7 @@ impl PointHandle {
         }
     }
 
-    /// The transforms of many handles, in order.
+    /// The transforms of several handles, in order.
     #[must_use]
     pub fn transforms(handles: &[Self]) -> Vec<Affine3A> {
         handles.iter().map(Self::transform).collect()

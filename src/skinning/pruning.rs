@@ -1,21 +1,21 @@
-//! Fewer influences a vertex.
+//! Pruning of skin weights to fewer influences per vertex.
 
 use super::{Influence, SkinWeights, WeightsError};
 
-/// What [`SkinWeights::pruned`] dropped. Weights are shares of a vertex's motion, 0 to 1.
+/// Loss of [`SkinWeights::pruned`]. Weights are between 0 and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pruning {
-    /// How many vertices lost influences.
+    /// Number of vertices that lost influences.
     pub vertices: usize,
-    /// The largest weight that one vertex lost, negative weights by their size.
+    /// Largest weight that one vertex lost, as a sum of absolute weights.
     pub largest_lost: f64,
-    /// The mean over all vertices of the weight lost.
+    /// Mean lost weight over all vertices.
     pub mean_lost: f64,
 }
 
 impl SkinWeights {
-    /// The `most` influences of each vertex with the largest weights (of equal ones those of the lowest
-    /// bones), divided by their sum, and what was lost. Vertices with fewer keep theirs to the bit.
+    /// Keeps the `most` largest weights of each vertex, divided by their sum, and returns the loss. Of equal weights it
+    /// keeps those of the lowest bones. Vertices with fewer influences do not change.
     ///
     /// # Errors
     /// [`WeightsError::NoneKept`] for a `most` of 0.
@@ -28,8 +28,7 @@ impl SkinWeights {
         for influences in self.iter() {
             let mut kept = influences.to_vec();
             if kept.len() > most {
-                // Not by size: with every negative weight goes a larger positive one, so that the
-                // sum stays positive.
+                // Signed order, not by size: negative weights are removed first, so the sum stays positive.
                 kept.sort_by(|a, b| b.weight.total_cmp(&a.weight));
                 let lost: f64 = kept.drain(most..).map(|i| i.weight.abs()).sum();
                 kept.sort_by_key(|influence| influence.bone);

@@ -1,4 +1,4 @@
-//! A tube with a bone at each end: the shape on which ways to skin are told apart.
+//! A tube with a bone at each end, for comparisons of skinning methods.
 
 use std::f64::consts::TAU;
 
@@ -8,23 +8,22 @@ use super::{SkinWeights, WeightsError};
 use crate::mesh::{MeshError, TriangleMesh};
 use crate::scalar::elementary;
 
-/// A closed tube along x with flat ends. Bone 0 holds the end at 0, bone 1 the end at `length` and
-/// twists about x; between them the weight goes over linearly along a middle part.
+/// A closed tube along x with flat ends. Bone 0 holds the end at x = 0. Bone 1 holds the end at `length` and twists
+/// about x. Between them, weights are interpolated linearly over a middle part.
 ///
-/// Linear blend shrinks a ring of weight w, twisted by φ, to the share
-/// 1 − 2 w (1 − w)(1 − cos φ) of its area: to nothing in the middle of a half turn (the "candy
-/// wrapper"). Averaged over the middle part that is 1 − (1 − cos φ)/3.
+/// Linear blend shrinks the area of a ring of weight w, twisted by φ, to the fraction 1 − 2 w (1 − w)(1 − cos φ). That
+/// is 0 in the middle for φ = π (the "candy wrapper" artefact). The mean over the middle part is 1 − (1 − cos φ)/3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwistedTube {
-    /// Of the round sides, in any unit.
+    /// Radius, in any unit.
     pub radius: f64,
-    /// From end to end, in the same unit.
+    /// Length from end to end, in the unit of the radius.
     pub length: f64,
-    /// The share of the length, 0 to 1, over which the weight goes over.
+    /// Fraction of the length over which weights are interpolated, 0 to 1.
     pub blended_share: f64,
-    /// Corners of each ring, at least 3.
+    /// Number of corners of each ring, at least 3.
     pub sides: u32,
-    /// Rings, both ends included, at least 2.
+    /// Number of rings, both ends included, at least 2.
     pub rings: u32,
 }
 
@@ -42,7 +41,7 @@ impl Default for TwistedTube {
 }
 
 impl TwistedTube {
-    /// The mesh at rest, with normals; sides below 3 and rings below 2 count as these.
+    /// The mesh at rest, with normals. Fewer than 3 sides or 2 rings are raised to these minima.
     ///
     /// # Errors
     /// A coordinate is not finite in single precision.
@@ -62,7 +61,7 @@ impl TwistedTube {
             for side in 0..sides {
                 let [a, b] = [side, side + 1].map(|side| corner(ring - 1, side));
                 let [c, d] = [side, side + 1].map(|side| corner(ring, side));
-                // Diagonals lean to either side in turns, so that the tube has no handedness.
+                // Alternating diagonals, so that the tube has no handedness.
                 if (ring + side) % 2 == 0 {
                     triangles.extend([[a, b, d], [a, d, c]]);
                 } else {
@@ -81,7 +80,7 @@ impl TwistedTube {
         Ok(TriangleMesh::new(positions, Vec::new(), triangles)?.with_computed_normals())
     }
 
-    /// The weights of [`mesh`](Self::mesh)'s vertices for the two bones.
+    /// The weights of the vertices of [`mesh`](Self::mesh) for the two bones.
     ///
     /// # Errors
     /// The blended share is not finite.
@@ -100,7 +99,7 @@ impl TwistedTube {
         builder.build()
     }
 
-    /// The two bones' transforms (rest → posed) for a twist in radians.
+    /// The transforms of the two bones (rest → posed) for a twist in radians.
     #[must_use]
     pub fn transforms(twist: f64) -> [Affine3A; 2] {
         let (sin, cos) = elementary::sin_cos(0.5 * twist);
@@ -108,8 +107,8 @@ impl TwistedTube {
         [Affine3A::IDENTITY, Affine3A::from_quat(turn)]
     }
 
-    /// How far each ring is from the axis in a pose of [`mesh`](Self::mesh), on average over its
-    /// corners, from bone 0 to bone 1: (place along x at rest, radius) in the tube's unit.
+    /// Mean radius of each ring of a posed [`mesh`](Self::mesh), from bone 0 to bone 1: (x at rest, radius) in the
+    /// tube's unit.
     #[must_use]
     pub fn ring_radii(&self, posed: &TriangleMesh) -> Vec<(f64, f64)> {
         let sides = self.sides.max(3) as usize;

@@ -1,35 +1,34 @@
-//! Buffers of vertices on their way from rest to pose.
+//! Vertex buffers of rest meshes and posed meshes.
 
 use glam::{Vec3, Vec4};
 
 use crate::SizeMismatch;
 use crate::mesh::TriangleMesh;
 
-/// Vertices at rest. A buffer that is empty is not there.
+/// Vertices at rest. Empty buffers are skipped.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RestVertices<'a> {
-    /// Positions in the model's own unit.
+    /// Positions in the model's unit.
     pub positions: &'a [Vec3],
-    /// Normals, of any length above 1e-18.
+    /// Normals of any length above 1e-18.
     pub normals: &'a [Vec3],
-    /// Tangents x, y, z with the bitangent's sign (+1 or −1) as w, as in glTF: the bitangent is
-    /// w n × t.
+    /// Tangents x, y, z with the sign of the bitangent (+1 or −1) as w, as in glTF. The bitangent is w n × t.
     pub tangents: &'a [Vec4],
 }
 
-/// Where posed vertices go. Each buffer is as long as the one at rest.
+/// Output buffers for posed vertices. Each has the length of its rest buffer.
 #[derive(Debug, Default)]
 pub struct PosedVertices<'a> {
-    /// Positions in the model's own unit.
+    /// Positions in the model's unit.
     pub positions: &'a mut [Vec3],
     /// Normals of unit length.
     pub normals: &'a mut [Vec3],
-    /// Tangents of unit length, and the bitangent's sign.
+    /// Tangents of unit length, and the sign of the bitangent.
     pub tangents: &'a mut [Vec4],
 }
 
 impl PosedVertices<'_> {
-    /// What of a mesh at rest goes into the buffers that are there.
+    /// The rest buffers of a mesh that correspond to non-empty posed buffers.
     pub(crate) fn wanted_of<'r>(&self, mesh: &'r TriangleMesh) -> RestVertices<'r> {
         let mut rest = RestVertices::default();
         if !self.positions.is_empty() {
@@ -42,7 +41,7 @@ impl PosedVertices<'_> {
     }
 }
 
-/// Refuses buffers that are neither empty at both ends nor one per vertex at both ends.
+/// Checks that each buffer is empty both at rest and posed, or has one entry per vertex in both.
 pub(super) fn check(
     rest: RestVertices<'_>,
     posed: &PosedVertices<'_>,
@@ -62,7 +61,7 @@ pub(super) fn check(
     check(tangents, rest.tangents.len(), posed.tangents.len())
 }
 
-/// Takes the first `count` items off; an empty buffer stays empty.
+/// Splits off the first `count` items; an empty buffer stays empty.
 #[cfg(feature = "rayon")]
 fn parts<'a, T>(buffer: &mut &'a [T], count: usize) -> &'a [T] {
     let (first, others) = buffer.split_at(count.min(buffer.len()));
@@ -70,7 +69,7 @@ fn parts<'a, T>(buffer: &mut &'a [T], count: usize) -> &'a [T] {
     first
 }
 
-/// [`parts`] of what is written.
+/// As `parts`, for mutable buffers.
 #[cfg(feature = "rayon")]
 fn parts_mut<'a, T>(buffer: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let whole = std::mem::take(buffer);
@@ -80,13 +79,13 @@ fn parts_mut<'a, T>(buffer: &mut &'a mut [T], count: usize) -> &'a mut [T] {
 }
 
 impl RestVertices<'_> {
-    /// How many vertices there are in the buffers that are there.
+    /// Number of vertices in the non-empty buffers.
     pub(super) fn len(&self) -> usize {
         let directions = self.normals.len().max(self.tangents.len());
         self.positions.len().max(directions)
     }
 
-    /// The first `count` vertices and the others.
+    /// The first `count` vertices and the remaining ones.
     #[cfg(feature = "rayon")]
     pub(super) fn split(self, count: usize) -> (Self, Self) {
         let mut after = self;
@@ -101,7 +100,7 @@ impl RestVertices<'_> {
 
 #[cfg(feature = "rayon")]
 impl PosedVertices<'_> {
-    /// The first `count` vertices and the others.
+    /// The first `count` vertices and the remaining ones.
     pub(super) fn split(mut self, count: usize) -> (Self, Self) {
         let first = Self {
             positions: parts_mut(&mut self.positions, count),

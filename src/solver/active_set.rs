@@ -1,10 +1,11 @@
-//! The active set: which limits hold x, which variables are free to move, and when x is stationary within its limits.
+//! Active set: variables that limits hold, free variables, and stationarity within limits.
 
 use super::{ConfigurationSpace, Side};
 
 impl ConfigurationSpace<'_> {
-    /// Which bound holds one component of x, if one does: it stands there, and a slope of more than
-    /// `negligible` pushes it outward.
+    /// Bound that holds one component of x, if any.
+    ///
+    /// A bound holds a component that is at it while a slope of more than `negligible` pushes the component outward.
     #[inline]
     #[must_use]
     pub fn held_at(
@@ -20,7 +21,7 @@ impl ConfigurationSpace<'_> {
         self.bound_holding(x[component], component, slope, negligible)
     }
 
-    /// Which bound holds a variable of its own.
+    /// Bound that holds a variable by its interval, if any.
     #[inline(always)]
     fn bound_holding(
         &self,
@@ -38,20 +39,21 @@ impl ConfigurationSpace<'_> {
         }
     }
 
-    /// Whether a bound holds one component of x: as [`held_at`](Self::held_at).
+    /// Returns true if a bound holds one component of x, as [`held_at`](Self::held_at).
     #[inline]
     #[must_use]
     pub fn holds(&self, x: &[f64], component: usize, slope: f64, negligible: f64) -> bool {
         self.held_at(x, component, slope, negligible).is_some()
     }
 
-    /// Lists the variables that are free to move: all but those on a bound whose gradient pushes
-    /// outward. A full step over all variables, clamped, is no descent method (Bertsekas 1982,
-    /// "Projected Newton methods for optimization problems with simple constraints").
+    /// Lists the variables that are free to move: all but those at a bound whose descent direction points outward.
+    ///
+    /// A full step over all variables, clamped, is no descent method (Bertsekas 1982, "Projected Newton methods for
+    /// optimization problems with simple constraints").
     pub(super) fn list_free(&self, x: &[f64], gradient: &[f64], free: &mut Vec<usize>) {
         let moves = |j: &usize| self.lower[*j] < self.upper[*j];
         free.clear();
-        // What no edge can hold, a bound can: most models have no swings.
+        // Without ball joint limits, which most models do not have, intervals suffice.
         match !self.has_edges() {
             true => {
                 free.extend((0..x.len()).filter(|&j| {
@@ -63,8 +65,9 @@ impl ConfigurationSpace<'_> {
         }
     }
 
-    /// ‖proj(x − g/c) − x‖∞ for a curvature c: zero exactly at the stationary points of the bounded
-    /// problem, NaN where the gradient is not finite.
+    /// ‖proj(x − g/c) − x‖∞ for a curvature c.
+    ///
+    /// It is zero exactly at the stationary points of the bounded problem, and NaN if the gradient is not finite.
     #[must_use]
     pub fn projected_gradient_norm(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
         let bounds = self.lower.iter().zip(self.upper);
@@ -81,7 +84,7 @@ impl ConfigurationSpace<'_> {
             };
             largest = largest.max((slope.abs() / curvature).min(room));
         }
-        // What the box has said of a ball at an edge was of other components.
+        // At the edge of a ball joint's limits, components are not variables.
         match self.frames(x).next() {
             Some(_) => self.projected_gradient_norm_at_edges(x, gradient, curvature),
             None => largest,

@@ -1,36 +1,38 @@
-//! The space that x is from: the one place that knows how it is moved and bounded.
+//! Configuration space of a solver: integration, difference, bounds and projection.
 
 use super::ball_joints::{RotationSets, TurnLimit, shorten, shortest};
 use super::linear::largest;
 
-/// Which end of a joint's range.
+/// End of a joint's range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Side {
-    /// The lower limit.
+    /// Lower limit.
     Lower,
-    /// The upper limit, or the edge of a cone.
+    /// Upper limit, or the edge of a cone.
     Upper,
 }
 
-/// How variables are moved by a step, compared, and kept within their bounds.
+/// Configuration space: integrates steps, compares configurations, and keeps them within bounds.
 ///
-/// Every variable is a number within its bounds. Beside those, three may be a rotation vector, of which
-/// one by more than half a turn is replaced by a shorter one, two a ball joint's swing, within an ellipse, and three
-/// a ball joint that turns no further than an angle from some place: on an edge a step has for one of them what
-/// leads across it, outward, and for the others what leads along, so that on an edge as on a bound one variable is
-/// held and the others are free.
+/// Every variable is a number within its bounds. In addition, variables may form groups:
+/// - Three may be a rotation vector, which is replaced by a shorter one beyond half a revolution.
+/// - Two may be the swing of a ball joint, within an ellipse.
+/// - Three may be a ball joint within an angle of some rotation.
+///
+/// At the edge of a group, one component of a step leads across it, outward, and the others along it. An edge thus
+/// holds one component, as a bound does, and the others are free.
 #[derive(Clone, Copy, Debug)]
 pub struct ConfigurationSpace<'a> {
     pub(super) lower: &'a [f64],
     pub(super) upper: &'a [f64],
     pub(super) rotations: &'a RotationSets,
-    /// How far balls may go from where they stood.
+    /// Limits of the angles of ball joints from their start.
     pub(super) moves: &'a [TurnLimit],
 }
 
 impl<'a> ConfigurationSpace<'a> {
-    /// The box between bounds, one each a variable.
+    /// Box between bounds, one pair per variable.
     #[must_use]
     pub fn new(lower: &'a [f64], upper: &'a [f64]) -> Self {
         Self {
@@ -41,7 +43,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// The same with variables that turn ball joints, no further than these moves.
+    /// The same space with ball joints and limits of their motion.
     pub(crate) fn with_rotations(
         self,
         rotations: &'a RotationSets,
@@ -54,19 +56,19 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Whether there is a bound on either side for each of so many variables.
+    /// Returns true if there are lower and upper bounds for this number of variables.
     #[must_use]
     pub fn is_of(&self, variables: usize) -> bool {
         self.lower.len() == variables && self.upper.len() == variables
     }
 
-    /// Writes x ⊕ step, bounds aside.
+    /// Writes x ⊕ step, regardless of bounds.
     #[inline]
     pub fn integrate(&self, x: &[f64], step: &[f64], to: &mut [f64]) {
         self.integrate_share(x, 1.0, step, to);
     }
 
-    /// Writes x ⊕ share · step, bounds aside.
+    /// Writes x ⊕ share · step, regardless of bounds.
     #[inline]
     pub fn integrate_share(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
         for ((to, &x), &step) in to.iter_mut().zip(x).zip(step) {
@@ -77,8 +79,9 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Moves one component of `to` to where x is after a step along it alone, bounds aside. Returns the step
-    /// that was really taken, after rounding.
+    /// Writes x, moved by a step along one component, to the variables of `to` that it moves, regardless of bounds.
+    ///
+    /// Returns the step after rounding.
     #[inline]
     pub fn integrate_one(&self, x: &[f64], component: usize, step: f64, to: &mut [f64]) -> f64 {
         if let Some(frame) = self.frame_of(x, component) {
@@ -89,7 +92,7 @@ impl<'a> ConfigurationSpace<'a> {
         to[component] - x[component]
     }
 
-    /// Puts what moved with one component back to where x is.
+    /// Resets the variables of `to` that one component moves to those of x.
     #[inline]
     pub fn return_one(&self, x: &[f64], component: usize, to: &mut [f64]) {
         to[component] = x[component];
@@ -98,7 +101,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Writes the step that leads from one configuration to another: to ⊖ from.
+    /// Writes the step from one configuration to another: to ⊖ from.
     #[inline]
     pub fn difference(&self, to: &[f64], from: &[f64], step: &mut [f64]) {
         for ((step, &to), &from) in step.iter_mut().zip(to).zip(from) {
@@ -112,17 +115,18 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// ‖to ⊖ from‖∞; `step` is room for the [`difference`](Self::difference).
+    /// ‖to ⊖ from‖∞; `step` is a buffer for the [`difference`](Self::difference).
     #[must_use]
     pub fn distance(&self, to: &[f64], from: &[f64], step: &mut [f64]) -> f64 {
         self.difference(to, from, step);
         largest(step)
     }
 
-    /// Moves x to the nearest place within the bounds; NaN stays NaN.
+    /// Projects x to the nearest point within the bounds; NaN stays NaN.
     #[inline]
     pub fn project(&self, x: &mut [f64]) {
-        // Before its box, whose corners are nearer to other places of an ellipse; and after, as a move's box may lie anywhere.
+        // Before the box, whose corners have other nearest points on an ellipse. And after it, as the box of a bounded
+        // motion may be anywhere.
         for swing in &self.rotations.swings {
             swing.project(x);
         }
@@ -134,7 +138,7 @@ impl<'a> ConfigurationSpace<'a> {
             }
         }
         for &first in &self.rotations.vectors {
-            // Within bounds of its own, as those of a move, it may not change its sign.
+            // Within bounds, as those of a motion, the vector must not change its sign.
             if self.lower[first..first + 3]
                 .iter()
                 .all(|low| *low == f64::NEG_INFINITY)
@@ -150,7 +154,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// How far x may go down and up along one component.
+    /// Largest decrease and increase of x along one component.
     #[inline]
     #[must_use]
     pub fn room(&self, x: &[f64], component: usize) -> (f64, f64) {
@@ -161,13 +165,13 @@ impl<'a> ConfigurationSpace<'a> {
         (value - self.lower[component], self.upper[component] - value)
     }
 
-    /// Whether one component of x may go both ways.
+    /// Returns true if one component of x may both increase and decrease.
     pub(crate) fn is_between_bounds(&self, x: &[f64], component: usize) -> bool {
         let (down, up) = self.room(x, component);
         down > 0.0 && up > 0.0
     }
 
-    /// The step to the bound that a step along one component would cross, if it crosses one.
+    /// Step to the bound that a step along one component would cross; `None` if it crosses none.
     #[must_use]
     pub fn stopped_step(&self, x: &[f64], component: usize, step: f64) -> Option<f64> {
         if let Some(out) = self.room_on_edge(x, component) {

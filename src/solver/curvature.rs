@@ -1,12 +1,10 @@
-//! What the linear model leaves out: Σ r_k ∇²r_k, learnt from how gradients change.
+//! Second-order part of the Hessian, Σ r_k ∇²r_k, learnt from changes of the gradient.
 //!
-//! Where the residual stays large (a target out of reach, tasks that contradict each other) JᵀJ alone
-//! is a poor Hessian and Levenberg-Marquardt creeps. The structured secant update of Dennis, Gay &
-//! Welsch (1981, "An adaptive nonlinear least-squares algorithm", ACM TOMS 7, 348-368, section 3)
-//! adds a symmetric S with S s = y# for the last step s, and as there the model that foretold the
-//! last step better makes the next one. A search that stays slow at a large residual has S taken
-//! anew from differences of the exact gradient, now and then, at the price of one gradient a free
-//! variable.
+//! If the residual stays large (an unreachable target, conflicting tasks), JᵀJ alone is a poor Hessian and
+//! Levenberg-Marquardt is slow. A symmetric S with S s = y# for the last step s is therefore added. It is the
+//! structured secant update of Dennis, Gay & Welsch (1981, "An adaptive nonlinear least-squares algorithm", ACM TOMS 7,
+//! 348-368, section 3). The model that predicted the last step better makes the next one. A search that stays slow at a
+//! large residual computes S from differences of the exact gradient, at one gradient per free variable.
 
 use nalgebra::DMatrix;
 
@@ -14,56 +12,57 @@ use super::linear::{add_scaled, dot, multiply_symmetric, quadratic};
 use super::{LeastSquares, SolverState};
 use crate::buffer::{refill, vacate};
 
-/// A step that leaves more than this share of the cost is slow; after so many in a row the learning
-/// begins. Problems whose targets are reached never pay for it.
+/// Ratio of costs above which a step is slow.
 const SLOW: f64 = 0.5;
+/// Number of slow steps in a row after which S is learnt, so that problems with reached targets never pay for it.
 const SLOW_STEPS: usize = 6;
 
-/// After so many slow steps in a row, and again after as many more, S is taken from differences.
+/// Number of slow steps in a row after which S is computed from differences; again after as many more.
 const SLOWER_STEPS: usize = 10;
 
-/// A residual below this share of the largest column norm of J (both per radian) bends the cost by
-/// no more than that share of JᵀJ: a search that is slow there is slow because J is singular.
+/// Smallest residual norm for S from differences, as a fraction of the largest column norm of J, both per radian.
+///
+/// Below it the residual adds at most that fraction of JᵀJ to the Hessian, and a search is slow because J is singular.
 const LARGE_RESIDUAL: f64 = 1e-3;
 
-/// The difference in x, relative to max(1, |x|): ∛ε bears gradients that are differences themselves.
+/// Difference in x, relative to max(1, |x|): ∛ε, as gradients may be differences themselves.
 const RELATIVE_STEP: f64 = 6.055_454_452_393_343e-6;
 
-/// yᵀs below this share of ‖y‖‖s‖ is taken for zero.
+/// Smallest yᵀs, as a fraction of ‖y‖‖s‖, that counts as nonzero.
 const NEGLIGIBLE_COSINE: f64 = 1e-10;
 
-/// S, and what the next update of it needs.
+/// The matrix S and the data of its next update.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Curvature {
-    /// S, n × n, symmetric, row by row; empty until the learning begins.
+    /// S, n × n, symmetric, row by row; empty until it is learnt.
     matrix: Vec<f64>,
-    /// Whether S foretold the last step better than S = 0.
+    /// True if S predicted the last step better than S = 0.
     in_use: bool,
     slow_steps: usize,
-    /// Whether the four below tell of a step that S has not learnt from.
+    /// True if the four vectors below describe a step that S has not learnt from.
     pending: bool,
     step: Vec<f64>,
     gradient_before: Vec<f64>,
-    /// J₋ᵀ r₊: the old Jacobian under the new residual.
+    /// J₋ᵀ r₊: the previous Jacobian with the new residual.
     crossed: Vec<f64>,
     /// y# − S s.
     missing: Vec<f64>,
 }
 
-/// Room for taking S from differences of the gradient.
+/// Buffers for S from differences of the gradient.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Differences {
     x: Vec<f64>,
     residual: Vec<f64>,
     gradient: Vec<f64>,
     gradient_here: Vec<f64>,
-    /// A gradient may come by way of a Jacobian.
+    /// Scratch memory for gradients that need a Jacobian.
     jacobian: DMatrix<f64>,
 }
 
 impl Differences {
-    /// Makes room for m rows and n variables.
+    /// Resizes the buffers for m rows and n variables.
     pub(super) fn reserve(&mut self, m: usize, n: usize) {
         for (vector, length) in [
             (&mut self.x, n),
@@ -91,7 +90,7 @@ impl Differences {
 }
 
 impl Curvature {
-    /// Forgets everything and makes room for n variables.
+    /// Clears all data and reserves memory for n variables.
     pub(super) fn reset(&mut self, n: usize) {
         self.in_use = false;
         self.slow_steps = 0;
@@ -107,7 +106,7 @@ impl Curvature {
         }
     }
 
-    /// Whether this is of a search over n variables.
+    /// Returns true if the data belongs to a search over n variables.
     pub(super) fn fits(&self, n: usize) -> bool {
         let vectors = [
             &self.step,
@@ -119,18 +118,19 @@ impl Curvature {
         square && vectors.iter().all(|vector| vector.len() == n)
     }
 
-    /// S where it makes the next step.
+    /// S, if the next step uses it.
     pub(super) fn in_use(&self) -> Option<&[f64]> {
         self.in_use.then_some(self.matrix.as_slice())
     }
 
-    /// ½ sᵀ S s where S makes the step: what it adds to the cost foretold.
+    /// ½ sᵀ S s if steps use S, else 0: the second-order part of the predicted cost.
     pub(super) fn bend_in_use(&self, step: &[f64]) -> f64 {
         self.in_use().map_or(0.0, |s| 0.5 * quadratic(s, step))
     }
 
-    /// Notes a step that will be accepted, before x moves and J is evaluated anew. `linear` is the cost that
-    /// JᵀJ foretold for it.
+    /// Records a step that will be accepted, before x moves and J is evaluated again.
+    ///
+    /// `linear` is the cost that JᵀJ predicted for it.
     pub(super) fn note(&mut self, at: &SolverState, linear: f64, new_cost: f64) {
         let bent = linear + 0.5 * quadratic(&self.matrix, &at.step);
         self.in_use =
@@ -150,7 +150,7 @@ impl Curvature {
         }
     }
 
-    /// Whether S should be taken from differences.
+    /// Returns true if S should be computed from differences.
     pub(super) fn wants_differences(&self, cost: f64, column_norm: f64) -> bool {
         self.pending
             && self.slow_steps.is_multiple_of(SLOWER_STEPS)
@@ -158,8 +158,9 @@ impl Curvature {
             && (2.0 * cost).sqrt() > LARGE_RESIDUAL * column_norm
     }
 
-    /// Takes S = H − JᵀJ over the free variables, H from differences of the gradient at x. Returns how
-    /// many gradients that took.
+    /// Computes S = H − JᵀJ over the free variables, with H from differences of the gradient at x.
+    ///
+    /// Returns the number of gradients evaluated.
     pub(super) fn take(
         &mut self,
         problem: &mut dyn LeastSquares,
@@ -175,14 +176,13 @@ impl Curvature {
         self.in_use = true;
         refill(&mut self.matrix, n * n, 0.0);
         room.x.copy_from_slice(x);
-        // By the same route as the others, so that what rounding does cancels: the gradient in
-        // memory may be Jᵀr.
+        // Evaluated like the others, so that rounding cancels: the gradient in memory may be Jᵀr.
         room.gradient(problem);
         std::mem::swap(&mut room.gradient, &mut room.gradient_here);
         let columns = |j: usize| jacobian.column(j);
         for &j in free {
             let step = RELATIVE_STEP * x[j].abs().max(1.0);
-            // Into the bounds, where the problem is defined; a narrower range is crossed.
+            // Towards the inside, where the problem is defined. A narrower range is crossed.
             let space = problem.space();
             let (below, above) = space.room(x, j);
             let step = match above >= below {
@@ -202,7 +202,7 @@ impl Curvature {
         free.len() + 1
     }
 
-    /// Learns from the noted step, now that the gradient after it is known.
+    /// Updates S by the recorded step, with the gradient after it.
     pub(super) fn learn(&mut self, gradient: &[f64]) {
         if !std::mem::take(&mut self.pending) {
             return;
@@ -218,14 +218,14 @@ impl Curvature {
             *y = g - *y;
             *y_sharp = g - *y_sharp;
         }
-        // yᵀs divides: a step that hardly changed the slope teaches nothing.
+        // A step that hardly changed the slope is no basis for an update.
         let along = dot(change, &self.step);
         let negligible =
             NEGLIGIBLE_COSINE * (dot(change, change) * dot(&self.step, &self.step)).sqrt();
         if along.is_nan() || along <= negligible {
             return;
         }
-        // Sizing (section 4 there): S must shrink with the residual.
+        // Sizing (section 4 of the same paper): S must shrink with the residual.
         let held = quadratic(&self.matrix, &self.step);
         let wanted = dot(sharp, &self.step);
         if held != 0.0 {

@@ -1,28 +1,27 @@
-//! Gauss-Newton: min ‖J Δ + r‖ over the free variables, with a line search; where that fails,
-//! a damped step.
+//! Gauss-Newton method: min ‖J Δ + r‖ over the free variables with a line search, or else a damped step.
 
 use super::line_search::along_projected_path;
 use super::linear::{CompleteOrthogonal, DampedNormal, largest};
 use super::{Iterate, Method, SolverState, Step};
 use crate::bad_option::BadOption;
 
-/// Gauss-Newton with a rank-revealing factorisation: where J loses rank, as in singular poses,
-/// the shortest Δ among the minimisers is taken.
+/// Gauss-Newton method with a rank-revealing factorisation.
+///
+/// If J loses rank, as at singular configurations, it takes the shortest minimiser Δ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct GaussNewton {
     rank_tolerance: f64,
 }
 
-/// Next to a singular place Δ may be as long as the rank tolerance allows: a search along it begins
-/// with a step of at most so many times max(1, ‖x‖∞).
+/// Largest initial step of a line search, relative to max(1, ‖x‖∞): near singularities Δ may be very long.
 const LONGEST: f64 = 10.0;
-/// How often a step along Δ, and then along the damped step, is halved.
+/// Largest numbers of trials along Δ, and then along the damped step, each at half the length of the last.
 const MOST_TRIALS: [usize; 2] = [6, 30];
 
 impl GaussNewton {
     setters! {
-        /// Diagonal entries of R below `tolerance` times the largest count as zero. From ε to ½.
+        /// Sets the relative size of diagonal entries of R below which they count as zero. From ε to ½. Default 1e-8.
         pub fn with_rank_tolerance(mut self, tolerance: f64) { self.rank_tolerance = tolerance }
     }
 }
@@ -35,7 +34,7 @@ impl Default for GaussNewton {
     }
 }
 
-/// What a search by Gauss-Newton remembers.
+/// State of a search by the Gauss-Newton method.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct GaussNewtonState {
@@ -100,9 +99,9 @@ impl Method for GaussNewton {
         let along = |_: &SolverState, j: usize| direction[j];
         let mut found = along_projected_path(at, along, first, reference, MOST_TRIALS[0]);
         if found.is_none() {
-            // With a large residual next to a singular place Δ stands almost across the gradient;
-            // the step damped by λ = s ‖r‖ does not; with s the largest column norm, that is the
-            // size of the curvature that Gauss-Newton leaves out.
+            // With a large residual near a singularity, Δ is almost perpendicular to the gradient. The step damped by
+            // λ = s ‖r‖ is not. With s the largest column norm, λ is the size of the curvature that Gauss-Newton
+            // neglects.
             normal.forget();
             normal.step(at.state, at.column_norm * (2.0 * at.cost).sqrt());
             direction.copy_from_slice(&at.step);

@@ -1,4 +1,4 @@
-//! What a method may ask and do where a search stands.
+//! View of a search at its current point, for methods.
 
 use std::ops::Deref;
 
@@ -6,14 +6,12 @@ use super::linear::add_scaled;
 use super::state::half_squared;
 use super::{ConfigurationSpace, LeastSquares, SolverState};
 
-/// A step that changes the cost by no more than this share of it has hardly changed it.
+/// Relative change of the cost up to which a step counts as flat.
 const FLAT: f64 = 1e-13;
 
-/// The place where a search stands, as a method sees it: reads like its [`SolverState`], knows the
-/// bounds, and tries steps.
+/// Current point of a search, as a method sees it: it reads like its [`SolverState`], has the bounds, and tries steps.
 ///
-/// A method writes its step Δ, projects it into the bounds, evaluates the trial x + Δ there, and accepts
-/// it or not.
+/// A method writes its step Δ, projects it into the bounds, evaluates the trial x + Δ, and accepts it or not.
 pub struct Iterate<'a> {
     pub(super) problem: &'a mut dyn LeastSquares,
     pub(super) state: &'a mut SolverState,
@@ -36,14 +34,14 @@ impl Deref for Iterate<'_> {
 
 impl Iterate<'_> {
     getters! {
-        /// The space that x is from, with its bounds.
+        /// Configuration space of x, with its bounds.
         pub fn space(&self) -> ConfigurationSpace<'_> = self.problem.space();
-        /// The step Δ, to write; it still holds the last one.
+        /// Step Δ, for writing; it holds the last step until then.
         pub fn step_mut(&mut self) -> &mut [f64] = &mut self.state.step;
     }
 
-    /// Projects the trial x + Δ into the bounds, shortens it where something is in the way, and makes Δ what is left of the way
-    /// there.
+    /// Projects the trial x + Δ into the bounds, shortens it to the share that the problem allows, and updates Δ to
+    /// match.
     pub fn project_step(&mut self) {
         let SolverState { x, step, trial, .. } = &mut *self.state;
         let space = self.problem.space();
@@ -62,7 +60,7 @@ impl Iterate<'_> {
         }
     }
 
-    /// ½‖r + J Δ‖²: what the linear model promises of the step. Overwrites the trial's residual.
+    /// ½‖r + J Δ‖²: the cost that the linear model predicts for the step. Overwrites the trial's residual.
     pub fn model_cost(&mut self) -> f64 {
         let at = &mut *self.state;
         let predicted = &mut at.trial_residual;
@@ -86,8 +84,7 @@ impl Iterate<'_> {
         at.trial_cost
     }
 
-    /// Makes the evaluated trial the place where the search stands. Derivatives are taken anew before the
-    /// next step.
+    /// Makes the evaluated trial the current point. Derivatives are evaluated again before the next step.
     pub fn accept(&mut self) {
         let at = &mut *self.state;
         std::mem::swap(&mut at.x, &mut at.trial);

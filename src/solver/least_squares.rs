@@ -1,24 +1,24 @@
-//! What a solver asks of a problem.
+//! Problem interface of the solvers.
 
 use nalgebra::DMatrix;
 
 use super::ConfigurationSpace;
 
-/// A residual r(x) with bounds on x. Implementations keep their own scratch memory, hence `&mut`.
+/// A residual r(x) with bounds on x. Implementations have their own scratch memory, hence `&mut`.
 pub trait LeastSquares {
-    /// n, the length of x.
+    /// Number of variables n, the length of x.
     fn variables(&self) -> usize;
 
-    /// m, the length of r.
+    /// Number of rows m, the length of r.
     fn rows(&self) -> usize;
 
-    /// Lower bounds, n numbers; −∞ where there is none.
+    /// Lower bounds, n numbers; −∞ for none.
     fn lower(&self) -> &[f64];
 
-    /// Upper bounds, n numbers, each at least its lower bound; ∞ where there is none.
+    /// Upper bounds, n numbers, each at least its lower bound; ∞ for none.
     fn upper(&self) -> &[f64];
 
-    /// The space that x is from.
+    /// Configuration space of x.
     fn space(&self) -> ConfigurationSpace<'_> {
         ConfigurationSpace::new(self.lower(), self.upper())
     }
@@ -29,8 +29,9 @@ pub trait LeastSquares {
     /// Writes every entry of ∂r/∂x, m × n.
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>);
 
-    /// Writes Jᵀr, n numbers, where `residual` is r(x). `jacobian` (m × n) is memory to use for
-    /// problems that have no shorter way, as is the default.
+    /// Writes Jᵀr, n numbers, with `residual` = r(x).
+    ///
+    /// `jacobian` (m × n) is scratch memory for problems without a faster method, as in the default implementation.
     fn gradient(
         &mut self,
         x: &[f64],
@@ -45,19 +46,20 @@ pub trait LeastSquares {
         }
     }
 
-    /// Whether `residual` is good enough by the problem's own tolerances.
+    /// Returns true if `residual` is within the problem's tolerances.
     fn is_reached(&self, residual: &[f64]) -> bool {
         residual.iter().all(|&r| r == 0.0)
     }
 
-    /// How much of a step from one x within the bounds to another is allowed, as a share of it: less than all where something
-    /// is in the way, 0 where it is at x. A search takes no longer one.
+    /// Largest allowed fraction of a step between two points within the bounds.
+    ///
+    /// It is below 1 if the step meets an obstacle, and 0 if the obstacle is at x.
     fn allowed_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
         let _ = (from, to);
         1.0
     }
 
-    /// Whether a good enough residual ends the search, or only a stationary point does.
+    /// Returns true if a residual within the tolerances ends the search; otherwise only a stationary point does.
     fn stops_when_reached(&self) -> bool {
         true
     }

@@ -1,17 +1,19 @@
-//! Levenberg-Marquardt: (JᵀJ + λI) Δ = −Jᵀr over the free variables, and JᵀJ + S + λI where a large
-//! residual makes the search creep and the learnt [curvature](super::curvature) S foretells better.
+//! Levenberg-Marquardt method: (JᵀJ + λI) Δ = −Jᵀr over the free variables.
+//!
+//! If a large residual makes the search slow, and the learnt [curvature](super::curvature) S predicts better, the
+//! matrix is JᵀJ + S + λI.
 
 use super::curvature::{Curvature, Differences};
 use super::linear::{CurvedModel, CurvedNormal, DampedNormal};
 use super::{Iterate, Method, SolverState, Step};
 use crate::bad_option::{BadOption, POSITIVE};
 
-/// The first λ, as a share of max diag(JᵀJ), that is tried to make an indefinite model convex, and
-/// how often it is quadrupled: to far above any curvature.
+/// First λ that is tried to make an indefinite model convex, relative to max diag(JᵀJ).
 const LEAST_CONVEX_DAMPING: f64 = 1e-6;
+/// Number of times that this λ is quadrupled: to far above any curvature.
 const MOST_CONVEX_TRIALS: usize = 20;
 
-/// How λ follows the search.
+/// Rule for the damping λ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     any(feature = "argmin", feature = "serde"),
@@ -19,17 +21,18 @@ const MOST_CONVEX_TRIALS: usize = 20;
 )]
 #[non_exhaustive]
 pub enum Damping {
-    /// From the ratio of won to promised decrease (Nielsen 1999, "Damping parameter in
-    /// Marquardt's method", IMM-REP-1999-05); but an accepted step lowers λ at least as much as the
-    /// cost, since convergence to a goal within reach is quadratic with a λ of the error's square and
-    /// linear with Nielsen's third at a time.
+    /// By the ratio of actual to predicted decrease (Nielsen 1999, "Damping parameter in Marquardt's method",
+    /// IMM-REP-1999-05).
+    ///
+    /// An accepted step also lowers λ at least as much as the cost. Convergence to a reachable goal is quadratic if λ
+    /// falls with the squared error, and linear with Nielsen's factor of a third.
     GainRatio,
-    /// λ = μ · cost, which falls off quadratically with the error (Chan & Lawrence 1988; Sugihara
-    /// 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
+    /// λ = μ · cost, which falls quadratically with the error (Chan & Lawrence 1988; Sugihara 2011,
+    /// "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method").
     ErrorProportional,
 }
 
-/// Levenberg-Marquardt with hard bounds.
+/// Levenberg-Marquardt method with hard bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct LevenbergMarquardt {
@@ -38,7 +41,7 @@ pub struct LevenbergMarquardt {
 }
 
 impl LevenbergMarquardt {
-    /// With a damping rule and its default first value.
+    /// Method with a damping rule and its default initial damping.
     #[must_use]
     pub fn new(damping: Damping) -> Self {
         let initial = match damping {
@@ -49,8 +52,9 @@ impl LevenbergMarquardt {
     }
 
     setters! {
-        /// The first damping: τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, μ in λ = μ · cost for
-        /// the error-proportional rule. Positive and finite.
+        /// Sets the initial damping, positive and finite. Default 1e-3 and 0.1.
+        ///
+        /// It is τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, and μ in λ = μ · cost for the error-proportional rule.
         pub fn with_initial_damping(mut self, initial: f64) { self.initial = initial }
     }
 }
@@ -61,15 +65,15 @@ impl Default for LevenbergMarquardt {
     }
 }
 
-/// What a search by Levenberg-Marquardt remembers.
+/// State of a search by the Levenberg-Marquardt method.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct LevenbergMarquardtState {
-    /// λ.
+    /// Damping λ.
     damping: f64,
-    /// By how much a refused step raises λ (Nielsen's ν).
+    /// Factor by which a rejected step raises λ (Nielsen's ν).
     growth: f64,
-    /// μ in λ = μ · cost.
+    /// Factor μ in λ = μ · cost.
     per_cost: f64,
     curvature: Curvature,
     #[cfg_attr(feature = "argmin", serde(skip))]
@@ -78,7 +82,7 @@ pub struct LevenbergMarquardtState {
 
 #[derive(Clone, Debug, Default)]
 struct Buffers {
-    /// Kept while x stays, so that a refused step costs one factorisation.
+    /// Kept while x stays, so that a rejected step costs one factorisation.
     normal: DampedNormal,
     curved: CurvedNormal,
     differences: Differences,
@@ -133,8 +137,8 @@ impl Method for LevenbergMarquardt {
 
         match self.damping {
             Damping::GainRatio if accepted => {
-                // Projection and curvature may leave a model that promises nothing of a step that wins:
-                // no reason to distrust it.
+                // Projection and curvature may leave a model that predicts no decrease for a step that achieves one.
+                // That is no reason to raise λ.
                 let ratio = if promised > 0.0 { won / promised } else { 1.0 };
                 let beyond_half = 2.0 * ratio - 1.0;
                 let cubed = beyond_half * beyond_half * beyond_half;
@@ -174,7 +178,7 @@ impl Buffers {
 }
 
 impl LevenbergMarquardtState {
-    /// Lets S learn from the last step, or takes it anew.
+    /// Updates S by the last step, or computes it from differences.
     fn learn_curvature(&mut self, iterate: &mut Iterate<'_>) {
         let Iterate { problem, state: at } = iterate;
         if self.curvature.wants_differences(at.cost, at.column_norm) {
@@ -187,8 +191,9 @@ impl LevenbergMarquardtState {
         }
     }
 
-    /// Writes the damped step of the curved model, if S is in use and the model has a minimum once λ is
-    /// large enough.
+    /// Writes the damped step of the curved model. Returns false if S is not in use.
+    ///
+    /// Raises λ until the model has a minimum, and returns false if it never has one.
     fn solve_curved(&mut self, iterate: &mut Iterate<'_>) -> bool {
         let Some(curvature) = self.curvature.in_use() else {
             return false;

@@ -1,16 +1,16 @@
-//! Backtracking along the projected path x(α) = proj(x + α d).
+//! Backtracking line search along the projected path x(α) = proj(x + α d).
 
 use super::{Iterate, SolverState};
 
-/// The share of the promised decrease that a step must deliver (Nocedal & Wright 2006, eq. 3.4).
+/// Fraction of the predicted decrease that a step must achieve (Nocedal & Wright 2006, eq. 3.4).
 const SUFFICIENT: f64 = 1e-4;
-/// The source documents halve the step until the cost falls.
+/// Factor on α after a failed trial.
 const SHRINK: f64 = 0.5;
 
-/// Shortens α from `first`, at most `trials` times, until the cost falls below `reference`, if only
-/// by the last digit, by a share of gᵀ(x(α) − x)
-/// (Bertsekas 1999, "Nonlinear Programming", eq. 2.45). `direction` is d for unit α. Returns the
-/// α and the cost of the trial in memory, or `None` when no α does.
+/// Shortens α from `first` until the cost falls below `reference` by a fraction of gᵀ(x(α) − x).
+///
+/// The rule is eq. 2.45 of Bertsekas 1999, "Nonlinear Programming". `direction` is d for α = 1. Returns α and the cost
+/// of the trial in memory, or `None` if no α of `trials` suffices.
 pub(super) fn along_projected_path(
     iterate: &mut Iterate<'_>,
     direction: impl Fn(&SolverState, usize) -> f64,

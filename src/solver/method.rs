@@ -1,4 +1,4 @@
-//! A solver is one step; everything around the step is shared.
+//! Interface of solver methods: a method is one step, and the rest is shared.
 
 use std::fmt::Debug;
 
@@ -7,79 +7,79 @@ use super::{Iterate, LeastSquares, Observer, Outcome, SolverState, Stopping};
 use crate::bad_option::BadOption;
 use crate::clock::Instant;
 
-/// What a step did.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Step {
     /// x moved.
     Taken,
-    /// x stays; the next step will be more careful.
+    /// x stays; the next step will be more cautious.
     Refused,
     /// No acceptable step is left.
     Stuck,
 }
 
-/// One way to go from x to a better x.
+/// Method for one step from x to a better x.
 ///
-/// The loop around it takes derivatives, counts, observes and stops. One of your own is as good as those
-/// here: `examples/own_method.rs` is Powell's dogleg in some 60 lines.
+/// The loop around it evaluates derivatives, counts, observes and stops. Other implementations are equal to those of
+/// this crate: `examples/own_method.rs` is Powell's dogleg in some 60 lines.
 pub trait Method: Send + Sync + 'static {
-    /// What it remembers from step to step of one search, and the room that it works in.
+    /// State and scratch memory that a method keeps from step to step of one search.
     type State: Clone + Debug + Default + Send + Sync + 'static;
 
-    /// The name used in files, messages and on the command line.
+    /// Name used in files, messages and on the command line.
     fn name(&self) -> &'static str;
 
-    /// Whether [`step`](Self::step) needs the Jacobian or only the gradient.
+    /// Returns true if [`step`](Self::step) needs the Jacobian, not only the gradient.
     fn needs_jacobian(&self) -> bool;
 
-    /// Whether its settings are in their ranges, asked before a search.
+    /// Checks that the settings are in their ranges; called before a search.
     ///
     /// # Errors
-    /// The first that is not.
+    /// Returns an error for the first setting out of its range.
     fn check(&self) -> Result<(), BadOption> {
         Ok(())
     }
 
-    /// Forgets the last search, and makes room for one with so many rows and variables, before anything is
-    /// evaluated.
+    /// Resets the state and reserves memory for a search with this many rows and variables, before any evaluation.
     fn reserve(&self, state: &mut Self::State, rows: usize, variables: usize) {
         let _ = (rows, variables);
         *state = Self::State::default();
     }
 
-    /// Takes its first values, after the first derivatives.
+    /// Initialises the state after the first derivatives.
     fn begin(&self, state: &mut Self::State, at: &SolverState);
 
-    /// Tries one step. The derivatives are those at its x.
+    /// Tries one step. The derivatives are those at the current x.
     fn step(&self, state: &mut Self::State, at: &mut Iterate<'_>) -> Step;
 
-    /// What controls the length of the next step, for observers: λ of Levenberg-Marquardt, the step length
-    /// of the others.
+    /// Quantity that controls the length of the next step, for observers.
+    ///
+    /// It is λ for Levenberg-Marquardt, and the step length for the other methods.
     fn control(&self, state: &Self::State) -> f64;
 
-    /// Whether a state that was read from a file is one of a search with so many variables.
+    /// Returns true if a state read from a file belongs to a search with this many variables.
     fn fits(&self, state: &Self::State, variables: usize) -> bool {
         let _ = (state, variables);
         true
     }
 }
 
-/// A [`Method`] without its type, for lists and settings. Every method is one.
+/// [`Method`] with its type erased, for lists and settings. Every method implements it.
 pub trait AnyMethod: Send + Sync {
-    /// As [`Method::name`].
+    /// Name of the method, see [`Method::name`].
     fn name(&self) -> &'static str;
 
-    /// As [`Method::needs_jacobian`].
+    /// Returns true if a step needs the Jacobian, see [`Method::needs_jacobian`].
     fn needs_jacobian(&self) -> bool;
 
-    /// As [`Method::check`].
+    /// Checks the settings, see [`Method::check`].
     ///
     /// # Errors
-    /// As there.
+    /// Returns the error of [`Method::check`].
     fn check(&self) -> Result<(), BadOption>;
 
-    /// As [`minimise`](super::minimise()), without that check and with a deadline that several searches may share.
+    /// Runs [`minimise`](super::minimise()) without checks, with a deadline that several searches may share.
     fn minimise(
         &self,
         problem: &mut dyn LeastSquares,
@@ -107,7 +107,7 @@ impl<M: Method> AnyMethod for M {
         observer: &mut dyn Observer,
         state: &mut SolverState,
     ) -> Outcome {
-        // Out of its room for the search, so that both can change.
+        // Taken out for the search, so that both can change.
         let mut own = state.pool.take::<M::State>();
         let limits = (stopping, deadline);
         let outcome = search(problem, (self, &mut own), start, limits, observer, state);

@@ -1,4 +1,4 @@
-//! The loop that all methods share: differentiate, look, stop or step.
+//! Main loop of all methods: differentiate, observe, stop or step.
 
 use super::progress::Progress;
 use super::{
@@ -9,45 +9,47 @@ use crate::SizeMismatch;
 use crate::bad_option::BadOption;
 use crate::clock::{Instant, is_past};
 
-/// How a search ended; where, is in the state.
+/// Outcome of a search; the result is in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Which test fired.
+    /// Test that ended the search.
     pub termination: Termination,
-    /// Steps tried, accepted or not.
+    /// Number of steps tried, accepted or not.
     pub iterations: usize,
-    /// ‖proj(x − g) − x‖∞ where the search ended; `None` where it was good enough to need no
-    /// derivatives.
+    /// ‖proj(x − g) − x‖∞ at the end of the search; `None` if the goal was reached without derivatives.
     pub projected_gradient: Option<f64>,
 }
 
-/// Why no search begins.
+/// Error that prevents a search.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SearchError {
-    /// A setting of the method or a tolerance out of its range.
+    /// A setting of the method or a tolerance is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// A start, or bounds, of another length than the problem has variables.
+    /// The start or the bounds have another length than the number of variables.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// A start that is not finite.
+    /// The start is not finite.
     #[error("number {variable} of the start is {value}, which is not a finite number")]
     NotFinite {
-        /// Which, from 0.
+        /// Index of the variable, from 0.
         variable: usize,
-        /// The number.
+        /// Value of the variable.
         value: f64,
     },
 }
 
-/// Searches from `start` (n numbers, projected into the bounds first) and leaves the result in
-/// `state`. Never leaves an x outside the bounds.
+/// Searches from `start` (n numbers, projected into the bounds first) and leaves the result in `state`.
+///
+/// Every x is within the bounds.
 ///
 /// # Errors
-/// A setting of the method or a tolerance out of its range; a start or bounds of the wrong length, a start that is not
-/// finite.
+/// Returns an error for:
+/// - A setting of the method or a tolerance out of its range.
+/// - A start or bounds of the wrong length.
+/// - A start that is not finite.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     method: &dyn AnyMethod,
@@ -70,10 +72,14 @@ pub fn minimise(
     Ok(method.minimise(problem, start, stopping, deadline, observer, state))
 }
 
-/// The loop around a method's steps. What ends it, in this order: a cost that is not finite; the goal,
-/// a gradient that is not finite or is none, or steps that hardly change the cost
-/// ([`Progress::judge`]); the observer; patience; the iteration limit; the deadline; a step too small
-/// to matter ([`Progress::step`]).
+/// Main loop around the steps of a method.
+///
+/// It ends at the first of these:
+/// 1. A cost that is not finite.
+/// 2. A reached goal, a gradient that is not finite, a stationary point, or flat steps ([`Progress::judge`]).
+/// 3. The observer's request.
+/// 4. The end of the patience, the iteration limit, or the deadline.
+/// 5. A negligible step ([`Progress::step`]).
 pub(super) fn search<M: Method>(
     problem: &mut dyn LeastSquares,
     (method, own): (&M, &mut M::State),
@@ -90,7 +96,7 @@ pub(super) fn search<M: Method>(
             projected_gradient: None,
         };
     };
-    // When the cost had last halved, and what it was.
+    // Iteration and cost at the last halving of the cost.
     let (mut halved_at, mut halved_cost) = (0, state.cost);
     let termination = loop {
         if !progress.look(problem, method, own, state) {
@@ -135,8 +141,10 @@ pub(super) fn search<M: Method>(
     }
 }
 
-/// A search that may climb, or wander where the cost is flat, returns the first of the best places
-/// it has seen, and the projected gradient there if it is elsewhere.
+/// Returns to the best point of the search if the search ended at a worse one.
+///
+/// A search may climb, or wander if the cost is flat. Returns the projected gradient at the best point if it is
+/// another.
 fn return_best(problem: &mut dyn LeastSquares, state: &mut SolverState) -> Option<f64> {
     if state.best_cost > state.cost || state.best_x == state.x {
         return None;

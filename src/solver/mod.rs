@@ -1,7 +1,7 @@
 //! Bounded nonlinear least squares: minimise ½‖r(x)‖² subject to lower ≤ x ≤ upper.
 //!
-//! Solvers know no robots: they see a [`LeastSquares`]. A [`Method`] is one step; the loop around
-//! it ([`minimise`]) counts, observes and stops for all of them.
+//! Solvers are independent of robots: they take a [`LeastSquares`] problem. A [`Method`] is one step; the loop around
+//! it ([`minimise`]) counts, observes and stops for all methods.
 
 mod active_set;
 mod ball_joints;

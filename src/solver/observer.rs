@@ -1,27 +1,28 @@
-//! Watching a search, and stopping it.
+//! Observation and cancellation of a search.
 
 use std::ops::ControlFlow;
 
-/// What an observer sees after every step, and once before the first.
+/// State of a search, passed to observers after every step and once before the first.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Iteration<'a> {
-    /// Steps so far; 0 is the start.
+    /// Number of steps so far; 0 is the start.
     pub index: usize,
     /// ½‖r(x)‖².
     pub cost: f64,
-    /// ‖proj(x − g) − x‖∞; `None` at a point that is good enough to need no derivatives.
+    /// ‖proj(x − g) − x‖∞; `None` at a point that reaches the goal without derivatives.
     pub projected_gradient: Option<f64>,
-    /// ‖x − previous x‖∞, 0 for a refused step.
+    /// ‖x − previous x‖∞, 0 for a rejected step.
     pub step: f64,
-    /// What controls the next step's length ([`Method::control`](super::Method::control)): λ of
-    /// Levenberg-Marquardt, the step length of the others.
+    /// Quantity that controls the length of the next step, see [`Method::control`](super::Method::control).
+    ///
+    /// It is λ for Levenberg-Marquardt, and the step length for the other methods.
     pub control: f64,
-    /// Where the search stands.
+    /// Current point of the search.
     pub x: &'a [f64],
 }
 
-/// Sees every iteration and may cancel. Closures are observers.
+/// Observer of every iteration, which may cancel the search. Closures are observers.
 pub trait Observer {
     /// Called after every step; `Break` ends the search as cancelled.
     fn observe(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()>;
@@ -33,7 +34,7 @@ impl<F: FnMut(&Iteration<'_>) -> ControlFlow<()>> Observer for F {
     }
 }
 
-/// Watches nothing.
+/// Observer that does nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

@@ -1,29 +1,31 @@
-//! The progress of one search in single steps: what the loop here and executors of others share.
+//! Progress of one search in single steps, shared by the main loop and external executors.
 
 use super::{Iterate, LeastSquares, Method, SolverState, Step, Stopping, Termination};
 
-/// After so many steps in a row that hardly change the cost no further one makes sense.
+/// Number of flat steps in a row after which a search ends.
 const FLAT_STEPS: usize = 5;
 
-/// A stationarity below this is lost in the rounding of the cost: where slopes are of size g and
-/// curvatures of size c, a step wins g²/2c, which must be more than ε of the cost to be seen.
+/// Stationarity below which rounding of the cost hides any decrease.
+///
+/// With a slope g and a curvature c, a step lowers the cost by g²/2c, which must exceed ε of the cost.
 const ROUNDED: f64 = 1e-7;
 
-/// How far a search has come; where it stands is in the state.
+/// Progress of a search; its current point is in the state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Progress {
-    /// Steps tried, accepted or not, since it began or was resumed.
+    /// Number of steps tried, accepted or not, since the search began or was resumed.
     pub(crate) iterations: usize,
-    /// ‖proj(x − g) − x‖∞; `None` where x is good enough to need no derivatives.
+    /// ‖proj(x − g) − x‖∞; `None` if x reaches the goal without derivatives.
     pub(crate) projected_gradient: Option<f64>,
-    /// What [`Stopping::with_gradient_tolerance`] is compared with.
+    /// Quantity that is compared with [`Stopping::with_gradient_tolerance`].
     stationarity: f64,
     last_step: Step,
 }
 
 impl Progress {
-    /// Stands at the projected `start`. `None` for a start of the wrong length or not finite, and for
-    /// a problem that lacks bounds.
+    /// Begins at the projected `start`.
+    ///
+    /// Returns `None` for a start of the wrong length or not finite, or a problem without bounds.
     pub(crate) fn start(
         problem: &mut dyn LeastSquares,
         start: &[f64],
@@ -41,7 +43,7 @@ impl Progress {
         })
     }
 
-    /// A search that goes on with a step from a state that stands, derivatives included, where another was suspended.
+    /// Resumes a suspended search from a state with derivatives, for its next step.
     #[cfg(feature = "argmin")]
     pub(crate) fn resumed(problem: &dyn LeastSquares, state: &SolverState) -> Self {
         Self {
@@ -52,8 +54,9 @@ impl Progress {
         }
     }
 
-    /// Takes the derivatives at x, unless they are there or x is good enough without. Returns
-    /// false where the cost is not a finite number.
+    /// Evaluates the derivatives at x, unless they are known or x reaches the goal.
+    ///
+    /// Returns false if the cost is not finite.
     pub(crate) fn look<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,
@@ -69,7 +72,7 @@ impl Progress {
             return true;
         }
         if self.iterations == 0 {
-            // Its size scales the gradient test, also for methods that use gradients only.
+            // The Jacobian's size scales the gradient test, also for methods that use gradients only.
             state.differentiate(problem);
             method.begin(own, state);
         } else if self.last_step == Step::Taken && method.needs_jacobian() {
@@ -82,10 +85,10 @@ impl Progress {
         true
     }
 
-    /// Whether the search ends where it stands.
+    /// Termination of the search at its current point, if any.
     pub(crate) fn judge(&self, state: &SolverState, stopping: &Stopping) -> Option<Termination> {
         match self.projected_gradient {
-            // `look` takes no derivatives where the goal is reached, and only there.
+            // `look` evaluates no derivatives if the goal is reached, and only then.
             None => Some(Termination::Reached),
             Some(norm) if !norm.is_finite() => Some(Termination::NonFinite),
             Some(_) if self.stationarity <= stopping.gradient_tolerance => {
@@ -96,7 +99,7 @@ impl Progress {
         }
     }
 
-    /// Tries one step; returns a termination where no further one makes sense.
+    /// Tries one step. Returns a termination if no further step is useful.
     pub(crate) fn step<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,
@@ -111,7 +114,7 @@ impl Progress {
         };
         self.last_step = method.step(own, &mut iterate);
         self.iterations += 1;
-        // A small step that reached the goal ends nothing here: the next look finds it so.
+        // A small step that reached the goal does not end the search here: the next `look` finds that.
         let negligible = state.step_is_negligible(stopping.step_tolerance);
         let reached = self.last_step == Step::Taken
             && problem.stops_when_reached()
@@ -120,7 +123,7 @@ impl Progress {
         ends.then(|| self.out_of_steps())
     }
 
-    /// Why no further step makes sense.
+    /// Termination of a search that makes no useful step.
     fn out_of_steps(&self) -> Termination {
         if self.stationarity <= ROUNDED {
             Termination::Stationary
@@ -129,7 +132,7 @@ impl Progress {
         }
     }
 
-    /// ‖Δ‖∞ of the last step, 0 for a refused one and before the first.
+    /// ‖Δ‖∞ of the last step, 0 for a rejected one and before the first.
     pub(crate) fn step_norm(&self, state: &SolverState) -> f64 {
         match self.last_step {
             Step::Taken if self.iterations > 0 => state.step_norm(),
@@ -138,7 +141,7 @@ impl Progress {
     }
 }
 
-/// The slope along one variable that counts as none: the share of s ‖r‖ that ends a search.
+/// Slope along one variable that counts as zero: the fraction of s ‖r‖ that ends a search.
 pub(crate) fn negligible_slope(column_norm: f64, cost: f64, stopping: &Stopping) -> f64 {
     stopping.gradient_tolerance * column_norm * (2.0 * cost).sqrt()
 }

@@ -1,16 +1,16 @@
-//! Projected gradient descent: x ← proj(x − σ g).
+//! Projected gradient method: x ← proj(x − σ g).
 
 use super::line_search::along_projected_path;
 use super::{Iterate, Method, SolverState, Step};
 
-/// The source documents' large first σ.
+/// Large first σ of the source documents.
 const LARGE: f64 = 10_000.0;
-/// From the large σ down to steps that change nothing.
+/// Largest number of trials: from the large σ down to steps that change nothing.
 const MOST_TRIALS: usize = 80;
-/// How many past costs a spectral step may climb back to (Birgin, Martínez & Raydan 2000).
+/// Number of past costs up to which a spectral step may climb (Birgin, Martínez & Raydan 2000).
 const HISTORY: usize = 10;
 
-/// Which σ a step tries first.
+/// Rule for the first σ of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     any(feature = "argmin", feature = "serde"),
@@ -18,14 +18,15 @@ const HISTORY: usize = 10;
 )]
 #[non_exhaustive]
 pub enum FirstStep {
-    /// The same σ every time, halved until the cost falls. The sources use 10 000.
+    /// A constant σ, halved until the cost falls. The sources use 10 000.
     Fixed(f64),
-    /// sᵀs / sᵀy from the last step s and the change of gradient y (Barzilai & Borwein 1988); the
-    /// cost may rise above the last one, but not above the last ten (spectral projected gradient).
+    /// sᵀs / sᵀy from the last step s and the change y of the gradient (Barzilai & Borwein 1988).
+    ///
+    /// The cost may rise above the last one, but not above the last ten (spectral projected gradient).
     BarzilaiBorwein,
 }
 
-/// Projected gradient descent with backtracking along the projected path.
+/// Projected gradient method with backtracking along the projected path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProjectedGradient {
@@ -33,7 +34,7 @@ pub struct ProjectedGradient {
 }
 
 impl ProjectedGradient {
-    /// With a rule for the first σ.
+    /// Method with a rule for the first σ.
     #[must_use]
     pub fn new(first_step: FirstStep) -> Self {
         Self { first_step }
@@ -46,13 +47,13 @@ impl Default for ProjectedGradient {
     }
 }
 
-/// What a search by projected gradients remembers.
+/// State of a search by the projected gradient method.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "argmin", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProjectedGradientState {
-    /// σ.
+    /// Step length σ.
     length: f64,
-    /// s, the last step.
+    /// Last step s.
     step: Vec<f64>,
     previous_gradient: Vec<f64>,
     /// Costs of the last steps, newest last.
@@ -85,7 +86,7 @@ impl Method for ProjectedGradient {
     }
 
     fn begin(&self, own: &mut Self::State, at: &SolverState) {
-        // A step of the size that a linear problem would need.
+        // The step length of a linear problem of this curvature.
         let curvature = at.column_norm * at.column_norm;
         own.length = if curvature > 0.0 {
             1.0 / curvature

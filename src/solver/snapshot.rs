@@ -1,11 +1,12 @@
-//! What a search needs to go on later, bit for bit, in another process.
+//! Snapshot of a search, to resume it in another process with bitwise equal results.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Counts, LeastSquares, Method, SolverState};
 
-/// A search between two iterations. What x alone decides (residual, derivatives) is not kept:
-/// evaluating it again gives the same bits.
+/// A search between two iterations.
+///
+/// It excludes the residual and the derivatives: their evaluation at x gives the same bits again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Snapshot {
     x: Vec<f64>,
@@ -13,12 +14,12 @@ pub(crate) struct Snapshot {
     flat_steps: usize,
     best_x: Vec<f64>,
     best_cost: f64,
-    /// Residuals, Jacobians, gradients.
+    /// Evaluations of residuals, Jacobians and gradients.
     counts: [usize; 3],
 }
 
 impl SolverState {
-    /// Keeps what cannot be evaluated again.
+    /// Snapshot of the data that cannot be evaluated again.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
             x: self.x.clone(),
@@ -34,8 +35,10 @@ impl SolverState {
         }
     }
 
-    /// Stands where the snapshot was taken, derivatives included. Returns false, and is of no use,
-    /// if the snapshot or the method's state is of a problem of another size or outside these bounds.
+    /// Restores a snapshot, derivatives included.
+    ///
+    /// Returns false, with an unusable state, if the snapshot or the method's state belongs to a problem of another
+    /// size or other bounds.
     pub(crate) fn restore<M: Method>(
         &mut self,
         problem: &mut dyn LeastSquares,

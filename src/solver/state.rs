@@ -1,4 +1,4 @@
-//! Where one search stands: x and what is known there. Its memory is used from search to search.
+//! State of a search at its current point, with memory that is reused from search to search.
 
 use std::any::Any;
 use std::ops::AddAssign;
@@ -9,7 +9,7 @@ use super::LeastSquares;
 use super::linear::{dot, largest};
 use crate::buffer::{refill, vacate};
 
-/// How often a problem was evaluated.
+/// Numbers of evaluations of a problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -30,8 +30,9 @@ impl AddAssign for Counts {
     }
 }
 
-/// Where a search stands, and room for its next step. What a method remembers is its
-/// [own](super::Method::State).
+/// State of a search at its current point, with scratch memory for the next step.
+///
+/// The state of the method is separate: [`Method::State`](super::Method::State).
 #[derive(Clone, Debug)]
 pub struct SolverState {
     pub(super) x: Vec<f64>,
@@ -45,7 +46,7 @@ pub struct SolverState {
     pub(super) trial: Vec<f64>,
     pub(super) trial_residual: Vec<f64>,
     pub(super) trial_cost: f64,
-    /// How many steps in a row have hardly changed the cost.
+    /// Number of flat steps in a row.
     pub(super) flat_steps: usize,
     pub(super) best_x: Vec<f64>,
     pub(super) best_cost: f64,
@@ -76,26 +77,26 @@ impl Default for SolverState {
     }
 }
 
-/// The states of methods between searches, one of a type: room that the next search takes again.
+/// States of methods between searches, one per type, whose memory the next search reuses.
 #[derive(Debug, Default)]
 pub(super) struct StatePool(Vec<Box<dyn Any + Send + Sync>>);
 
 impl StatePool {
-    /// The last search's state of this type, or a new one.
+    /// State of this type from the last search, or a new one.
     pub(super) fn take<S: Any + Default>(&mut self) -> Box<S> {
         let last = self.0.iter().position(|state| state.is::<S>());
         let last = last.and_then(|at| self.0.swap_remove(at).downcast().ok());
         last.unwrap_or_default()
     }
 
-    /// Keeps a state for the next search.
+    /// Stores a state for the next search.
     pub(super) fn keep<S: Any + Send + Sync>(&mut self, state: Box<S>) {
         self.0.push(state);
     }
 }
 
 impl Clone for StatePool {
-    /// Empty: what is kept is room, not knowledge.
+    /// A clone is empty: the pool holds memory, not data.
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -103,30 +104,31 @@ impl Clone for StatePool {
 
 impl SolverState {
     getters! {
-        /// Where the search stands.
+        /// Current point x of the search.
         pub fn x(&self) -> &[f64] = &self.x;
-        /// r(x).
+        /// Residual r(x).
         pub fn residual(&self) -> &[f64] = &self.residual;
-        /// ½‖r(x)‖².
+        /// Cost ½‖r(x)‖².
         pub fn cost(&self) -> f64 = self.cost;
-        /// Jᵀr at x.
+        /// Gradient Jᵀr at x.
         pub fn gradient(&self) -> &[f64] = &self.gradient;
-        /// J where it was taken last: at x, for methods that need it.
+        /// Jacobian at the point of its last evaluation: x, for methods that need it.
         pub fn jacobian(&self) -> &DMatrix<f64> = &self.jacobian;
-        /// The largest norm of a column of J.
+        /// Largest norm of a column of J.
         pub fn column_norm(&self) -> f64 = self.column_norm;
-        /// The variables that are free to move at x: all but those on a bound whose gradient pushes outward.
+        /// Free variables at x: all but those at a bound whose descent direction points outward.
         pub fn free(&self) -> &[usize] = &self.free;
-        /// The last step.
+        /// Last step Δ.
         pub fn step(&self) -> &[f64] = &self.step;
-        /// r of the last [trial](super::Iterate::evaluate_trial).
+        /// Residual of the last [trial](super::Iterate::evaluate_trial).
         pub fn trial_residual(&self) -> &[f64] = &self.trial_residual;
-        /// Evaluations so far in this search.
+        /// Numbers of evaluations in this search.
         pub fn counts(&self) -> Counts = self.counts;
     }
 
-    /// Takes the shape of `problem` and stands at the projected start, where what is missing or not
-    /// finite counts as zero.
+    /// Takes the shape of `problem` and begins at the projected start.
+    ///
+    /// Values that are missing or not finite count as zero.
     pub(super) fn start_at(&mut self, problem: &mut dyn LeastSquares, start: &[f64]) {
         let (n, m) = (problem.variables(), problem.rows());
         for vector in [
@@ -162,8 +164,7 @@ impl SolverState {
         self.best_x.copy_from_slice(&self.x);
     }
 
-    /// Evaluates the Jacobian at x, and with it what it decides: the gradient, the largest column
-    /// norm and the free variables.
+    /// Evaluates the Jacobian at x, and from it the gradient, the largest column norm and the free variables.
     pub(super) fn differentiate(&mut self, problem: &mut dyn LeastSquares) {
         problem.jacobian(&self.x, &mut self.jacobian);
         self.counts.jacobians += 1;
@@ -173,7 +174,7 @@ impl SolverState {
         self.list_free(problem);
     }
 
-    /// Jᵀr and the largest column norm of the Jacobian in memory.
+    /// Computes Jᵀr and the largest column norm from the Jacobian in memory.
     fn take_slope(&mut self, residual: &[f64]) {
         let columns = self.jacobian.as_slice().chunks_exact(residual.len().max(1));
         let mut squared = 0.0_f64;
@@ -184,7 +185,7 @@ impl SolverState {
         self.column_norm = squared.sqrt();
     }
 
-    /// Evaluates the gradient alone at x, and the free variables with it.
+    /// Evaluates only the gradient at x, and the free variables.
     pub(super) fn differentiate_cost(&mut self, problem: &mut dyn LeastSquares) {
         problem.gradient(
             &self.x,
@@ -196,12 +197,12 @@ impl SolverState {
         self.list_free(problem);
     }
 
-    /// Puts r(x) at any x into [`residual`](Self::residual).
+    /// Writes r(x) at any x to [`residual`](Self::residual).
     pub(crate) fn evaluate_at(&mut self, problem: &mut dyn LeastSquares, x: &[f64]) {
         problem.residual(x, &mut self.residual);
     }
 
-    /// The gradient Jᵀr at any x with residual r, and the largest column norm of J there.
+    /// Gradient Jᵀr at any x with residual r, and the largest column norm of J there.
     pub(crate) fn slope_at(
         &mut self,
         problem: &mut dyn LeastSquares,
@@ -213,7 +214,7 @@ impl SolverState {
         (&self.gradient, self.column_norm)
     }
 
-    /// Makes room for the slope of a problem that no search has started on.
+    /// Resizes the gradient and the Jacobian for a problem without a search.
     pub(crate) fn take_shape(&mut self, rows: usize, variables: usize) {
         self.gradient.resize(variables, 0.0);
         if self.jacobian.shape() != (rows, variables) {
@@ -235,9 +236,10 @@ impl SolverState {
         space.projected_gradient_norm(&self.x, &self.gradient, curvature)
     }
 
-    /// s ‖proj(x − g/s²) − x‖∞ / ‖r‖ with s the largest column norm of J: the cosine between r and
-    /// what a free variable can do about it (MINPACK's test, Moré 1978, for bounds). The step
-    /// g/s² is of the size of x, so the test does not depend on the unit of r.
+    /// s ‖proj(x − g/s²) − x‖∞ / ‖r‖ with s the largest column norm of J (MINPACK's test, Moré 1978, for bounds).
+    ///
+    /// It is the cosine between r and the effect of a free variable. The step g/s² has the size of x, so the test does
+    /// not depend on the unit of r.
     pub(super) fn stationarity(&self, problem: &dyn LeastSquares) -> f64 {
         let length = (2.0 * self.cost).sqrt();
         if length == 0.0 || self.column_norm == 0.0 {
@@ -252,7 +254,7 @@ impl SolverState {
         largest(&self.step)
     }
 
-    /// Whether the last step moves no variable by more than tolerance · max(1, |x|).
+    /// Returns true if the last step moves no variable by more than tolerance · max(1, |x|).
     pub(super) fn step_is_negligible(&self, tolerance: f64) -> bool {
         let moves = self.step.iter().zip(&self.x);
         moves

@@ -1,4 +1,4 @@
-//! When to stop, and why it was.
+//! Termination criteria and reasons of a search.
 
 use std::fmt;
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::bad_option::{AT_LEAST_0, BadOption};
 use crate::clock::Instant;
 
-/// Limits of one search. What is asked to search refuses values out of their ranges.
+/// Termination criteria of one search; a search returns an error for values out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stopping {
@@ -32,48 +32,52 @@ impl Default for Stopping {
 
 impl Stopping {
     setters! {
-        /// At most so many steps, accepted or not.
+        /// Sets the largest number of steps, accepted or not. Default 200.
         pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
-        /// Stationary when ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖ with s the largest column norm of
-        /// J: the cosine between r and what any free variable can do about it. At least 0.
+        /// Sets the gradient tolerance, at least 0. Default 1e-9.
+        ///
+        /// A point is stationary if ‖proj(x − g) − x‖∞ ≤ tolerance · s · ‖r‖, with s the largest column norm of J. The
+        /// ratio is the cosine between r and the effect of any free variable.
         pub fn with_gradient_tolerance(mut self, tolerance: f64) { self.gradient_tolerance = tolerance }
-        /// Gives up when no variable moves by more than tolerance · max(1, |x|). At least 0.
+        /// Sets the step tolerance, at least 0. Default 1e-15.
+        ///
+        /// A search ends if no variable moves by more than tolerance · max(1, |x|).
         pub fn with_step_tolerance(mut self, tolerance: f64) { self.step_tolerance = tolerance }
-        /// Gives up as stalled when so many steps in a row have not halved the cost. Without it a
-        /// search goes on until it is stationary.
+        /// Sets the number of steps without halving the cost after which a search ends as stalled. Default: none.
+        ///
+        /// Without it a search continues until it is stationary.
         pub fn with_patience(mut self, steps: Option<usize>) { self.patience = steps }
-        /// Looks at the clock before every step and stops after `limit`. Results then depend on the
-        /// machine.
+        /// Sets a wall-clock limit, checked before every step. Results then depend on the machine.
         pub fn with_time_limit(mut self, limit: Duration) { self.time_limit = Some(limit) }
     }
 
     getters! {
-        /// The most steps of one search.
+        /// Largest number of steps of one search.
         pub fn max_iterations(&self) -> usize = self.max_iterations;
-        /// After how many steps that do not halve the cost a search gives up, if it does.
+        /// Number of steps without halving the cost after which a search ends, if set.
         pub fn patience(&self) -> Option<usize> = self.patience;
-        /// The share of the gradient's scale that counts as stationary.
+        /// Fraction of the gradient's scale that counts as stationary.
         pub fn gradient_tolerance(&self) -> f64 = self.gradient_tolerance;
-        /// The relative step that counts as none.
+        /// Relative step that counts as zero.
         pub fn step_tolerance(&self) -> f64 = self.step_tolerance;
-        /// The wall-clock limit, if there is one.
+        /// Wall-clock limit, if set.
         pub fn time_limit(&self) -> Option<Duration> = self.time_limit;
     }
 
-    /// Whether both tolerances are in their ranges.
+    /// Checks that both tolerances are in their ranges.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         BadOption::check("gradient_tolerance", self.gradient_tolerance, AT_LEAST_0)?;
         BadOption::check("step_tolerance", self.step_tolerance, AT_LEAST_0)
     }
 
-    /// The same limits with at most this patience.
+    /// The same criteria with at most this patience.
     pub(crate) fn impatient(self, steps: usize) -> Self {
         let patience = self.patience.map_or(steps, |own| own.min(steps));
         self.with_patience(Some(patience))
     }
 
     pub(crate) fn deadline(&self) -> Option<Instant> {
-        // A limit beyond what the clock can tell is none.
+        // A limit beyond the range of the clock counts as none.
         let now = self
             .time_limit
             .map(|limit| Instant::now().checked_add(limit));
@@ -81,7 +85,7 @@ impl Stopping {
     }
 }
 
-/// Which test ended a search.
+/// Reason for the end of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     any(feature = "argmin", feature = "serde"),
@@ -91,39 +95,42 @@ impl Stopping {
 pub enum Termination {
     /// Every goal is within its tolerance.
     Reached,
-    /// No free variable can lower the cost from there: a local minimum within the bounds, most often.
-    /// There may be lower ones elsewhere.
+    /// No free variable can lower the cost: usually a local minimum within the bounds. There may be lower ones
+    /// elsewhere.
     Stationary,
-    /// Steps became too small to change anything: x, or over several steps the cost.
+    /// Steps became too small to change x or, over several steps, the cost.
     SmallStep,
-    /// Progress became too slow for the patience asked for.
+    /// Progress became too slow for the given patience.
     Stalled,
-    /// The iteration limit.
+    /// The search made the largest number of steps.
     IterationLimit,
-    /// The wall-clock limit. Of a solution that is reached: it is one, but the search that compares
-    /// several, or the preferences' pull, was cut short.
+    /// The wall-clock limit ended the search.
+    ///
+    /// A solution that is reached is valid. The limit then ended the comparison of several, or the descent of the soft
+    /// tasks.
     TimeLimit,
-    /// No attempt came to a solution within the moves allowed from the start, which is no proof that
-    /// there is none: the nearest place on the start's own way is returned.
+    /// No attempt found a solution within the largest motion from the start. There may still be one.
+    ///
+    /// The result is the closest pose reached from the start.
     CannotContinue,
-    /// The observer said stop.
+    /// The observer cancelled the search.
     Cancelled,
-    /// The residual or its derivative is NaN or infinite, or the start is (or is of the wrong length).
+    /// The residual or its derivative is NaN or infinite, or the start is, or the start has the wrong length.
     NonFinite,
 }
 
 impl Termination {
-    /// Whether a search ended because nothing better is near.
+    /// Returns true if the search ended because no nearby point is better.
     pub(crate) fn is_settled(self) -> bool {
         matches!(self, Self::Stationary | Self::SmallStep)
     }
 
-    /// Whether a search was ended from outside.
+    /// Returns true if a search was ended from outside.
     pub(crate) fn is_cut(self) -> bool {
         matches!(self, Self::Cancelled | Self::TimeLimit)
     }
 
-    /// The name used in files and messages.
+    /// Name used in files and messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

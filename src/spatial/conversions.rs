@@ -1,29 +1,28 @@
-//! Vectors, rotations and placements from and to nalgebra's types and glam's, so that wherever geometry
-//! is handed over, either crate's will do.
+//! Conversions of vectors, rotations and placements from and to the types of nalgebra and glam.
 //!
-//! What is rigid by its type converts by `From`. An affine map may scale, shear or mirror, so it
-//! becomes a placement by `TryFrom`: nothing of it is dropped unsaid. A quaternion of glam's is taken
-//! to be of unit length; what is built of one that is not says so.
+//! Types that are rigid by construction convert by `From`. An affine map may scale, shear or mirror, so it converts by
+//! `TryFrom` and returns an error if it is not rigid. A glam quaternion is assumed to be of unit length; a placement
+//! built from any other fails [`Placement::check_rigid`].
 
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3A, Quat, Vec3, Vec3A};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3};
 
 use super::{Matrix3, Placement, Quaternion, RigidDefect, Vector3};
 
-/// How far a map in double precision may be from a rigid motion, entry by entry.
+/// Largest deviation of a double-precision map from a rigid motion, per entry.
 const DOUBLE: f64 = 1e-6;
-/// The same in single precision, after products along a chain of bones.
+/// Largest deviation of a single-precision map from a rigid motion, per entry, after products along a chain of bones.
 const SINGLE: f64 = 1e-4;
 
-/// An affine map that is no rigid motion.
+/// The error for an affine map that is not a rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the affine map is not a rigid motion: {0}")]
 pub struct NotRigid(
-    /// What is wrong.
+    /// The defect.
     pub RigidDefect,
 );
 
-/// Each pair by an expression of the value.
+/// Implements `From` for each pair by an expression of the value.
 macro_rules! convert {
     ($($(#[$doc:meta])* $from:ty => $to:ty: |$value:ident| $expression:expr;)*) => {
         $($(#[$doc])* impl From<$from> for $to {
@@ -56,7 +55,7 @@ convert! {
     Matrix3<f64> => DMat3: |m| Self::from_cols(m.x.into(), m.y.into(), m.z.into());
     DQuat => Matrix3<f64>: |q| Quaternion::from(q).to_matrix();
     Quat => Matrix3<f64>: |q| {
-        // Of unit length in single precision only.
+        // `q` is of unit length in single precision only.
         q.as_dquat().normalize().into()
     };
     Quaternion<f64> => Matrix3<f64>: |q| q.to_matrix();
@@ -66,7 +65,7 @@ convert! {
     Quat => Quaternion<f64>: |q| q.as_dquat().into();
     Quaternion<f64> => DQuat: |q| Self::from_xyzw(q.v.x, q.v.y, q.v.z, q.w);
 
-    /// The translation alone.
+    /// A placement without rotation.
     Vector3<f64> => Placement<f64>: |v| Self::translation(v);
     Translation3<f64> => Placement<f64>: |t| Self::translation(t.vector.into());
     UnitQuaternion<f64> => Placement<f64>: |q| Self::new(q.into(), Vector3::zero());
@@ -107,7 +106,7 @@ impl From<Placement<f64>> for Isometry3<f64> {
     }
 }
 
-/// Rounded to single precision.
+/// Rounds to single precision.
 impl From<Placement<f64>> for Affine3A {
     fn from(placement: Placement<f64>) -> Self {
         let Placement {
@@ -131,8 +130,9 @@ impl From<Placement<f64>> for DAffine3 {
     }
 }
 
-/// A map that is rigid within 1e-6; its rotation is replaced by the one next to it where it is off by
-/// more than rounding.
+/// Converts a map that is rigid within 1e-6 per entry.
+///
+/// Replaces the rotation by the nearest exact one if it is off by more than rounding.
 impl TryFrom<DAffine3> for Placement<f64> {
     type Error = NotRigid;
 
@@ -141,8 +141,9 @@ impl TryFrom<DAffine3> for Placement<f64> {
     }
 }
 
-/// A map that is rigid within 1e-4, as single precision and products of bones leave it; its rotation
-/// is replaced by the one next to it.
+/// Converts a map that is rigid within 1e-4 per entry: the accuracy of single-precision products along bones.
+///
+/// Replaces the rotation by the nearest exact one.
 impl TryFrom<Affine3A> for Placement<f64> {
     type Error = NotRigid;
 

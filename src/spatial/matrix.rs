@@ -1,4 +1,4 @@
-//! A 3×3 matrix held by its columns; here always a rotation or the derivative of one.
+//! 3×3 matrices, stored by columns: rotations and their derivatives.
 
 use std::ops::Mul;
 
@@ -18,13 +18,13 @@ pub struct Matrix3<S> {
 }
 
 impl<S: Scalar> Matrix3<S> {
-    /// A matrix of its columns.
+    /// A matrix from its columns.
     #[inline(always)]
     pub fn from_columns(x: Vector3<S>, y: Vector3<S>, z: Vector3<S>) -> Self {
         Self { x, y, z }
     }
 
-    /// The identity.
+    /// The identity matrix.
     #[inline(always)]
     pub fn identity() -> Self {
         let (one, zero) = (S::one(), S::zero());
@@ -35,7 +35,7 @@ impl<S: Scalar> Matrix3<S> {
         )
     }
 
-    /// A constant matrix.
+    /// A matrix whose derivatives are zero, the same in every lane.
     #[inline(always)]
     pub fn constant(value: Matrix3<f64>) -> Self {
         Self::from_columns(
@@ -45,8 +45,7 @@ impl<S: Scalar> Matrix3<S> {
         )
     }
 
-    /// Rotation about the unit vector `axis` by the angle whose sine and cosine are given
-    /// (Rodrigues' formula).
+    /// Rotation about the unit vector `axis` by the angle with the given sine and cosine (Rodrigues' formula).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn rotation(axis: Vector3<S>, (sin, cos): (S, S)) -> Self {
         let Vector3 { x, y, z } = axis;
@@ -60,7 +59,7 @@ impl<S: Scalar> Matrix3<S> {
         )
     }
 
-    /// `self · R_x(angle)`: only two columns change.
+    /// `self · R_x(angle)`; changes two columns only.
     #[inline(always)]
     pub fn rotated_about_x(self, (sin, cos): (S, S)) -> Self {
         Self::from_columns(
@@ -70,7 +69,7 @@ impl<S: Scalar> Matrix3<S> {
         )
     }
 
-    /// `self · R_y(angle)`: only two columns change.
+    /// `self · R_y(angle)`; changes two columns only.
     #[inline(always)]
     pub fn rotated_about_y(self, (sin, cos): (S, S)) -> Self {
         Self::from_columns(
@@ -80,7 +79,7 @@ impl<S: Scalar> Matrix3<S> {
         )
     }
 
-    /// `self · R_z(angle)`: only two columns change.
+    /// `self · R_z(angle)`; changes two columns only.
     #[inline(always)]
     pub fn rotated_about_z(self, (sin, cos): (S, S)) -> Self {
         Self::from_columns(
@@ -90,7 +89,7 @@ impl<S: Scalar> Matrix3<S> {
         )
     }
 
-    /// The transpose; the inverse of a rotation.
+    /// The transpose, which is the inverse of a rotation.
     #[inline(always)]
     pub fn transpose(self) -> Self {
         Self::from_columns(

@@ -1,7 +1,7 @@
 //! Vectors, rotations and rigid placements over any [`Scalar`](crate::Scalar).
 //!
-//! These few types carry the inner loops, so every operation is inlined and branch-free. nalgebra
-//! stays at the public edge, where values are plain `f64`; conversions sit beside each type.
+//! The inner loops use these types, so every operation is inlined and free of branches. Public interfaces accept
+//! nalgebra's types with plain `f64` values; the `conversions` module converts them.
 
 mod conversions;
 mod matrix;

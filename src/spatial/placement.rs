@@ -1,23 +1,24 @@
-//! A rigid placement: where one frame stands in another.
+//! Rigid placement: the pose of one frame in another.
 
 use std::ops::Mul;
 
 use super::{Matrix3, Quaternion, Vector3, rotation_exp};
 use crate::scalar::Scalar;
 
-/// A rigid motion `x ↦ rotation · x + translation`. Names say both frames: `world_from_tip` maps
-/// tip coordinates to world coordinates.
+/// A rigid motion `x ↦ rotation · x + translation`.
+///
+/// Variable names contain both frames: `world_from_tip` maps tip coordinates to world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Placement<S> {
-    /// Orthonormal, determinant +1.
+    /// Orthonormal matrix with determinant +1.
     pub rotation: Matrix3<S>,
-    /// In metres (or in the model's own unit for rigs).
+    /// Translation in metres (for rigs: in the model's unit).
     pub translation: Vector3<S>,
 }
 
 impl<S: Scalar> Placement<S> {
-    /// A placement of its two parts.
+    /// A placement from its rotation and translation.
     #[inline(always)]
     pub fn new(rotation: Matrix3<S>, translation: Vector3<S>) -> Self {
         Self {
@@ -26,7 +27,7 @@ impl<S: Scalar> Placement<S> {
         }
     }
 
-    /// The identity.
+    /// The identity placement.
     #[inline(always)]
     pub fn identity() -> Self {
         Self::new(Matrix3::identity(), Vector3::zero())
@@ -38,7 +39,7 @@ impl<S: Scalar> Placement<S> {
         Self::new(Matrix3::identity(), by)
     }
 
-    /// A constant placement.
+    /// A placement whose derivatives are zero, the same in every lane.
     #[inline(always)]
     pub fn constant(value: &Placement<f64>) -> Self {
         Self::new(
@@ -47,14 +48,14 @@ impl<S: Scalar> Placement<S> {
         )
     }
 
-    /// The placement that undoes this one.
+    /// The inverse placement.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn inverse(self) -> Self {
         let rotation = self.rotation.transpose();
         Self::new(rotation, -(rotation * self.translation))
     }
 
-    /// Maps a point.
+    /// Maps a point: `rotation · point + translation`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn apply(&self, point: Vector3<S>) -> Vector3<S> {
         self.rotation.z.mul_add(
@@ -67,7 +68,8 @@ impl<S: Scalar> Placement<S> {
 }
 
 impl Placement<f64> {
-    /// The placement at a share of the motion to another one: on a straight line, with one axis of rotation.
+    /// Interpolates to another placement, from 0 (`self`) to 1 (`to`): along a straight line, about one axis of
+    /// rotation.
     pub(crate) fn interpolated(&self, to: &Self, share: f64) -> Self {
         let turn = Quaternion::from_matrix(&(self.rotation.transpose() * to.rotation)).log();
         let way = to.translation - self.translation;
@@ -77,8 +79,9 @@ impl Placement<f64> {
         )
     }
 
-    /// The same placement with the rotation next to its own, if that is off by more than rounding
-    /// leaves in numbers written with 17 digits; those keep their bits.
+    /// The placement with its rotation replaced by the nearest exact rotation.
+    ///
+    /// Rotations within the rounding of numbers written with 17 digits stay bitwise unchanged.
     pub(crate) fn made_rigid(self) -> Self {
         const ROUNDING: f64 = 1e-14;
         if self.check_rigid(ROUNDING).is_ok() {

@@ -1,4 +1,4 @@
-//! Turning and stretching told apart.
+//! Polar decomposition of a 3×3 matrix into rotation and stretch.
 //!
 //! Shoemake & Duff 1992, "Matrix animation and polar decomposition".
 
@@ -7,18 +7,18 @@ use nalgebra as na;
 /// The polar decomposition M = Q S of a 3×3 matrix.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polar {
-    /// Q: the rotation nearest to M (to −M, where M mirrors).
+    /// Q: the rotation nearest to M, or to −M if det M < 0.
     pub(crate) rotation: na::Matrix3<f64>,
-    /// S: symmetric; positive where M does not mirror, negative where it does.
+    /// S: symmetric; positive semidefinite if det M ≥ 0, negative otherwise.
     pub(crate) stretch: na::Matrix3<f64>,
-    /// The smallest singular value as a share of the largest, with the sign of M's determinant; 0
-    /// for M = 0.
+    /// Smallest singular value divided by the largest, with the sign of det M; 0 for M = 0.
     pub(crate) thickness: f64,
 }
 
 impl Polar {
-    /// By singular values: with M = U Σ Vᵀ, Q = U Vᵀ and S = V Σ Vᵀ. Singular matrices have one as
-    /// well; `None` for a matrix that is not finite.
+    /// Decomposes by singular values: with M = U Σ Vᵀ, Q = U Vᵀ and S = V Σ Vᵀ.
+    ///
+    /// Singular matrices have a decomposition too. Returns `None` for a matrix with an entry that is not finite.
     pub(crate) fn new(matrix: &na::Matrix3<f64>) -> Option<Self> {
         if !matrix.iter().all(|entry| entry.is_finite()) {
             return None;
@@ -33,11 +33,11 @@ impl Polar {
         let mirrors = unit.determinant() < 0.0;
         if rotation.determinant() < 0.0 {
             if mirrors {
-                // As the paper has it: −1 commutes with everything, so the sign goes to the stretch.
+                // As in the paper: −1 commutes with every matrix, so the stretch takes the sign.
                 rotation = -rotation;
                 stretch = -stretch;
             } else {
-                // A singular matrix has the choice, and takes the stretch that is not negative.
+                // For a singular matrix the sign is free: choose the positive semidefinite stretch.
                 let flat = svd.singular_values.imin();
                 u.column_mut(flat).neg_mut();
                 rotation = u * v_t;

@@ -1,41 +1,42 @@
-//! What keeps a placement from being a rigid motion.
+//! Defects of a placement that is not a rigid motion.
 
 use super::{Placement, Vector3};
 
-/// Why a placement is no rigid motion: a rotation of determinant +1 and a finite translation.
+/// Defects of a placement that is not a rigid motion: a rotation of determinant +1 and a finite translation.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigidDefect {
-    /// An entry that is NaN or infinite.
+    /// An entry is NaN or infinite.
     #[error("it has an entry that is not finite")]
     NotFinite,
-    /// Columns that are not of unit length and at right angles.
+    /// The columns are not of unit length and at right angles.
     #[error(
         "its rotation is not orthonormal: an entry of R^T R is {off:.1e} off the identity, at most \
          {tolerance:.1e} is allowed"
     )]
     NotOrthonormal {
-        /// The largest difference of an entry of RᵀR from the identity's.
+        /// Largest absolute entry of RᵀR − I.
         off: f64,
-        /// How large it may be.
+        /// Largest allowed absolute entry of RᵀR − I.
         tolerance: f64,
     },
-    /// A determinant of −1.
+    /// The determinant is −1.
     #[error("its rotation mirrors: its determinant is -1, not +1")]
     Mirrors,
 }
 
 impl Placement<f64> {
-    /// Whether this is a rigid motion: all finite, RᵀR the identity within `tolerance` entry by
-    /// entry, determinant +1.
+    /// Checks that this is a rigid motion.
+    ///
+    /// All entries must be finite, each entry of RᵀR within `tolerance` of the identity, and the determinant +1.
     ///
     /// # Errors
-    /// What is wrong, and by how much.
+    /// Returns the first defect in the order of [`RigidDefect`].
     pub fn check_rigid(&self, tolerance: f64) -> Result<(), RigidDefect> {
         let [x, y, z] = [self.rotation.x, self.rotation.y, self.rotation.z];
         let unit = [x, y, z].map(|column| (column.norm_squared() - 1.0).abs());
         let off = [unit, [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs)];
-        // NaN is within nothing.
+        // NaN fails this comparison.
         let orthonormal = off.as_flattened().iter().all(|off| *off <= tolerance);
         let there = self.translation.to_array();
         if orthonormal && there.iter().all(|entry| entry.is_finite()) && x.cross(y).dot(z) >= 0.0 {
@@ -44,7 +45,7 @@ impl Placement<f64> {
         Err(self.rigid_defect(off.as_flattened(), tolerance))
     }
 
-    /// Which of them it is, by the differences of RᵀR from the identity.
+    /// The defect of a placement that failed the check; `off` holds the absolute entries of RᵀR − I.
     #[cold]
     fn rigid_defect(&self, off: &[f64], tolerance: f64) -> RigidDefect {
         let Self {

@@ -1,15 +1,18 @@
 //! Rotation exponential and logarithm, exact in values and derivatives at 0, near 0 and near π.
 //!
-//! Both go through the unit quaternion: its half angle stays away from the places where the matrix
-//! formulas lose half the digits (Grassia 1998, "Practical parameterization of rotations using the
-//! exponential map"; Shepperd 1978 for the quaternion of a matrix).
+//! Both use the unit quaternion. Its half angle avoids the angles at which the matrix formulas lose half the digits.
+//!
+//! - Grassia 1998, "Practical parameterization of rotations using the exponential map".
+//! - Shepperd 1978: the quaternion of a matrix.
 
 use std::ops::Mul;
 
 use super::{Matrix3, Vector3};
 use crate::scalar::{Scalar, elementary};
 
-/// A quaternion w + xi + yj + zk; of unit length it is a rotation, and −q is the same rotation.
+/// A quaternion w + xi + yj + zk.
+///
+/// A unit quaternion is a rotation; q and −q are the same rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quaternion<S> {
@@ -28,7 +31,7 @@ impl<S: Scalar> Quaternion<S> {
         let angle = S::select(small, S::one(), squared).sqrt();
         let half = S::constant(0.5);
         let (sin, cos) = (angle * half).sin_cos();
-        // sin(θ/2)/θ and cos(θ/2) in powers of s = θ²; the next terms are below 1e-17 here.
+        // sin(θ/2)/θ and cos(θ/2) as polynomials in θ²; the next terms are below 1e-17 here.
         let near_zero_sin = polynomial(
             squared,
             &[1.0 / 2.0, -1.0 / 48.0, 1.0 / 3840.0, -1.0 / 645_120.0],
@@ -57,13 +60,14 @@ impl<S: Scalar> Quaternion<S> {
         v * S::select(small, near_zero, angle_over_length)
     }
 
-    /// The quaternion of a rotation matrix. Of Shepperd's four formulas the one with the largest
-    /// divisor is taken, so no digit is lost anywhere.
+    /// The quaternion of a rotation matrix.
+    ///
+    /// Uses the one of Shepperd's four formulas with the largest divisor, which loses no digits.
     #[inline(always)]
     pub fn from_matrix(m: &Matrix3<S>) -> Self {
         let (xx, yy, zz) = (m.x.x, m.y.y, m.z.z);
         let one = S::one();
-        // Each row is 4·c·(w, x, y, z) for one component c, and 4c² stands on its own place.
+        // Each row is 4·c·(w, x, y, z) for one component c, so its entry for c is 4c².
         let four_ww = one + xx + yy + zz;
         let four_xx = one + xx - yy - zz;
         let four_yy = one - xx + yy - zz;
@@ -137,14 +141,15 @@ pub fn rotation_exp<S: Scalar>(omega: Vector3<S>) -> Matrix3<S> {
 
 /// The rotation vector (axis × angle in radians, angle within [0, π]) of a rotation matrix.
 ///
-/// At exactly π either sign of the axis is right; one is returned, with its one-sided derivative.
+/// At exactly π both signs of the axis are right; returns one of them, with its one-sided derivative.
 #[inline(always)]
 pub fn rotation_log<S: Scalar>(rotation: &Matrix3<S>) -> Vector3<S> {
     Quaternion::from_matrix(rotation).log()
 }
 
-/// How the rotation vector φ changes when its rotation is turned further in world axes:
-/// ∂ log(exp(ω) exp(φ)) / ∂ω at ω = 0, the inverse of the left Jacobian
+/// Derivative of the rotation vector φ when its rotation is rotated further about world axes.
+///
+/// ∂ log(exp(ω) exp(φ)) / ∂ω at ω = 0 is the inverse of the left Jacobian:
 /// `J_l⁻¹ = I − ½[φ] + (1 − (θ/2) cot(θ/2)) [φ]²/θ²` (Chirikjian 2012, eq. 10.86).
 #[must_use]
 pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
@@ -167,8 +172,9 @@ pub fn rotation_log_jacobian(phi: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(x, y, z)
 }
 
-/// How a rotation turns, in the axes it is seen from, when its rotation vector φ changes: ω = J_l φ̇ with
-/// `J_l = I + (1 − cos θ)/θ² [φ] + (θ − sin θ)/θ³ [φ]²` (Chirikjian 2012, eq. 10.86). Its columns.
+/// Left Jacobian: maps the rate φ̇ of a rotation vector to the angular velocity ω = J_l φ̇, in the reference frame.
+///
+/// `J_l = I + (1 − cos θ)/θ² [φ] + (θ − sin θ)/θ³ [φ]²` (Chirikjian 2012, eq. 10.86).
 #[inline(always)]
 pub fn rotation_exp_jacobian<S: Scalar>(phi: Vector3<S>) -> Matrix3<S> {
     let squared = phi.norm_squared();
@@ -176,7 +182,7 @@ pub fn rotation_exp_jacobian<S: Scalar>(phi: Vector3<S>) -> Matrix3<S> {
     let safe = S::select(small, S::one(), squared);
     let angle = safe.sqrt();
     let (sin, cos) = angle.sin_cos();
-    // In powers of s = θ²; the next terms are below 1e-17 here.
+    // Polynomials in θ²; the next terms are below 1e-17 here.
     let near_once = polynomial(
         squared,
         &[

@@ -1,19 +1,20 @@
-//! What is left of a placement's digits at the end of a chain.
+//! Rounding error of a placement at the end of a kinematic chain.
 
-/// How far rounding may put the end of a chain from where it truly stands: metres and radians. For so
-/// many joints, whose angles have a sum of magnitudes `turned` (radians: a large angle has coarse
-/// steps), over a way of length `size` (metres, every part counted with its magnitude, as parts that
-/// cancel leave their rounding behind).
+/// Bound on the rounding error of the end of a chain: (metres, radians).
 ///
-/// Each product of placements rounds its rotation and translation once in a component and twice in a
-/// sum: two units of 2⁻⁵² a joint, the base and the tool.
+/// - `joints`: number of joints in the chain.
+/// - `turned`: sum of the magnitudes of the joint angles, radians; large angles have coarse steps.
+/// - `size`: sum of the magnitudes of all parts of the chain, metres; parts that cancel still leave their rounding.
+///
+/// Each product of placements rounds its rotation and translation once in a component and twice in a sum. This gives
+/// two units of 2⁻⁵² for each joint, for the base and for the tool.
 #[inline(always)]
 pub(crate) fn rounding(joints: usize, turned: f64, size: f64) -> (f64, f64) {
     let radians = f64::EPSILON * (2.0 * (joints as f64 + 2.0) + turned);
     (radians * size, radians)
 }
 
-/// An error that is to count: as it is, unless only rounding may have brought it below the tolerance.
+/// The error to compare with a tolerance: `error + rounding` if only rounding could have put it within the tolerance.
 #[inline(always)]
 pub(crate) fn resolved(error: f64, rounding: f64, tolerance: f64) -> f64 {
     if error <= tolerance && error + rounding > tolerance {

@@ -1,4 +1,4 @@
-//! Three numbers: a point or a direction.
+//! Three-dimensional vectors: points and directions.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
@@ -17,7 +17,7 @@ pub struct Vector3<S> {
 }
 
 impl<S: Scalar> Vector3<S> {
-    /// A vector of its components.
+    /// A vector from its components.
     #[inline(always)]
     pub fn new(x: S, y: S, z: S) -> Self {
         Self { x, y, z }
@@ -29,7 +29,7 @@ impl<S: Scalar> Vector3<S> {
         Self::new(S::zero(), S::zero(), S::zero())
     }
 
-    /// A constant vector.
+    /// A vector whose derivatives are zero, the same in every lane.
     #[inline(always)]
     pub fn constant(value: Vector3<f64>) -> Self {
         Self::new(
@@ -78,7 +78,7 @@ impl<S: Scalar> Vector3<S> {
         self.norm_squared().sqrt()
     }
 
-    /// `yes` where the mask is set, `no` elsewhere.
+    /// `yes` in lanes whose mask is set, `no` in all other lanes.
     #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self::new(
@@ -115,7 +115,7 @@ impl Vector3<f64> {
         },
     ];
 
-    /// Whether each component is a finite number.
+    /// True if every component is finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.to_array().iter().all(|number| number.is_finite())
     }

@@ -1,5 +1,4 @@
-//! The derivatives of a residual that nobody wrote by hand: dual numbers, one frame's twist or six joints at a
-//! time.
+//! Derivatives of residuals by dual numbers: one frame's twist, or six joints, at a time.
 
 use super::LocalJacobian;
 use super::local_jacobian::make_room;
@@ -9,7 +8,7 @@ use crate::spatial::{Placement, Vector3};
 /// Directions differentiated at once: the six of one frame's twist.
 pub(crate) const CHUNK: usize = 6;
 
-/// Scratch memory for differentiating residuals with dual numbers.
+/// Workspace for the derivatives of residuals by dual numbers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DualScratch {
     pub(crate) frames: Vec<Placement<Dual<CHUNK>>>,
@@ -18,14 +17,14 @@ pub(crate) struct DualScratch {
 }
 
 impl DualScratch {
-    /// Makes room for a task of this shape.
+    /// Reserves memory for a residual of this shape.
     pub(crate) fn reserve(&mut self, rows: usize, frames: usize, joints: usize) {
         make_room(&mut self.frames, frames);
         make_room(&mut self.joints, joints);
         make_room(&mut self.residual, rows);
     }
 
-    /// The same room, empty.
+    /// An empty workspace with the capacities of this one.
     pub(crate) fn clone_empty(&self) -> Self {
         Self {
             frames: Vec::with_capacity(self.frames.capacity()),
@@ -35,7 +34,7 @@ impl DualScratch {
     }
 }
 
-/// Differentiates what `evaluate` writes by frames and joints: moves one frame, or six joints, at a time.
+/// Differentiates `evaluate` by frames and joints: one frame, or six joints, at a time.
 pub(super) fn by_dual_numbers(
     evaluate: impl Fn(&[Placement<Dual<CHUNK>>], &[Dual<CHUNK>], &mut [Dual<CHUNK>]),
     frames: &[Placement<f64>],
@@ -84,8 +83,9 @@ pub(super) fn by_dual_numbers(
     }
 }
 
-/// The placement with derivatives along the three velocities and three angular velocities, in
-/// world axes at its own origin.
+/// The placement with derivatives along its three velocities and three angular velocities.
+///
+/// They are in world axes at the frame's origin.
 pub(super) fn moved_by_unit_twists(frame: &Placement<f64>) -> Placement<Dual<CHUNK>> {
     let twist = |direction| Dual::<CHUNK>::variable(0.0, direction);
     let velocity = Vector3::new(twist(0), twist(1), twist(2));

@@ -1,4 +1,4 @@
-//! A body's centre of mass should be at a place.
+//! Position task for the centre of mass.
 
 use super::goal::Axis;
 use super::residual::{moved, not_finite};
@@ -7,8 +7,9 @@ use crate::model::{FrameId, Masses};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// r = c − target, with c = Σ mᵢ pᵢ / Σ mᵢ: a row in metres for each world axis that counts, or for each axis of
-/// the [base](Self::relative_to).
+/// r = c − target, with c = Σ mᵢ pᵢ / Σ mᵢ.
+///
+/// One row in metres for each constrained axis of the world or of the [base](Self::relative_to).
 ///
 /// ```
 /// # use kinopt::model::{Limits, Masses, Model, PointMass};
@@ -30,7 +31,7 @@ use crate::spatial::{Placement, Vector3};
 /// let masses = Masses::new(&model, body)?;
 /// let mut tasks = Problem::builder(&model);
 /// tasks.add(Point::new(hand, [1.0, 0.0, 1.6]));
-/// // Over a point of the floor, at any height.
+/// // Above a point of the floor, at any height.
 /// tasks.add(CentreOfMass::new(&masses, [0.17, 0.0, 0.0]).free_along(Axis::Z));
 /// let solution = Solver::default().solve_once(&tasks.build()?, &[0.1, 0.2, 0.3])?;
 /// assert!(solution.reached, "{}", solution.explain());
@@ -44,16 +45,16 @@ pub struct CentreOfMass {
     base: Option<FrameId>,
 }
 
-/// The parts of a body by their shares in its mass.
+/// Frames with their fractions of the total mass.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Body {
     pub(super) frames: Vec<FrameId>,
-    /// The share in the mass of each frame, and where it is in the frame.
+    /// For each frame, its fraction of the total mass and the position of the mass in the frame, metres.
     shares: Vec<(f64, Vector3<f64>)>,
 }
 
 impl CentreOfMass {
-    /// The centre of these masses should be at `target`, metres in the world.
+    /// A task that moves the centre of these masses to `target`, metres in the world.
     #[must_use]
     pub fn new(masses: &Masses, target: impl Into<Vector3<f64>>) -> Self {
         Self {
@@ -65,30 +66,30 @@ impl CentreOfMass {
     }
 
     setters! {
-        /// Where it is along an axis does not matter: along z, what counts is over which point it is.
+        /// Leaves the position along an axis free; with z free, only the point below the centre counts.
         pub fn free_along(mut self, axis: Axis) { self.counts[axis as usize] = false }
-        /// Targets are given in `base`, which may move with the joints; so are the axes.
+        /// Gives the target and the axes in the coordinates of `base`, which may move with the joints.
         pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
     }
 
     getters! {
-        /// Where it should be, in the world or in the base.
+        /// The target in the world or in the base, metres.
         pub fn target(&self) -> Vector3<f64> = self.target;
-        /// The frame that targets are given in, if it is not the world.
+        /// The frame of the target's coordinates; `None` for the world.
         pub fn base(&self) -> Option<FrameId> = self.base;
     }
 
-    /// Moves the target.
+    /// Sets the target.
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
 
-    /// The axes that count.
+    /// The indices of the constrained axes.
     fn axes(&self) -> impl Iterator<Item = usize> + '_ {
         (0..3).filter(|&axis| self.counts[axis])
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let centre = self.body.centre(frames);
         let at = match (self.base, frames.last()) {
@@ -110,7 +111,7 @@ impl Body {
         }
     }
 
-    /// The centre of the frames that begin a list.
+    /// The centre of mass, from the first frames of a list.
     pub(super) fn centre<S: Scalar>(&self, frames: &[Placement<S>]) -> Vector3<S> {
         let parts = frames.iter().zip(&self.shares);
         parts.fold(Vector3::zero(), |sum, (frame, (share, at))| {
@@ -119,7 +120,7 @@ impl Body {
         })
     }
 
-    /// Writes the derivatives of rows whose k-th changes by `slopes[k]` · the velocity of the centre.
+    /// Writes the derivatives of rows; row k changes by `slopes[k]` · the velocity of the centre.
     pub(super) fn differentiate(
         &self,
         frames: &[Placement<f64>],
@@ -180,7 +181,7 @@ impl Residual for CentreOfMass {
             for (row, slope) in jacobian.linear_mut(part).iter_mut().zip(slopes) {
                 *row = -*slope;
             }
-            // Seen from what turns, the rest turns the other way.
+            // In a rotating base, fixed points rotate in the opposite direction.
             for (row, slope) in jacobian.angular_mut(part).iter_mut().zip(slopes) {
                 *row = slope.cross(away);
             }

@@ -1,26 +1,26 @@
-//! Convex polygons whose corners may move, in the plane.
+//! Convex polygons in the plane whose corners may carry derivatives.
 
 use crate::scalar::Scalar;
 
-/// Corners that turn by less, in radians, are as good as straight.
+/// Sine of the exterior angle below which a corner counts as straight.
 const STRAIGHT: f64 = 1e-7;
 
 /// A point of the plane.
 pub(super) type Point2<S> = [S; 2];
 
-/// A convex polygon by its corners, counter-clockwise; a segment of two, a point of one.
+/// A convex polygon by its corners, counter-clockwise. Two corners are a segment, one is a point.
 ///
-/// Which corners there are is decided by values; where they are carries derivatives.
+/// Values alone select the corners; positions of the corners carry derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ConvexPolygon<S> {
     corners: Vec<Point2<S>>,
-    /// Which of the points that it was drawn around each corner is; nothing once it has shrunk.
+    /// For each corner, the index of its input point; empty after [`shrunk`](Self::shrunk).
     sources: Vec<usize>,
-    /// The mean of the points that it was drawn around.
+    /// The mean of the input points.
     middle: Point2<S>,
 }
 
-/// A point, by its value too, and which one it is.
+/// An input point with its value and its index.
 #[derive(Clone, Copy)]
 struct Seen<S> {
     point: Point2<S>,
@@ -40,20 +40,21 @@ fn dot<S: Scalar>(a: Point2<S>, b: Point2<S>) -> S {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Twice the area of a triangle, positive where its corners are counter-clockwise.
+/// Twice the area of a triangle, positive if its corners are counter-clockwise.
 fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let (ab, ac) = (minus(b, a), minus(c, a));
     ab[0] * ac[1] - ab[1] * ac[0]
 }
 
-/// By its value; NaN where several stand side by side.
+/// The value of a number; NaN for SIMD lanes.
 fn value<S: Scalar>(number: S) -> f64 {
     number.as_f64().unwrap_or(f64::NAN)
 }
 
 impl<S: Scalar> ConvexPolygon<S> {
-    /// The convex hull of points, at least one, by the monotone chain of Andrew (1979, "Another efficient
-    /// algorithm for convex hulls in two dimensions").
+    /// The convex hull of at least one point.
+    ///
+    /// Monotone chain of Andrew (1979, "Another efficient algorithm for convex hulls in two dimensions").
     pub(super) fn around(points: impl Iterator<Item = Point2<S>>) -> Self {
         let points = points.enumerate();
         let mut points: Vec<Seen<S>> = points
@@ -82,7 +83,7 @@ impl<S: Scalar> ConvexPolygon<S> {
                 }
                 hull.push(seen);
             }
-            // The next walk begins with it.
+            // The next chain starts with this point.
             hull.pop();
         };
         if points.len() > 1 {
@@ -98,7 +99,7 @@ impl<S: Scalar> ConvexPolygon<S> {
         }
     }
 
-    /// The edges: a corner, the way to the next, and that way's length.
+    /// The edges: a corner, the vector to the next corner, and its length.
     fn edges(&self) -> impl Iterator<Item = (Point2<S>, Point2<S>, S)> + '_ {
         let next = self.corners.iter().cycle().skip(1);
         self.corners.iter().zip(next).filter_map(|(&from, &to)| {
@@ -108,14 +109,14 @@ impl<S: Scalar> ConvexPolygon<S> {
         })
     }
 
-    /// What is at least `margin` from the edges; where that is nothing, the middle.
+    /// The points inside by at least `margin`; the mean of the input points if there are none.
     pub(super) fn shrunk(self, margin: f64) -> Self {
         if margin == 0.0 {
             return self;
         }
         let mut left = self.corners.clone();
         for (from, way, length) in self.edges() {
-            // Positive within.
+            // Positive inside.
             let scale = S::one() / length;
             let depth = |at: &Point2<S>| {
                 let away = minus(*at, from);
@@ -146,9 +147,11 @@ impl<S: Scalar> ConvexPolygon<S> {
         }
     }
 
-    /// How far `at` is within a margin of each edge, by the point that the edge begins at; infinitely far where none
-    /// does. Corners that hardly turn have no edge of their own: rounding alone would make and unmake it. A polygon
-    /// without room has minus infinity everywhere.
+    /// Writes the slack of `at` in each edge: its distance inside the edge minus `margin`.
+    ///
+    /// The slack of an edge has the index of the point that starts it. Points that start no edge get infinity. Almost
+    /// straight corners start no edge, because rounding would create and remove it. A degenerate polygon gives minus
+    /// infinity everywhere.
     pub(super) fn depths(&self, at: Point2<S>, margin: f64, depths: &mut [S]) {
         depths.fill(S::constant(f64::INFINITY));
         let turns = self.turning_corners();
@@ -164,7 +167,7 @@ impl<S: Scalar> ConvexPolygon<S> {
         }
     }
 
-    /// The corners at which it turns by more than rounding may.
+    /// The corners whose exterior angle exceeds rounding.
     fn turning_corners(&self) -> Vec<usize> {
         let at = |corner: usize| self.corners[corner].map(value);
         let mut kept: Vec<usize> = (0..self.corners.len()).collect();
@@ -185,12 +188,12 @@ impl<S: Scalar> ConvexPolygon<S> {
         kept
     }
 
-    /// From the nearest place of the polygon to `at`; zero inside.
+    /// The vector from the closest point of the polygon to `at`; zero inside.
     pub(super) fn outside(&self, at: Point2<S>) -> Point2<S> {
         self.outside_as(at, |number| number)
     }
 
-    /// The same of a place whose numbers carry more than the corners' do.
+    /// [`outside`](Self::outside) for a point whose scalar carries more derivatives than the corners.
     fn outside_as<T: Scalar>(&self, at: Point2<T>, number: impl Fn(S) -> T) -> Point2<T> {
         let mut inside = self.corners.len() > 2;
         let mut nearest = match self.corners.first() {
@@ -218,12 +221,12 @@ impl<S: Scalar> ConvexPolygon<S> {
 }
 
 impl ConvexPolygon<f64> {
-    /// As [`outside`](Self::outside), where only the place moves.
+    /// [`outside`](Self::outside) for constant corners and a moving point.
     pub(super) fn outside_of<T: Scalar>(&self, at: Point2<T>) -> Point2<T> {
         self.outside_as(at, T::constant)
     }
 
-    /// Whether anything is at least `margin` from the edges.
+    /// True if some point is inside by at least `margin`.
     pub(super) fn has_room_for(&self, margin: f64) -> bool {
         let left = self.clone().shrunk(margin);
         margin == 0.0 || (self.corners.len() > 2 && left.corners != [self.middle])

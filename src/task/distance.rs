@@ -1,4 +1,4 @@
-//! Two frames should be a distance apart.
+//! Distance task between two frames.
 
 use super::residual::{moved_by, not_finite, refuse};
 use super::{Quantity, Residual, Rows};
@@ -14,7 +14,7 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// The origins of two frames should be `distance` metres apart (not negative).
+    /// A task that keeps the origins of two frames `distance` metres apart (not negative).
     #[must_use]
     pub fn new(a: FrameId, b: FrameId, distance: f64) -> Self {
         Self {
@@ -23,16 +23,16 @@ impl Distance {
         }
     }
 
-    /// Changes the distance.
+    /// Sets the distance, metres.
     pub fn set_distance(&mut self, distance: f64) {
         self.distance = distance;
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let apart = frames[0].translation - frames[1].translation;
         let squared = apart.norm_squared();
-        // Where the two coincide every direction is as good: take x, so that there is a derivative.
+        // At distance zero every direction is valid; x gives a derivative.
         let together = squared.less_than(S::constant(f64::MIN_POSITIVE));
         let unit_x = Vector3::constant(Vector3::UNITS[0]);
         let length = S::select(

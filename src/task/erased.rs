@@ -1,4 +1,4 @@
-//! A residual behind a pointer: the generic method instantiated for the scalars we run on.
+//! Type-erased residuals: the generic method, instantiated for the scalars in use.
 
 use std::any::Any;
 
@@ -7,7 +7,7 @@ use super::{LocalJacobian, Residual, Room};
 use crate::scalar::Dual;
 use crate::spatial::Placement;
 
-/// What a problem asks of a residual.
+/// The methods of a residual that a problem uses.
 pub(crate) trait ErasedResidual: Send + Sync + Any {
     fn kind(&self) -> &'static str;
 
@@ -38,7 +38,7 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         slopes: &mut [f64],
     ) -> bool;
 
-    /// Writes the exact local derivatives; `jacobian` has its shape and is zero.
+    /// Writes the exact local derivatives; `jacobian` has the residual's shape and is zero.
     fn differentiate(
         &self,
         frames: &[Placement<f64>],
@@ -51,7 +51,7 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
 
     fn depths(&self, frames: &[Placement<f64>], joints: &[f64], depths: &mut [f64]);
 
-    /// As [`differentiate`](Self::differentiate), of the depths.
+    /// The same as [`differentiate`](Self::differentiate), for the slacks.
     fn differentiate_depths(
         &self,
         frames: &[Placement<f64>],
@@ -81,7 +81,7 @@ impl std::fmt::Debug for dyn ErasedResidual {
 
 impl Clone for Box<dyn ErasedResidual> {
     fn clone(&self) -> Self {
-        // Of what is inside, not of the box.
+        // Call the method of the content, not of the box.
         (**self).boxed()
     }
 }

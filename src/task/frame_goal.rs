@@ -1,24 +1,24 @@
-//! What a residual asks of its frame, for methods that place it by geometry.
+//! Exact target of a frame, for geometric solvers.
 
 use std::any::Any;
 
 use super::{Orientation, Point, Pose};
 use crate::spatial::{Matrix3, Vector3};
 
-/// Where in the world a frame should be, exactly.
+/// The exact target of a frame in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameGoal {
-    /// The point of the frame that has a place, in frame coordinates.
+    /// The point of the frame with a target position, in frame coordinates, metres.
     pub(crate) offset: Vector3<f64>,
     pub(crate) place: Option<Vector3<f64>>,
-    /// The frame's own axes.
+    /// Target orientation of the frame.
     pub(crate) axes: Option<Matrix3<f64>>,
-    /// Whether nothing else is asked, in any other measure.
+    /// True if the residual has no further rows.
     pub(crate) whole: bool,
 }
 
 impl FrameGoal {
-    /// What a residual asks, if that is a place or axes in the world.
+    /// The target of a residual; `None` if it is not a position or an orientation in the world.
     pub(crate) fn by(residual: &dyn Any) -> Option<Self> {
         if let Some(point) = residual.downcast_ref::<Point>() {
             return point.base().is_none().then(|| Self {

@@ -1,4 +1,4 @@
-//! A frame should move at a velocity.
+//! Velocity task for a frame.
 
 use super::orientation::check_rotation;
 use super::residual::{moved, no_time_step, not_finite};
@@ -7,11 +7,10 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// r = ((x − x₀)/Δt − v, log(R R₀ᵀ)/Δt − ω): the twist that led a frame from where it stood a time step ago to
-/// where it stands, less the one that is wanted. Three rows in metres per second, of its origin, and three in
-/// radians per second; world axes.
+/// r = ((x − x₀)/Δt − v, log(R R₀ᵀ)/Δt − ω): the mean twist of a frame over the last time step, minus its target.
 ///
-/// Six rows of a [`Smoothness`](super::Smoothness) of one frame: a velocity of zero keeps a hand or a head still.
+/// Three rows in metres per second, of the frame's origin, and three in radians per second, in world axes. It is a
+/// [`Smoothness`](super::Smoothness) of one frame: a target of zero keeps a hand or a head still.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameVelocity {
     frame: FrameId,
@@ -22,8 +21,9 @@ pub struct FrameVelocity {
 }
 
 impl FrameVelocity {
-    /// The frame, which stood at `previous` (world_from_frame) `time_step_s` seconds ago, should have moved at
-    /// `linear`, m/s, and turned at `angular`, rad/s.
+    /// A task for a frame to have moved at `linear`, m/s, and rotated at `angular`, rad/s, since `previous`.
+    ///
+    /// `previous` is world_from_frame `time_step_s` seconds ago.
     #[must_use]
     pub fn new(
         frame: FrameId,
@@ -40,12 +40,12 @@ impl FrameVelocity {
         }
     }
 
-    /// Takes the next step's starting point.
+    /// Sets the placement at the start of the next time step.
     pub fn set_previous(&mut self, previous: impl Into<Placement<f64>>) {
         self.previous = previous.into();
     }
 
-    /// Wants another velocity: m/s, rad/s.
+    /// Sets the target velocity: m/s and rad/s.
     pub fn set_velocity(
         &mut self,
         linear: impl Into<Vector3<f64>>,
@@ -55,7 +55,7 @@ impl FrameVelocity {
         self.angular = angular.into();
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let way = frames[0].translation - Vector3::constant(self.previous.translation);
         let turn = Vector3::from(Orientation::miss(

@@ -1,4 +1,4 @@
-//! An axis of a frame should point into a cone.
+//! Cone task for an axis of a frame.
 
 use std::f64::consts::PI;
 
@@ -10,10 +10,10 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// r = max(0, θ − α): how far an axis of a frame is outside the cone of half angle α about a direction or a line
-/// of sight, θ away from it. One row in radians; within the cone it costs nothing.
+/// r = max(0, θ − α): the angle of a frame's axis outside a cone. One row in radians, zero inside the cone.
 ///
-/// A [`LookAt`](super::LookAt) has no cone: the axis itself should point there.
+/// The cone has the half angle α about a direction or a line of sight; θ is the angle of the axis from it. A
+/// [`LookAt`](super::LookAt) is the same with α = 0.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
@@ -41,7 +41,7 @@ pub struct Gaze {
     half_angle: f64,
 }
 
-/// The middle of the cone, in the world.
+/// The axis of the cone, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aim {
     Along(Vector3<f64>),
@@ -49,8 +49,10 @@ enum Aim {
 }
 
 impl Gaze {
-    /// `axis` (frame coordinates) should be within `half_angle`, radians within (0, π), of `direction` (world
-    /// coordinates); both vectors of any length but zero.
+    /// A task that keeps `axis` within `half_angle` of `direction`.
+    ///
+    /// `axis` is in frame coordinates, `direction` in world coordinates; both have any length except zero. `half_angle`
+    /// is in radians, within (0, π).
     #[must_use]
     pub fn along(
         frame: FrameId,
@@ -66,8 +68,10 @@ impl Gaze {
         }
     }
 
-    /// `axis` (frame coordinates, any length but zero) should be within `half_angle`, radians within (0, π), of
-    /// the line of sight from the frame's origin to `target`, metres in the world: a camera's field of view.
+    /// A task that keeps `axis` within `half_angle` of the line of sight from the frame's origin to `target`.
+    ///
+    /// It models a camera's field of view. `axis` is in frame coordinates, of any length except zero. `target` is in
+    /// the world, metres. `half_angle` is in radians, within (0, π).
     #[must_use]
     pub fn at(
         frame: FrameId,
@@ -99,7 +103,7 @@ impl Gaze {
         turn_onto(axis, aim).norm_squared()
     }
 
-    /// Moves the target, or turns the direction.
+    /// Sets the target point, or the direction.
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.aim = match self.aim {
             Aim::Along(_) => Aim::Along(target.into()),
@@ -107,10 +111,10 @@ impl Gaze {
         };
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let squared = self.squared_angle(frames, step);
-        // Well within the cone, where the angle itself has no derivative.
+        // Well inside the cone, to avoid θ = 0, at which θ has no derivative.
         let inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
         let angle = S::select(inside, S::one(), squared).sqrt();
         let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
@@ -129,7 +133,7 @@ impl Residual for Gaze {
 
     evaluate_by_frames!();
 
-    /// (α² − θ²) / 2α, which has a slope where θ has none.
+    /// (α² − θ²) / 2α: unlike α − θ, it has a derivative at θ = 0.
     fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
         let half_angle = S::constant(self.half_angle);
         let squared = self.squared_angle(frames, &[]);

@@ -1,57 +1,57 @@
-//! Which components of a pose matter, and how exactly.
+//! Bounds on the components of a pose.
 
 use std::f64::consts::PI;
 
 use super::quantity::chord_of;
 
-/// An axis of the frame that is placed.
+/// An axis of the target frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axis {
-    /// Its x axis.
+    /// The x axis.
     X,
-    /// Its y axis.
+    /// The y axis.
     Y,
-    /// Its z axis.
+    /// The z axis.
     Z,
 }
 
-/// How far each component of a pose may be from its target, in the target's axes (where the placed
-/// frame's own axes come to lie). Tolerances come on top.
+/// Pose bounds: largest offset of each component of a pose from its target, in the target's axes.
+///
+/// Tolerances are added to the bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     half_widths: [f64; 6],
-    /// The same as rows are measured: turns as chords 2 sin(θ/2), infinite where a component is free.
+    /// Half widths in the measure of the rows: angles as chords 2 sin(θ/2); infinite for a free component.
     bands: [f64; 6],
 }
 
 impl Default for Goal {
-    /// The full pose.
+    /// Bounds of zero on all six components.
     fn default() -> Self {
         Self::pose()
     }
 }
 
 impl Goal {
-    /// Position and orientation, exactly. The default.
+    /// Exact position and orientation. The default.
     #[must_use]
     pub fn pose() -> Self {
         Self::within([0.0; 6])
     }
 
-    /// Position alone, any orientation.
+    /// Exact position, any orientation.
     #[must_use]
     pub fn position() -> Self {
         Self::within([0.0, 0.0, 0.0, PI, PI, PI])
     }
 
-    /// The full pose but for turns about one axis of the frame, which are free: a drill, a pen, a
-    /// suction cup.
+    /// Exact pose except for a free rotation about one axis of the frame: a drill, a pen, a suction cup.
     #[must_use]
     pub fn free_about(axis: Axis) -> Self {
         Self::free(3 + axis as usize)
     }
 
-    /// The full pose but for slides along one axis of the frame, which are free.
+    /// Exact pose except for a free translation along one axis of the frame.
     #[must_use]
     pub fn free_along(axis: Axis) -> Self {
         Self::free(axis as usize)
@@ -63,11 +63,11 @@ impl Goal {
         Self::within(half_widths)
     }
 
-    /// An interval of ± a half width for each component: three in metres along the axes x, y, z,
-    /// three in radians about them. 0 is exact, infinity (for angles π or more) is free; negative
-    /// or NaN is an error when the problem or the arm is built. Turns are measured by 2 asin(v_x), 2 asin(v_y) and
-    /// 2 asin(v_z), v the vector part of the relative rotation's quaternion with w ≥ 0: for a turn
-    /// about one axis its angle.
+    /// Bounds of ± a half width for each component: three in metres along x, y, z, three in radians about them.
+    ///
+    /// 0 is exact; infinity (π or more for angles) is free. A negative or NaN half width is an error when the problem
+    /// or the arm is built. Angles are measured by 2 asin(v_x), 2 asin(v_y) and 2 asin(v_z). Here v is the vector part
+    /// of the relative rotation's quaternion with w ≥ 0. For a rotation about one axis this is its angle.
     #[must_use]
     pub fn within(half_widths: [f64; 6]) -> Self {
         let [px, py, pz, rx, ry, rz] = half_widths;
@@ -81,23 +81,23 @@ impl Goal {
     getters! {
         /// The half widths: three in metres, three in radians.
         pub fn half_widths(&self) -> [f64; 6] = self.half_widths;
-        /// Half widths as rows are measured: metres, then chords; infinite where a component is free.
+        /// Half widths in the measure of the rows: metres, then chords; infinite for a free component.
         pub(crate) fn bands(&self) -> [f64; 6] = self.bands;
     }
 
-    /// The first half width that is no number of at least 0, by the component's name.
+    /// The first half width that is negative or NaN, with the name of its component.
     pub(crate) fn bad_half_width(&self) -> Option<(&'static str, f64)> {
         let names = ["x", "y", "z", "rx", "ry", "rz"];
         let mut named = names.into_iter().zip(self.half_widths);
         named.find(|(_, h)| h.is_nan() || *h < 0.0)
     }
 
-    /// Whether all components count and none has room.
+    /// True if all components are exact.
     pub(crate) fn is_full_pose(&self) -> bool {
         self.half_widths == [0.0; 6]
     }
 
-    /// How many components count.
+    /// Number of components that are not free.
     pub(crate) fn rows(&self) -> usize {
         self.bands
             .iter()
@@ -105,24 +105,24 @@ impl Goal {
             .count()
     }
 
-    /// Whether some component has room, or is free.
+    /// True if some component is bounded or free.
     pub(crate) fn has_room(&self) -> bool {
         self.half_widths.iter().any(|h| *h > 0.0)
     }
 
-    /// Whether the position counts at all.
+    /// True if some component of the position is not free.
     pub(crate) fn has_position(&self) -> bool {
         self.bands[..3].iter().any(|band| *band < f64::INFINITY)
     }
 
-    /// Whether the whole position is asked for, with no room.
+    /// True if the position is exact.
     pub(crate) fn is_exact_in_position(&self) -> bool {
         self.half_widths[..3]
             .iter()
             .all(|half_width| *half_width == 0.0)
     }
 
-    /// Whether the orientation counts at all.
+    /// True if some component of the orientation is not free.
     pub(crate) fn has_orientation(&self) -> bool {
         self.bands[3..].iter().any(|band| *band < f64::INFINITY)
     }

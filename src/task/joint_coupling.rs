@@ -1,4 +1,4 @@
-//! Joints should keep a linear relation.
+//! Linear relation between joints.
 
 use super::residual::{moved_by, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
@@ -6,11 +6,10 @@ use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// r = Σ cₖ qₖ − offset: one row, in radians where the first joint turns and in metres where it slides.
+/// r = Σ cₖ qₖ − offset: one row, in radians, or in metres if the first joint is prismatic.
 ///
-/// A joint that always follows another belongs into the
-/// [`ParameterMap`](crate::model::ParameterMap), which holds exactly and saves a variable; this may be weighed,
-/// have room, and couple any number of joints.
+/// A mimic joint belongs in the [`ParameterMap`](crate::model::ParameterMap), which holds exactly and saves a variable.
+/// This task may be weighted or bounded, and it couples any number of joints.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
@@ -44,8 +43,10 @@ pub struct JointCoupling {
 }
 
 impl JointCoupling {
-    /// Joints of `model` with their coefficients, in the first one's unit per unit of each; no balls. The sum
-    /// should be `offset`, radians or metres.
+    /// A task that keeps the weighted sum of joints of `model` at `offset`, radians or metres.
+    ///
+    /// Each joint has a coefficient, in the first joint's unit per unit of the joint. Ball joints are an error when the
+    /// problem is built.
     #[must_use]
     pub fn new(
         model: &Model,
@@ -66,7 +67,7 @@ impl JointCoupling {
         }
     }
 
-    /// Changes what the sum should be.
+    /// Sets the target of the sum, radians or metres.
     pub fn set_offset(&mut self, offset: f64) {
         self.offset = offset;
     }

@@ -1,13 +1,14 @@
-//! Joints should stay away from their limits.
+//! Joint limit avoidance.
 
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// r_j = (q_j − middle_j) / half range_j, one row per joint with two finite limits: 0 in the middle, ±1
-/// on a limit (Liégeois 1977, "Automatic supervisory control of the configuration and behavior of
-/// multibody mechanisms"). A preference by default.
+/// r_j = (q_j − middle_j) / half range_j: 0 at the middle of the range, ±1 at a limit.
+///
+/// One row for each joint with two finite limits. A soft task by default. Source: Liégeois 1977, "Automatic supervisory
+/// control of the configuration and behavior of multibody mechanisms".
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitCentring {
     joints: Vec<JointId>,
@@ -15,14 +16,14 @@ pub struct LimitCentring {
 }
 
 impl LimitCentring {
-    /// Every moving joint of `model` whose limits are finite and apart, but balls.
+    /// A task for every moving joint of `model` with a finite range above zero.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let (joints, middle_and_half_range) = model
             .moving_joints()
             .iter()
             .zip(model.limits())
-            // A ball's numbers have no range.
+            // A ball joint's components have no range.
             .filter(|(_, limits)| {
                 let range = limits.upper - limits.lower;
                 range.is_finite() && range > 0.0

@@ -1,4 +1,4 @@
-//! The derivative of one residual by what it reads: its frames' twists and its joints' values.
+//! Derivatives of one residual by the twists of its frames and the values of its joints.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::spatial::Vector3;
 
 /// ∂r/∂twist for each frame and ∂r/∂value for each joint of one residual.
 ///
-/// A frame's twist is its velocity (m) and angular velocity (rad) in world axes at its own origin.
+/// A frame's twist is its velocity (m) and angular velocity (rad) in world axes at its origin.
 #[derive(Clone, Debug, Default)]
 pub struct LocalJacobian {
     rows: usize,
@@ -15,12 +15,12 @@ pub struct LocalJacobian {
     angular: Vec<Vector3<f64>>,
     turning: Vec<bool>,
     joint_count: usize,
-    /// What each joint moves; empty until something is written.
+    /// The rows that each joint moves; empty until something is written.
     columns: Vec<Column>,
     entries: Vec<f64>,
 }
 
-/// The rows that one joint moves, side by side, and where their entries stand.
+/// The consecutive rows that one joint moves, and the range of their entries.
 #[derive(Clone, Copy, Debug)]
 struct Column {
     first_row: usize,
@@ -29,11 +29,11 @@ struct Column {
 }
 
 impl LocalJacobian {
-    /// Takes a shape and sets every entry to zero, without allocating once it has been larger.
+    /// Sets the shape and every entry to zero; allocates only if the shape exceeds all shapes before.
     pub(crate) fn reset(&mut self, rows: usize, frames: usize, joints: usize) {
         self.rows = rows;
         refill(&mut self.linear, rows * frames, Vector3::zero());
-        // Zeroed where a frame turns something, which most do not.
+        // Zeroed on first use of a frame, because most frames have no angular part.
         self.angular.resize(rows * frames, Vector3::zero());
         refill(&mut self.turning, frames, false);
         self.joint_count = joints;
@@ -41,7 +41,7 @@ impl LocalJacobian {
         self.entries.clear();
     }
 
-    /// Makes room for a residual of this shape.
+    /// Reserves memory for a residual of this shape.
     pub(crate) fn reserve(&mut self, rows: usize, frames: usize, joints: usize) {
         make_room(&mut self.linear, rows * frames);
         make_room(&mut self.angular, rows * frames);
@@ -50,26 +50,25 @@ impl LocalJacobian {
         make_room(&mut self.entries, rows * joints);
     }
 
-    /// How many rows the residual has.
+    /// Number of rows of the residual.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Where the rows of one frame or joint stand; past the end for one that is not read.
+    /// Range of one frame's or joint's rows; past the end for an unknown index.
     fn range(&self, index: usize) -> Range<usize> {
         let start = index.saturating_mul(self.rows);
         start..start.saturating_add(self.rows)
     }
 
-    /// ∂r/∂velocity of a frame, one vector per row; empty for a frame that the residual does not
-    /// read.
+    /// ∂r/∂velocity of a frame, one vector per row; empty for a frame that the residual does not read.
     #[must_use]
     pub fn linear(&self, frame: usize) -> &[Vector3<f64>] {
         self.linear.get(self.range(frame)).unwrap_or_default()
     }
 
-    /// ∂r/∂angular velocity of a frame, one vector per row; empty if nothing was ever written.
+    /// ∂r/∂angular velocity of a frame, one vector per row; empty if it was never written.
     #[must_use]
     pub fn angular(&self, frame: usize) -> &[Vector3<f64>] {
         match self.turning.get(frame) {
@@ -78,7 +77,7 @@ impl LocalJacobian {
         }
     }
 
-    /// The entries of ∂r/∂value of a joint that may not be zero, as (row, entry).
+    /// The stored entries of ∂r/∂value of a joint, as (row, entry); all other entries are zero.
     pub(crate) fn joint(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let column = self.columns.get(joint).copied();
         let (first_row, own) = column.map_or((0, 0..0), |column| {
@@ -88,14 +87,13 @@ impl LocalJacobian {
         (first_row..).zip(entries.iter().copied())
     }
 
-    /// ∂r/∂velocity of a frame, to write; empty for a frame that the residual does not read.
+    /// ∂r/∂velocity of a frame, mutable; empty for a frame that the residual does not read.
     pub fn linear_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
         let range = self.range(frame);
         self.linear.get_mut(range).unwrap_or_default()
     }
 
-    /// ∂r/∂angular velocity of a frame, to write; empty for a frame that the residual does not
-    /// read.
+    /// ∂r/∂angular velocity of a frame, mutable; empty for a frame that the residual does not read.
     pub fn angular_mut(&mut self, frame: usize) -> &mut [Vector3<f64>] {
         let range = self.range(frame);
         let angular = self.angular.get_mut(range).unwrap_or_default();
@@ -108,7 +106,7 @@ impl LocalJacobian {
         angular
     }
 
-    /// ∂r/∂value of a joint, to write; empty for a joint that the residual does not read.
+    /// ∂r/∂value of a joint, mutable; empty for a joint that the residual does not read.
     pub fn joint_mut(&mut self, joint: usize) -> &mut [f64] {
         let is_dense = |column: &Column| column.count == self.rows;
         if self.columns.len() < self.joint_count || !self.columns.iter().all(is_dense) {
@@ -118,7 +116,7 @@ impl LocalJacobian {
         self.entries.get_mut(range).unwrap_or_default()
     }
 
-    /// Gives every joint all rows.
+    /// Stores all rows for every joint.
     fn make_dense(&mut self) {
         let (rows, joints) = (self.rows, self.joint_count);
         let sparse = std::mem::take(&mut self.columns);
@@ -140,7 +138,7 @@ impl LocalJacobian {
         }));
     }
 
-    /// Says that row k depends on joint k alone, with these derivatives.
+    /// Sets a diagonal Jacobian: row k depends on joint k only, with these derivatives.
     pub fn set_diagonal(&mut self, entries: impl IntoIterator<Item = f64>) {
         self.columns.clear();
         self.entries.clear();
@@ -150,7 +148,7 @@ impl LocalJacobian {
         }
     }
 
-    /// Says which rows the next joint moves, from one on, and how.
+    /// Adds the entries of the next joint, in consecutive rows from `first_row`.
     pub(super) fn push_column(&mut self, first_row: usize, entries: impl IntoIterator<Item = f64>) {
         let first = self.entries.len();
         self.entries.extend(entries);
@@ -161,8 +159,9 @@ impl LocalJacobian {
         });
     }
 
-    /// Writes the first three rows of a frame, which are where a point of it is, times a weight: the point stands so far from
-    /// the frame's origin, in the rows' axes, if it is not the origin itself.
+    /// Writes the position of a point of a frame, times `weight`, to the first three rows.
+    ///
+    /// `lever` is the point relative to the frame's origin, in the axes of the rows; `None` for the origin itself.
     pub(crate) fn set_point(&mut self, frame: usize, lever: Option<Vector3<f64>>, weight: f64) {
         for (row, unit) in self.linear_mut(frame).iter_mut().zip(Vector3::UNITS) {
             *row = unit * weight;
@@ -201,7 +200,7 @@ impl LocalJacobian {
     }
 }
 
-/// Grows an empty vector's capacity to at least `count`.
+/// Reserves capacity for `count` elements in total.
 pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
     vector.reserve(count.saturating_sub(vector.len()));
 }

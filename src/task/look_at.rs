@@ -1,4 +1,4 @@
-//! An axis of a frame should point at a place.
+//! Look-at task: an axis of a frame points at a target.
 
 use super::residual::{moved, no_direction, not_finite};
 use super::{Quantity, Residual, Rows};
@@ -6,9 +6,10 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// r = θ (a × s)/‖a × s‖, with cos θ = a · s: the rotation vector that would turn the unit axis a onto
-/// the line of sight s = (target − x)/‖target − x‖. Three rows in radians, world axes, of rank two; its
-/// length is the angle that is missing, within [0, π].
+/// r = θ (a × s)/‖a × s‖, with cos θ = a · s: the rotation vector that rotates the axis onto the line of sight.
+///
+/// a is the unit axis, s = (target − x)/‖target − x‖ the line of sight. Three rows in radians, in world axes, of rank
+/// two. The norm is the angle between a and s, within [0, π].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookAt {
     frame: FrameId,
@@ -17,8 +18,10 @@ pub struct LookAt {
 }
 
 impl LookAt {
-    /// `axis` (frame coordinates, any length but zero) should point from the frame's origin to
-    /// `target` (world coordinates). A target at the origin itself counts as looked at.
+    /// A task that points `axis` from the frame's origin to `target`.
+    ///
+    /// `axis` is in frame coordinates, of any length except zero; `target` is in world coordinates. A target at the
+    /// origin gives a residual of zero.
     #[must_use]
     pub fn new(
         frame: FrameId,
@@ -32,12 +35,12 @@ impl LookAt {
         }
     }
 
-    /// Moves the target.
+    /// Sets the target.
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let unit_axis = self.axis * (1.0 / self.axis.norm());
         let axis = frames[0].rotation * Vector3::constant(unit_axis);
@@ -63,7 +66,7 @@ impl Residual for LookAt {
     }
 }
 
-/// The direction from a frame's origin to a place; `blind` where that is the origin itself.
+/// The direction from a frame's origin to a target; `blind` if the target is the origin.
 #[inline]
 pub(super) fn line_of_sight<S: Scalar>(
     frame: &Placement<S>,
@@ -77,13 +80,12 @@ pub(super) fn line_of_sight<S: Scalar>(
     Vector3::select(is_blind, blind, sight * (S::one() / length))
 }
 
-/// The rotation vector that turns a unit vector onto another by the shortest way, in [0, π].
+/// The shortest rotation vector from one unit vector to another, with an angle in [0, π].
 #[inline]
 pub(super) fn turn_onto<S: Scalar>(axis: Vector3<S>, sight: Vector3<S>) -> Vector3<S> {
-    // The half-way quaternion (1 + a·s, a × s) turns a onto s; opposite vectors leave it
-    // empty, and any axis n across a does: turning a about n by ε leaves π − ε to turn, so that
-    // w = ε/2 and ε = (a × s)·n, which is the slope by which a search gets away from there.
-    // ½‖a + s‖² is 1 + a·s without cancellation.
+    // The half-angle quaternion (1 + a·s, a × s) rotates a onto s. It vanishes for opposite vectors, for which any axis
+    // n perpendicular to a works. A rotation of a about n by ε leaves π − ε, so w = ε/2 and ε = (a × s)·n. This slope
+    // lets a search leave the singularity. ½‖a + s‖² is 1 + a·s without cancellation.
     let w = (axis + sight).norm_squared() * S::constant(0.5);
     let opposite = w.less_than(S::constant(1e-12));
     let turn = axis.cross(sight);
@@ -98,7 +100,7 @@ pub(super) fn turn_onto<S: Scalar>(axis: Vector3<S>, sight: Vector3<S>) -> Vecto
     turn.log()
 }
 
-/// Some vector across a unit vector, of at least half its length.
+/// A vector perpendicular to a unit vector, of length at least one half.
 fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
     let along_x = S::constant(0.5).less_than(unit.x.abs());
     let (zero, one) = (S::zero(), S::one());

@@ -1,4 +1,4 @@
-//! A frame should be able to move every way.
+//! Manipulability task: a frame keeps a distance from singularities.
 
 use super::residual::refuse;
 use super::within::beyond;
@@ -7,17 +7,18 @@ use crate::model::{FrameId, JointId, JointKind, Model};
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
-/// r = max(0, 1 − w/w₀), with w = √det(J Jᵀ): Yoshikawa's measure of manipulability (1985, "Manipulability of
-/// robotic mechanisms"), J the Jacobian of a frame by the joints that move it against a base. One row, a ratio: 0
-/// where the measure is at least w₀, 1 at a singularity. A preference by default; as a goal give it a tolerance.
+/// r = max(0, 1 − w/w₀), with w = √det(J Jᵀ): Yoshikawa's measure (1985, "Manipulability of robotic mechanisms").
 ///
-/// All joints between count by themselves, also those that follow others. The Jacobian is built from the joints'
-/// values alone, so derivatives are exact; at a singularity itself, where w has a kink, they are 0.
+/// J is the Jacobian of a frame relative to a base, by the joints between them. One row, a ratio: 0 if the measure is
+/// at least w₀, 1 at a singularity. A soft task by default; a required task needs a tolerance.
+///
+/// Every joint between base and frame counts separately, mimic joints included. The derivatives are exact. At a
+/// singularity w has a kink, and the derivatives are set to 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manipulability {
-    /// From where base and frame meet down to the base, then down to the frame.
+    /// The chain from the common ancestor to the base, then the chain to the frame.
     ways: [Vec<Hinge>; 2],
-    /// The moving joints, as the ways pass them.
+    /// The moving joints, in the order of the chains.
     joints: Vec<JointId>,
     values: usize,
     frame: Placement<f64>,
@@ -25,7 +26,7 @@ pub struct Manipulability {
     least: f64,
 }
 
-/// Which motions of the frame count.
+/// The motions of the frame that count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motions {
     All,
@@ -33,7 +34,7 @@ enum Motions {
     Angular,
 }
 
-/// A joint of a way.
+/// A joint of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Hinge {
     parent_from_joint: Placement<f64>,
@@ -42,10 +43,10 @@ struct Hinge {
 }
 
 impl Manipulability {
-    /// The measure for `frame`, moved against `base` (none: the world), should be at least `least`, above 0: in
-    /// metres³ where all six motions count, as they do at first.
+    /// A task for a measure of at least `least`, above 0, of `frame` relative to `base` (`None`: the world).
     ///
-    /// An id beyond the model's frames is refused when the problem is built, as no joint moves it.
+    /// The unit is metres³ for all six motions, the default. A frame id that is not in the model is an error when the
+    /// problem is built, because no joint moves it.
     #[must_use]
     pub fn new(model: &Model, base: Option<FrameId>, frame: FrameId, least: f64) -> Self {
         let path = model.path(base, frame);
@@ -68,7 +69,7 @@ impl Manipulability {
         let placed = model.frames().get(frame.index());
         let mut ways: [Vec<Hinge>; 2] = [up, path.down].map(|way| way.iter().map(hinge).collect());
         if let [[], [first, ..]] | [[first, ..], []] = ways.each_mut().map(Vec::as_mut_slice) {
-            // Where a way begins says nothing, and far from there numbers lose digits.
+            // The measure does not depend on the start of a single chain; near the origin fewer digits are lost.
             first.parent_from_joint = Placement::identity();
         }
         Self {
@@ -82,13 +83,13 @@ impl Manipulability {
     }
 
     setters! {
-        /// Only how the frame's origin moves: metres³ for arms, 3 rows of J.
+        /// Counts only the linear velocity of the frame's origin: 3 rows of J, metres³ for arms.
         pub fn of_position(mut self) { self.of = Motions::Linear }
-        /// Only how the frame turns: no unit, 3 rows of J.
+        /// Counts only the angular velocity of the frame: 3 rows of J, without unit.
         pub fn of_orientation(mut self) { self.of = Motions::Angular }
     }
 
-    /// Changes what the measure should be.
+    /// Sets the smallest measure with residual zero.
     pub fn set_least(&mut self, least: f64) {
         self.least = least;
     }
@@ -122,8 +123,9 @@ impl Manipulability {
     }
 }
 
-/// Sums over the joints of (ω, v)(ω, v)ᵀ, each joint's motion as the velocity v of what it carries at the origin
-/// and the angular velocity ω.
+/// Sums over the joints of (ω, v)(ω, v)ᵀ.
+///
+/// ω is the angular velocity of the joint's motion; v is the velocity of the moved body's point at the origin.
 struct Sums<S> {
     angular: Matrix3<S>,
     /// v ωᵀ.
@@ -153,7 +155,7 @@ impl<S: Scalar> Sums<S> {
         add_product(&mut self.linear, linear, linear);
     }
 
-    /// Adds a joint that stands at `joint` before it moves; where it stands after.
+    /// Adds a joint with the placement `joint` at value zero; returns its placement after its motion.
     fn pass(&mut self, joint: Placement<S>, hinge: &Hinge, values: &[S]) -> Placement<S> {
         let Placement {
             rotation,
@@ -178,12 +180,12 @@ impl<S: Scalar> Sums<S> {
                 let turned = rotation * Quaternion { w, v }.to_matrix();
                 Placement::new(turned, translation)
             }
-            // It does not move.
+            // A fixed joint.
             _ => joint,
         }
     }
 
-    /// Of the linear motions of a point: v + ω × x for each joint.
+    /// The sum for the velocities of a point at `at`: v + ω × at for each joint.
     fn linear_at(&self, at: Vector3<S>) -> Matrix3<S> {
         // Σ (v + K ω)(v + K ω)ᵀ with K ω = ω × x.
         let across = |v: Vector3<S>| v.cross(at);
@@ -202,7 +204,7 @@ impl<S: Scalar> Sums<S> {
         sum
     }
 
-    /// det(J Jᵀ) of all six rows, which is the same for every point: shifting the point shears J.
+    /// det(J Jᵀ) of all six rows; independent of the point, because a shift of the point shears J.
     fn determinant_of_all(&self) -> S {
         let Self {
             angular,
@@ -237,8 +239,9 @@ fn determinant<S: Scalar>(m: &Matrix3<S>) -> S {
     m.x.dot(m.y.cross(m.z))
 }
 
-/// Of a symmetric matrix without negative eigenvalues, by its pivots, the largest left first (Golub & Van Loan
-/// 2013, "Matrix Computations", section 4.2.8); zero once none is left.
+/// Determinant of a positive semidefinite matrix by its pivots, largest first; zero if a pivot is not positive.
+///
+/// Source: Golub & Van Loan 2013, "Matrix Computations", section 4.2.8.
 fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
     let mut product = S::one();
     for k in 0..6 {
@@ -249,7 +252,7 @@ fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
             row.swap(k, largest);
         }
         let pivot = m[k][k];
-        // NaN where several numbers stand side by side, which no problem asks for.
+        // NaN for SIMD lanes, which no problem uses.
         match pivot.as_f64() {
             Some(value) if value <= 0.0 => return S::zero(),
             None => return S::constant(f64::NAN),

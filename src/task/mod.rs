@@ -1,12 +1,11 @@
-//! What frames and joints should do: one residual a file.
+//! Residuals and tasks for frames and joints; one residual per file.
 //!
-//! A frame that a task asks to be somewhere is an end effector. The joints between it and the root are
-//! its kinematic chain: forward kinematics goes from their values to the frame, inverse kinematics
-//! back, by minimising what the tasks measure. Several tasks make one sum: one tip on a viewing
-//! [`Ray`] (or at a [`Pixel`]), others held at a [`Point`].
+//! The target frame of a task is an end effector. The joints from the root to it are its kinematic chain. Forward
+//! kinematics maps joint values to the frame; inverse kinematics minimises the weighted sum of all tasks. For example,
+//! one end effector is on a viewing [`Ray`] or at a [`Pixel`], and others stay at a [`Point`].
 //!
-//! A [`Residual`] is written once over the [`Scalar`](crate::Scalar); its derivatives follow
-//! exactly; one that is known by its numbers alone is [`Numeric`]. A [`Task`] gives it weights, tolerances and a name.
+//! A [`Residual`] is written once over the [`Scalar`](crate::Scalar), which gives exact derivatives. A residual known
+//! by its values only is [`Numeric`]. A [`Task`] adds weights, tolerances and a name.
 
 mod by_dual_numbers;
 mod centre_of_mass;

@@ -1,4 +1,4 @@
-//! Residuals that are known by their numbers alone.
+//! Residuals evaluated in `f64` only.
 
 use std::any::TypeId;
 
@@ -7,35 +7,35 @@ use crate::model::{FrameId, JointId};
 use crate::scalar::{Scalar, elementary};
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 
-/// What cannot be written over a [`Scalar`]: a table, a simulation, a function of another language.
+/// A residual that cannot be written over a [`Scalar`]: a table, a simulation, a function of another language.
 ///
-/// [`Numeric`] makes a [`Residual`] of it, with the derivatives that it has or by central differences, by
-/// every derivative route.
+/// [`Numeric`] turns it into a [`Residual`], with its own derivatives or central differences.
 pub trait NumericResidual: Clone + Send + Sync + 'static {
-    /// As [`Residual::ROLE`].
+    /// See [`Residual::ROLE`].
     const ROLE: Role = Role::Goal;
 
-    /// As [`Residual::kind`].
+    /// See [`Residual::kind`].
     fn kind(&self) -> &'static str {
         "custom"
     }
 
-    /// As [`Residual::frames`].
+    /// See [`Residual::frames`].
     fn frames(&self) -> Vec<FrameId>;
 
-    /// As [`Residual::joints`].
+    /// See [`Residual::joints`].
     fn joints(&self) -> Vec<JointId> {
         Vec::new()
     }
 
-    /// As [`Residual::rows`].
+    /// See [`Residual::rows`].
     fn rows(&self) -> Vec<Rows>;
 
     /// Writes every row of `residual`, as [`Residual::evaluate`] does.
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]);
 
-    /// Writes the derivatives and returns true, or returns false to leave them to differences: two
-    /// evaluations for each joint and twelve for each frame. `jacobian` comes in all zeros.
+    /// Writes the derivatives and returns true, or returns false to use central differences.
+    ///
+    /// Differences take two evaluations for each joint and twelve for each frame. `jacobian` is zero on entry.
     fn differentiate(
         &self,
         frames: &[Placement<f64>],
@@ -46,16 +46,16 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// As [`Residual::validate`].
+    /// See [`Residual::validate`].
     ///
     /// # Errors
-    /// As there.
+    /// Returns a description of the first defect.
     fn validate(&self) -> Result<(), String> {
         Ok(())
     }
 }
 
-/// A residual by its numbers.
+/// Adapter from a [`NumericResidual`] to a [`Residual`].
 ///
 /// ```
 /// use kinopt::model::{FrameId, Limits, Model};
@@ -63,7 +63,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
 /// use kinopt::task::{Numeric, NumericResidual, Quantity, Rows};
 /// use kinopt::{Problem, Solver};
 ///
-/// /// The height over a terrain that is known by samples.
+/// /// The height above a terrain that is known by samples.
 /// #[derive(Clone)]
 /// struct OnTerrain { foot: FrameId, heights: [f64; 4] }
 ///
@@ -96,7 +96,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
 pub struct Numeric<R>(pub R);
 
 impl<R: NumericResidual> Numeric<R> {
-    /// Its derivatives, by hand or by differences.
+    /// Writes the derivatives, exact or by differences.
     fn derivatives(&self, frames: &[Placement<f64>], joints: &[f64], jacobian: &mut LocalJacobian) {
         if !self.0.differentiate(frames, joints, jacobian) {
             Differences::new(&self.0, frames, joints, jacobian.rows()).write(jacobian);
@@ -109,7 +109,7 @@ impl<R: NumericResidual> Residual for Numeric<R> {
 
     as_inner!(0: kind, frames, joints, rows, validate);
 
-    /// Of dual numbers to first order. NaN where several numbers stand side by side, which no problem asks for.
+    /// Evaluates dual numbers to first order. NaN for SIMD lanes, which no problem uses.
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         let places: Option<Vec<_>> = frames.iter().map(place_of).collect();
         let values: Option<Vec<_>> = joints.iter().map(|joint| joint.as_f64()).collect();
@@ -156,7 +156,7 @@ impl<R: NumericResidual> Residual for Numeric<R> {
     }
 }
 
-/// The placement by its values.
+/// The values of a placement, without derivatives; `None` for SIMD lanes.
 fn place_of<S: Scalar>(frame: &Placement<S>) -> Option<Placement<f64>> {
     let value = |v: Vector3<S>| Some(Vector3::new(v.x.as_f64()?, v.y.as_f64()?, v.z.as_f64()?));
     let Matrix3 { x, y, z } = frame.rotation;
@@ -164,11 +164,11 @@ fn place_of<S: Scalar>(frame: &Placement<S>) -> Option<Placement<f64>> {
     Some(Placement::new(rotation, value(frame.translation)?))
 }
 
-/// What a frame's twist is in the derivatives that it carries; the values are 0.
+/// The twist in the derivatives of a frame; the values of the twist are 0.
 fn motion<S: Scalar>(frame: &Placement<S>, at: &Placement<f64>) -> (Vector3<S>, Vector3<S>) {
     let velocity = frame.translation - Vector3::constant(at.translation);
     let (moved, still) = (frame.rotation, at.rotation);
-    // A column c goes by ω × c, and Σ c × (ω × c) = 2 ω.
+    // A column c moves by ω × c, and Σ c × (ω × c) = 2 ω.
     let columns = [(moved.x, still.x), (moved.y, still.y), (moved.z, still.z)];
     let turning = columns.map(|(moved, still)| {
         let still = Vector3::constant(still);
@@ -229,7 +229,7 @@ impl<'a, R: NumericResidual> Differences<'a, R> {
         }
     }
 
-    /// The slope of every row along what `go` moves.
+    /// The derivative of every row along the motion that `go` applies.
     fn slope(&mut self, step: f64, go: impl Fn(&mut Self, f64)) -> &[f64] {
         go(self, step);
         self.residual
@@ -244,7 +244,7 @@ impl<'a, R: NumericResidual> Differences<'a, R> {
     }
 }
 
-/// ∛ε of a size, as a power of two, so that going there and back is exact.
+/// ∛ε times a size, rounded to a power of two, so that steps forth and back are exact.
 fn step(size: f64) -> f64 {
     let step = elementary::cbrt(f64::EPSILON) * size;
     f64::from_bits(step.to_bits() & !((1 << 52) - 1))

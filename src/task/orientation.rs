@@ -1,4 +1,4 @@
-//! A frame should have an orientation.
+//! Orientation task for a frame.
 
 use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
 use super::{LocalJacobian, Quantity, Residual, Rows};
@@ -6,8 +6,9 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_log, rotation_log_jacobian};
 
-/// r = log(R R_targetᵀ), the rotation vector from the target: three rows in radians, in world axes or
-/// those of the [base](Self::relative_to), length within [0, π].
+/// r = log(R R_targetᵀ), the rotation vector from the target, of length within [0, π].
+///
+/// Three rows in radians, in world axes or those of the [base](Self::relative_to).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orientation {
     frame: FrameId,
@@ -16,7 +17,7 @@ pub struct Orientation {
 }
 
 impl Orientation {
-    /// The frame's axes should be the columns of `target` (world_from_frame).
+    /// A task that rotates the frame to the orientation `target` (world_from_frame).
     #[must_use]
     pub fn new(frame: FrameId, target: impl Into<Matrix3<f64>>) -> Self {
         Self {
@@ -27,18 +28,18 @@ impl Orientation {
     }
 
     setters! {
-        /// Targets are given in `base`, which may move with the joints (base_from_frame).
+        /// Gives the target in the coordinates of `base`, which may move with the joints (base_from_frame).
         pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
     }
 
     getters! {
-        /// The frame that targets are given in, if it is not the world.
+        /// The frame of the target's coordinates; `None` for the world.
         pub fn base(&self) -> Option<FrameId> = self.base;
-        /// The axes that the frame should have, in columns (world_from_frame, or from the base).
+        /// The target orientation (world_from_frame or base_from_frame).
         pub fn target(&self) -> Matrix3<f64> = self.target;
     }
 
-    /// Changes the target.
+    /// Sets the target.
     pub fn set_target(&mut self, target: impl Into<Matrix3<f64>>) {
         self.target = target.into();
     }
@@ -48,13 +49,14 @@ impl Orientation {
         Self::miss_from(Matrix3::constant(target), rotation)
     }
 
-    /// The same from a target that moves.
+    /// The rotation vector from a target with derivatives to `rotation`.
     pub(super) fn miss_from<S: Scalar>(target: Matrix3<S>, rotation: Matrix3<S>) -> [S; 3] {
         rotation_log(&(rotation * target.transpose())).to_array()
     }
 
-    /// Writes ∂miss/∂ω into three rows of `jacobian`: J_l⁻¹(miss) (Chirikjian 2012, eq. 10.86, see
-    /// [`rotation_log_jacobian`]).
+    /// Writes the derivative of the rotation vector by ω to three rows of `jacobian`.
+    ///
+    /// It is J_l⁻¹(φ) (Chirikjian 2012, eq. 10.86, see [`rotation_log_jacobian`]).
     pub(super) fn differentiate_miss(
         target: Matrix3<f64>,
         rotation: Matrix3<f64>,
@@ -73,8 +75,10 @@ impl Orientation {
         }
     }
 
-    /// Adds how a sum of the miss's rows changes as the target turns about its own axes by s. The miss is then
-    /// log(exp(φ) exp(−R_target s)), whose derivative by R_target s is −J_r⁻¹(φ) = −J_l⁻¹(φ)ᵀ.
+    /// Adds the change of a weighted sum of the rows when the target rotates about its axes by s.
+    ///
+    /// The rotation vector is then log(exp(φ) exp(−R_target s)). Its derivative by R_target s is −J_r⁻¹(φ) =
+    /// −J_l⁻¹(φ)ᵀ.
     pub(super) fn add_turned_target(
         target: Matrix3<f64>,
         rotation: Matrix3<f64>,
@@ -88,7 +92,7 @@ impl Orientation {
         }
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let placed = in_base(frames);
         let target = turned(self.target, step);
@@ -137,7 +141,7 @@ impl Residual for Orientation {
     }
 }
 
-/// Refuses a matrix that is no rotation, of which `what` tells.
+/// Returns an error for a matrix that is not a rotation; `what` starts the message.
 pub(super) fn check_rotation(what: &str, rotation: &Matrix3<f64>) -> Result<(), String> {
     let columns = [rotation.x, rotation.y, rotation.z];
     not_finite("its orientation", columns.iter().flat_map(|c| c.to_array()))?;

@@ -1,4 +1,4 @@
-//! A frame's origin should be seen at a pixel: the mouse energy measured in the image.
+//! Pixel task: the image of a frame's origin is at a pixel.
 
 use nalgebra as na;
 
@@ -8,8 +8,9 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// A projective camera: homogeneous pixel (u·w, v·w, w) = P (x, y, z, 1)
-/// (Hartley & Zisserman 2004, eq. 6.10).
+/// A projective camera: homogeneous pixel (u·w, v·w, w) = P (x, y, z, 1).
+///
+/// Source: Hartley & Zisserman 2004, eq. 6.10.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// P by rows.
@@ -17,8 +18,9 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A pinhole camera that stands at `world_from_camera` and looks along its own +z, x to the
-    /// right and y down, with focal lengths and principal point in pixels.
+    /// A pinhole camera at `world_from_camera`, with focal lengths and principal point in pixels.
+    ///
+    /// It looks along its +z axis, with x to the right and y down.
     #[must_use]
     pub fn pinhole(
         world_from_camera: &Placement<f64>,
@@ -42,7 +44,7 @@ impl Camera {
         }
     }
 
-    /// The pixel (u, v) at which a world point is seen; not finite in the camera's own plane.
+    /// The pixel (u, v) of a world point; not finite for points in the camera's plane.
     pub fn project<S: Scalar>(&self, point: Vector3<S>) -> [S; 2] {
         let [u, v, w] = self.pixel_from_world.map(|[x, y, z, shift]| {
             Vector3::constant(Vector3::new(x, y, z)).dot(point) + S::constant(shift)
@@ -50,9 +52,11 @@ impl Camera {
         [u / w, v / w]
     }
 
-    /// The viewing ray through a pixel: the eye e, where P (e, 1) = 0, and the pixel unprojected to
-    /// the point m of depth one, where P (m, 1) = (u, v, 1), both in world coordinates. `None` where
-    /// the camera has no eye (a parallel projection) or a number is not finite.
+    /// The viewing ray through a pixel, as two points in world coordinates.
+    ///
+    /// The first point is the eye e with `P (e, 1) = 0`. The second is the pixel unprojected to depth one: m with
+    /// `P (m, 1) = (u, v, 1)`. Returns `None` for a camera without eye (a parallel projection), or if a number is not
+    /// finite.
     #[must_use]
     pub fn viewing_ray(&self, [u, v]: [f64; 2]) -> Option<[Vector3<f64>; 2]> {
         let rows = self.pixel_from_world;
@@ -74,7 +78,7 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// The frame's origin should be seen at (u, v).
+    /// A task that moves the image of the frame's origin to (u, v), pixels.
     #[must_use]
     pub fn new(frame: FrameId, camera: Camera, target: [f64; 2]) -> Self {
         Self {
@@ -84,12 +88,12 @@ impl Pixel {
         }
     }
 
-    /// Moves the pixel.
+    /// Sets the target pixel.
     pub fn set_target(&mut self, target: [f64; 2]) {
         self.target = target;
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let seen = self.camera.project(frames[0].translation);
         for (k, (row, at)) in residual.iter_mut().zip(seen).enumerate() {

@@ -1,4 +1,4 @@
-//! A frame's origin should lie in a plane.
+//! Plane task: a frame's origin is in a plane.
 
 use super::residual::{moved, no_direction, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
@@ -15,7 +15,9 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane through `point` across `normal` (any length but zero), in world coordinates.
+    /// A task that moves the frame's origin to the plane through `point` with `normal`, in world coordinates.
+    ///
+    /// `normal` has any length except zero.
     #[must_use]
     pub fn new(
         frame: FrameId,
@@ -29,7 +31,7 @@ impl Plane {
         }
     }
 
-    /// Moves the plane.
+    /// Sets the plane.
     pub fn set_plane(&mut self, point: impl Into<Vector3<f64>>, normal: impl Into<Vector3<f64>>) {
         self.point = point.into();
         self.normal = normal.into();
@@ -39,7 +41,7 @@ impl Plane {
         self.normal * (1.0 / self.normal.norm())
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let from_plane = frames[0].translation - moved(self.point, step);
         residual[0] = from_plane.dot(Vector3::constant(self.unit_normal()));

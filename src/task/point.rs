@@ -1,4 +1,4 @@
-//! A point of a frame should be at a place.
+//! Position task for a point of a frame.
 
 use super::residual::{add_base, frame_and_base, in_base, moved, not_finite, own_base};
 use super::{LocalJacobian, Quantity, Residual, Rows};
@@ -6,19 +6,20 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// r = x + R o − target, o the [offset](Self::at) on the frame: three rows in metres, in world axes or
-/// those of the [base](Self::relative_to).
+/// r = x + R o − target, with o the [offset](Self::at) on the frame.
+///
+/// Three rows in metres, in world axes or those of the [base](Self::relative_to).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     frame: FrameId,
     base: Option<FrameId>,
-    /// In frame coordinates.
+    /// In frame coordinates, metres.
     offset: Vector3<f64>,
     target: Vector3<f64>,
 }
 
 impl Point {
-    /// The frame's origin should be at `target`, in world coordinates.
+    /// A task that moves the frame's origin to `target`, metres in world coordinates.
     #[must_use]
     pub fn new(frame: FrameId, target: impl Into<Vector3<f64>>) -> Self {
         Self {
@@ -30,27 +31,27 @@ impl Point {
     }
 
     setters! {
-        /// Not the origin but this point of the frame, in frame coordinates.
+        /// Sets the point of the frame, in frame coordinates, metres; the origin by default.
         pub fn at(mut self, offset: impl Into<Vector3<f64>>) { self.offset = offset.into() }
-        /// Targets are given in `base`, which may move with the joints.
+        /// Gives the target in the coordinates of `base`, which may move with the joints.
         pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
     }
 
     getters! {
-        /// The frame that targets are given in, if it is not the world.
+        /// The frame of the target's coordinates; `None` for the world.
         pub fn base(&self) -> Option<FrameId> = self.base;
-        /// The point, in frame coordinates.
+        /// The point of the frame, in frame coordinates, metres.
         pub fn offset(&self) -> Vector3<f64> = self.offset;
-        /// Where the point should be, in world coordinates or the base's.
+        /// The target, in world coordinates or those of the base, metres.
         pub fn target(&self) -> Vector3<f64> = self.target;
     }
 
-    /// Moves the target.
+    /// Sets the target.
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let at = in_base(frames).apply(Vector3::constant(self.offset));
         let miss = at - moved(self.target, step);

@@ -1,4 +1,4 @@
-//! A frame should stand at a placement: position and orientation.
+//! Pose task for a frame: position and orientation.
 
 use super::goal::Goal;
 use super::orientation::check_rotation;
@@ -9,12 +9,11 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacobian};
 
-/// r = (x − x_target, log(R R_targetᵀ)): three rows in metres, then three in radians, the rotation
-/// vector; in world axes, or in those of the [base](Self::relative_to).
+/// r = (x − x_target, log(R R_targetᵀ)): three rows in metres, then three of a rotation vector in radians.
 ///
-/// With a [`Goal`] they are in the target's axes, each beyond its interval:
-/// r = (R_targetᵀ (x − x_target), log(R_targetᵀ R)), or where a component has room 2 v for the logarithm,
-/// with v the vector part of its quaternion, of which it is 2 sin(θ/2) n.
+/// The rows are in world axes, or in those of the [base](Self::relative_to). With a [`Goal`] they are in the target's
+/// axes: r = (R_targetᵀ (x − x_target), log(R_targetᵀ R)), each beyond its bounds. If a component is bounded or free,
+/// `2 v` replaces the logarithm. Here v is the vector part of the quaternion, so `2 v = 2 sin(θ/2) n`.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
@@ -28,7 +27,7 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacob
 /// # }
 /// # let flange = builder.frame("flange", joint, at);
 /// # let model = builder.build()?;
-/// // The tip of a drill, 12 cm in front of the flange, which may spin about its own axis.
+/// // The tip of a drill, 12 cm in front of the flange, which may spin about its axis.
 /// let drill = Placement::translation([0.0, 0.0, 0.12].into());
 /// let hole = Placement::translation([0.4, 0.3, 1.4].into());
 /// let drilling = Pose::new(flange, hole)
@@ -50,7 +49,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The frame should stand at `target` (world_from_frame).
+    /// A task that moves the frame to the pose `target` (world_from_frame).
     #[must_use]
     pub fn new(frame: FrameId, target: impl Into<Placement<f64>>) -> Self {
         Self {
@@ -63,37 +62,38 @@ impl Pose {
     }
 
     setters! {
-        /// Targets are given in `base`, which may move with the joints (base_from_frame).
+        /// Gives the target in the coordinates of `base`, which may move with the joints (base_from_frame).
         pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
-        /// Not the frame itself but a tool on it should stand at the target: `frame_from_tool`, metres.
+        /// Sets the tool on the frame that the target applies to: `frame_from_tool`, metres. The frame itself by
+        /// default.
         pub fn with_tool(mut self, frame_from_tool: impl Into<Placement<f64>>) {
             self.frame_from_tool = Some(frame_from_tool.into());
         }
-        /// Which components count, and how exactly.
+        /// Sets the bounds on the components of the pose.
         pub fn with_goal(mut self, goal: Goal) { self.goal = Some(goal) }
     }
 
     getters! {
-        /// Where the frame, or its tool, should stand (world_from_frame, or from the base).
+        /// The target pose of the frame, or of its tool (world_from_frame or base_from_frame).
         pub fn target(&self) -> Placement<f64> = self.target;
-        /// What counts, where that was said.
+        /// The bounds on the components, if they were set.
         pub fn goal(&self) -> Option<Goal> = self.goal;
-        /// The frame that targets are given in, if it is not the world.
+        /// The frame of the target's coordinates; `None` for the world.
         pub fn base(&self) -> Option<FrameId> = self.base;
     }
 
-    /// Moves the target.
+    /// Sets the target.
     pub fn set_target(&mut self, target: impl Into<Placement<f64>>) {
         self.target = target.into();
     }
 
-    /// Where the tool stands on the frame.
+    /// Placement of the tool on the frame.
     #[must_use]
     pub fn frame_from_tool(&self) -> Placement<f64> {
         self.frame_from_tool.unwrap_or_else(Placement::identity)
     }
 
-    /// What its rows measure.
+    /// The row blocks of this task.
     pub(crate) fn measures(&self) -> [Rows; 2] {
         let turn = match self.goal {
             Some(goal) if !goal.is_full_pose() => Rows::chords(3),
@@ -102,7 +102,7 @@ impl Pose {
         [Rows::new(Quantity::Metres, 3), turn]
     }
 
-    /// Where the tool stands, in the base.
+    /// Placement of the tool, in the base or the world.
     fn base_from_tool<S: Scalar>(&self, frames: &[Placement<S>]) -> Placement<S> {
         let placed = in_base(frames);
         match &self.frame_from_tool {
@@ -111,17 +111,17 @@ impl Pose {
         }
     }
 
-    /// The turn from the target's axes to the tool's.
+    /// The rotation from the target's axes to the tool's.
     fn turn<S: Scalar>(target: &Placement<S>, rotation: Matrix3<S>) -> Quaternion<S> {
         Quaternion::from_matrix(&(target.rotation.transpose() * rotation))
     }
 
-    /// From the target to the tool, in the target's axes.
+    /// The position of the tool relative to the target, in the target's axes.
     fn offset<S: Scalar>(target: &Placement<S>, placed: &Placement<S>) -> Vector3<S> {
         target.rotation.transpose() * (placed.translation - target.translation)
     }
 
-    /// The target, moved along and about its own axes by a step of six numbers; as it is by none.
+    /// The target moved along and about its axes by a step of six numbers; unchanged by an empty step.
     fn moved_target<S: Scalar>(&self, step: &[S]) -> Placement<S> {
         let mut target = Placement::constant(&self.target);
         if let [x, y, z, turn @ ..] = step {
@@ -131,9 +131,10 @@ impl Pose {
         target
     }
 
-    /// By hand, in the target's axes first: there the derivative of the rotation vector φ by the
-    /// angular velocity is J_l⁻¹(φ) (Chirikjian 2012, eq. 10.86, see [`rotation_log_jacobian`]), and of
-    /// twice a quaternion's vector part w − [v] (from q' = ½ ω q).
+    /// Writes the derivatives with pose bounds, first in the target's axes.
+    ///
+    /// There the derivative of the rotation vector φ by the angular velocity is J_l⁻¹(φ) (Chirikjian 2012, eq. 10.86,
+    /// see [`rotation_log_jacobian`]). That of twice a quaternion's vector part is `w − [v]` (from q' = ½ ω q).
     fn differentiate_goal(
         &self,
         goal: &Goal,
@@ -143,7 +144,7 @@ impl Pose {
     ) {
         let target = &self.target.rotation;
         let quaternion = Self::turn(&self.target, placed.rotation);
-        // By columns, one for each of the target's axes.
+        // Columns, one for each axis of the target.
         let by_turning = if goal.is_full_pose() {
             rotation_log_jacobian(quaternion.log())
         } else {
@@ -151,8 +152,8 @@ impl Pose {
             let [x, y, z] = Vector3::UNITS.map(column);
             Matrix3::from_columns(x, y, z)
         };
-        // World's turn ω is targetᵀ ω in the target's axes; the rows of by_turning · targetᵀ are the
-        // columns of its transpose.
+        // The angular velocity ω of the world is targetᵀ ω in the target's axes. The rows of by_turning · targetᵀ are
+        // the columns of its transpose.
         let rows_in_world = *target * by_turning.transpose();
         let bands = goal.bands();
         let offset = Self::offset(&self.target, placed).to_array();
@@ -174,7 +175,7 @@ impl Pose {
         }
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let placed = self.base_from_tool(frames);
         let target = self.moved_target(step);
@@ -183,7 +184,7 @@ impl Pose {
             let turn = if goal.is_full_pose() {
                 quaternion.log()
             } else {
-                // Of q and −q either will do: rows of the other sign have the same slope.
+                // Both q and −q are valid: rows of opposite sign cost the same.
                 quaternion.v * S::constant(2.0)
             };
             let components = [Self::offset(&target, &placed), turn].map(Vector3::to_array);
@@ -260,7 +261,7 @@ impl Residual for Pose {
         true
     }
 
-    /// One for each component that has room and counts.
+    /// One inequality for each bounded component.
     fn rooms(&self) -> Vec<Room> {
         let bands = self.goal.map(|goal| goal.bands()).unwrap_or_default();
         let rows = (0..6).filter(|&row| 0.0 < bands[row] && bands[row] < f64::INFINITY);
@@ -272,7 +273,7 @@ impl Residual for Pose {
         let placed = self.base_from_tool(frames);
         let target = Placement::constant(&self.target);
         let turn = Self::turn(&target, placed.rotation);
-        // Of q and −q the one that turns less, so that an edge keeps its side.
+        // Of q and −q take the smaller rotation, so that the two bounds do not swap.
         let two = S::constant(2.0);
         let twice = S::select(turn.w.less_than(S::zero()), -two, two);
         let components = [Self::offset(&target, &placed), turn.v * twice].map(Vector3::to_array);

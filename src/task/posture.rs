@@ -1,4 +1,4 @@
-//! Joints should be near given values.
+//! Posture task: joints are near reference values.
 
 use super::residual::{moved_by, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
@@ -7,25 +7,25 @@ use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// r = q ⊖ reference, a row a joint, in the joint's own unit; a ball has three, the rotation vector from its
-/// reference to where it is, in its own axes. A preference by default.
+/// r = q ⊖ reference, a row for each joint in the joint's unit. A soft task by default.
 ///
-/// What is left free is shared among the joints so that Σ r² is least. [`by_range`](Self::by_range) counts each in
-/// shares of its own range, so that a stiff joint is asked for as little of it as a loose one; weights of one's own
-/// say which joints rather move.
+/// A ball joint has three rows: the rotation vector from its reference, in its own axes. Redundancy is resolved so that
+/// Σ r² is minimal. [`by_range`](Self::by_range) measures each joint relative to its range, so that joints with small
+/// and large ranges move equally. [`with_weights`](Self::with_weights) sets which joints move more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {
     joints: Vec<JointId>,
     reference: Vec<f64>,
-    /// Which of the joints are balls, with four numbers each.
+    /// True for each ball joint, which has four coordinates.
     is_ball: Vec<bool>,
-    /// What the rows of each joint are multiplied by; empty for 1.
+    /// Weight on the rows of each joint; empty for 1.
     weights: Vec<f64>,
 }
 
 impl Posture {
-    /// Every moving joint of `model` near its value in the configuration `reference`.
-    /// One of another length is refused when the problem is built.
+    /// A posture of every moving joint of `model` at its value in the configuration `reference`.
+    ///
+    /// A wrong length is an error when the problem is built.
     #[must_use]
     pub fn new(model: &Model, reference: &[f64]) -> Self {
         let mut joints = model.moving_joints().to_vec();
@@ -39,7 +39,7 @@ impl Posture {
         }
     }
 
-    /// Only some joints, each with its value in radians or metres; none may be a ball.
+    /// A posture of some joints, each with its value in radians or metres; ball joints are not supported.
     #[must_use]
     pub fn of_joints(values: impl IntoIterator<Item = (JointId, f64)>) -> Self {
         let (joints, reference): (Vec<_>, _) = values.into_iter().unzip();
@@ -51,16 +51,19 @@ impl Posture {
         }
     }
 
-    /// Multiplies the rows of each joint by a weight, at least 0: one for each of its joints, in their order,
-    /// also for a ball. A joint of weight 0 moves freely.
+    /// Multiplies the rows of each joint by a weight of at least 0, one weight for each joint, in order.
+    ///
+    /// A ball joint has one weight too. A joint of weight 0 moves freely.
     #[must_use]
     pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) -> Self {
         self.weights = weights.into_iter().collect();
         self
     }
 
-    /// Counts each joint of `model` in half its range, so that all give the same share of theirs. Of a joint
-    /// without one that is half a turn, or the model's reach; of a ball its widest half angle.
+    /// Weights each joint of `model` by the inverse of half its range.
+    ///
+    /// A joint without limits counts with π, or with the model's reach if it is prismatic. A ball joint counts with its
+    /// largest half angle.
     #[must_use]
     pub fn by_range(self, model: &Model) -> Self {
         let reach = model.reach();
@@ -84,19 +87,21 @@ impl Posture {
         self.with_weights(weights)
     }
 
-    /// Has a body of `model` stay upright, as a person does who reaches: what several limbs hang on (a back, the turn
-    /// of a [free](crate::model::ModelBuilder::free) base) keeps to its posture five times as much as limbs do, and where a free base is does not
-    /// count. So legs bend where a back would.
+    /// Weights the joints so that the body stays upright and limbs move first.
+    ///
+    /// Joints that carry several limbs (a spine, the rotation of a [free](crate::model::ModelBuilder::free) base) get
+    /// five times the weight of limb joints. The translation of a free base gets weight 0. So legs bend before the
+    /// spine.
     #[must_use]
     pub fn upright(self, model: &Model) -> Self {
         let weights = super::upright::upright_weights(model, &self.joints);
         self.with_weights(weights)
     }
 
-    /// Changes the values.
+    /// Sets the reference values.
     ///
     /// # Errors
-    /// More or fewer of them; then they stay.
+    /// Returns an error for a wrong length and keeps the reference.
     pub fn set_reference(&mut self, reference: &[f64]) -> Result<(), SizeMismatch> {
         SizeMismatch::check(
             "numbers of the reference",
@@ -107,7 +112,7 @@ impl Posture {
         Ok(())
     }
 
-    /// Writes the derivatives at some values, times `slope`.
+    /// Writes the derivatives at some joint values, times `slope`.
     pub(super) fn differentiate_values(
         &self,
         joints: &[f64],
@@ -184,8 +189,7 @@ impl Posture {
     }
 }
 
-/// The rotation vector from a quaternion, which a step turns, to another. From none
-/// there is no turn.
+/// The rotation vector from a reference quaternion, rotated by `step`, to another; zero for an invalid reference.
 fn turn_from<S: Scalar>(reference: &[f64], to: [S; 4], step: &[S]) -> [S; 3] {
     let Some(Quaternion { w: real, v }) = quaternion_at(reference) else {
         return [S::zero(); 3];

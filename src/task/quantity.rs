@@ -1,4 +1,4 @@
-//! What a residual row measures, and so the unit of its error, weight and tolerance.
+//! Units of residual rows, of their errors, weights and tolerances.
 
 use std::fmt;
 
@@ -10,26 +10,26 @@ use crate::scalar::elementary;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Quantity {
-    /// A length in metres (in the rig's own unit for rigs).
+    /// A length in metres (in the rig's unit for rigs).
     Metres,
     /// An angle in radians.
     Radians,
     /// A distance in the image, in pixels.
     Pixels,
-    /// A joint's own unit: radians or metres.
+    /// The unit of a joint: radians or metres.
     JointUnits,
-    /// A joint's speed: radians or metres per second.
+    /// A joint velocity: radians or metres per second.
     JointUnitsPerSecond,
-    /// A velocity in metres per second (in the rig's own unit for rigs).
+    /// A velocity in metres per second (in the rig's unit for rigs).
     MetresPerSecond,
     /// An angular velocity in radians per second.
     RadiansPerSecond,
-    /// A number without a unit.
+    /// A number without unit.
     Ratio,
 }
 
 impl Quantity {
-    /// The unit's symbol, for a model that counts lengths so.
+    /// The symbol of the unit, for a model with this unit of length.
     #[must_use]
     pub fn unit(self, length: LengthUnit) -> &'static str {
         match (self, length) {
@@ -63,14 +63,14 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Consecutive residual rows of one quantity. Their Euclidean norm is the reported error.
+/// A row block: consecutive residual rows of one quantity. Their Euclidean norm is the reported error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rows {
-    /// What they measure.
+    /// The unit of the rows.
     pub quantity: Quantity,
-    /// How many they are.
+    /// Number of rows.
     pub count: usize,
-    /// Whether their norm is a chord.
+    /// True if the norm of the rows is a chord.
     chords: bool,
 }
 
@@ -85,8 +85,9 @@ impl Rows {
         }
     }
 
-    /// `count` rows whose norm is the chord 2 sin(θ/2) of an angle θ, as twice a quaternion's vector
-    /// part is. The reported error is the angle, in radians.
+    /// `count` rows whose norm is the chord 2 sin(θ/2) of an angle θ, such as twice a quaternion's vector part.
+    ///
+    /// The reported error is the angle, in radians.
     #[must_use]
     pub const fn chords(count: usize) -> Self {
         Self {
@@ -96,7 +97,7 @@ impl Rows {
         }
     }
 
-    /// The error that a norm of these rows stands for, in the quantity's unit.
+    /// The error for a norm of these rows, in the quantity's unit.
     #[must_use]
     pub(crate) fn error_of(self, norm: f64) -> f64 {
         match self.chords {

@@ -1,4 +1,4 @@
-//! A frame's origin should lie on a line: the mouse energy of a viewing ray.
+//! Ray task: a frame's origin is on a line, such as a viewing ray.
 
 use super::residual::{moved, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Rows};
@@ -6,8 +6,9 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// r = (I − d dᵀ)(x − m), the part of x − m across the line of direction d = (e − m)/‖e − m‖: three rows
-/// in metres, of rank two.
+/// r = (I − d dᵀ)(x − m): the part of x − m perpendicular to the line of direction d = (e − m)/‖e − m‖.
+///
+/// Three rows in metres, of rank two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     frame: FrameId,
@@ -16,8 +17,10 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The line through the eye e and the point m (the mouse, unprojected), in world coordinates:
-    /// [`Camera::viewing_ray`](super::Camera::viewing_ray) gives both. They must be finite and apart.
+    /// A task that moves the frame's origin to the line through the eye e and the point m, in world coordinates.
+    ///
+    /// m is, for example, the unprojected mouse position. [`Camera::viewing_ray`](super::Camera::viewing_ray) returns
+    /// both points. They must be finite and distinct.
     #[must_use]
     pub fn new(
         frame: FrameId,
@@ -31,7 +34,7 @@ impl Ray {
         }
     }
 
-    /// Moves the line.
+    /// Sets the line.
     pub fn set_line(&mut self, eye: impl Into<Vector3<f64>>, through: impl Into<Vector3<f64>>) {
         self.eye = eye.into();
         self.through = through.into();
@@ -42,7 +45,7 @@ impl Ray {
         along * (1.0 / along.norm())
     }
 
-    /// The residual where frames stand so, with the target moved by a step.
+    /// The residual for these frames, with the target moved by `step`.
     fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let direction = Vector3::constant(self.direction());
         let from_mouse = frames[0].translation - moved(self.through, step);

@@ -1,27 +1,29 @@
-//! The trait that every residual, ours or a user's, answers.
+//! The trait of all residuals.
 
 use super::{LocalJacobian, Room, Rows};
 use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 
-/// Whether a task must be met or is only preferred.
+/// The role of a task: required or soft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Role {
-    /// The problem counts as reached only when this task is within its tolerances.
+    /// A required task: a solution counts as reached only if this task is within its tolerances.
     Goal,
-    /// Pulls on the solution, but its error never counts as a miss: within what the goals leave free,
-    /// unless [`Preferences`](crate::problem::Preferences) are traded.
+    /// A soft task: it influences the solution, but its error never counts as not reached.
+    ///
+    /// It acts in the null space of the required tasks, unless [`Preferences`](crate::problem::Preferences) are
+    /// weighted.
     Preference,
 }
 
-/// A vector r(q) that is zero when all is as it should be.
+/// A vector r(q) that is zero when the task is fulfilled.
 ///
-/// Write [`evaluate`](Self::evaluate) once over the scalar and every derivative route works on it:
-/// the analytic one differentiates the residual by the motion of its frames with dual numbers and
-/// multiplies with the geometric Jacobian.
+/// Write [`evaluate`](Self::evaluate) once over the scalar; all derivative methods then work. The analytic method
+/// differentiates the residual by the twists of its frames with dual numbers. It multiplies the result with the
+/// geometric Jacobian.
 ///
 /// ```
 /// use kinopt::model::FrameId;
@@ -51,41 +53,42 @@ pub enum Role {
 /// # }
 /// ```
 pub trait Residual: Clone + Send + Sync + 'static {
-    /// Whether the residual is a goal or a preference unless the task says otherwise.
+    /// The role of a task with this residual, unless the task sets another one.
     const ROLE: Role = Role::Goal;
 
-    /// What kind of task this is, in a word or two, for reports.
+    /// The kind of task in one or two words, for reports.
     fn kind(&self) -> &'static str {
         "custom"
     }
 
-    /// Whether it is of the body as a whole rather than of its first frame: reports then name no frame.
+    /// True if it concerns the whole body rather than its first frame; reports then name no frame.
     fn is_of_body(&self) -> bool {
         false
     }
 
-    /// The frames it reads, in the order in which `evaluate` sees them.
+    /// The frames it reads, in the order of `evaluate`'s `frames`.
     fn frames(&self) -> Vec<FrameId>;
 
-    /// The moving joints whose values it reads, in the order in which `evaluate` sees them.
+    /// The moving joints whose values it reads, in the order of `evaluate`'s `joints`.
     fn joints(&self) -> Vec<JointId> {
         Vec::new()
     }
 
-    /// How many numbers it expects `evaluate` to see of those joints, if it knows: one each, four for a ball.
+    /// The expected number of joint values in `evaluate`, if known: one for each joint, four for a ball joint.
     fn joint_values(&self) -> Option<usize> {
         None
     }
 
-    /// Its rows in order, with what they measure.
+    /// Its row blocks in order.
     fn rows(&self) -> Vec<Rows>;
 
-    /// Writes every row of `residual`. `frames[k]` is world_from_frame of the k-th frame, `joints[k]`
-    /// the k-th joint's value in radians or metres; a ball joint has four, its unit quaternion w, x, y, z.
+    /// Writes every row of `residual`.
+    ///
+    /// `frames[k]` is world_from_frame of the k-th frame. `joints[k]` is the k-th joint's value in radians or metres; a
+    /// ball joint has four values, its unit quaternion w, x, y, z.
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]);
 
-    /// Writes the derivatives by hand and returns true, or returns false to leave them to dual
-    /// numbers. `jacobian` comes in all zeros.
+    /// Writes exact derivatives and returns true, or returns false to use dual numbers. `jacobian` is zero on entry.
     fn differentiate(
         &self,
         frames: &[Placement<f64>],
@@ -96,15 +99,15 @@ pub trait Residual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// How many numbers its target is moved by, if it has one; for
-    /// [`evaluate_moved`](Self::evaluate_moved).
+    /// Number of parameters of its target, for [`evaluate_moved`](Self::evaluate_moved); 0 without a target.
     fn target_len(&self) -> usize {
         0
     }
 
-    /// As [`evaluate`](Self::evaluate) with the target moved by a step of [`target_len`](Self::target_len)
-    /// numbers, which only its derivative at zero is asked of: so a solution is differentiated by the
-    /// target. Places and values are moved by the step itself, orientations about their own axes, as
+    /// Evaluates the residual with its target moved by `step`, which has [`target_len`](Self::target_len) numbers.
+    ///
+    /// Only the derivative at a step of zero is used, to differentiate solutions by the target. Positions and values
+    /// move by the step itself. Orientations rotate about their own axes, as
     /// [`Model::integrate`](crate::model::Model::integrate) moves a free joint. The default has no target.
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -117,8 +120,9 @@ pub trait Residual: Clone + Send + Sync + 'static {
         self.evaluate(frames, joints, residual);
     }
 
-    /// Adds how Σ cᵢ rᵢ changes with each number that [`evaluate_moved`](Self::evaluate_moved) moves the target by, at none,
-    /// and returns true, or returns false to leave that to dual numbers. `counts` are the cᵢ, one a row.
+    /// Adds the derivatives of Σ cᵢ rᵢ by the step of [`evaluate_moved`](Self::evaluate_moved), at a step of zero.
+    ///
+    /// Returns true, or returns false to use dual numbers. `counts` are the cᵢ, one for each row.
     fn add_target_slopes(
         &self,
         frames: &[Placement<f64>],
@@ -130,15 +134,17 @@ pub trait Residual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge, where a
-    /// solution may have no derivative. Saying no saves derivatives a look for it.
+    /// True if rows may be zero on a region with a boundary, as with bounds.
+    ///
+    /// A solution on such a boundary may have no derivative. Returning false saves the check.
     fn has_edges(&self) -> bool {
         true
     }
 
-    /// The rooms within which rows of it vanish, for what ranks below: to that they are inequalities, which hold it at an
-    /// edge alone and only against what pulls outward, by their [`depths`](Self::depths). Rows that are in none are
-    /// equations, even where they happen to be zero.
+    /// The inequalities of the residual: row blocks that are zero if all their slacks are at least zero.
+    ///
+    /// Lower priority levels treat these rows as the inequalities slack ≥ 0, with the slacks of
+    /// [`depths`](Self::depths). Rows in no inequality are equations, even if they are zero at a solution.
     ///
     /// ```
     /// use kinopt::model::FrameId;
@@ -172,14 +178,15 @@ pub trait Residual: Clone + Send + Sync + 'static {
         Vec::new()
     }
 
-    /// Writes how deep within each edge of its [`rooms`](Self::rooms) it is, one room after the other: zero at the edge,
-    /// positive on the inner side, in the unit of the room's rows and smooth on both sides. An edge that is not there
-    /// now is infinitely far.
+    /// Writes the slacks of its [inequalities](Self::rooms), one inequality after the other.
+    ///
+    /// A slack is zero at the boundary, positive inside, and smooth on both sides, in the unit of the rows. An absent
+    /// bound has an infinite slack.
     fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
         let _ = (frames, joints, depths);
     }
 
-    /// As [`differentiate`](Self::differentiate), of the [`depths`](Self::depths).
+    /// The same as [`differentiate`](Self::differentiate), for the slacks of [`depths`](Self::depths).
     fn differentiate_depths(
         &self,
         frames: &[Placement<f64>],
@@ -190,16 +197,16 @@ pub trait Residual: Clone + Send + Sync + 'static {
         false
     }
 
-    /// Looks at the residual's own numbers when a problem is built.
+    /// Checks the residual's parameters when a problem is built.
     ///
     /// # Errors
-    /// What is wrong with them, in words that follow the task's name.
+    /// Returns a description of the first defect, as a continuation of the task's name.
     fn validate(&self) -> Result<(), String> {
         Ok(())
     }
 }
 
-/// A place, moved by the first three numbers of a step; as it is where there are fewer.
+/// A position moved by the first three numbers of a step; unchanged by a shorter step.
 #[inline]
 pub(super) fn moved<S: Scalar>(place: Vector3<f64>, step: &[S]) -> Vector3<S> {
     match *step {
@@ -208,7 +215,7 @@ pub(super) fn moved<S: Scalar>(place: Vector3<f64>, step: &[S]) -> Vector3<S> {
     }
 }
 
-/// A value, moved by the first number of a step; as it is where there is none.
+/// A value moved by the first number of a step; unchanged by an empty step.
 #[inline]
 pub(super) fn moved_by<S: Scalar>(value: f64, step: &[S]) -> S {
     match step {
@@ -217,7 +224,7 @@ pub(super) fn moved_by<S: Scalar>(value: f64, step: &[S]) -> S {
     }
 }
 
-/// An orientation, turned about its own axes by the first three numbers of a step.
+/// An orientation rotated about its axes by the first three numbers of a step; unchanged by a shorter step.
 #[inline]
 pub(super) fn turned<S: Scalar>(rotation: Matrix3<f64>, step: &[S]) -> Matrix3<S> {
     let rotation = Matrix3::constant(rotation);
@@ -227,12 +234,12 @@ pub(super) fn turned<S: Scalar>(rotation: Matrix3<f64>, step: &[S]) -> Matrix3<S
     }
 }
 
-/// The frames that a residual reads whose targets are given in a base, as [`in_base`] takes them.
+/// The frames of a residual with an optional base, in the order that [`in_base`] expects.
 pub(super) fn frame_and_base(frame: FrameId, base: Option<FrameId>) -> Vec<FrameId> {
     std::iter::once(frame).chain(base).collect()
 }
 
-/// Where the first frame stands: in the second, if there is one.
+/// The placement of the first frame in the second, or in the world without a second.
 #[inline]
 pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
     match frames {
@@ -241,8 +248,9 @@ pub(super) fn in_base<S: Scalar>(frames: &[Placement<S>]) -> Placement<S> {
     }
 }
 
-/// Completes derivatives by the first frame's motion, in the axes of a base that stands still, to those by both,
-/// in world axes: what moves against the base is the frame's motion less the base's own.
+/// Extends derivatives by the first frame, in the axes of a fixed base, to derivatives by frame and base in world axes.
+///
+/// The relative motion is the frame's motion minus the base's motion.
 pub(super) fn add_base(frames: &[Placement<f64>], jacobian: &mut LocalJacobian) {
     let [frame, base, ..] = frames else { return };
     let away = frame.translation - base.translation;
@@ -260,7 +268,7 @@ pub(super) fn add_base(frames: &[Placement<f64>], jacobian: &mut LocalJacobian) 
     }
 }
 
-/// Refuses the first of some numbers that is not finite.
+/// Returns an error for the first number that is not finite.
 pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
     match numbers.into_iter().find(|number| !number.is_finite()) {
         Some(number) => Err(format!(
@@ -270,13 +278,13 @@ pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> 
     }
 }
 
-/// Refuses a vector that is not finite, or has no direction.
+/// Returns an error for a vector that is not finite or is zero.
 pub(super) fn no_direction(what: &str, vector: Vector3<f64>) -> Result<(), String> {
     not_finite(what, vector.to_array())?;
     refuse(vector.norm() <= 0.0, || format!("{what} has no direction"))
 }
 
-/// Refuses a time step that is none.
+/// Returns an error for a time step that is not positive and finite.
 pub(super) fn no_time_step(seconds: f64) -> Result<(), String> {
     let usable = seconds > 0.0 && seconds.is_finite();
     refuse(!usable, || {
@@ -284,14 +292,14 @@ pub(super) fn no_time_step(seconds: f64) -> Result<(), String> {
     })
 }
 
-/// Refuses a frame whose target is given in the frame itself.
+/// Returns an error for a frame that is its own base.
 pub(super) fn own_base(frame: FrameId, base: Option<FrameId>) -> Result<(), String> {
     refuse(base == Some(frame), || {
         "its frame is its own base, so nothing moves it there".to_owned()
     })
 }
 
-/// Refuses, with a reason.
+/// Returns an error with `reason` if `bad` is true.
 pub(super) fn refuse(bad: bool, reason: impl FnOnce() -> String) -> Result<(), String> {
     if bad { Err(reason()) } else { Ok(()) }
 }

@@ -1,10 +1,10 @@
-//! Rows that cost nothing within some edges.
+//! Inequalities of residuals.
 
 use std::ops::Range;
 
-/// Rows of a residual that vanish together where each of some depths is at least zero, and only there.
+/// Residual rows that are zero together exactly if all of their slacks are at least zero.
 ///
-/// To what ranks below a goal such rows are not equations but the inequalities depth ≥ 0: see
+/// For priority levels below, such rows are the inequalities slack ≥ 0 rather than equations: see
 /// [`Residual::rooms`](super::Residual::rooms).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Room {
@@ -13,16 +13,16 @@ pub struct Room {
 }
 
 impl Room {
-    /// These rows of the residual vanish within so many edges.
+    /// An inequality of these rows with `edges` slacks.
     #[must_use]
     pub fn new(rows: Range<usize>, edges: usize) -> Self {
         Self { rows, edges }
     }
 
     getters! {
-        /// How many edges it has.
+        /// Number of slacks.
         pub fn edges(&self) -> usize = self.edges;
-        /// The rows that vanish within it.
+        /// The rows that are zero inside.
         pub fn rows(&self) -> Range<usize> = self.rows.clone();
     }
 }

@@ -1,4 +1,4 @@
-//! Joints should move slowly from where they last were.
+//! Joint velocity minimisation.
 
 use super::residual::no_time_step;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
@@ -7,8 +7,9 @@ use crate::model::{FrameId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// r = (q ⊖ previous) / Δt, in radians or metres per second, a row a joint and three a ball: a posture that
-/// moves along, seen as a speed. A preference by default.
+/// r = (q ⊖ previous) / Δt, in radians or metres per second: a row for each joint, three for a ball joint.
+///
+/// A soft task by default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoothness {
     previous: Posture,
@@ -16,8 +17,9 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// Every moving joint of `model`, which stood at `previous` (a configuration; one of
-    /// another length is refused when the problem is built) `time_step_s` seconds ago.
+    /// A task for every moving joint of `model`, with the configuration `previous` of `time_step_s` seconds ago.
+    ///
+    /// A wrong length is an error when the problem is built.
     #[must_use]
     pub fn new(model: &Model, previous: &[f64], time_step_s: f64) -> Self {
         Self {
@@ -31,14 +33,14 @@ impl Smoothness {
         pub fn with_weights(mut self, weights: impl IntoIterator<Item = f64>) {
             self.previous = self.previous.with_weights(weights);
         }
-        /// Counts each joint in half its range: see [`Posture::by_range`].
+        /// Weights each joint by the inverse of half its range: see [`Posture::by_range`].
         pub fn by_range(mut self, model: &Model) { self.previous = self.previous.by_range(model) }
     }
 
-    /// Takes the next step's starting point.
+    /// Sets the configuration at the start of the next time step.
     ///
     /// # Errors
-    /// As [`Posture::set_reference`].
+    /// Returns the errors of [`Posture::set_reference`].
     pub fn set_previous(&mut self, previous: &[f64]) -> Result<(), SizeMismatch> {
         self.previous.set_reference(previous)
     }

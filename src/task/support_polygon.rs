@@ -1,4 +1,4 @@
-//! A body's centre of mass should be over its feet.
+//! Static balance: the centre of mass is above the support polygon.
 
 use super::by_dual_numbers::moved_by_unit_twists;
 use super::centre_of_mass::Body;
@@ -9,12 +9,14 @@ use crate::model::{FrameId, Masses};
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Vector3};
 
-/// r = c − P(c): how far the centre of mass, seen from above, is outside the convex hull of points of support, P(c)
-/// the nearest place within. Two rows in metres across the vertical; their length is that distance, and within
-/// the polygon, less a [margin](Self::with_margin) from its edges, they cost nothing.
+/// r = c − P(c): the vector to the centre of mass c from the closest point P(c) of the support polygon.
 ///
-/// So a body that stands still balances (Bretl & Lall 2008, "Testing static equilibrium for legged robots", for
-/// feet on one level and enough friction). Points may be on frames, which may move.
+/// Both are projected along the vertical. The polygon is the convex hull of the support points, less a
+/// [margin](Self::with_margin) from its edges. Two rows in metres, perpendicular to the vertical; zero inside the
+/// polygon. Support points may be on moving frames.
+///
+/// A body at rest then balances on level feet with enough friction (Bretl & Lall 2008, "Testing static equilibrium for
+/// legged robots").
 ///
 /// ```
 /// # use kinopt::kinematics::centre_of_mass;
@@ -49,24 +51,24 @@ use crate::spatial::{Placement, Vector3};
 pub struct SupportPolygon {
     body: Body,
     points: Vec<Support>,
-    /// Those that carry points, after the body's.
+    /// The frames with support points; they follow the frames of the masses.
     frames: Vec<FrameId>,
     margin: f64,
     up: Vector3<f64>,
-    /// What the centre may be over, where no point is on a frame.
+    /// The polygon reduced by the margin, if no support point is on a frame; `None` otherwise.
     still: Option<ConvexPolygon<f64>>,
 }
 
-/// A point of support.
+/// A support point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Support {
-    /// Which of the carrying frames; none for the world.
+    /// Index of the frame that carries it; `None` for the world.
     frame: Option<usize>,
     at: Vector3<f64>,
 }
 
 impl SupportPolygon {
-    /// The centre of these masses should be over points, of which there are none yet; up is z.
+    /// A task for the centre of these masses without support points; the vertical is z.
     #[must_use]
     pub fn new(masses: &Masses) -> Self {
         Self {
@@ -80,20 +82,21 @@ impl SupportPolygon {
     }
 
     setters! {
-        /// Which way is up, in the world: of any length but zero.
+        /// Sets the vertical in the world, of any length except zero.
         pub fn with_up(mut self, up: impl Into<Vector3<f64>>) {
             self.up = up.into();
             self.see();
         }
-        /// How far from the polygon's edges it should be inside, metres. Where points on frames come to leave
-        /// no room for it, the middle of the points is asked for.
+        /// Sets the distance from the polygon's edges, metres.
+        ///
+        /// If moving frames leave no point inside the margin, the target is the mean of the support points.
         pub fn with_margin(mut self, margin: f64) {
             self.margin = margin;
             self.see();
         }
     }
 
-    /// More points of support, metres in the world.
+    /// Adds support points, metres in the world.
     #[must_use]
     pub fn with_points<P: Into<Vector3<f64>>>(
         mut self,
@@ -108,7 +111,7 @@ impl SupportPolygon {
         self
     }
 
-    /// More points of support, on a frame: the corners of a foot's sole, in the frame's coordinates, metres.
+    /// Adds support points on a frame, in the frame's coordinates, metres: for example the corners of a foot's sole.
     #[must_use]
     pub fn with_points_on<P: Into<Vector3<f64>>>(
         mut self,
@@ -129,7 +132,7 @@ impl SupportPolygon {
         self
     }
 
-    /// Looks once at what does not move.
+    /// Computes the constant polygon, if no support point moves.
     fn see(&mut self) {
         let axes = self.across();
         self.still = self.frames.is_empty().then(|| {
@@ -138,11 +141,11 @@ impl SupportPolygon {
         });
     }
 
-    /// Two axes across the vertical, a right-handed third with it.
+    /// Two axes perpendicular to the vertical; with it they are right-handed.
     fn across(&self) -> [Vector3<f64>; 2] {
         let up = self.up * (1.0 / self.up.norm());
         let [x, y, z] = Vector3::UNITS;
-        // Where z is up these are x and y, so that rows are in them.
+        // For a vertical along z these are x and y, so that the rows are in x and y.
         let beside = if up.dot(z).abs() > 0.5 { x } else { z };
         let first = beside - up * beside.dot(up);
         let first = first * (1.0 / first.norm());
@@ -152,8 +155,7 @@ impl SupportPolygon {
         }
     }
 
-    /// The rows, by the centre and the carrying frames; NaN where several numbers stand side by side, which
-    /// no problem asks for.
+    /// The rows from the centre and the frames with support points; NaN for SIMD lanes, which no problem uses.
     fn outside<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>]) -> [S; 2] {
         let axes = self.across().map(Vector3::constant);
         if let Some(still) = &self.still {
@@ -163,14 +165,14 @@ impl SupportPolygon {
         self.polygon(frames).shrunk(self.margin).outside(seen)
     }
 
-    /// How far the centre is within the margin of each edge, by the point where that begins.
+    /// Writes the slack of the centre in each edge, less the margin, by the point that starts the edge.
     fn depths<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>], depths: &mut [S]) {
         let axes = self.across().map(Vector3::constant);
         let seen = axes.map(|axis| axis.dot(centre));
         self.polygon(frames).depths(seen, self.margin, depths);
     }
 
-    /// What the points span, seen from above.
+    /// The convex hull of the support points, projected along the vertical.
     fn polygon<S: Scalar>(&self, frames: &[Placement<S>]) -> ConvexPolygon<S> {
         let axes = self.across().map(Vector3::constant);
         let seen = |at: Vector3<S>| -> Point2<S> { axes.map(|axis| axis.dot(at)) };
@@ -183,8 +185,9 @@ impl SupportPolygon {
         }))
     }
 
-    /// Differentiates rows that `write` takes from the centre and the feet: by the centre once, not by each of the parts
-    /// that it is made of; then by the feet.
+    /// Differentiates rows that `write` computes from the centre and the feet.
+    ///
+    /// Differentiates by the centre once instead of by each of its parts, then by the feet.
     fn differentiate_by(
         &self,
         frames: &[Placement<f64>],
@@ -230,7 +233,7 @@ impl Residual for SupportPolygon {
         fn kind(&self) -> &'static str = "support polygon";
         fn is_of_body(&self) -> bool = true;
         fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 2)];
-        /// The polygon, with an edge that begins at each of its points that is a corner.
+        /// The polygon; one slack for each support point, finite for corners.
         fn rooms(&self) -> Vec<Room> = vec![Room::new(0..2, self.points.len())];
     }
 

@@ -1,17 +1,18 @@
-//! Which joints keep a body upright.
+//! Posture weights that keep a body upright.
 
 use crate::model::{JointId, Model};
 
-/// A limb is at least so long, as a share of the body's longest way: an arm, a leg, not a finger.
+/// Smallest length of a limb, as a fraction of the longest chain: includes an arm or a leg, not a finger.
 const LENGTH_OF_A_LIMB: f64 = 0.2;
-/// And has at least so many joints that move, one after the other; a camera's mount has none.
+/// Smallest number of moving joints in a row of a limb; excludes the mount of a camera.
 const JOINTS_OF_A_LIMB: usize = 2;
-/// How much more what carries limbs keeps to its posture than limbs do.
+/// Weight of joints that carry several limbs, relative to limb joints.
 const STIFF: f64 = 5.0;
 
-/// How much each of some joints of a model keeps to its posture where the body should stay upright: what several
-/// limbs hang on (a back, a free base's turn) five times as much as limbs do, a free base's slides not at all, as
-/// limbs say where it is.
+/// Posture weights of some joints of a model.
+///
+/// Joints that carry several limbs (a spine, the rotation of a free base) get [`STIFF`]. The translation of a free base
+/// gets 0, because the limbs determine it. All others get 1.
 pub(super) fn upright_weights(model: &Model, joints: &[JointId]) -> Vec<f64> {
     let carries = carries_limbs(model);
     let slides = |id: JointId| {
@@ -28,12 +29,12 @@ pub(super) fn upright_weights(model: &Model, joints: &[JointId]) -> Vec<f64> {
     joints.iter().map(weight).collect()
 }
 
-/// By joint: whether several limbs branch off at it or beyond.
+/// By joint: true if several limbs branch off at it or below it.
 fn carries_limbs(model: &Model) -> Vec<bool> {
     let joints = model.joints();
     let parent = |joint: usize| joints[joint].parent.map(JointId::index);
     let offset = |joint: usize| joints[joint].parent_from_joint.translation.norm();
-    // How far each joint's part of the body goes on.
+    // Longest chain from each joint to a frame, metres.
     let mut long = vec![0.0_f64; joints.len()];
     for frame in model.frames() {
         if let Some(joint) = frame.joint {

@@ -1,10 +1,10 @@
-//! A residual with its weights, tolerances, role and name.
+//! Tasks: residuals with weights, tolerances, role and name.
 
 use super::{Quantity, Residual, Role};
 
-/// A residual and how much it matters.
+/// A residual with its weights, tolerances, role and name.
 ///
-/// Any residual turns into a task with the defaults of the problem it is added to.
+/// Any residual converts to a task with the defaults of the problem it is added to.
 #[derive(Clone, Debug)]
 pub struct Task<R> {
     pub(crate) residual: R,
@@ -32,29 +32,31 @@ impl<R: Residual> Task<R> {
     }
 
     setters! {
-        /// Names the task in reports; otherwise its kind and first frame do.
+        /// Sets the name of the task in reports; by default its kind and first frame.
         pub fn named(mut self, name: impl Into<String>) { self.name = Some(name.into()) }
-        /// Multiplies the rows of one quantity: cost units (√) per metre, per radian, …
-        /// Must be finite and not negative. Rows of weight 0 are not asked for: they tell their error but
-        /// never count as missed.
+        /// Sets the factor on the rows of one quantity: cost units (√) per metre, per radian, …
+        ///
+        /// It must be finite and not negative. Rows of weight 0 report their error but never count as not reached.
         pub fn weight(mut self, quantity: Quantity, weight: f64) {
             self.weights.push((quantity, weight));
         }
-        /// How much the task counts beside others: multiplies all its weights, given or default. Must be
-        /// finite and not negative.
+        /// Multiplies all weights of the task, given or default. The factor must be finite and not negative.
         pub fn times(mut self, factor: f64) { self.factor *= factor }
-        /// The error, in the quantity's own unit and before weighting, at which those rows count as
-        /// reached. Must not be negative; infinity means "any error will do".
+        /// Sets the error at which the rows of a quantity count as reached, in the quantity's unit before weighting.
+        ///
+        /// It must not be negative; infinity accepts any error.
         pub fn tolerance(mut self, quantity: Quantity, tolerance: f64) {
             self.tolerances.push((quantity, tolerance));
         }
-        /// Only a preference: it pulls, but missing it is no failure.
+        /// Makes it a soft task: its error never counts as not reached.
         pub fn preference(mut self) { self.role = Role::Preference }
-        /// Puts the task on a strict level, 0 unless set. Goals of level 0 are met first, as if they were alone;
-        /// those of level 1 come as near as they can at no cost to level 0, and so on, however large their weights
-        /// are: weights count within a level. Preferences come after all goals, by their own levels.
+        /// Sets the strict priority level of the task, 0 by default.
+        ///
+        /// Required tasks of level 0 are solved as if they were alone. Those of level 1 are minimised without
+        /// increasing the error of level 0, and so on; weights count within a level only. Soft tasks come after all
+        /// required tasks, by their own levels.
         pub fn at_level(mut self, level: usize) { self.level = level }
-        /// A goal: it must be met for the solution to count as reached.
+        /// Makes it a required task: a solution counts as reached only if the task is within its tolerances.
         pub fn goal(mut self) { self.role = Role::Goal }
     }
 }

@@ -1,15 +1,15 @@
-//! Any residual may have room.
+//! Bounds on any residual.
 
 use super::residual::refuse;
 use super::{Residual, Role, Room};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
-/// r_i − min(max(r_i, lower), upper) for each row of another residual r, which so costs only what lies
-/// beyond an interval, its error reported from there: a room, a floor, a least or greatest distance.
+/// r_i − min(max(r_i, lower), upper) for each row of another residual r: zero inside an interval.
 ///
-/// All rows share the interval, in their own unit: for residuals of one quantity (a pose has a
-/// [`Goal`](super::Goal) of its own). Derivatives follow by dual numbers.
+/// The error is the distance beyond the interval. Examples are a floor, and a least or greatest distance. All rows
+/// share the interval, in their unit, so the residual should have one quantity. For a pose use [`Goal`](super::Goal).
+/// Dual numbers give the derivatives.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
@@ -27,7 +27,7 @@ use crate::spatial::Placement;
 /// # let model = builder.build()?;
 /// let mut tasks = Problem::builder(&model);
 /// tasks.add(Point::new(hand, [1.2, 0.0, 0.0]));
-/// // The elbow stays 10 cm above the floor or more; how high does not matter.
+/// // The elbow stays at least 10 cm above the floor.
 /// let floor = Plane::new(knuckle, [0.0; 3], [0.0, 0.0, 1.0]);
 /// tasks.add(Within::at_least(floor, 0.1));
 /// let solution = Solver::default().solve_once(&tasks.build()?, &[0.8, -1.5])?;
@@ -35,17 +35,16 @@ use crate::spatial::Placement;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// A limit that depends on where other joints are is one of these over a residual of one's own. Only the limits of
-/// joints, cones and moves are hard, held by sets that a solver projects onto, which a function says nothing of: such
-/// a limit is penalised. As a goal it is told when it is not kept, and on a [level](super::Task::at_level) of its own, above
-/// the others, no other goal costs it anything.
+/// To limit a function of several joints, bound your own residual. Such a limit is a penalty: only joint limits, cones
+/// and motion limits are hard constraints, onto which a solver projects. A violated required task is reported. On a
+/// [level](super::Task::at_level) above the other tasks, no other required task affects it.
 ///
 /// ```
 /// # use kinopt::model::{FrameId, JointId, Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
 /// # use kinopt::task::{Point, Quantity, Residual, Rows, Task, Within};
 /// # use kinopt::{Problem, Scalar, Solver};
-/// /// How far a wrist is bent beyond 1.2 rad, and half a radian less for each radian of the elbow.
+/// /// The angle of a wrist beyond 1.2 rad minus half the angle of the elbow.
 /// #[derive(Clone)]
 /// struct WristByElbow([JointId; 2]);
 ///
@@ -77,11 +76,11 @@ use crate::spatial::Placement;
 ///
 /// let mut tasks = Problem::builder(&model);
 /// tasks.add(Within::at_most(WristByElbow([wrist, elbow]), 0.0));
-/// // Where the elbow at 1 rad and the wrist at 0.9 would have the hand.
+/// // The hand's position with the elbow at 1 rad and the wrist at 0.9 rad.
 /// let place = [1f64.cos() + 1.9f64.cos(), 0.0, -1f64.sin() - 1.9f64.sin()];
 /// tasks.add(Task::new(Point::new(hand, place)).at_level(1));
 /// let solution = Solver::default().solve_once(&tasks.build()?, &[1.0, 0.7])?;
-/// // 0.9 is too far by 0.2 there: the limit holds, and the place gives way unless there is another way to it.
+/// // There the wrist violates the limit by 0.2 rad: the limit holds, and the hand does not reach its target.
 /// assert!(solution.q[1] + 0.5 * solution.q[0] < 1.2 + 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -93,25 +92,25 @@ pub struct Within<R> {
 }
 
 impl<R: Residual> Within<R> {
-    /// Rows from −`half_width` to `half_width` (at least 0) cost nothing.
+    /// Bounds the rows to ± `half_width` (at least 0).
     #[must_use]
     pub fn new(residual: R, half_width: f64) -> Self {
         Self::between(residual, -half_width, half_width)
     }
 
-    /// Rows of at most `upper` cost nothing.
+    /// Bounds the rows to at most `upper`.
     #[must_use]
     pub fn at_most(residual: R, upper: f64) -> Self {
         Self::between(residual, f64::NEG_INFINITY, upper)
     }
 
-    /// Rows of at least `lower` cost nothing.
+    /// Bounds the rows to at least `lower`.
     #[must_use]
     pub fn at_least(residual: R, lower: f64) -> Self {
         Self::between(residual, lower, f64::INFINITY)
     }
 
-    /// Rows from `lower` to `upper` cost nothing; either may be infinite.
+    /// Bounds the rows to `lower` … `upper`; both may be infinite.
     #[must_use]
     pub fn between(residual: R, lower: f64, upper: f64) -> Self {
         Self {
@@ -121,7 +120,7 @@ impl<R: Residual> Within<R> {
         }
     }
 
-    /// How many edges the room of one row has: an interval that is endless both ways has one that is never near.
+    /// Number of slacks of one row; an interval that is infinite on both sides has one, which stays infinite.
     fn edges(&self) -> usize {
         let bounds = [self.lower, self.upper];
         bounds
@@ -132,9 +131,9 @@ impl<R: Residual> Within<R> {
     }
 
     getters! {
-        /// What has room.
+        /// The bounded residual.
         pub fn residual(&self) -> &R = &self.residual;
-        /// What has room, to move its target.
+        /// The bounded residual, to change its target.
         pub fn residual_mut(&mut self) -> &mut R = &mut self.residual;
     }
 }
@@ -159,7 +158,7 @@ impl<R: Residual> Residual for Within<R> {
         }
     }
 
-    /// One for each row, where the interval is more than a number.
+    /// One inequality for each row, if the interval is more than a number.
     fn rooms(&self) -> Vec<Room> {
         let edges = self.edges();
         let rows: usize = self.residual.rows().iter().map(|rows| rows.count).sum();
@@ -173,7 +172,7 @@ impl<R: Residual> Residual for Within<R> {
         let edges = self.edges();
         let rows = depths.len() / edges;
         self.residual.evaluate(frames, joints, &mut depths[..rows]);
-        // From the last row on, so that none is written before it is read.
+        // Backwards, so that no slack overwrites a row that is still needed.
         for row in (0..rows).rev() {
             let value = depths[row];
             let own = &mut depths[row * edges..(row + 1) * edges];
@@ -196,7 +195,7 @@ impl<R: Residual> Residual for Within<R> {
     }
 }
 
-/// How far a value lies beyond an interval, with its sign; 0 inside.
+/// Signed distance of a value beyond an interval; 0 inside.
 #[inline]
 pub(super) fn beyond<S: Scalar>(value: S, lower: f64, upper: f64) -> S {
     value - value.max(S::constant(lower)).min(S::constant(upper))

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 /// Names in code marks in the column `Rust` of a section's table.
 fn named(section: &str) -> BTreeSet<String> {
-    let page = std::fs::read_to_string("../docs/options.md").unwrap();
+    let page = std::fs::read_to_string("../docs/reference/options.md").unwrap();
     let (_, part) = page.split_once(&format!("\n## {section}\n")).unwrap();
     let part = part.split("\n## ").next().unwrap();
     let rows = part.lines().filter(|line| line.starts_with('|'));

@@ -1,5 +1,5 @@
 //! Promise: the same question has the same answer to the bit on every x86-64 processor, of whatever
-//! maker, with every system's mathematical library, in debug and in release (docs/same-bits.md).
+//! maker, with every system's mathematical library, in debug and in release (docs/internals/reproducibility.md).
 //!
 //! The other files go on with what is counted and reported on the way, among obstacles and of whole bodies.
 #![allow(clippy::unwrap_used)]

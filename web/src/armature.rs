@@ -1,4 +1,4 @@
-//! The bones of a file of animation, and their poses.
+//! Armatures of animation files, and their poses.
 
 use std::rc::Rc;
 
@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 
 use crate::raise;
 
-/// The bones of a file of animation, at rest as the file has them.
+/// Bones of an animation file, with their rest pose.
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Armature {
@@ -17,13 +17,13 @@ pub struct Armature {
 
 #[wasm_bindgen]
 impl Armature {
-    /// The bones, parents before children.
+    /// Names of the bones, parents before children.
     #[wasm_bindgen(getter)]
     pub fn names(&self) -> Vec<String> {
         self.inner.names().to_vec()
     }
 
-    /// The number of each bone's parent; -1 for roots.
+    /// Index of each bone's parent; -1 for roots.
     #[wasm_bindgen(getter)]
     pub fn parents(&self) -> Vec<i32> {
         let bones = self.inner.bone_ids();
@@ -32,14 +32,14 @@ impl Armature {
             .collect()
     }
 
-    /// The pose at rest.
+    /// Rest pose.
     #[wasm_bindgen(getter)]
     pub fn rest(&self) -> Pose {
         let inner = self.inner.rest().clone();
         Pose { inner }
     }
 
-    /// Where the bones of a pose stand: sixteen numbers a bone, a matrix by columns.
+    /// Bone transforms of a pose in model space: sixteen numbers for each bone, a matrix by columns.
     #[wasm_bindgen(js_name = localToModel)]
     pub fn local_to_model(&self, pose: &Pose) -> Result<Vec<f32>, JsError> {
         let placed = self.placed(pose)?;
@@ -51,7 +51,7 @@ impl Armature {
 #[cfg(feature = "retargeting")]
 #[wasm_bindgen]
 impl Armature {
-    /// Where the bones of a pose begin, three numbers each: what a `RetargetFollower` follows.
+    /// Origins of the bones of a pose, three numbers each, as input of a `RetargetFollower`.
     pub fn places(&self, pose: &Pose) -> Result<Vec<f64>, JsError> {
         let placed = self.placed(pose)?;
         let places = placed.iter().map(|bone| bone.translation.as_dvec3());
@@ -68,7 +68,7 @@ impl Armature {
     }
 }
 
-/// Where each bone stands in its parent, and how strong each morph target is.
+/// Local transform of each bone, and weight of each morph target.
 #[wasm_bindgen]
 pub struct Pose {
     pub(crate) inner: kinopt::animation::Pose,

@@ -1,4 +1,4 @@
-//! Motion capture, from BVH.
+//! Motion capture from BVH.
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -11,7 +11,7 @@ use crate::clip::Clip;
 use crate::figure::Figure;
 use crate::raise;
 
-/// What a BVH file holds.
+/// Content of a BVH file.
 #[wasm_bindgen]
 pub struct MotionCapture {
     armature: Armature,
@@ -24,7 +24,7 @@ pub struct MotionCapture {
 
 #[wasm_bindgen]
 impl MotionCapture {
-    /// Reads the bytes of a BVH file; `name` is for messages and the clip.
+    /// Reads the bytes of a BVH file; `name` is used in messages and names the clip.
     #[wasm_bindgen(js_name = fromBytes)]
     pub fn from_bytes(data: &[u8], name: Option<String>) -> Result<Self, JsError> {
         let name = name.as_deref().unwrap_or("capture.bvh");
@@ -42,37 +42,37 @@ impl MotionCapture {
         })
     }
 
-    /// A bone for each joint and end.
+    /// Armature with a bone for each joint and End Site.
     #[wasm_bindgen(getter)]
     pub fn armature(&self) -> Armature {
         self.armature.clone()
     }
 
-    /// The motion.
+    /// Motion as a clip.
     #[wasm_bindgen(getter)]
     pub fn clip(&self) -> Clip {
         Clip::new(self.clip.clone(), &self.armature.inner)
     }
 
-    /// How many frames there are.
+    /// Number of capture frames.
     #[wasm_bindgen(getter)]
     pub fn frames(&self) -> usize {
         self.frames
     }
 
-    /// From one frame to the next, seconds.
+    /// Time from one capture frame to the next, seconds.
     #[wasm_bindgen(getter, js_name = frameTime)]
     pub fn frame_time(&self) -> f64 {
         self.frame_time
     }
 
-    /// What reading left out.
+    /// Parts of the file that the reader ignored.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// A figure to drag, standing in a pose.
+    /// A skeleton to drag, with the given pose as its rest pose.
     pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
         Figure::standing(&self.armature.inner, &self.turning, pose)
     }

@@ -1,4 +1,4 @@
-//! Clips of the bones of a file of animation.
+//! Animation clips of armatures.
 
 use std::rc::Rc;
 
@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use crate::armature::Pose;
 use crate::raise;
 
-/// A motion of an armature's bones.
+/// Animation clip of an armature.
 #[wasm_bindgen]
 pub struct Clip {
     inner: kinopt::animation::Clip,
@@ -38,25 +38,25 @@ impl Clip {
 
 #[wasm_bindgen]
 impl Clip {
-    /// Its name.
+    /// Name of the clip.
     #[wasm_bindgen(getter)]
     pub fn name(&self) -> String {
         self.inner.name().to_owned()
     }
 
-    /// How long it is, seconds.
+    /// Duration, seconds.
     #[wasm_bindgen(getter)]
     pub fn duration(&self) -> f64 {
         self.inner.duration()
     }
 
-    /// Its first moment, seconds of the file.
+    /// Start time, seconds of the file.
     #[wasm_bindgen(getter)]
     pub fn start(&self) -> f64 {
         self.inner.start()
     }
 
-    /// The pose at a time in seconds of the file; `playback` is "hold", "loop" or "ping-pong".
+    /// Pose at a time in seconds of the file; `playback` is "hold", "loop" or "ping-pong".
     pub fn sample(&mut self, seconds: f64, playback: Option<String>) -> Result<Pose, JsError> {
         let mut inner = self.armature.rest().clone();
         let playback = crate::playback::playback(playback.as_deref())?;

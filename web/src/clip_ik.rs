@@ -70,21 +70,21 @@ export interface Led {
 
 #[wasm_bindgen]
 extern "C" {
-    /// What is asked over a clip.
+    /// Options of inverse kinematics over a clip.
     #[wasm_bindgen(typescript_type = "ClipIkOptions")]
     pub type ClipIkOptions;
-    /// Stances as objects.
+    /// Foot plants as objects.
     #[wasm_bindgen(typescript_type = "Stance[]")]
     pub type Stances;
-    /// Led bones as objects.
+    /// Results of reaching bones as objects.
     #[wasm_bindgen(typescript_type = "Led[]")]
     pub type LedBones;
 }
 
 #[wasm_bindgen]
 impl Clip {
-    /// Inverse kinematics over the clip: bones reach for places over spans, and feet stand still where they hardly move. Each frame
-    /// keeps as near to the clip as that allows, and the root moves only where limbs are too short.
+    /// Inverse kinematics over the clip: bones reach targets over spans, and feet are locked in place while they hardly
+    /// move. Each sample stays as close to the clip as possible. The root moves only if limbs are too short.
     #[wasm_bindgen(js_name = withIk)]
     pub fn with_ik(&self, asked: ClipIkOptions) -> Result<EditedClip, JsError> {
         const KNOWN: [&str; 7] = [
@@ -152,7 +152,7 @@ impl Clip {
     }
 }
 
-/// A bone with somewhere to go.
+/// Reads the target of a bone.
 fn reach(
     asked: JsValue,
     bone: &impl Fn(&String) -> Result<BoneId, JsError>,
@@ -197,25 +197,25 @@ fn vector(value: &JsValue, what: &str) -> Result<DVec3, JsError> {
     given::vector::<3>(value, what).map(DVec3::from)
 }
 
-/// A clip that was solved over.
+/// Result of `withIk`.
 #[wasm_bindgen]
 pub struct EditedClip {
     inner: Edited,
     armature: Rc<Bones>,
-    /// The names of the bones of each.
+    /// Names of the bones of foot plants and results.
     stances: Vec<String>,
     led: Vec<String>,
 }
 
 #[wasm_bindgen]
 impl EditedClip {
-    /// The new clip.
+    /// New clip.
     #[wasm_bindgen(getter)]
     pub fn clip(&self) -> Clip {
         Clip::new(self.inner.clip.clone(), &self.armature)
     }
 
-    /// Where feet stand, foot by foot.
+    /// Foot plants, foot by foot.
     #[wasm_bindgen(getter)]
     pub fn stances(&self) -> Stances {
         let list = |numbers: &[f64]| {
@@ -242,7 +242,7 @@ impl EditedClip {
         told.collect::<Array>().unchecked_into()
     }
 
-    /// What was asked for, planted feet first.
+    /// Results of the bones, planted feet first.
     #[wasm_bindgen(getter)]
     pub fn led(&self) -> LedBones {
         let told = self.inner.led.iter().zip(&self.led).map(|(own, bone)| {
@@ -255,7 +255,7 @@ impl EditedClip {
         told.collect::<Array>().unchecked_into()
     }
 
-    /// How far the root moves at most from where the clip has it.
+    /// Largest displacement of the root from the original clip.
     #[wasm_bindgen(getter, js_name = rootMoved)]
     pub fn root_moved(&self) -> f64 {
         self.inner.root_moved

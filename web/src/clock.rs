@@ -1,4 +1,4 @@
-//! Limits of time, by the clock of whoever runs the module.
+//! Time limits by the clock of JavaScript.
 
 use std::time::Duration;
 
@@ -8,12 +8,12 @@ use crate::given::Given;
 
 #[wasm_bindgen]
 extern "C" {
-    /// Milliseconds since the page, the worker or Node began.
+    /// Milliseconds since the start of the page, the worker or Node.
     #[wasm_bindgen(js_namespace = performance)]
     fn now() -> f64;
 }
 
-/// The limit that is given under `timeLimit`, seconds.
+/// Reads the option `timeLimit`, seconds.
 pub(crate) fn time_limit(given: &Given) -> Result<Option<Duration>, JsError> {
     let Some(seconds) = given.number("timeLimit")? else {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Other files that a file names, by a function of the caller's.
+//! Referenced files, opened by a function of the caller.
 
 use js_sys::{Function, Uint8Array};
 use kinopt::io::{Place, ReadError};
@@ -17,7 +17,7 @@ extern "C" {
     pub type Open;
 }
 
-/// What `parse` makes of a file whose others `open` gives; an exception of `open` comes first.
+/// Parses a file; `open` reads further files. An exception of `open` has priority over the parse error.
 pub(crate) fn parsed<T>(
     open: Option<Open>,
     parse: impl FnOnce(&mut dyn FnMut(&str) -> Result<Vec<u8>, ReadError>) -> Result<T, ReadError>,

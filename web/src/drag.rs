@@ -1,4 +1,4 @@
-//! Dragging: one problem whose targets move from frame to frame.
+//! Drags: one problem with moving targets, solved in every frame.
 
 use wasm_bindgen::prelude::*;
 
@@ -7,8 +7,8 @@ use crate::raise;
 use crate::solution::Solution;
 use crate::task::Aimed;
 
-/// A problem that is solved again and again while its targets move, as a hand under a mouse does. Each frame goes on from
-/// the last in a bounded number of steps, and no joint moves further in it than 0.15 rad, unless told otherwise.
+/// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse. Each frame continues from the
+/// last in a bounded number of iterations. No joint moves farther in a frame than `maxMove`, by default 0.15 rad.
 #[wasm_bindgen]
 pub struct Drag {
     problem: Problem,
@@ -17,7 +17,7 @@ pub struct Drag {
 
 #[wasm_bindgen]
 impl Drag {
-    /// A drag from the configuration `start`, taken into the limits; `max_move` in radians a frame.
+    /// Starts a drag at the configuration `start`, clamped into the limits; `max_move` is in radians for each frame.
     #[wasm_bindgen(constructor)]
     pub fn new(
         problem: &Problem,
@@ -34,8 +34,8 @@ impl Drag {
         })
     }
 
-    /// Keeps limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart: one number for every number of a
-    /// configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
+    /// Enables limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart: one number for each
+    /// number of a configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
     #[wasm_bindgen(js_name = limitMotion)]
     pub fn limit_motion(
         &mut self,
@@ -60,21 +60,22 @@ impl Drag {
         Ok(())
     }
 
-    /// Moves targets by their tasks' names, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
+    /// Moves targets by the tasks' names, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
     #[wasm_bindgen(js_name = setTargets)]
     pub fn set_targets(&mut self, targets: TargetsByName) -> Result<(), JsError> {
         let mut aimed = Aimed::Drag(&mut self.inner);
         self.problem.aim(&mut aimed, Some(targets))
     }
 
-    /// One frame: follows the targets as they are now, after moving those that are given.
+    /// Computes one frame, after moving the given targets.
     pub fn advance(&mut self, targets: Option<TargetsByName>) -> Result<Solution, JsError> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
         Ok(self.inner.advance().clone().into())
     }
 
-    /// At most so many frames, until the targets are reached and no joint is catching up, or the body rests.
+    /// Computes at most `frames` frames, until the targets are reached and no joint is limited by `maxMove`, or the
+    /// drag is at rest.
     pub fn follow(
         &mut self,
         targets: Option<TargetsByName>,
@@ -86,7 +87,7 @@ impl Drag {
         Ok(self.inner.follow(frames).clone().into())
     }
 
-    /// Where the body comes to on its own way, for targets that are far apart.
+    /// Converges from the current configuration on the current branch, for distant targets.
     pub fn settle(
         &mut self,
         targets: Option<TargetsByName>,
@@ -98,7 +99,7 @@ impl Drag {
         Ok(self.inner.settle(frames).clone().into())
     }
 
-    /// Goes on from another configuration.
+    /// Continues from another configuration.
     #[wasm_bindgen(js_name = standAt)]
     pub fn stand_at(
         &mut self,
@@ -107,19 +108,19 @@ impl Drag {
         self.inner.stand_at(q).map_err(raise)
     }
 
-    /// Where the body stands.
+    /// Current configuration.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q().to_vec()
     }
 
-    /// Whether some joint moved as far as a frame allows and would go on.
+    /// True if a joint moved by its limit for a frame; the next frames continue.
     #[wasm_bindgen(getter, js_name = catchingUp)]
     pub fn catching_up(&self) -> bool {
         self.inner.catching_up()
     }
 
-    /// Whether the next frame would do nothing.
+    /// True if the next frame would change nothing.
     #[wasm_bindgen(getter)]
     pub fn rests(&self) -> bool {
         self.inner.rests()

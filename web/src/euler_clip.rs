@@ -1,4 +1,4 @@
-//! A rig's keyframes: angles by time.
+//! Keyframes of a rig: angles by time.
 
 use std::rc::Rc;
 
@@ -21,19 +21,19 @@ impl EulerClip {
 
 #[wasm_bindgen]
 impl EulerClip {
-    /// Whether there are no keys.
+    /// True without keys.
     #[wasm_bindgen(getter, js_name = isEmpty)]
     pub fn is_empty(&self) -> bool {
         self.rig.clip.is_empty()
     }
 
-    /// From when to when, seconds; empty where there are no keys.
+    /// First and last key time, seconds; empty without keys.
     #[wasm_bindgen(getter, js_name = timeSpan)]
     pub fn time_span(&self) -> Vec<f64> {
         self.rig.clip.time_span().map_or_else(Vec::new, Vec::from)
     }
 
-    /// The stacked angles at a time, radians; `playback` is "hold", "loop" or "ping-pong".
+    /// Stacked angles at a time, radians; `playback` is "hold", "loop" or "ping-pong".
     pub fn sample(&self, seconds: f64, playback: Option<String>) -> Result<Vec<f64>, JsError> {
         let mut q = vec![0.0; self.rig.skeleton.angles()];
         let playback = crate::playback::playback(playback.as_deref())?;

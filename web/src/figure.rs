@@ -1,4 +1,4 @@
-//! The bones of a file of animation as a figure that is dragged.
+//! Skeletons of animation files, for dragging.
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -11,7 +11,7 @@ use crate::armature::Pose;
 use crate::raise;
 use crate::skeleton::Skeleton;
 
-/// A skeleton whose bones turn freely from a pose in which all its angles are 0.
+/// A skeleton without limits whose angles are 0 in a given pose.
 #[wasm_bindgen]
 pub struct Figure {
     skeleton: Skeleton,
@@ -20,7 +20,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// The figure of an armature that stands in a pose, whose bones `turning` turn.
+    /// Creates a figure from an armature and its pose. The bones `turning` rotate.
     pub(crate) fn standing(
         armature: &Rc<Bones>,
         turning: &BTreeSet<BoneId>,
@@ -41,13 +41,13 @@ impl Figure {
 
 #[wasm_bindgen]
 impl Figure {
-    /// The bones, at rest where the figure stands.
+    /// Skeleton, with the given pose as its rest pose.
     #[wasm_bindgen(getter)]
     pub fn skeleton(&self) -> Skeleton {
         self.skeleton.clone()
     }
 
-    /// The pose of the armature for the angles `q`, radians.
+    /// Pose of the armature for the angles `q`, radians.
     #[wasm_bindgen(js_name = toPose)]
     pub fn to_pose(
         &self,

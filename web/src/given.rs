@@ -1,4 +1,4 @@
-//! What a caller gives as a plain object: options, and tasks.
+//! Plain objects of callers: options and tasks.
 
 use js_sys::{Array, ArrayBuffer, Float64Array, Object, Reflect};
 use kinopt::model::UnknownName;
@@ -7,14 +7,14 @@ use wasm_bindgen::prelude::*;
 
 use crate::placement;
 
-/// An object whose every name is known. What is `undefined` or `null` is not given.
+/// An object with known keys only. `undefined` and `null` count as missing.
 pub(crate) struct Given {
     object: JsValue,
     what: &'static str,
 }
 
 impl Given {
-    /// Takes an object, or nothing for one without names; `what` is what one of its names is called.
+    /// Reads an object, or an empty one for `undefined`; `what` names a key in messages.
     pub(crate) fn new(
         object: JsValue,
         what: &'static str,
@@ -44,13 +44,13 @@ impl Given {
         Ok(Self { object, what })
     }
 
-    /// What is given under a name.
+    /// Value of a key.
     pub(crate) fn get(&self, name: &str) -> Option<JsValue> {
         let value = Reflect::get(&self.object, &name.into()).ok()?;
         (!value.is_undefined() && !value.is_null()).then_some(value)
     }
 
-    /// What must be given under a name.
+    /// Value of a required key.
     pub(crate) fn required(&self, name: &str) -> Result<JsValue, JsError> {
         let missing = || JsError::new(&format!("{} `{name}` is missing", self.what));
         self.get(name).ok_or_else(missing)
@@ -61,7 +61,7 @@ impl Given {
         self.get(name).map(|value| number(&value, name)).transpose()
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub(crate) fn needed(&self, name: &str) -> Result<f64, JsError> {
         number(&self.required(name)?, name)
     }
@@ -71,7 +71,7 @@ impl Given {
         self.number(name)?.map(|one| whole(one, name)).transpose()
     }
 
-    /// true or false.
+    /// A boolean.
     pub(crate) fn switch(&self, name: &str) -> Result<Option<bool>, JsError> {
         let switch = |value: JsValue| {
             let no = || JsError::new(&format!("{name} must be true or false"));
@@ -80,17 +80,17 @@ impl Given {
         self.get(name).map(switch).transpose()
     }
 
-    /// A text.
+    /// A string.
     pub(crate) fn text(&self, name: &str) -> Result<Option<String>, JsError> {
         self.get(name).map(|value| text(&value, name)).transpose()
     }
 
-    /// A text that must be there.
+    /// A required string.
     pub(crate) fn name(&self, name: &str) -> Result<String, JsError> {
         text(&self.required(name)?, name)
     }
 
-    /// Texts.
+    /// A list of strings.
     pub(crate) fn texts(&self, name: &str) -> Result<Option<Vec<String>>, JsError> {
         let Some(value) = self.get(name) else {
             return Ok(None);
@@ -100,14 +100,14 @@ impl Given {
         texts.collect::<Result<_, _>>().map(Some)
     }
 
-    /// Numbers.
+    /// A list of numbers.
     pub(crate) fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, JsError> {
         self.get(name)
             .map(|value| numbers(&value, name))
             .transpose()
     }
 
-    /// Whole numbers of at least 0.
+    /// A list of whole numbers of at least 0.
     #[cfg(feature = "paths")]
     pub(crate) fn wholes(&self, name: &str) -> Result<Option<Vec<usize>>, JsError> {
         let numbers = self.numbers(name)?;
@@ -119,7 +119,7 @@ impl Given {
         numbers.map(each).transpose()
     }
 
-    /// So many numbers that must be there.
+    /// A required list of `N` numbers.
     pub(crate) fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N], JsError> {
         vector(&self.required(name)?, name)
     }
@@ -132,7 +132,7 @@ impl Given {
         placement::read(&numbers, name).map(Some)
     }
 
-    /// Numbers by names, as in `{ joint1: 0.2 }`.
+    /// Numbers by key, as in `{ joint1: 0.2 }`.
     pub(crate) fn by_name(&self, name: &str) -> Result<Vec<(String, f64)>, JsError> {
         let mut all = Vec::new();
         for (key, value) in entries(self.get(name).as_ref(), name)? {
@@ -143,7 +143,7 @@ impl Given {
     }
 }
 
-/// The names of an object and what they stand for.
+/// Keys and values of an object.
 pub(crate) fn entries(
     value: Option<&JsValue>,
     what: &str,
@@ -162,13 +162,13 @@ pub(crate) fn entries(
     Ok(pairs.collect())
 }
 
-/// Whether a value is a typed array or a list, not an object by names.
+/// True for a typed array or an array, false for an object with other keys.
 pub(crate) fn is_list(value: &JsValue) -> bool {
     let length = Reflect::get(value, &"length".into());
     length.is_ok_and(|length| length.as_f64().is_some())
 }
 
-/// A whole number of at least 0; `what` names it in messages.
+/// Reads a whole number of at least 0; `what` names it in messages.
 fn whole(number: f64, what: &str) -> Result<u32, JsError> {
     if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
         return Err(JsError::new(&format!(
@@ -178,7 +178,7 @@ fn whole(number: f64, what: &str) -> Result<u32, JsError> {
     Ok(number as u32)
 }
 
-/// A number; `what` names it in messages.
+/// Reads a number; `what` names it in messages.
 pub(crate) fn number(value: &JsValue, what: &str) -> Result<f64, JsError> {
     let no = || JsError::new(&format!("{what} must be a number"));
     value.as_f64().ok_or_else(no)
@@ -189,13 +189,13 @@ fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
     value.as_string().ok_or_else(no)
 }
 
-/// What a list or a typed array holds. Whatever else has a length may claim any.
+/// Content of an array or a typed array. Other objects may have any `length`, so they are not accepted.
 pub(crate) fn list(value: &JsValue) -> Option<Array> {
     let is_list = Array::is_array(value) || ArrayBuffer::is_view(value);
     is_list.then(|| Array::from(value))
 }
 
-/// Numbers in a typed array or a list.
+/// Numbers in a typed array or an array.
 pub(crate) fn numbers(value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> {
     if let Some(array) = value.dyn_ref::<Float64Array>() {
         return Ok(array.to_vec());
@@ -205,7 +205,7 @@ pub(crate) fn numbers(value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> 
     list.iter().map(|one| number(&one, what)).collect()
 }
 
-/// So many numbers.
+/// Exactly `N` numbers.
 pub(crate) fn vector<const N: usize>(value: &JsValue, what: &str) -> Result<[f64; N], JsError> {
     let numbers = numbers(value, what)?;
     let count = numbers.len();

@@ -1,4 +1,4 @@
-//! Where frames stand, and how they move.
+//! Forward kinematics and Jacobians.
 
 use wasm_bindgen::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::view;
 
 use kinopt::kinematics::ForwardKinematics as Kinematics;
 
-/// The frames that are asked for, all without names, and their compiled kinematics.
+/// Requested frames, by default all, and their compiled kinematics.
 fn compiled(
     model: &Model,
     frames: Option<Vec<String>>,
@@ -25,7 +25,7 @@ fn compiled(
     Ok((names, inner))
 }
 
-/// Places frames of one model: built once, asked as often as wanted.
+/// Forward kinematics of frames of a model: compiled once.
 #[wasm_bindgen]
 pub struct ForwardKinematics {
     names: Vec<String>,
@@ -35,7 +35,7 @@ pub struct ForwardKinematics {
 
 #[wasm_bindgen]
 impl ForwardKinematics {
-    /// Of these frames, or of all.
+    /// Compiles these frames, or all.
     #[wasm_bindgen(constructor)]
     pub fn new(model: &Model, frames: Option<Vec<String>>) -> Result<Self, JsError> {
         let (names, inner) = compiled(model, frames)?;
@@ -46,13 +46,13 @@ impl ForwardKinematics {
         })
     }
 
-    /// The frames, in the order of the placements.
+    /// Names of the frames, in the order of the placements.
     #[wasm_bindgen(getter, js_name = frameNames)]
     pub fn frame_names(&self) -> Vec<String> {
         self.names.clone()
     }
 
-    /// Where they stand in the world: sixteen numbers a frame, a matrix by columns, where they lie: valid until the next
+    /// Poses of the frames in the world: sixteen numbers for each, a matrix by columns, as a view: valid until the next
     /// call into the module.
     #[wasm_bindgen(unchecked_return_type = "Float64Array")]
     pub fn place(
@@ -66,10 +66,10 @@ impl ForwardKinematics {
     }
 }
 
-/// The Jacobians of frames of one model: built once, asked as often as wanted.
+/// Jacobians of frames of a model: compiled once.
 ///
-/// Six rows a frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes; a column a degree
-/// of freedom, one after another.
+/// Six rows for each frame: the velocity of its origin (m/s), then its angular velocity (rad/s), in world axes. One
+/// column for each degree of freedom, stored by columns.
 #[wasm_bindgen]
 pub struct Jacobian {
     names: Vec<String>,
@@ -79,7 +79,7 @@ pub struct Jacobian {
 
 #[wasm_bindgen]
 impl Jacobian {
-    /// Of these frames, or of all.
+    /// Compiles these frames, or all.
     #[wasm_bindgen(constructor)]
     pub fn new(model: &Model, frames: Option<Vec<String>>) -> Result<Self, JsError> {
         let (names, kinematics) = compiled(model, frames)?;
@@ -90,19 +90,19 @@ impl Jacobian {
         })
     }
 
-    /// The frames, in the order of the rows.
+    /// Names of the frames, in the order of the rows.
     #[wasm_bindgen(getter, js_name = frameNames)]
     pub fn frame_names(&self) -> Vec<String> {
         self.names.clone()
     }
 
-    /// How many columns it has.
+    /// Number of columns.
     #[wasm_bindgen(getter)]
     pub fn columns(&self) -> usize {
         self.inner.columns()
     }
 
-    /// It at a configuration, by columns, where it lies: valid until the next call into the module.
+    /// Jacobian at a configuration, by columns, as a view: valid until the next call into the module.
     #[wasm_bindgen(unchecked_return_type = "Float64Array")]
     pub fn at(
         &mut self,
@@ -115,8 +115,7 @@ impl Jacobian {
     }
 }
 
-/// Where one frame stands at a configuration: a 4 x 4 matrix by columns. `ForwardKinematics` does the same without compiling
-/// each time.
+/// Pose of one frame at a configuration: a 4 x 4 matrix by columns. `ForwardKinematics` compiles once.
 #[wasm_bindgen(js_name = framePlacement)]
 pub fn frame_placement(
     model: &Model,
@@ -128,8 +127,8 @@ pub fn frame_placement(
     Ok(placed.iter().flat_map(columns).collect())
 }
 
-/// The Jacobian of one frame: six rows, linear before angular, in world axes at its origin; by columns, one a degree of
-/// freedom. `Jacobian` does the same without compiling each time.
+/// Jacobian of one frame: six rows, linear before angular, in world axes at its origin; by columns, one for each degree
+/// of freedom. `Jacobian` compiles once.
 #[wasm_bindgen(js_name = frameJacobian)]
 pub fn frame_jacobian(
     model: &Model,

@@ -1,10 +1,10 @@
-//! The WebAssembly module of the npm package `kinopt`: the concepts of the Rust library under the names of the Python
+//! WebAssembly module of the npm package `kinopt`: the concepts of the Rust library under the names of the Python
 //! package in camel case.
 //!
-//! Numbers come in and go out as typed arrays. What is posed every frame is read where it lies, as views of the module's
-//! memory; see [`view`]. Errors are exceptions with the library's own messages.
+//! Numbers are passed as typed arrays. Results of every frame are views of the module's memory; see [`view`]. Errors
+//! are exceptions with the library's messages.
 
-// What JavaScript sees must be `pub`, in whatever module it is.
+// Exports to JavaScript must be `pub`, in any module.
 #![allow(unreachable_pub)]
 
 mod arm;
@@ -53,7 +53,7 @@ mod view;
 #[cfg(feature = "collision")]
 mod world;
 
-/// An exception with an error's own message, in which options have their names of JavaScript.
+/// Exception with the message of an error, with option names of JavaScript.
 fn raise(error: impl std::fmt::Display) -> wasm_bindgen::JsError {
     wasm_bindgen::JsError::new(&names::of_javascript(&error.to_string()))
 }

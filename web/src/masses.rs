@@ -1,4 +1,4 @@
-//! The masses of whatever has some.
+//! Masses of robots and rigs.
 
 use kinopt::model::Masses;
 use wasm_bindgen::prelude::*;
@@ -6,10 +6,10 @@ use wasm_bindgen::prelude::*;
 use crate::model::Model;
 use crate::raise;
 
-/// Of flesh, kg/m³.
+/// Density of flesh, kg/m³.
 const DENSITY: f64 = 1000.0;
 
-/// Those of a robot's file, or of a rig by the volume of its mesh.
+/// Masses of a robot from its file, or of a rig by the volume of its mesh.
 pub(crate) fn masses_of(model: &Model) -> Result<Masses, JsError> {
     match (&model.robot, &model.rig) {
         (Some(robot), _) => robot.masses().map_err(raise),

@@ -1,4 +1,4 @@
-//! Models: joints in a tree, with limits.
+//! Models: a tree of joints with limits.
 
 use std::rc::Rc;
 
@@ -6,14 +6,14 @@ use kinopt::model::Limits;
 use kinopt::robot::Robot;
 use wasm_bindgen::prelude::*;
 
-/// Joints in a tree, with limits: what problems are stated on.
+/// Tree of joints with limits; problems use it.
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Model {
     pub(crate) inner: kinopt::Model,
-    /// What it is the model of, if that is a robot: its followers follow.
+    /// Robot of the model, if any, for its mimic joints.
     pub(crate) robot: Option<Rc<Robot>>,
-    /// Or a rig.
+    /// Rig of the model, if any.
     #[cfg(feature = "bodies")]
     pub(crate) rig: Option<Rc<kinopt::io::rig::Rig>>,
 }
@@ -31,27 +31,27 @@ impl From<kinopt::Model> for Model {
 
 #[wasm_bindgen]
 impl Model {
-    /// Its name.
+    /// Name of the model.
     #[wasm_bindgen(getter)]
     pub fn name(&self) -> String {
         self.inner.name().to_owned()
     }
 
-    /// The joints, parents before children.
+    /// Names of the joints, parents before children.
     #[wasm_bindgen(getter, js_name = jointNames)]
     pub fn joint_names(&self) -> Vec<String> {
         let joints = self.inner.joints().iter();
         joints.map(|joint| joint.name.clone()).collect()
     }
 
-    /// The frames, which tasks speak of.
+    /// Names of the frames.
     #[wasm_bindgen(getter, js_name = frameNames)]
     pub fn frame_names(&self) -> Vec<String> {
         let frames = self.inner.frames().iter();
         frames.map(|frame| frame.name.clone()).collect()
     }
 
-    /// How many numbers a configuration has.
+    /// Length of a configuration.
     #[wasm_bindgen(getter, js_name = configurationLen)]
     pub fn configuration_len(&self) -> usize {
         self.inner.configuration_len()
@@ -69,13 +69,13 @@ impl Model {
         self.limits(|limits| limits.upper)
     }
 
-    /// The longest way from the root to a frame, in the model's unit of length.
+    /// Longest chain from the root to a frame, in the model's unit of length.
     #[wasm_bindgen(getter)]
     pub fn reach(&self) -> f64 {
         self.inner.reach()
     }
 
-    /// All joints at 0, or at the limit next to it; mimic joints at the values that their source joints give them.
+    /// Configuration with all joints at 0, or at the nearest limit; mimic joints follow their source joints.
     pub fn neutral(&self) -> Vec<f64> {
         match &self.robot {
             Some(robot) => robot.neutral(),
@@ -83,8 +83,8 @@ impl Model {
         }
     }
 
-    /// A configuration sampled uniformly within the limits, with mimic joints at the values that their source joints give them. Equal
-    /// seeds give equal configurations.
+    /// A configuration sampled uniformly within the limits; mimic joints follow their source joints. Equal seeds give
+    /// equal configurations.
     #[wasm_bindgen(js_name = randomConfiguration)]
     pub fn random_configuration(&self, seed: u32) -> Vec<f64> {
         match &self.robot {

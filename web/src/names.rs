@@ -1,4 +1,4 @@
-//! Names as JavaScript has them, and types that only TypeScript sees.
+//! Names of JavaScript, and types of TypeScript.
 
 use wasm_bindgen::prelude::*;
 
@@ -11,7 +11,8 @@ export type Numbers = ArrayLike<number>;
 export type Placement = ArrayLike<number>;
 "#;
 
-/// What the library says, with options in camel case: `option position_tolerance is -1` as `option positionTolerance is -1`.
+/// Converts a message to camel-case options: `option position_tolerance is -1` becomes `option positionTolerance is
+/// -1`.
 pub(crate) fn of_javascript(said: &str) -> String {
     let mut before = "";
     let word = |word| {

@@ -1,19 +1,19 @@
-//! Plain objects, for what is told and not asked again.
+//! Plain objects for results.
 
 use js_sys::{Object, Reflect};
 use wasm_bindgen::JsValue;
 
-/// An object of these names.
+/// Creates an object with these fields.
 pub(crate) fn of<const N: usize>(fields: [(&str, JsValue); N]) -> Object {
     let object = Object::new();
     add(&object, fields);
     object
 }
 
-/// Adds names to an object.
+/// Adds fields to an object.
 pub(crate) fn add<const N: usize>(object: &Object, fields: [(&str, JsValue); N]) {
     for (name, value) in fields {
-        // Fails for frozen objects alone.
+        // Fails for frozen objects only.
         let _ = Reflect::set(object, &name.into(), &value);
     }
 }

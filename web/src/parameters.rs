@@ -1,4 +1,4 @@
-//! Which joints of a problem are free.
+//! Free and locked joints of a problem.
 
 use kinopt::model::{JointKind, ParameterMap};
 use wasm_bindgen::prelude::*;
@@ -7,7 +7,7 @@ use crate::given::{self, Given};
 use crate::model::Model;
 use crate::raise;
 
-/// The map that `locked`, `only` and `held` ask for, or the model's own.
+/// Builds the map from `locked`, `only` and `held`; the default is that of the robot.
 pub(crate) fn parameters(model: &Model, given: &Given) -> Result<Option<ParameterMap>, JsError> {
     let (only, held) = (given.texts("only")?, given.numbers("held")?);
     let locked = given::entries(given.get("locked").as_ref(), "locked")?;

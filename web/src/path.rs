@@ -73,8 +73,8 @@ extern "C" {
     pub type BlockedSteps;
 }
 
-/// Joints for a whole path of the tool, sixteen numbers a point in the arm's base: those that leave their branch least often,
-/// and of these the shortest. A point out of reach is no exception: see `missed`.
+/// Solves a Cartesian path of the tool, sixteen numbers for each point in the arm's base, with the fewest
+/// reconfigurations, then the shortest. A point that is not reached is no exception: see `missed`.
 #[wasm_bindgen(js_name = solvePath)]
 pub fn solve_path(
     arm: &Arm,
@@ -144,7 +144,7 @@ pub fn solve_path(
     })
 }
 
-/// Joints for a whole path.
+/// Joint path for a Cartesian path.
 #[wasm_bindgen]
 pub struct PathSolution {
     inner: path::PathSolution,
@@ -154,25 +154,25 @@ pub struct PathSolution {
 
 #[wasm_bindgen]
 impl PathSolution {
-    /// One configuration a point, one after another, where they lie: valid until the next call into the module.
+    /// One configuration for each point, one after another, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
     pub fn q(&self) -> js_sys::Float64Array {
         view::doubles(&self.inner.q)
     }
 
-    /// The joints, the columns of `q`.
+    /// Names of the joints, the columns of `q`.
     #[wasm_bindgen(getter, js_name = jointNames)]
     pub fn joint_names(&self) -> Vec<String> {
         self.joints.clone()
     }
 
-    /// Which point of the path the first row is for: 0 unless it may be entered anywhere.
+    /// Index of the point of the first row: 0 except for traversal "any-start".
     #[wasm_bindgen(getter)]
     pub fn entry(&self) -> usize {
         self.inner.entry
     }
 
-    /// The steps in which the arm leaves its branch.
+    /// Steps in which the arm leaves its branch.
     #[wasm_bindgen(getter)]
     pub fn reconfigurations(&self) -> Reconfigurations {
         let steps = self.inner.reconfigurations.iter().map(|step| {
@@ -186,7 +186,7 @@ impl PathSolution {
         steps.collect::<Array>().unchecked_into()
     }
 
-    /// The points that are not reached, in order.
+    /// Points that are not reached, in order.
     #[wasm_bindgen(getter)]
     pub fn missed(&self) -> MissedPoints {
         let missed = self.inner.missed.iter().map(|missed| {
@@ -207,7 +207,7 @@ impl PathSolution {
         missed.collect::<Array>().unchecked_into()
     }
 
-    /// The steps that are not surely free, of an arm that keeps clear of something.
+    /// Steps that are not proven collision-free, for an arm that avoids collisions.
     #[wasm_bindgen(getter)]
     pub fn blocked(&self) -> BlockedSteps {
         let blocked = self.inner.blocked.iter().map(|step| {
@@ -218,7 +218,7 @@ impl PathSolution {
         blocked.collect::<Array>().unchecked_into()
     }
 
-    /// Whether all points are reached on one branch, and all steps are free.
+    /// True if all points are reached on one branch, and all steps are collision-free.
     #[wasm_bindgen(getter, js_name = isWhole)]
     pub fn is_whole(&self) -> bool {
         self.inner.is_whole()
@@ -230,20 +230,20 @@ impl PathSolution {
         self.inner.length
     }
 
-    /// How far the tool is from the path at most between two rows, metres: a bound, not a sample.
+    /// Upper bound of the tool's distance from the path between rows, metres.
     #[wasm_bindgen(getter, js_name = largestDeviation)]
     pub fn largest_deviation(&self) -> f64 {
         self.inner.largest_deviation.metres
     }
 
-    /// How far it is turned from the path at most, radians.
+    /// Upper bound of the tool's rotation from the path between rows, radians.
     #[wasm_bindgen(getter, js_name = largestTurn)]
     pub fn largest_turn(&self) -> f64 {
         self.inner.largest_deviation.radians
     }
 
-    /// Time of each row, seconds, the first at 0: the fastest from rest to rest under acceleration and velocity limits, one number a
-    /// joint or one for all. Velocity limits default to the robot's own.
+    /// Time of each row, seconds, starting at 0: time-optimal from rest to rest under acceleration and velocity limits,
+    /// one number for each joint or one for all. Velocity limits default to those of the robot.
     pub fn times(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,

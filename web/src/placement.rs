@@ -1,9 +1,9 @@
-//! Placements as sixteen numbers by columns, as WebGL and three.js have them.
+//! Placements as sixteen numbers by columns, as in WebGL and three.js.
 
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use wasm_bindgen::prelude::*;
 
-/// How far the last row may be from 0 0 0 1.
+/// Largest deviation of the last row from 0 0 0 1.
 const LAST_ROW: f64 = 1e-9;
 
 /// Reads one placement; `what` names it in messages.
@@ -15,7 +15,7 @@ pub(crate) fn read(numbers: &[f64], what: &str) -> Result<Placement<f64>, JsErro
         )));
     };
     let last = [m[3], m[7], m[11], m[15] - 1.0];
-    // NaN is not near to anything.
+    // Negated test: NaN fails it.
     if !last.iter().all(|value| value.abs() <= LAST_ROW) {
         let row = [m[3], m[7], m[11], m[15]];
         return Err(JsError::new(&format!(
@@ -27,12 +27,12 @@ pub(crate) fn read(numbers: &[f64], what: &str) -> Result<Placement<f64>, JsErro
     Ok(Placement::new(rotation, column(3)))
 }
 
-/// Reads one from a typed array or any list.
+/// Reads one placement from a typed array or an array.
 pub(crate) fn of(value: &JsValue, what: &str) -> Result<Placement<f64>, JsError> {
     read(&crate::given::numbers(value, what)?, what)
 }
 
-/// Reads many, sixteen numbers each.
+/// Reads several placements, sixteen numbers each.
 pub(crate) fn read_all(numbers: &[f64], what: &str) -> Result<Vec<Placement<f64>>, JsError> {
     if !numbers.len().is_multiple_of(16) {
         return Err(JsError::new(&format!(
@@ -45,7 +45,7 @@ pub(crate) fn read_all(numbers: &[f64], what: &str) -> Result<Vec<Placement<f64>
         .collect()
 }
 
-/// The sixteen numbers of a placement.
+/// Sixteen numbers of a placement.
 pub(crate) fn columns(placement: &Placement<f64>) -> [f64; 16] {
     let Placement {
         rotation: Matrix3 { x, y, z },

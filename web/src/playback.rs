@@ -1,4 +1,4 @@
-//! How a clip goes on beyond its ends.
+//! Playback modes outside the span of a clip.
 
 use kinopt::animation::Playback;
 use kinopt::model::UnknownName;
@@ -6,7 +6,7 @@ use wasm_bindgen::prelude::*;
 
 use crate::raise;
 
-/// How a clip goes on beyond its ends.
+/// Returns a playback mode by its name; the default is "hold".
 pub(crate) fn playback(name: Option<&str>) -> Result<Playback, JsError> {
     match name {
         None | Some("hold") => Ok(Playback::Hold),

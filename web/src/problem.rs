@@ -1,4 +1,4 @@
-//! What there is to solve: tasks on a model.
+//! Problems: tasks on a model.
 
 use std::rc::Rc;
 
@@ -93,7 +93,7 @@ extern "C" {
     pub type ProblemOptions;
 }
 
-/// Tasks on a model, checked and made ready.
+/// Tasks on a model, validated and compiled.
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Problem {
@@ -101,7 +101,7 @@ pub struct Problem {
     tasks: Rc<[BoxedTask]>,
 }
 
-/// What goes into a problem.
+/// Arguments of a problem.
 struct ProblemRequest<'a> {
     model: &'a Model,
     tasks: Tasks,
@@ -160,12 +160,12 @@ impl ProblemRequest<'_> {
     }
 }
 
-/// Has a problem keep clear of something.
+/// Adds collision avoidance to a problem.
 type Fence<'a> = dyn Fn(&mut kinopt::problem::ProblemBuilder<'_>) + 'a;
 
 #[wasm_bindgen]
 impl Problem {
-    /// States tasks on a model.
+    /// Creates a problem from tasks on a model.
     #[wasm_bindgen(constructor)]
     pub fn new(
         model: &Model,
@@ -181,8 +181,8 @@ impl Problem {
         asked.problem(None)
     }
 
-    /// A problem of a figure whose trunk does not turn and whose back hardly does while the tips of the bones `dragged`
-    /// move, from the angles `q`; for figures that know no limits.
+    /// Creates a problem of a skeleton without limits, in which the trunk does not rotate and the back hardly bends
+    /// while the tips of the bones `dragged` move, from the angles `q`.
     #[wasm_bindgen(js_name = holding)]
     pub fn holding(
         skeleton: &Skeleton,
@@ -202,13 +202,13 @@ impl Problem {
         asked.problem(None)
     }
 
-    /// The tasks' names, by which targets are given.
+    /// Names of the tasks, for targets.
     #[wasm_bindgen(getter, js_name = taskNames)]
     pub fn task_names(&self) -> Vec<String> {
         self.names().map(str::to_owned).collect()
     }
 
-    /// How many numbers a solver moves.
+    /// Number of solver variables.
     #[wasm_bindgen(getter)]
     pub fn variables(&self) -> usize {
         self.inner.variables()
@@ -218,7 +218,8 @@ impl Problem {
 #[cfg(feature = "collision")]
 #[wasm_bindgen]
 impl Problem {
-    /// A problem whose answers touch nothing of a world, nor the body itself: they keep `margin` metres.
+    /// Creates a problem that avoids collisions with a world and within the body, with a distance of at least `margin`
+    /// metres.
     #[wasm_bindgen(js_name = keepingClear)]
     pub fn keeping_clear(
         model: &Model,
@@ -246,7 +247,7 @@ impl Problem {
         (0..self.inner.tasks()).filter_map(|task| self.inner.task_name(task))
     }
 
-    /// Moves the targets that are given.
+    /// Moves the given targets.
     pub(crate) fn aim(
         &self,
         aimed: &mut Aimed<'_>,
@@ -264,7 +265,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The targets with some of them moved.
+    /// Targets of the problem with some of them moved.
     pub(crate) fn targets(&self, moved: Option<TargetsByName>) -> Result<Targets, JsError> {
         let mut targets = self.inner.targets();
         self.aim(&mut Aimed::Targets(&mut targets), moved)?;

@@ -1,4 +1,4 @@
-//! Poses as they come, which become a clip.
+//! Recorded poses, for a clip.
 
 use std::rc::Rc;
 
@@ -9,7 +9,7 @@ use crate::armature::{Armature, Pose};
 use crate::clip::Clip;
 use crate::raise;
 
-/// Poses of an armature, one after another at a fixed rate: what was dragged or solved becomes a clip.
+/// Poses of an armature, recorded one after another at a fixed rate. Dragged or solved poses become a clip.
 #[wasm_bindgen]
 pub struct Recording {
     armature: Rc<Bones>,
@@ -19,7 +19,7 @@ pub struct Recording {
 
 #[wasm_bindgen]
 impl Recording {
-    /// Of an armature's poses, so many a second.
+    /// Starts a recording of an armature's poses, at `fps` a second.
     #[wasm_bindgen(constructor)]
     pub fn new(armature: &Armature, fps: f64) -> Result<Self, JsError> {
         if !(fps > 0.0 && fps.is_finite()) {
@@ -32,7 +32,7 @@ impl Recording {
         })
     }
 
-    /// Takes the next pose.
+    /// Appends the next pose.
     pub fn add(&mut self, pose: &Pose) -> Result<(), JsError> {
         let (given, asked) = (pose.inner.bones(), self.armature.bones());
         if given != asked {
@@ -43,13 +43,13 @@ impl Recording {
         Ok(())
     }
 
-    /// How many there are.
+    /// Number of poses.
     #[wasm_bindgen(getter)]
     pub fn frames(&self) -> usize {
         self.poses.len()
     }
 
-    /// A clip through them, straight from pose to pose.
+    /// Clip through the poses, with linear interpolation.
     pub fn clip(&self, name: &str) -> Result<Clip, JsError> {
         let frames = 0..self.poses.len();
         let times: Vec<f32> = frames.map(|k| (k as f64 / self.fps) as f32).collect();
@@ -58,7 +58,7 @@ impl Recording {
         Ok(Clip::new(clip.map_err(raise)?, &self.armature))
     }
 
-    /// The text of a BVH file of them.
+    /// BVH text of the poses.
     #[wasm_bindgen(js_name = toBvh)]
     pub fn to_bvh(&self) -> Result<String, JsError> {
         kinopt::io::bvh::poses_to_text(&self.armature, &self.poses, self.fps).map_err(raise)

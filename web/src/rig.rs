@@ -1,4 +1,4 @@
-//! Rigs: a skeleton with the mesh it moves, its keyframes and its pinned tips.
+//! Rigs: a skeleton with its mesh, keyframes and pinned tips.
 
 use std::rc::Rc;
 
@@ -15,7 +15,7 @@ use crate::raise;
 use crate::skeleton::Skeleton;
 use crate::view;
 
-/// A skeleton with the mesh it moves, its keyframes and its pinned tips, in a unit of its own.
+/// A skeleton with its mesh, keyframes and pinned tips, in a length unit of its own.
 #[wasm_bindgen]
 pub struct Rig {
     pub(crate) inner: Rc<kinopt::io::rig::Rig>,
@@ -24,8 +24,8 @@ pub struct Rig {
 
 #[wasm_bindgen]
 impl Rig {
-    /// Reads a rig from the bytes of its JSON file; `name` is for messages. `open` gives the mesh and the weights that
-    /// it names; a mesh without normals gets some.
+    /// Reads a rig from the bytes of its JSON file; `name` is its name in messages. `open` returns its mesh and weights
+    /// files. Missing normals are computed.
     pub fn parse(json: &[u8], name: Option<String>, open: Option<Open>) -> Result<Self, JsValue> {
         let name = name.as_deref().unwrap_or("rig.json");
         let read = |open: &mut dyn FnMut(&str) -> _| kinopt::io::rig::Rig::parse(json, name, open);
@@ -40,13 +40,13 @@ impl Rig {
         })
     }
 
-    /// The bones.
+    /// Skeleton of the rig.
     #[wasm_bindgen(getter)]
     pub fn skeleton(&self) -> Skeleton {
         self.skeleton.clone()
     }
 
-    /// What problems are stated on.
+    /// Model of the skeleton; problems use it.
     #[wasm_bindgen(getter)]
     pub fn model(&self) -> Model {
         Model {
@@ -56,26 +56,26 @@ impl Rig {
         }
     }
 
-    /// The bones whose tips are pinned.
+    /// Names of the bones with pinned tips.
     #[wasm_bindgen(getter)]
     pub fn constrained(&self) -> Vec<String> {
         let pinned = self.inner.constrained.iter();
         pinned.map(|bone| self.skeleton.name(*bone)).collect()
     }
 
-    /// What reading did without.
+    /// Omissions and repairs of the reader.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.inner.notes.iter().map(ToString::to_string).collect()
     }
 
-    /// The keyframes.
+    /// Keyframes of the rig.
     #[wasm_bindgen(getter)]
     pub fn clip(&self) -> EulerClip {
         EulerClip::of(&self.inner)
     }
 
-    /// The corners of the mesh's triangles, three numbers of vertices each; empty where there is no mesh.
+    /// Vertex indices of the mesh's triangles, three each; empty without a mesh.
     #[wasm_bindgen(getter)]
     pub fn triangles(&self) -> Vec<u32> {
         let mesh = self.inner.mesh.as_ref();
@@ -84,7 +84,7 @@ impl Rig {
             .to_vec()
     }
 
-    /// Memory for posing the mesh by "lbs" (linear blend) or "dqs" (dual quaternions).
+    /// Workspace for poses of the mesh, by "lbs" (linear blend) or "dqs" (dual quaternions).
     pub fn posing(&self, method: Option<String>) -> Result<RigPosing, JsError> {
         let method = method.as_deref().unwrap_or("lbs");
         let method: SkinningMethod = method.parse().map_err(raise)?;
@@ -100,7 +100,7 @@ impl Rig {
     }
 }
 
-/// A rig that others have too.
+/// A shared rig.
 struct Shared(Rc<kinopt::io::rig::Rig>);
 
 impl std::borrow::Borrow<kinopt::io::rig::Rig> for Shared {
@@ -109,7 +109,7 @@ impl std::borrow::Borrow<kinopt::io::rig::Rig> for Shared {
     }
 }
 
-/// Poses the mesh of a rig again and again, in memory of the module's that is read where it lies.
+/// Poses the mesh of a rig repeatedly, into the module's memory, for views.
 #[wasm_bindgen]
 pub struct RigPosing {
     posing: kinopt::io::rig::RigPosing<Shared>,
@@ -119,7 +119,7 @@ pub struct RigPosing {
 
 #[wasm_bindgen]
 impl RigPosing {
-    /// Brings the mesh to the angles `q`, radians.
+    /// Computes the mesh at the angles `q`, radians.
     pub fn deform(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
@@ -132,7 +132,7 @@ impl RigPosing {
         self.posing.deform(q, posed).map_err(raise)
     }
 
-    /// Brings the mesh to a pose of the skeleton's armature.
+    /// Computes the mesh in a pose of the skeleton's armature.
     #[wasm_bindgen(js_name = deformToPose)]
     pub fn deform_to_pose(&mut self, pose: &Pose) -> Result<(), JsError> {
         let posed = PosedVertices {
@@ -145,13 +145,13 @@ impl RigPosing {
             .map_err(raise)
     }
 
-    /// The vertices, three numbers each, where they lie: valid until the next call into the module.
+    /// Vertices, three numbers each, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
     pub fn positions(&self) -> js_sys::Float32Array {
         view::floats(&self.positions)
     }
 
-    /// Their unit normals.
+    /// Unit normals of the vertices.
     #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
     pub fn normals(&self) -> js_sys::Float32Array {
         view::floats(&self.normals)

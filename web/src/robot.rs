@@ -1,4 +1,4 @@
-//! Robots, from URDF and MJCF.
+//! Robots from URDF and MJCF.
 
 use std::rc::Rc;
 
@@ -50,10 +50,10 @@ extern "C" {
     /// A shape as an object.
     #[wasm_bindgen(typescript_type = "Shape[]")]
     pub type Shapes;
-    /// Three numbers a point.
+    /// Points of three numbers.
     #[wasm_bindgen(typescript_type = "Float64Array[]")]
     pub type Points;
-    /// How a robot stands.
+    /// Options of a robot's base.
     #[wasm_bindgen(typescript_type = "BaseOptions")]
     pub type BaseOptions;
     /// Options of a robot.
@@ -69,7 +69,7 @@ pub struct Robot {
 
 #[wasm_bindgen]
 impl Robot {
-    /// Reads a URDF; `name` is for messages.
+    /// Reads a URDF; `name` is its name in messages.
     #[wasm_bindgen(js_name = fromUrdf)]
     pub fn from_urdf(
         text: &str,
@@ -105,7 +105,7 @@ impl Robot {
         on_base(inner, &options)
     }
 
-    /// A robot of a rig's or a skeleton's bones, or of any other model, on a base that may move.
+    /// Creates a robot from the model of a rig, a skeleton or any other model, with an optional base joint.
     #[wasm_bindgen(js_name = ofModel)]
     pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
@@ -114,7 +114,7 @@ impl Robot {
         on_base(inner.map_err(raise)?, &options)
     }
 
-    /// The joints and frames.
+    /// Joints and frames of the robot.
     #[wasm_bindgen(getter)]
     pub fn model(&self) -> Model {
         Model {
@@ -123,13 +123,13 @@ impl Robot {
         }
     }
 
-    /// Its name.
+    /// Name of the robot.
     #[wasm_bindgen(getter)]
     pub fn name(&self) -> String {
         self.inner.name().to_owned()
     }
 
-    /// The frames at the ends of its chains.
+    /// Names of the frames at the ends of its chains.
     #[wasm_bindgen(getter)]
     pub fn tips(&self) -> Vec<String> {
         let frames = self.inner.model().frames();
@@ -137,14 +137,14 @@ impl Robot {
         tips.map(|tip| frames[tip.index()].name.clone()).collect()
     }
 
-    /// What a lenient reading mended.
+    /// Repairs of a lenient read.
     #[wasm_bindgen(getter)]
     pub fn repairs(&self) -> Vec<String> {
         let repairs = self.inner.repairs().iter();
         repairs.map(ToString::to_string).collect()
     }
 
-    /// The joints from one link to another.
+    /// Names of the joints from one link to another.
     pub fn chain(&self, base: &str, tip: &str) -> Result<Vec<String>, JsError> {
         let joints = self.inner.chain(base, tip).map_err(raise)?;
         let all = self.inner.model().joints();
@@ -152,7 +152,7 @@ impl Robot {
         Ok(names.collect())
     }
 
-    /// The same with a frame more, on a link.
+    /// The robot with an additional frame on a link.
     #[wasm_bindgen(js_name = withTool)]
     pub fn with_tool(
         &self,
@@ -167,7 +167,7 @@ impl Robot {
         Ok(inner.into())
     }
 
-    /// What a link looks like, or what it bumps into things with; none for frames without a body.
+    /// Visual shapes of a link, or its collision shapes; empty for frames without shapes.
     pub fn shapes(&self, link: &str, collision: Option<bool>) -> Result<Shapes, JsError> {
         let frame = self.inner.model().frame(link).map_err(raise)?;
         let shapes = match (self.inner.link(frame), collision) {
@@ -179,9 +179,9 @@ impl Robot {
         Ok(list.unchecked_into())
     }
 
-    /// The configuration `q` with a free base a fifteenth of its height lower, the frames `feet` where they are and the rest near `q`:
-    /// knees bent a little, so that a hand that is dragged down bends them more. z is up. A robot without a free base, and one
-    /// whose feet cannot stay, keeps `q`.
+    /// Crouched configuration: `q` with a free base lower by a fifteenth of its height, the frames `feet` at their
+    /// poses and the other joints near `q`. The slightly bent knees avoid the singularity of straight legs. z is up.
+    /// Returns `q` for a robot without a free base, and if the feet cannot stay.
     #[wasm_bindgen(js_name = bentStance)]
     pub fn bent_stance(
         &self,
@@ -195,8 +195,9 @@ impl Robot {
         kinopt::ik::bent_stance(model, self.inner.map(), &feet, q, up).map_err(raise)
     }
 
-    /// Points that a foot stands on, in its frame, metres: where the links begin that are fixed to it, its own first, and the corners
-    /// of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })` balances over it.
+    /// Contact points of a foot, in its frame, metres: the origins of its link and of the links fixed to it, and the
+    /// corners of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })` balances
+    /// over it.
     pub fn sole(&self, foot: &str) -> Result<Points, JsError> {
         let frame = self.inner.model().frame(foot).map_err(raise)?;
         let points = self.inner.sole(frame).into_iter();
@@ -212,7 +213,7 @@ impl From<kinopt::robot::Robot> for Robot {
     }
 }
 
-/// A robot on the base that is asked for.
+/// Puts a robot on the requested base.
 fn on_base(robot: kinopt::robot::Robot, options: &Given) -> Result<Robot, JsError> {
     let Some(kind) = options.text("baseJoint")? else {
         return Ok(robot.into());
@@ -230,8 +231,8 @@ fn on_base(robot: kinopt::robot::Robot, options: &Given) -> Result<Robot, JsErro
 #[cfg(feature = "mjcf")]
 #[wasm_bindgen]
 impl Robot {
-    /// Reads an MJCF, as MuJoCo's models are written in; `name` is for messages. A configuration is MuJoCo's `qpos`. A file
-    /// that includes others is to be given whole, with their contents in it.
+    /// Reads an MJCF (MuJoCo); `name` is its name in messages. A configuration is MuJoCo's `qpos`. Included files must
+    /// already be merged into the text.
     #[wasm_bindgen(js_name = fromMjcf)]
     pub fn from_mjcf(
         text: &str,

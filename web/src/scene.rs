@@ -1,4 +1,4 @@
-//! Scenes, from glTF.
+//! glTF scenes.
 
 use std::borrow::Borrow;
 use std::rc::Rc;
@@ -16,7 +16,7 @@ use crate::figure::Figure;
 use crate::raise;
 use crate::view;
 
-/// The bones, meshes and clips of a glTF file.
+/// Bones, meshes and clips of a glTF file.
 #[wasm_bindgen]
 pub struct Scene {
     inner: Rc<gltf::Scene>,
@@ -25,7 +25,8 @@ pub struct Scene {
 
 #[wasm_bindgen]
 impl Scene {
-    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gives the files that it names.
+    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is its name in messages. `open` returns its referenced
+    /// files.
     #[wasm_bindgen(js_name = fromBytes)]
     pub fn from_bytes(
         data: &[u8],
@@ -41,13 +42,13 @@ impl Scene {
         Ok(Self { inner, armature })
     }
 
-    /// Every node of the file as a bone.
+    /// Armature: every node of the file is a bone.
     #[wasm_bindgen(getter)]
     pub fn armature(&self) -> Armature {
         self.armature.clone()
     }
 
-    /// The animations.
+    /// Animation clips.
     #[wasm_bindgen(getter)]
     pub fn clips(&self) -> Vec<Clip> {
         let clips = self.inner.clips.iter();
@@ -56,26 +57,26 @@ impl Scene {
             .collect()
     }
 
-    /// What reading changed or left out.
+    /// Changes and omissions of the reader.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.inner.notes.iter().map(ToString::to_string).collect()
     }
 
-    /// A figure to drag, standing in a pose.
+    /// A skeleton to drag, with the given pose as its rest pose.
     pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
         let turning = self.inner.turning_bones();
         Figure::standing(&self.armature.inner, &turning, pose)
     }
 
-    /// Memory for posing the meshes by "lbs" (linear blend) or "dqs" (dual quaternions).
+    /// Workspace for poses of the meshes, by "lbs" (linear blend) or "dqs" (dual quaternions).
     pub fn posing(&self, method: Option<String>) -> Result<ScenePosing, JsError> {
         let method = method.as_deref().unwrap_or("lbs");
         let method: SkinningMethod = method.parse().map_err(raise)?;
         let meshes = &self.inner.meshes;
         let count = |of: fn(&TriangleMesh) -> usize| meshes.iter().map(|own| of(&own.mesh)).sum();
         let vertices = count(|mesh| mesh.positions().len());
-        // Normals of some meshes alone would not stand beside their vertices.
+        // Normals of only some meshes would not match the vertices.
         let normals = match count(|mesh| mesh.normals().len()) {
             all if all == vertices => all,
             _ => 0,
@@ -90,7 +91,7 @@ impl Scene {
     }
 }
 
-/// The triangles of all meshes, over the vertices of all.
+/// Triangles of all meshes, over the vertices of all.
 fn triangles(scene: &gltf::Scene) -> Vec<[u32; 3]> {
     let (mut all, mut first) = (Vec::new(), 0);
     for mesh in scene.meshes.iter().map(|own| &own.mesh) {
@@ -101,7 +102,7 @@ fn triangles(scene: &gltf::Scene) -> Vec<[u32; 3]> {
     all
 }
 
-/// A scene that others have too.
+/// A shared scene.
 struct Shared(Rc<gltf::Scene>);
 
 impl Borrow<gltf::Scene> for Shared {
@@ -110,7 +111,7 @@ impl Borrow<gltf::Scene> for Shared {
     }
 }
 
-/// Poses the meshes of a scene again and again, in memory of the module's that is read where it lies.
+/// Poses the meshes of a scene repeatedly, into the module's memory, for views.
 #[wasm_bindgen]
 pub struct ScenePosing {
     posing: gltf::ScenePosing<Shared>,
@@ -121,7 +122,7 @@ pub struct ScenePosing {
 
 #[wasm_bindgen]
 impl ScenePosing {
-    /// Brings the meshes to a pose.
+    /// Computes the meshes in a pose.
     pub fn deform(&mut self, pose: &Pose) -> Result<(), JsError> {
         let posed = PosedVertices {
             positions: &mut self.positions,
@@ -131,19 +132,19 @@ impl ScenePosing {
         self.posing.deform(&pose.inner, posed).map_err(raise)
     }
 
-    /// The vertices of all meshes, three numbers each, where they lie: valid until the next call into the module.
+    /// Vertices of all meshes, three numbers each, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
     pub fn positions(&self) -> js_sys::Float32Array {
         view::floats(&self.positions)
     }
 
-    /// Their unit normals, where all meshes have some.
+    /// Unit normals of the vertices, if all meshes have normals.
     #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
     pub fn normals(&self) -> js_sys::Float32Array {
         view::floats(&self.normals)
     }
 
-    /// The corners of the triangles of all meshes, three numbers of vertices each.
+    /// Vertex indices of the triangles of all meshes, three each.
     #[wasm_bindgen(getter)]
     pub fn triangles(&self) -> Vec<u32> {
         self.triangles.as_flattened().to_vec()

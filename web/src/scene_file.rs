@@ -1,4 +1,4 @@
-//! glTF files that get clips.
+//! glTF files with lossless editing.
 
 use std::rc::Rc;
 
@@ -10,7 +10,7 @@ use crate::clip::Clip;
 use crate::contents::{self, Open};
 use crate::raise;
 
-/// A glTF file to which clips are added: all else in it stays as it is, materials and what this library does not know too.
+/// A glTF file to which clips can be added. All other content, including materials and unknown data, does not change.
 #[wasm_bindgen]
 pub struct SceneFile {
     inner: gltf::SceneFile,
@@ -19,7 +19,8 @@ pub struct SceneFile {
 
 #[wasm_bindgen]
 impl SceneFile {
-    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gives the files that it names.
+    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is its name in messages. `open` returns its referenced
+    /// files.
     #[wasm_bindgen(js_name = fromBytes)]
     pub fn from_bytes(
         data: &[u8],
@@ -34,27 +35,27 @@ impl SceneFile {
         Ok(Self { inner, armature })
     }
 
-    /// Every node of the file as a bone: whose clips it takes.
+    /// Armature for clips: every node of the file is a bone.
     #[wasm_bindgen(getter)]
     pub fn armature(&self) -> Armature {
         self.armature.clone()
     }
 
-    /// The names of its clips.
+    /// Names of its clips.
     #[wasm_bindgen(getter, js_name = clipNames)]
     pub fn clip_names(&self) -> Vec<String> {
         let clips = self.inner.scene().clips.iter();
         clips.map(|clip| clip.name().to_owned()).collect()
     }
 
-    /// Adds a clip behind those that are there.
+    /// Appends a clip.
     #[wasm_bindgen(js_name = addClip)]
     pub fn add_clip(&mut self, clip: &Clip) -> Result<(), JsError> {
         let added = self.inner.add_clip(clip.inner(), &WriteOptions::default());
         added.map_err(raise)
     }
 
-    /// The file's bytes: of a `.glb` where one was read, else the text of a `.gltf`.
+    /// Bytes of the file: of a `.glb` if the original is one, else the text of a `.gltf`.
     #[wasm_bindgen(js_name = toBytes)]
     pub fn to_bytes(&self) -> Result<Vec<u8>, JsError> {
         self.inner.to_bytes().map_err(raise)

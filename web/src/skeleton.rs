@@ -1,4 +1,4 @@
-//! Skeletons: bones of a character.
+//! Skeletons of characters.
 
 use std::rc::Rc;
 
@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use crate::model::Model;
 use crate::raise;
 
-/// The bones of a character, three angles each.
+/// Bones of a character, with three angles each.
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Skeleton {
@@ -24,20 +24,20 @@ impl From<kinopt::Skeleton> for Skeleton {
 
 #[wasm_bindgen]
 impl Skeleton {
-    /// What problems are stated on.
+    /// Model of the skeleton; problems use it.
     #[wasm_bindgen(getter)]
     pub fn model(&self) -> Model {
         self.inner.model().clone().into()
     }
 
-    /// The bones, parents before children.
+    /// Names of the bones, parents before children.
     #[wasm_bindgen(getter, js_name = boneNames)]
     pub fn bone_names(&self) -> Vec<String> {
         let bones = self.inner.bones().iter();
         bones.map(|bone| bone.name.clone()).collect()
     }
 
-    /// The number of each bone's parent; -1 for roots.
+    /// Index of each bone's parent; -1 for roots.
     #[wasm_bindgen(getter)]
     pub fn parents(&self) -> Vec<i32> {
         let bones = self.inner.bones().iter();
@@ -46,17 +46,17 @@ impl Skeleton {
             .collect()
     }
 
-    /// The frame at the start of a bone.
+    /// Frame at the tail of a bone.
     pub fn tail(&self, bone: &str) -> Result<String, JsError> {
         self.frame(|bone| self.inner.tail(bone), bone)
     }
 
-    /// The frame at the end of a bone.
+    /// Frame at the tip of a bone.
     pub fn tip(&self, bone: &str) -> Result<String, JsError> {
         self.frame(|bone| self.inner.tip(bone), bone)
     }
 
-    /// What should stay while the tips of bones are dragged: the bones whose tips stay where they are.
+    /// Names of the bones whose tips should stay in place during a drag of the tips of `dragged`.
     pub fn holds(&self, dragged: Vec<String>) -> Result<Vec<String>, JsError> {
         let holds = self.inner.holds(&self.bones_named(&dragged)?);
         let ends = holds.ends.iter().map(|end| self.name(*end));

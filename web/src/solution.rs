@@ -1,4 +1,4 @@
-//! What a solve came to.
+//! Results of a solve.
 
 use js_sys::Array;
 use wasm_bindgen::prelude::*;
@@ -54,7 +54,7 @@ extern "C" {
     pub type Collisions;
 }
 
-/// A configuration, what it reaches, and what is in the way of the rest.
+/// Solution: a configuration, its errors, and the limits and collisions that prevent better ones.
 #[wasm_bindgen]
 pub struct Solution {
     inner: kinopt::Solution,
@@ -68,61 +68,61 @@ impl From<kinopt::Solution> for Solution {
 
 #[wasm_bindgen]
 impl Solution {
-    /// The configuration, radians and metres.
+    /// Configuration, radians and metres.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q.clone()
     }
 
-    /// Whether every goal is within its tolerance, and nothing is touched.
+    /// True if every required task is within its tolerance, and the configuration is collision-free.
     #[wasm_bindgen(getter)]
     pub fn reached(&self) -> bool {
         self.inner.reached
     }
 
-    /// Whether every goal is within its tolerance, though something may be touched.
+    /// True if every required task is within its tolerance, even in collision.
     #[wasm_bindgen(getter, js_name = goalsReached)]
     pub fn goals_reached(&self) -> bool {
         self.inner.goals_reached()
     }
 
-    /// The largest error of a place, metres.
+    /// Largest position error, metres.
     #[wasm_bindgen(getter, js_name = positionError)]
     pub fn position_error(&self) -> Option<f64> {
         self.inner.position_error()
     }
 
-    /// The largest error of an orientation, radians.
+    /// Largest orientation error, radians.
     #[wasm_bindgen(getter, js_name = orientationError)]
     pub fn orientation_error(&self) -> Option<f64> {
         self.inner.orientation_error()
     }
 
-    /// Which test ended the search.
+    /// Name of the test that ended the search.
     #[wasm_bindgen(getter)]
     pub fn termination(&self) -> String {
         self.inner.termination.name().to_owned()
     }
 
-    /// Steps, in all attempts.
+    /// Iterations of all attempts.
     #[wasm_bindgen(getter)]
     pub fn iterations(&self) -> usize {
         self.inner.iterations
     }
 
-    /// Searches from different starts.
+    /// Number of attempts.
     #[wasm_bindgen(getter)]
     pub fn attempts(&self) -> usize {
         self.inner.attempts
     }
 
-    /// Whether a target that is missed is known to be out of reach.
+    /// True if a missed target is proven unreachable.
     #[wasm_bindgen(getter, js_name = isOutOfReach)]
     pub fn is_out_of_reach(&self) -> bool {
         self.inner.is_out_of_reach()
     }
 
-    /// The limits in the way.
+    /// Active limits.
     #[wasm_bindgen(getter, js_name = activeLimits)]
     pub fn active_limits(&self) -> ActiveLimits {
         let limits = self.inner.active_limits().map(|limit| {
@@ -136,7 +136,7 @@ impl Solution {
         limits.collect::<Array>().unchecked_into()
     }
 
-    /// The tasks, one by one.
+    /// Reports of the tasks.
     #[wasm_bindgen(getter)]
     pub fn tasks(&self) -> TaskReports {
         let or_none = |error: Option<f64>| error.map_or(JsValue::UNDEFINED, JsValue::from);
@@ -151,7 +151,7 @@ impl Solution {
         tasks.collect::<Array>().unchecked_into()
     }
 
-    /// All of it in a sentence.
+    /// Summary as a text.
     pub fn explain(&self) -> String {
         self.inner.explain()
     }
@@ -160,7 +160,7 @@ impl Solution {
 #[cfg(feature = "collision")]
 #[wasm_bindgen]
 impl Solution {
-    /// What is in the way: what touches at the answer, or what the step to a better one would come to.
+    /// Pairs in collision at the solution, or the pair that blocks the step to a better one.
     #[wasm_bindgen(getter)]
     pub fn collisions(&self) -> Collisions {
         collisions(self.inner.collisions())
@@ -174,7 +174,7 @@ pub(crate) fn collisions(found: &[kinopt::ik::Collision]) -> Collisions {
     told.collect::<Array>().unchecked_into()
 }
 
-/// What an object says of a collision.
+/// Fields of the object of a collision.
 #[cfg(any(feature = "collision", feature = "paths"))]
 pub(crate) fn fields(pair: &kinopt::ik::Collision) -> [(&'static str, JsValue); 6] {
     [

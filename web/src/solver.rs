@@ -1,4 +1,4 @@
-//! Solving problems.
+//! Solvers of problems.
 
 use kinopt::Workspace;
 use kinopt::ik::Restarts;
@@ -39,7 +39,7 @@ extern "C" {
     pub type SolverOptions;
 }
 
-/// Solves problems by Levenberg-Marquardt within bounds, from several starts where one misses.
+/// Solves problems by Levenberg-Marquardt with bounds, from several starts after a miss.
 #[wasm_bindgen]
 pub struct Solver {
     inner: kinopt::Solver,
@@ -48,7 +48,7 @@ pub struct Solver {
 
 #[wasm_bindgen]
 impl Solver {
-    /// A solver; without options, as good ones as the library knows.
+    /// Creates a solver, by default with the defaults of the library.
     #[wasm_bindgen(constructor)]
     pub fn new(options: Option<SolverOptions>) -> Result<Self, JsError> {
         const KNOWN: [&str; 9] = [
@@ -101,7 +101,7 @@ impl Solver {
         })
     }
 
-    /// Solves from a start, with targets moved by their tasks' names. A target that is missed is no exception: see
+    /// Solves from a start, with targets moved by the tasks' names. A target that is not reached is no exception: see
     /// `reached` and `explain()`.
     pub fn solve(
         &mut self,

@@ -1,4 +1,4 @@
-//! SRDF: what a robot's description does not say.
+//! SRDF: semantic description of a robot.
 
 use std::rc::Rc;
 
@@ -38,12 +38,12 @@ extern "C" {
     /// Pairs of links.
     #[wasm_bindgen(typescript_type = "[string, string][]")]
     pub type Pairs;
-    /// How a file is read.
+    /// Options of reading a file.
     #[wasm_bindgen(typescript_type = "SrdfOptions")]
     pub type SrdfOptions;
 }
 
-/// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be kept apart.
+/// Content of an SRDF file: groups of joints, group states, passive joints, and disabled collision pairs of a robot.
 #[wasm_bindgen]
 pub struct Srdf {
     pub(crate) inner: kinopt::robot::Srdf,
@@ -52,7 +52,7 @@ pub struct Srdf {
 
 #[wasm_bindgen]
 impl Srdf {
-    /// Reads a document that speaks of a robot; `name` is for messages.
+    /// Reads the document of a robot; `name` is its name in messages.
     pub fn parse(
         text: &str,
         robot: &Robot,
@@ -71,34 +71,34 @@ impl Srdf {
         Ok(Self { inner, robot })
     }
 
-    /// What a lenient reading left out.
+    /// Elements that a lenient read ignored.
     #[wasm_bindgen(getter)]
     pub fn repairs(&self) -> Vec<String> {
         let repairs = self.inner.repairs.iter();
         repairs.map(ToString::to_string).collect()
     }
 
-    /// The joints that move of each group, parents before children, by the group's name: what an arm's `only` takes.
+    /// Moving joints of each group, parents before children, by the name of the group, as for an arm's `only`.
     #[wasm_bindgen(getter)]
     pub fn groups(&self) -> Groups {
         let groups = object::of([]);
         for group in &self.inner.groups {
             let joints: js_sys::Array = self.joints(&group.joints).collect();
-            // Fails for frozen objects alone.
+            // Fails for frozen objects only.
             let _ = js_sys::Reflect::set(&groups, &group.name.as_str().into(), &joints);
         }
         JsValue::from(groups).unchecked_into()
     }
 
-    /// The names of the states.
+    /// Names of the group states.
     #[wasm_bindgen(getter)]
     pub fn states(&self) -> Vec<String> {
         let states = self.inner.states.iter();
         states.map(|state| state.name.clone()).collect()
     }
 
-    /// A state as a whole configuration: its values, and those of `at` (the neutral ones without it) for all other joints. A name
-    /// that several groups have is all of them, `group/name` one's alone.
+    /// A group state as a whole configuration: its values, and those of `at` (default: neutral) for all other joints. A
+    /// name that several groups define merges their states; `group/name` selects one.
     pub fn state(
         &self,
         name: &str,
@@ -114,14 +114,14 @@ impl Srdf {
         self.inner.state(name, &at).map_err(raise)
     }
 
-    /// Joints that nothing drives, which move.
+    /// Passive joints that move.
     #[wasm_bindgen(getter, js_name = passiveJoints)]
     pub fn passive_joints(&self) -> Vec<String> {
         let joints = self.joints(&self.inner.passive_joints);
         joints.filter_map(|name| name.as_string()).collect()
     }
 
-    /// Grippers, tools and feet.
+    /// End effectors.
     #[wasm_bindgen(getter, js_name = endEffectors)]
     pub fn end_effectors(&self) -> EndEffectors {
         let ends = self.inner.end_effectors.iter().map(|end| {
@@ -134,7 +134,7 @@ impl Srdf {
         ends.collect::<js_sys::Array>().unchecked_into()
     }
 
-    /// Links that collision checks may leave out.
+    /// Disabled collision pairs.
     #[wasm_bindgen(getter, js_name = disabledPairs)]
     pub fn disabled_pairs(&self) -> Pairs {
         let pairs = self.inner.disabled_pairs.iter().map(|pair| {

@@ -1,4 +1,4 @@
-//! Worlds of obstacles, and what of a body is kept clear of them.
+//! Worlds of obstacles, and collision models of bodies.
 
 use kinopt::collision::{self, Checker};
 use kinopt::spatial::{Placement, Vector3};
@@ -9,14 +9,14 @@ use crate::raise;
 use crate::rig::Rig;
 use crate::robot::Robot;
 
-/// Obstacles by name; metres.
+/// Obstacles by name; lengths in metres.
 #[wasm_bindgen]
 #[derive(Clone, Default)]
 pub struct World {
     pub(crate) inner: collision::World,
 }
 
-/// A placement of sixteen numbers, or a place of three.
+/// Reads a placement of sixteen numbers, or a position of three.
 fn pose(numbers: Option<Vec<f64>>) -> Result<Placement<f64>, JsError> {
     match numbers.as_deref() {
         None => Ok(Placement::identity()),
@@ -27,13 +27,13 @@ fn pose(numbers: Option<Vec<f64>>) -> Result<Placement<f64>, JsError> {
 
 #[wasm_bindgen]
 impl World {
-    /// A world without obstacles.
+    /// Creates a world without obstacles.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Reads a world from its JSON; `name` is for messages.
+    /// Reads a world from its JSON; `name` is its name in messages.
     #[wasm_bindgen(js_name = fromJson)]
     pub fn from_json(text: &str, name: Option<String>) -> Result<Self, JsError> {
         let name = name.as_deref().unwrap_or("world.json");
@@ -41,19 +41,20 @@ impl World {
         Ok(Self { inner })
     }
 
-    /// The same as JSON.
+    /// The world as JSON.
     #[wasm_bindgen(js_name = toJson)]
     pub fn to_json(&self) -> String {
         self.inner.to_json()
     }
 
-    /// The same obstacles `times` as large and as far from the world's origin: a person's boxes are `stride` times as large where a robot goes.
+    /// The world with obstacles scaled by the factor `times`, together with their distance from the origin. Obstacles
+    /// of a subject scale by `stride` for a robot.
     pub fn scaled(&self, times: f64) -> Result<Self, JsError> {
         let inner = self.inner.scaled(times).map_err(raise)?;
         Ok(Self { inner })
     }
 
-    /// A box of whole lengths along x, y and z. A pose is a placement, or a place of three numbers.
+    /// Adds a box by its full lengths along x, y and z. A pose is a placement, or a position of three numbers.
     #[wasm_bindgen(js_name = addBox)]
     pub fn add_box(
         &mut self,
@@ -69,7 +70,7 @@ impl World {
         self.inner.add_box(name, size, pose).map_err(raise)
     }
 
-    /// A sphere.
+    /// Adds a sphere.
     #[wasm_bindgen(js_name = addSphere)]
     pub fn add_sphere(
         &mut self,
@@ -81,7 +82,7 @@ impl World {
         self.inner.add_sphere(name, radius, pose).map_err(raise)
     }
 
-    /// A cylinder along z.
+    /// Adds a cylinder along z.
     #[wasm_bindgen(js_name = addCylinder)]
     pub fn add_cylinder(
         &mut self,
@@ -95,7 +96,7 @@ impl World {
         added.map_err(raise)
     }
 
-    /// A cylinder along z with half a sphere at either end.
+    /// Adds a capsule along z. `length` is that of its segment.
     #[wasm_bindgen(js_name = addCapsule)]
     pub fn add_capsule(
         &mut self,
@@ -109,7 +110,7 @@ impl World {
         added.map_err(raise)
     }
 
-    /// All below the plane through the pose's origin across its z axis.
+    /// Adds the half-space below z = 0 of the pose.
     #[wasm_bindgen(js_name = addPlane)]
     pub fn add_plane(
         &mut self,
@@ -131,36 +132,37 @@ impl World {
         self.inner.move_to(name, pose).map_err(raise)
     }
 
-    /// Takes an obstacle out.
+    /// Removes an obstacle.
     pub fn remove(&mut self, name: &str) -> Result<(), JsError> {
         self.inner.remove(name).map_err(raise)
     }
 
-    /// Lets an obstacle and a link, or two obstacles, touch, however deep, until it is forbidden or one of the obstacles is removed.
+    /// Allows collisions of an obstacle and a link, or of two obstacles, at any depth, until `forbidTouch` or the
+    /// removal of one of the obstacles.
     #[wasm_bindgen(js_name = allowTouch)]
     pub fn allow_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
         self.inner.allow_touch(one, other).map_err(raise)
     }
 
-    /// Keeps two things apart again that may touch.
+    /// Enables the collision pair again after `allowTouch`.
     #[wasm_bindgen(js_name = forbidTouch)]
     pub fn forbid_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
         self.inner.forbid_touch(one, other).map_err(raise)
     }
 
-    /// Whether two things were let touch, in either order.
+    /// True if the collision of the pair is allowed, in either order.
     #[wasm_bindgen(js_name = mayTouch)]
     pub fn may_touch(&self, one: &str, other: &str) -> bool {
         self.inner.may_touch(one, other)
     }
 
-    /// What of its file was not taken up, and what was found about the obstacles' shapes and taken all the same: that a mesh is open, say.
+    /// Notes: ignored parts of the file, and properties of accepted shapes, such as an open mesh.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.inner.notes()
     }
 
-    /// The obstacles.
+    /// Names of the obstacles.
     #[wasm_bindgen(getter)]
     pub fn names(&self) -> Vec<String> {
         let obstacles = self.inner.obstacles();
@@ -168,7 +170,7 @@ impl World {
     }
 }
 
-/// A copy of the world that a caller's object is.
+/// Copies the world of a caller's object.
 #[cfg(feature = "clip-ik")]
 pub(crate) fn copied(given: &JsValue, what: &str) -> Result<collision::World, JsError> {
     let no = |_| JsError::new(&format!("{what} must be a World"));
@@ -179,7 +181,8 @@ pub(crate) fn copied(given: &JsValue, what: &str) -> Result<collision::World, Js
     collision::World::from_json(text.as_bytes(), what).map_err(raise)
 }
 
-/// The shapes of a body, the pairs of links that are kept apart, and spheres that cover them. Making one takes a while.
+/// Collision shapes of a body, enabled collision pairs of links, and spheres that cover the shapes. Its creation is
+/// expensive.
 #[wasm_bindgen]
 pub struct CollisionModel {
     checker: Checker,
@@ -187,14 +190,15 @@ pub struct CollisionModel {
 
 #[wasm_bindgen]
 impl CollisionModel {
-    /// Of a robot's collision shapes; pairs that always touch or cannot are found by drawing configurations, and left out.
+    /// Creates the model from the collision shapes of a robot. Pairs that are always or never in contact, by sampled
+    /// configurations, are omitted.
     #[wasm_bindgen(js_name = ofRobot)]
     pub fn of_robot(robot: &Robot) -> Result<Self, JsError> {
         let checker = Checker::of(&robot.inner).map_err(raise)?;
         Ok(Self { checker })
     }
 
-    /// Of a rig's skin.
+    /// Creates the model from the skin of a rig.
     #[wasm_bindgen(js_name = ofSkin)]
     pub fn of_skin(rig: &Rig) -> Result<Self, JsError> {
         let rig = &rig.inner;
@@ -206,8 +210,9 @@ impl CollisionModel {
         Ok(Self { checker })
     }
 
-    /// The same with spheres of a file's text by which configurations are looked through: cuRobo's `collision_spheres`, or the spheres of
-    /// a spherised URDF; `file` is its name, which says the format. They are grown by the gaps that they leave.
+    /// The model with the spheres of a file for fast collision checks: cuRobo's `collision_spheres`, or the spheres of
+    /// a spherised URDF; `file` is the name of the file, whose extension gives the format. They are enlarged by their
+    /// gaps.
     #[wasm_bindgen(js_name = withSpheres)]
     pub fn with_spheres(&self, text: &str, file: &str) -> Result<Self, JsError> {
         let model = self.checker.model();
@@ -216,7 +221,7 @@ impl CollisionModel {
         Ok(Self { checker })
     }
 
-    /// What of the robot's shapes, and of a file of spheres, was left out or mended.
+    /// Omissions and repairs of the robot's shapes and of a file of spheres.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         let spheres = self.checker.spheres().map(collision::SphereModel::notes);
@@ -227,7 +232,7 @@ impl CollisionModel {
             .collect()
     }
 
-    /// The links that have shapes.
+    /// Names of the links with shapes.
     #[wasm_bindgen(getter)]
     pub fn links(&self) -> Vec<String> {
         let model = self.checker.model();
@@ -240,7 +245,7 @@ impl CollisionModel {
 }
 
 impl CollisionModel {
-    /// What checks the body against a world.
+    /// Collision checker of the body with a world.
     pub(crate) fn checker(&self, world: &World, margin: Option<f64>) -> Result<Checker, JsError> {
         let checker = self
             .checker

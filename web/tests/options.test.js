@@ -1,4 +1,4 @@
-// The tables of docs/options.md name the options that there are, and no others.
+// The tables of docs/reference/options.md name the options that there are, and no others.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -7,7 +7,7 @@ const text = (path) => readFileSync(new URL(path, import.meta.url), "utf8");
 
 /** What a section's table has in its column of JavaScript: names of options, not of functions. */
 function named(section) {
-    const [, part] = text("../../docs/options.md").split(`\n## ${section}\n`);
+    const [, part] = text("../../docs/reference/options.md").split(`\n## ${section}\n`);
     const rows = part.split("\n## ")[0].split("\n").filter((line) => line.startsWith("|")).map((line) => line.split("|").slice(1, -1));
     const column = rows[0].findIndex((cell) => cell.trim() === "JavaScript");
     const names = rows.slice(2).flatMap((row) => [...row[column].matchAll(/`([^`]+)`/g)].map(([, name]) => name));
@@ -30,7 +30,7 @@ test("the page on choosing names what there is", () => {
     const types = text("../dist/kinopt.d.ts");
     const options = keys("ArmOptions");
     let count = 0;
-    for (const [table] of text("../../docs/choosing.md").matchAll(/(?:^\|.*\n)+/gm)) {
+    for (const [table] of text("../../docs/guide/choosing.md").matchAll(/(?:^\|.*\n)+/gm)) {
         const rows = table.trim().split("\n").map((line) => line.split("|").slice(1, -1));
         const column = rows[0].findIndex((cell) => cell.includes("JavaScript"));
         for (const [, name] of rows.slice(2).flatMap((row) => [...row[column].matchAll(/`([^`]+)`/g)])) {

@@ -1,5 +1,4 @@
-// The blocks of JavaScript on the pages of docs/ run in Node, each by itself, with the project's root as the folder that files are
-// looked for in.
+// JavaScript blocks of the pages of docs/, docs/guide and docs/reference run in Node, each alone, in the project's root.
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -17,11 +16,13 @@ before(() => {
 });
 after(() => rmSync(project, { recursive: true }));
 
-for (const page of readdirSync(join(root, "docs")).filter((name) => name.endsWith(".md"))) {
-    const blocks = [...readFileSync(join(root, "docs", page), "utf8").matchAll(/^```js\n(.*?)^```/gms)].map(([, text]) => text);
+const folders = ["docs", "docs/guide", "docs/reference"];
+const pages = folders.flatMap((folder) => readdirSync(join(root, folder)).filter((name) => name.endsWith(".md")).map((name) => `${folder}/${name}`));
+for (const page of pages) {
+    const blocks = [...readFileSync(join(root, page), "utf8").matchAll(/^```js\n(.*?)^```/gms)].map(([, text]) => text);
     for (const [number, text] of blocks.entries()) {
-        test(`docs/${page}, block ${number + 1}`, () => {
-            const file = join(project, `${page}-${number}.mjs`);
+        test(`${page}, block ${number + 1}`, () => {
+            const file = join(project, `${page.replaceAll("/", "-")}-${number}.mjs`);
             writeFileSync(file, text);
             execFileSync(process.execPath, ["--preserve-symlinks", file], { cwd: root, encoding: "utf8", stdio: "pipe" });
         });

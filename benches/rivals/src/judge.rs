@@ -1,17 +1,17 @@
-//! Whether an answer is one.
+//! Verification of results.
 
 use kinopt::lanes::Chain;
 use kinopt::spatial::{Placement, rotation_log};
 
 use crate::TOLERANCE;
 
-/// Judges by kinopt's forward kinematics in plain `f64` and by the limits in the file, whatever
-/// the solver said of its answer.
+/// Judges by kinopt's forward kinematics in plain `f64` and by the limits of the file, independent of the solver's
+/// report.
 pub struct Judge<'a>(pub &'a Chain);
 
 impl Judge<'_> {
-    /// Whether `q` is within all limits to the bit and puts the tip within both tolerances of the
-    /// target (and a millionth of them more, for the rounding of other orders of operations).
+    /// True if `q` is exactly within all limits and the tip is within both tolerances of the target (enlarged by a
+    /// millionth, for rounding).
     #[must_use]
     pub fn accepts(&self, target: &Placement<f64>, q: &[f64]) -> bool {
         let within = self.0.joints().len() == q.len()

@@ -1,4 +1,4 @@
-//! What the comparison and its helper processes share.
+//! Common code of the comparison and its helper processes.
 
 mod judge;
 mod objective;
@@ -13,8 +13,8 @@ pub use restart::{Limits, until_deadline};
 pub use table::{Row, print};
 pub use workload::{Query, Workload};
 
-/// How far the tip may be from its target, metres, and turned from it, radians.
+/// Tolerance of the tip, metres and radians.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Anything that can go wrong before the first query.
+/// Any error before the first query.
 pub type Failure = Box<dyn std::error::Error>;

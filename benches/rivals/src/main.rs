@@ -1,4 +1,4 @@
-//! Asks every solver the same questions, in turns, and prints a table for each robot.
+//! Comparison of solvers on equal queries, with a table for each robot.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -72,11 +72,11 @@ fn compare(workload: &Workload, settings: &Settings) -> Result<(), Failure> {
         .map(|rival| Row::new(rival.name(), queries.len()))
         .collect();
     let judge = Judge(&workload.chain);
-    // In an order of its own for each block, so that nobody always follows the same solver.
+    // A random order for each block, so that no solver always follows the same one.
     let mut random = Sequence::new(0.125);
     let mut order: Vec<usize> = (0..rivals.len()).collect();
     for round in 0..settings.rounds {
-        // Blocks begin elsewhere in each round: a block's first question finds the caches cold.
+        // Blocks are shifted in each round: the first query of a block has cold caches.
         let shift = settings.block * round / settings.rounds;
         for end in (settings.block - shift..queries.len() + settings.block).step_by(settings.block)
         {

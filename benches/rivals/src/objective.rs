@@ -1,21 +1,20 @@
-//! The pose error as one smooth function, for optimisers that bring no kinematics.
+//! Pose error as one smooth function, for optimisers without kinematics.
 
 use kinopt::lanes::{Chain, JointKind};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 use crate::TOLERANCE;
 
-/// w², in square metres per square radian: kinopt's own weight. With 1 the medians of L-BFGS and PANOC
-/// were 20 to 65 % higher on both arms, those of SLSQP 8 % lower on one and 15 % higher on the other.
+/// w², in square metres per square radian: the weight of kinopt; other values measured slower for most solvers.
 const SQUARED_WEIGHT: f64 = 0.3 * 0.3;
 
-/// Chains up to this length: all memory is on the stack.
+/// Largest number of joints of a chain: all memory is on the stack.
 const MOST_JOINTS: usize = 32;
 
 /// `½(|p|² + w² θ²)` of the error at the tip, metres and radians, with its gradient in reverse mode.
 ///
-/// θ² stands for 2(1 − cos θ), the squared chord, which is the sum of the squared differences of the
-/// rotation's columns, halved: no cancellation near the target.
+/// θ² is 2(1 − cos θ), the squared chord: half the sum of the squared differences of the rotations' columns, without
+/// cancellation near the target.
 #[derive(Clone)]
 pub struct Objective<'a> {
     chain: &'a Chain,
@@ -23,17 +22,17 @@ pub struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    /// The value at which both errors are surely within the tolerances.
+    /// Value below which both errors are within the tolerances.
     pub const GOAL: f64 = 0.5 * TOLERANCE * TOLERANCE * SQUARED_WEIGHT.min(1.0);
 
-    /// For a chain of at most 32 joints.
+    /// Creates the objective of a chain of at most 32 joints.
     #[must_use]
     pub fn new(chain: &'a Chain, target: Placement<f64>) -> Self {
         assert!(chain.joints().len() <= MOST_JOINTS);
         Self { chain, target }
     }
 
-    /// The value at `q`, and the gradient where asked.
+    /// Value at `q`, and the gradient if requested.
     pub fn at(&self, q: &[f64], gradient: Option<&mut [f64]>) -> f64 {
         let mut axes = [Vector3::zero(); MOST_JOINTS];
         let mut origins = [Vector3::zero(); MOST_JOINTS];

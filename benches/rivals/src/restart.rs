@@ -1,11 +1,11 @@
-//! Restarts for solvers that bring none: the start, then random configurations until time is up.
+//! Restarts for solvers without restarts of their own: the start, then random configurations until the deadline.
 
 use std::time::Instant;
 
 use kinopt::lanes::Chain;
 use kinopt_benches::{Sequence, random_configuration};
 
-/// The limits as most optimisers want them; unbounded joints get ±4π, as their file has no number.
+/// Finite limits for optimisers; unbounded joints get ±4π.
 pub struct Limits {
     /// Smallest values, radians and metres.
     pub lower: Vec<f64>,
@@ -14,7 +14,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Of all joints of a chain.
+    /// Limits of all joints of a chain.
     #[must_use]
     pub fn of(chain: &Chain) -> Self {
         let far = 4.0 * std::f64::consts::PI;
@@ -26,8 +26,8 @@ impl Limits {
     }
 }
 
-/// Attempts from `start` and then from random configurations, the same ones in each run, until one
-/// says that it succeeded, whose q is returned, or the deadline has passed.
+/// Runs attempts from `start` and then from random configurations, equal in each run. Returns q of the first successful
+/// attempt, or `None` after the deadline.
 pub fn until_deadline(
     chain: &Chain,
     start: &[f64],

@@ -1,8 +1,8 @@
-//! The result as a Markdown table.
+//! Results as a Markdown table.
 
 use std::time::Duration;
 
-/// What one solver did.
+/// Results of one solver.
 pub struct Row {
     name: String,
     micros: Vec<f64>,
@@ -11,7 +11,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// For a solver (its name and settings in a few words) that is asked `queries` questions.
+    /// Creates the row of a solver (its name and settings) with `queries` queries.
     #[must_use]
     pub fn new(name: String, queries: usize) -> Self {
         Self {
@@ -22,8 +22,8 @@ impl Row {
         }
     }
 
-    /// Notes one answer: its time, whether it held a solution, whether the judge accepted one. Of
-    /// several answers to a question the fastest time counts, and all must have been accepted.
+    /// Records one result: its time, true if it had a solution, and true if the judge accepted one. Of repeated results
+    /// to a query the fastest time counts, and all must have been accepted.
     pub fn note(&mut self, query: usize, took: Duration, claimed: bool, accepted: bool) {
         let fastest = self.micros[query].min(took.as_secs_f64() * 1e6);
         self.micros[query] = fastest;
@@ -38,14 +38,14 @@ impl Row {
     }
 }
 
-/// The value below which the share `of` of all lies.
+/// Quantile of the sorted values, at the fraction `of`.
 fn quantile(sorted: &[f64], of: f64) -> f64 {
     let at = (sorted.len() as f64 * of) as usize;
     let at = at.min(sorted.len().saturating_sub(1));
     sorted.get(at).copied().unwrap_or(f64::NAN)
 }
 
-/// Prints the rows; ratios are to the first row's median.
+/// Prints the rows; ratios are relative to the median of the first row.
 pub fn print(rows: &[Row]) {
     println!("| solver | solved % | median µs | p99 µs | mean µs | median ratio |");
     println!("|---|---:|---:|---:|---:|---:|");

@@ -1,4 +1,4 @@
-//! The robot, and what it is asked.
+//! Robot and queries of a comparison.
 
 use std::path::{Path, PathBuf};
 
@@ -10,31 +10,31 @@ use serde::Deserialize;
 
 use crate::Failure;
 
-/// One question.
+/// One query.
 pub struct Query {
     /// `base_from_target`.
     pub target: Placement<f64>,
-    /// The same as x, y, z (metres), qw, qx, qy, qz.
+    /// Target as x, y, z (metres), qw, qx, qy, qz.
     pub pose: [f64; 7],
-    /// Where to start, radians and metres.
+    /// Start configuration, radians and metres.
     pub start: Vec<f64>,
 }
 
-/// A robot and the questions to it.
+/// A robot with its queries.
 pub struct Workload {
-    /// The robot's file.
+    /// File of the robot.
     pub urdf: PathBuf,
-    /// The link that poses are relative to.
+    /// Base link: poses are relative to it.
     pub base: String,
-    /// The link that shall get to them.
+    /// Tip link: it should reach the targets.
     pub tip: String,
-    /// The joints in between.
+    /// Joints between the two links.
     pub chain: Chain,
-    /// What is asked.
+    /// Queries of the workload.
     pub queries: Vec<Query>,
 }
 
-/// What a workload file holds, as far as it matters here.
+/// Used content of a workload file.
 #[derive(Deserialize)]
 struct File {
     base_link: String,
@@ -47,7 +47,7 @@ impl Workload {
     /// Random reachable poses of a robot, from random starts.
     ///
     /// # Errors
-    /// A file or a link that is not there, or no chain between the two.
+    /// Returns an error for a missing file or link, or if no chain connects the links.
     pub fn random(urdf: &Path, base: &str, tip: &str, count: usize) -> Result<Self, Failure> {
         let chain = read(urdf, base, tip)?;
         let ask = random_poses(&chain, count, &mut Sequence::new(0.25));
@@ -75,10 +75,10 @@ impl Workload {
         })
     }
 
-    /// The first `count` questions of a workload file.
+    /// The first `count` queries of a workload file.
     ///
     /// # Errors
-    /// A file that cannot be read, or that does not fit the robot.
+    /// Returns an error for a file that cannot be read, or that does not match the robot.
     pub fn from_file(urdf: &Path, targets: &Path, count: usize) -> Result<Self, Failure> {
         let file: File = serde_json::from_reader(std::fs::File::open(targets)?)?;
         let chain = read(urdf, &file.base_link, &file.tip_link)?;

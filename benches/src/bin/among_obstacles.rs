@@ -1,10 +1,9 @@
-//! Times an arm's questions with and without a world, given by another program, so that other languages can be timed on the
-//! same ones in the same run.
+//! Times of single arm queries with and without a world, for comparison with other languages on equal queries.
 //!
-//! `among_obstacles < QUESTIONS`, JSON: `robot` and `srdf` (files), `base`, `tip`, `rounds`, `margin`, and
-//! `questions`, each with `world` (a file), `target` (sixteen numbers, rows first), `start` and `rest` (values of joints by name). Out comes JSON:
-//! for each question the fastest nanoseconds of a plain arm and of one with that world, whether it was reached and where it
-//! stands; and what a batch of a hundred questions in one world takes a pose.
+//! `among_obstacles < QUESTIONS`, JSON: `robot` and `srdf` (files), `base`, `tip`, `rounds`, `margin`, and `questions`,
+//! each with `world` (a file), `target` (sixteen numbers, row-major), `start` and `rest` (values of joints by name).
+//! The output is JSON: for each query the fastest nanoseconds of a plain arm and of one with that world, reached or
+//! not, and its configuration; and the time of a pose in a batch of a hundred queries in one world.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -18,9 +17,9 @@ use kinopt::robot::{Robot, Srdf};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use serde_json::{Value, json};
 
-/// Questions of a batch.
+/// Queries of a batch.
 const BATCH: usize = 100;
-/// Worlds that batches are asked in.
+/// Number of worlds with batches.
 const WORLDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -71,7 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A hundred poses of free configurations in one world, nanoseconds a pose: plain, and clear of the world.
+/// A hundred poses of free configurations in one world, nanoseconds for each pose: plain, and with collision avoidance.
 fn batch(plain: &Arm, clear: &Arm, start: &[f64], rounds: u64) -> Result<Value, Box<dyn Error>> {
     let mut random = kinopt_benches::Sequence::new(0.5);
     let mut targets = Vec::new();
@@ -101,12 +100,12 @@ fn batch(plain: &Arm, clear: &Arm, start: &[f64], rounds: u64) -> Result<Value, 
     Ok(json!({ "plain": plain, "clear": clear, "reached": reached, "asked": BATCH }))
 }
 
-/// A configuration of the whole robot: what is told, and zeros.
+/// A configuration of the whole robot: the given values, otherwise zeros.
 fn rest(robot: &Robot, told: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
     let model = robot.model();
     let mut q = model.neutral();
     for (name, value) in told.as_object().into_iter().flatten() {
-        // Files tell joints that this description of the robot has fixed.
+        // The files include joints that are fixed in this description of the robot.
         if let (Ok(joint), Some(value)) = (model.joint(name), value.as_f64())
             && let Some(at) = model.coordinate(joint)
         {

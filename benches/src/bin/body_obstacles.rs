@@ -1,8 +1,9 @@
-//! How often and how fast a body finds a place for its hands among obstacles, beside the same questions without:
-//! `cargo run --release -p kinopt-benches --bin body_obstacles -- ROBOT.urdf [questions] [hands]`, where the robot is Unitree's G1.
+//! Success rate and time of whole-body queries for hands among obstacles, compared with queries without obstacles:
+//! `cargo run --release -p kinopt-benches --bin body_obstacles -- ROBOT.urdf [questions] [hands]`, with Unitree's G1.
 //!
-//! It stands on its feet, balanced, before a table and under a shelf; its shapes are the capsules of `whole_body/g1-capsules.json`. Hands are
-//! asked for where they are at configurations that balance and touch nothing, drawn at random, so that every question has an answer.
+//! The robot stands on its feet, balanced, before a table and under a shelf; its shapes are the capsules of
+//! `whole_body/g1-capsules.json`. Targets are hand poses of random balanced, collision-free configurations, so every
+//! query is reachable.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -1,6 +1,7 @@
-//! Processor time of a change of a world: of one obstacle that is moved, and of checks afterwards.
+//! Processor time of a change of a world with one moved obstacle, and of the following checks.
 //!
-//! `changing_worlds`: a Panda among boxes, a mesh and a cloud, of which one is moved again and again, then others each time.
+//! `changing_worlds`: a Panda among boxes, a mesh and a point cloud. First one of them is moved repeatedly, then a
+//! different one each time.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -12,12 +13,12 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt_benches::{Sequence, ThreadTime};
 
-/// Changes of each world.
+/// Number of changes of each world.
 const CHANGES: usize = 400;
-/// Configurations that are checked after it.
+/// Number of configurations that are checked after it.
 const CHECKED: usize = 512;
 
-/// Within 2 m along each axis, but not where the arm is mounted.
+/// A position within 2 m along each axis, outside the mount of the arm.
 fn place(random: &mut Sequence) -> Placement<f64> {
     loop {
         let mut along = || 4.0 * random.unit() - 2.0;
@@ -53,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     measure("a million points", &robot, &checker, &world)
 }
 
-/// A ball of 2 n (n - 1) triangles, 0.2 m across.
+/// A ball of 2 n (n - 1) triangles, 0.2 m in diameter.
 fn ball(n: u32) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     let at = |ring: u32, side: u32| {
         let (down, around) = (
@@ -131,7 +132,7 @@ fn measure(
             };
             let mut place = place(&mut random);
             if world.len() == 1 {
-                // By a centimetre or two.
+                // One or two centimetres.
                 place.translation = at + place.translation * 0.01;
             }
             let begun = ThreadTime::now();

@@ -1,6 +1,6 @@
-//! A frame of a crowd, on one core: each character sampled from two clips, blended, two limbs
-//! brought to targets, and model transforms. Where the time goes, stage by stage; and what two
-//! effectors cost by the optimiser in place of the limbs. With feature `rayon`, all cores as well.
+//! One frame of a crowd, on one core: each character is sampled from two clips, blended, and its two limbs reach
+//! targets; then model transforms. Reports the time by stage, and the cost of two end effectors by the optimiser
+//! instead of the limbs. With feature `rayon`, on all cores as well.
 //!
 //!     cargo run --release -p kinopt-benches --bin crowd [-- CHARACTERS BONES]
 #![allow(clippy::print_stdout, clippy::expect_used)]
@@ -51,7 +51,7 @@ fn main() {
     reach(characters);
 }
 
-/// The shortest of many frames, in milliseconds.
+/// Shortest time of several frames, in milliseconds.
 fn best(mut frame: impl FnMut()) -> f64 {
     let times = (0..FRAMES).map(|_| {
         let start = Instant::now();
@@ -61,7 +61,7 @@ fn best(mut frame: impl FnMut()) -> f64 {
     1e3 * times.min().unwrap_or_default().as_secs_f64()
 }
 
-/// A limb as deep as they come: a late bone and its two parents.
+/// A limb of maximal depth: a late bone and its two ancestors.
 fn limb(armature: &Armature, end: usize) -> Limb {
     let hand = armature.bone_at(end).expect("it is there");
     let lower = armature.parent(hand).expect("not a root");
@@ -103,7 +103,7 @@ fn crowd(
     crowd
 }
 
-/// What each stage costs one character, in nanoseconds: the least of many means over eight of them.
+/// Time of each stage for one character, in nanoseconds: the minimum of several means over eight of them.
 fn stages(
     armature: &Armature,
     clips: &[Arc<Clip>; 2],
@@ -151,8 +151,8 @@ fn stages(
     })
 }
 
-/// Two hands of a figure of 60 bones with joint limits, each on a circle of 5 cm, 5 cm before
-/// where the pose has it.
+/// Two hands of a skeleton of 60 bones with joint limits, each on a circle of 5 cm radius, 5 cm in front of its
+/// position in the pose.
 fn reach(characters: usize) {
     let (skeleton, tips) = figure(10, 10);
     let quick = Solver::default()
@@ -170,7 +170,7 @@ fn reach(characters: usize) {
     }
 }
 
-/// Milliseconds a frame, the share of characters that reach, and iterations each.
+/// Milliseconds for each frame, fraction of characters that reach, and iterations for each.
 fn reach_by(
     skeleton: &Skeleton,
     hands: &[kinopt::skeleton::BoneId],
@@ -193,7 +193,7 @@ fn reach_by(
     for _ in 0..frames {
         let start = Instant::now();
         for number in 0..characters {
-            // Each on another place of its circle, so that nobody's search is another's.
+            // Each character has another phase on the circle, so that their searches differ.
             pose.copy_from(&posed);
             let (sin, cos) = (0.1 * number as f64).sin_cos();
             let moved = Vector3::new(0.05 * cos, 0.05 * sin, 0.05);

@@ -1,7 +1,6 @@
-//! Rigs dragged out of reach, into their limits and back: how far any joint leaps between two
-//! frames, and what a frame costs in processor time; then what whole bodies cost that cannot reach:
-//! `cargo run --release -p kinopt-benches --bin drags -- [--solver] [FILE.json | FILE.urdf …]`,
-//! with `--solver` beside searches from scratch.
+//! Drags of rigs out of reach, into their limits and back: largest jump of a joint between two frames, and processor
+//! time of a frame. Then the cost of whole bodies with unreachable targets: `cargo run --release -p kinopt-benches
+//! --bin drags -- [--solver] [FILE.json | FILE.urdf …]`, with `--solver` also with independent searches.
 #![allow(clippy::print_stdout)]
 
 use kinopt::animation::Armature;
@@ -15,12 +14,12 @@ use kinopt_benches::{BodyMiss, DragScene, ThreadTime, at_ease, figure};
 use std::error::Error;
 use std::path::Path;
 
-/// Frames of one drag.
+/// Number of frames of one drag.
 const FRAMES: u32 = 5000;
-/// A joint that moves further in a frame has leapt, in radians.
+/// Smallest displacement of a joint in a frame that counts as a jump, in radians.
 const LEAP: f64 = 0.2;
 
-/// What the frames of a drag came to.
+/// Statistics of the frames of a drag.
 #[derive(Default)]
 struct Course {
     leaps: usize,
@@ -140,7 +139,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let humanoid =
         |held: &[BoneId]| DragScene::of_skeleton("humanoid", skeleton_, hand, held, rest.clone());
     scenes.push(humanoid(&rig.constrained).with_posture());
-    // The same bones as a file of animation would have them.
+    // These bones as an animation file would have them.
     let bare = Armature::of_skeleton(skeleton_).skeleton("bare", |_| [Limits::UNBOUNDED; 3])?;
     let hand = bare.bone("left_hand")?;
     let start = bare.model().neutral();

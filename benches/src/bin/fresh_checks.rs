@@ -1,6 +1,7 @@
-//! Processor time of checks of configurations that nobody asked about before, among many obstacles.
+//! Processor time of checks of new configurations among a large number of obstacles.
 //!
-//! `fresh_checks [WORDS…]`: in portions, so that it shows what the first ones take and whether a check gets cheaper with what was asked; the worlds whose names hold all words.
+//! `fresh_checks [WORDS…]`: the worlds whose names contain all words. Times are by portions, which show the cost of the
+//! first checks and the effect of earlier ones.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -9,7 +10,7 @@ use std::hint::black_box;
 use kinopt::collision::World;
 use kinopt_benches::{Sequence, ThreadTime, cloud_of_points, panda_among, shell_of_primitives};
 
-/// Where portions end, in configurations.
+/// Ends of the portions, in configurations.
 const ENDS: [usize; 9] = [8, 64, 512, 1_000, 2_000, 4_000, 8_000, 16_000, 24_000];
 
 type Build = fn() -> Result<World, Box<dyn Error>>;
@@ -37,7 +38,7 @@ fn measure(name: &str, world: &World) -> Result<(), Box<dyn Error>> {
     let n = arm.joint_count();
     let mut random = Sequence::new(0.5);
     let mut all = Vec::new();
-    // Of another arm, as that of the measurement must not have been asked.
+    // From another arm, because the measured arm must not check them before.
     let (mut free, mut clear) = (Vec::new(), [false]);
     let mut touching = 0;
     while all.len() < count * n || free.len() < count * n {

@@ -1,5 +1,4 @@
-//! How many instructions the hottest stages take, counted by callgrind and compared with
-//! `benches/instructions.tsv`:
+//! Instruction counts of the hottest stages by callgrind, compared with `benches/instructions.tsv`:
 //!
 //! ```text
 //! cargo run --release -p kinopt-benches --bin instructions                # all counted stages
@@ -7,11 +6,10 @@
 //! cargo run --release -p kinopt-benches --bin instructions -- --update    # and keep the counts
 //! ```
 //!
-//! Counts do not feel what else the machine does, so a change of one per cent can be seen. They do
-//! depend on the compiler and on the instruction sets that valgrind knows (AVX2 and FMA, not
-//! AVX-512), which the baseline records; and an instruction is not a time. Reported, never part of
-//! a gate. Each stage runs twice under valgrind, a few and many times; the difference leaves out
-//! start and set-up.
+//! Counts do not depend on the load of the machine, so a change of one per cent is visible. They depend on the compiler
+//! and on the instruction sets of valgrind (AVX2 and FMA, not AVX-512), which the baseline records. An instruction is
+//! not a time. Counts are reported, but never part of a gate. Each stage runs twice under valgrind, a few and several
+//! times; the difference excludes start and set-up.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -20,11 +18,11 @@ use std::process::Command;
 
 use kinopt_benches::{Baseline, Stage, stages};
 
-/// Runs of a stage under valgrind: the difference counts.
+/// Numbers of runs of a stage under valgrind: the difference counts.
 const FEW: u64 = 5;
 const MANY: u64 = 25;
 
-/// The stages that are counted; the others only repeat what these show.
+/// Counted stages; other stages have similar code.
 const COUNTED: [&str; 37] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
@@ -80,7 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// What runs under valgrind: one stage so many times.
+/// Runs one stage `times` times, under valgrind.
 fn run(name: &str, times: u64) -> Result<(), Box<dyn Error>> {
     let stage = stages().into_iter().find(|stage| stage.name == name);
     let mut run = stage.ok_or("no such stage")?.build()?;
@@ -90,7 +88,7 @@ fn run(name: &str, times: u64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The architecture, and the instruction sets that the lane engine asks about.
+/// Architecture, and the instruction sets that the SIMD solver detects.
 fn processor() -> String {
     let mut text = std::env::consts::ARCH.to_owned();
     #[cfg(target_arch = "x86_64")]
@@ -160,7 +158,7 @@ fn compare(words: &[&str]) -> Result<(), Box<dyn Error>> {
         now.counts.insert(stage.name.to_owned(), count);
     }
     if update {
-        // Stages that are gone are forgotten.
+        // Removes stages that are not counted any more.
         now.counts.retain(|stage, _| COUNTED.contains(&&**stage));
         std::fs::write(&file, now.to_text())?;
         println!("kept in {}", file.display());
@@ -176,7 +174,7 @@ fn count(stage: &Stage) -> Result<f64, Box<dyn Error>> {
     Ok((many as f64 - few as f64) / runs as f64)
 }
 
-/// What callgrind says it has collected in one process.
+/// Number of instructions that callgrind collected in one process.
 fn collected(stage: &str, times: u64) -> Result<u64, Box<dyn Error>> {
     let output = under_valgrind("callgrind", &["run", stage, &times.to_string()])?;
     let told = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -1,5 +1,5 @@
-//! Whether shipped rigs reach targets that they can reach, from rest, and in how many attempts:
-//! `cargo run --release -p kinopt-benches --bin rig_reach -- [targets]`.
+//! Success rate of shipped rigs for reachable targets from rest, and number of attempts: `cargo run --release -p
+//! kinopt-benches --bin rig_reach -- [targets]`.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -13,7 +13,7 @@ use kinopt::task::{Point, Quantity};
 use kinopt::{Problem, Skeleton, Solver, Workspace};
 use kinopt_benches::{Sequence, ThreadTime, figure, random_targets};
 
-/// Frames of a body that settles, at most.
+/// Largest number of frames until a body is at rest.
 const FRAMES: usize = 200;
 
 fn reach(

@@ -1,9 +1,8 @@
-//! Times questions to an arm one by one, given as numbers, so that other languages can be timed on the same
-//! ones in the same run.
+//! Times of single arm queries, for comparison with other languages on equal queries.
 //!
-//! `single_questions FILE.urdf BASE TIP SEARCH ROUNDS < NUMBERS`: sixteen numbers of a target, rows first, and a
-//! start, question after question, f64 with the least byte first. Out come the fastest nanoseconds of each
-//! question and the rate of a batch of all, as JSON.
+//! `single_questions FILE.urdf BASE TIP SEARCH ROUNDS < NUMBERS`: for each query sixteen numbers of a target,
+//! row-major, and a start, as little-endian f64. The output is JSON: the fastest nanoseconds of each query and the rate
+//! of a batch of all.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -52,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Targets, and a start for each.
+/// Targets, with a start for each.
 type Questions = (Vec<Placement<f64>>, Vec<f64>);
 
 fn questions(joints: usize) -> Result<Questions, Box<dyn Error>> {

@@ -1,6 +1,6 @@
-//! How often, how fast and in how many steps each solver reaches five random tip targets of a
-//! figure from its rest pose, and how fast it drags one hand along a circle:
-//! `cargo run --release -p kinopt-benches --bin solve_rate -- [problems]`.
+//! Success rate, time and number of steps of each solver for five random tip targets of a skeleton from its rest pose,
+//! and time of a drag of one hand along a circle: `cargo run --release -p kinopt-benches --bin solve_rate --
+//! [problems]`.
 #![allow(clippy::print_stdout)]
 
 use std::time::Instant;
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = builder.build()?;
     let mut targets_now = problem.targets();
 
-    // The same targets for everyone: tips of random poses across the full limits.
+    // Equal targets for all solvers: tips of random poses within the full limits.
     let targets = random_targets(&skeleton, &tips, problems, &mut Sequence::new(0.5));
 
     println!(

@@ -1,14 +1,14 @@
-//! Processor time of stages, per element: of the first run, which finds nothing remembered, and of the fastest. For machines with other
-//! work, where wall-clock times say little.
+//! Processor time of stages for each element: of the first run, with cold caches, and of the fastest. For machines with
+//! other load, where wall-clock times are unreliable.
 //!
-//! `stage_times WORDS…`: the stages whose names hold all words.
+//! `stage_times WORDS…`: the stages whose names contain all words.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
 
 use kinopt_benches::{ThreadTime, stages};
 
-/// Runs of a stage.
+/// Number of runs of a stage.
 const RUNS: usize = 200;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,5 +1,5 @@
-//! What `web/speed.js` asks in WebAssembly, asked natively: poses of the Panda, a drag of the humanoid, its skin. `web/speed`
-//! runs both and prints them beside each other; `KINOPT_PORTABLE=1` has the path without AVX2 and FMA.
+//! Native version of the queries of `web/speed.js`: poses of the Panda, a drag of the humanoid, its skin. `web/speed`
+//! runs both and prints a comparison; `KINOPT_PORTABLE=1` selects the code without AVX2 and FMA.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -18,12 +18,12 @@ use kinopt::task::Point;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// How often each question is asked; the fastest counts.
+/// Number of repetitions of each query; the fastest counts.
 const ROUNDS: usize = 6;
 const POSES: usize = 2000;
 const FRAMES: usize = 300;
 
-/// Splitmix64's upper half, from 0 to 1, as `web/tests/panda.js` draws.
+/// Upper half of Splitmix64, from 0 to 1, as in `web/tests/panda.js`.
 struct Random(u64);
 
 impl Random {
@@ -42,7 +42,7 @@ impl Random {
     }
 }
 
-/// The fastest time of each question, microseconds, in order.
+/// Fastest time of each query, microseconds, in order.
 struct Fastest(Vec<f64>);
 
 impl Fastest {
@@ -55,7 +55,7 @@ impl Fastest {
         self.0[question] = self.0[question].min(micros);
     }
 
-    /// `name`, the median, the mean and the 99th percentile, as `web/speed` reads them.
+    /// Prints `name`, the median, the mean and the 99th percentile, as `web/speed` reads them.
     fn print(mut self, name: &str) {
         self.0.sort_by(f64::total_cmp);
         let count = self.0.len();
@@ -87,7 +87,7 @@ fn poses(name: &str, search: Search) -> Outcome<()> {
     Ok(())
 }
 
-/// The left hand round a loop, the other tips pinned.
+/// Moves the left hand along a closed curve, with the other tips pinned.
 fn drag(rig: &Rig) -> Outcome<()> {
     let (skeleton, rest) = (&rig.skeleton, rig.skeleton.model().neutral());
     let hand = skeleton.bone("left_hand")?;

@@ -1,10 +1,10 @@
-//! How often and how fast a body on a free base puts its hands where it can while its feet stay and its centre
-//! of mass is over them: `cargo run --release -p kinopt-benches --bin whole_body -- CASE.json ROBOT.urdf [problems]
+//! Success rate and time of whole-body queries: hands on a free base at reachable targets, with fixed feet and the
+//! centre of mass over them. `cargo run --release -p kinopt-benches --bin whole_body -- CASE.json ROBOT.urdf [problems]
 //! [--attempts N] [--write FILE]`, with cases in `benches/whole_body/`.
 //!
-//! What it can: the hands of configurations that balance on the feet, drawn at random. Asked from standing and from
-//! within 0.3 rad of such a configuration; beside it, in the same run, a figure of 22 bones with five tips. Each
-//! time is the best of three rounds. `--write` leaves the problems and the answers for other people's solvers
+//! Targets are hands of random configurations that balance on the feet. Starts are the standing pose, and within 0.3
+//! rad of such a configuration. A skeleton of 22 bones with five tips is measured in the same run. Each time is the
+//! best of three rounds. `--write` stores the problems and the results for other solvers
 //! (`benches/rivals/python/whole_body.py`).
 #![allow(clippy::print_stdout)]
 
@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 const NEAR: f64 = 0.3;
 const ROUNDS: usize = 3;
 
-/// Every number of a velocity up to so far either way.
+/// Perturbs every number of a velocity by at most `NEAR` in either direction.
 fn beside(model: &Model, q: &[f64], sequence: &mut Sequence) -> Result<Vec<f64>, Box<dyn Error>> {
     let v: Vec<f64> = (0..model.degrees_of_freedom())
         .map(|_| NEAR * (2.0 * sequence.unit() - 1.0))
@@ -33,7 +33,7 @@ fn beside(model: &Model, q: &[f64], sequence: &mut Sequence) -> Result<Vec<f64>,
     Ok(moved)
 }
 
-/// What one question came to.
+/// Result of one query.
 struct Answer {
     q: Vec<f64>,
     reached: bool,
@@ -41,7 +41,7 @@ struct Answer {
     micros: f64,
 }
 
-/// Asks every question from its start, in rounds of which the fastest counts.
+/// Solves every query from its start, in rounds; the fastest round counts.
 fn ask(
     solver: &Solver,
     problem: &Problem,
@@ -89,7 +89,7 @@ fn tell(name: &str, answers: &[Answer]) -> f64 {
     at(0.5)
 }
 
-/// The medians of the figure from near and from rest.
+/// Medians of the skeleton from near and from rest.
 fn bones(count: usize) -> Result<[f64; 2], Box<dyn Error>> {
     let (skeleton, tips) = figure(2, 4);
     let model = skeleton.model();
@@ -121,7 +121,7 @@ fn bones(count: usize) -> Result<[f64; 2], Box<dyn Error>> {
     Ok([tell("from near", &near), tell("from rest", &from_rest)])
 }
 
-/// Rows of a placement's matrix.
+/// Rows of the matrix of a placement.
 fn matrix(placement: &Placement<f64>) -> Value {
     let Placement {
         rotation,

@@ -1,4 +1,4 @@
-//! A redundant arm that follows a path, and one that is asked for places out of its reach.
+//! A redundant arm on a path, and one with unreachable targets.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -11,7 +11,7 @@ use kinopt::spatial::Placement;
 
 use super::{Run, Stage};
 
-/// Steps of a path, and questions of a run.
+/// Number of steps of a path, and of queries of a run.
 const STEPS: usize = 1000;
 const QUESTIONS: usize = 20;
 
@@ -37,7 +37,7 @@ fn panda() -> Result<Arm, Box<dyn Error>> {
     Ok(Arm::builder(&Robot::read(file)?, "base", "flange").build()?)
 }
 
-/// Where every joint stands in a closed wave within its limits.
+/// Joint values of a closed wave within the limits.
 fn wave(arm: &Arm, step: usize) -> Vec<f64> {
     let turn = TAU * step as f64 / STEPS as f64;
     let joints = arm.limits().zip(1..);

@@ -1,5 +1,5 @@
-//! The derivative of a solution beside the solve that it follows: a whole reverse product, factorisation
-//! included, from near the target.
+//! Derivatives of a solution compared with its solve: a complete reverse product, including the factorisation, from
+//! near the target.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -52,7 +52,7 @@ struct Asked {
     problem: Problem,
     start: Vec<f64>,
     rest: Vec<f64>,
-    /// Some other configuration within the limits.
+    /// A different configuration within the limits.
     anywhere: Vec<f64>,
 }
 
@@ -77,7 +77,7 @@ fn model_of(name: &str) -> Result<Robot, Box<dyn Error>> {
     Ok(Robot::read(format!("{folder}/{name}.urdf"))?)
 }
 
-/// Some frames where a configuration near the start has them.
+/// Targets of some frames at their poses in a configuration near the start.
 fn asked(model: &Model, frames: &[FrameId], posture: bool) -> Result<Asked, Box<dyn Error>> {
     let mut random = Sequence::new(0.5);
     let neutral = model.neutral();

@@ -1,4 +1,4 @@
-//! The geometric methods: bare points, and searches of a few sweeps on a figure of 22 bones.
+//! Geometric methods: on plain points, and searches of a few sweeps on a skeleton of 22 bones.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -16,7 +16,7 @@ use crate::Sequence;
 use crate::figure::five_tips;
 
 const SWEEPS: usize = 5;
-/// Points of the bare chain.
+/// Points of the plain chain.
 const CHAIN: usize = 20;
 
 pub(super) fn stages() -> Vec<Stage> {

@@ -1,4 +1,4 @@
-//! Forward kinematics of whole figures, and derivatives of five tips.
+//! Forward kinematics of whole skeletons, and derivatives of five tips.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -33,7 +33,7 @@ pub(super) fn stages() -> Vec<Stage> {
     ]
 }
 
-/// Two places in turn, so that no forward pass is ever reused.
+/// Alternates between two configurations, so that no forward pass is reused.
 fn places(count: usize) -> [Vec<f64>; 2] {
     let mut random = Sequence::new(0.5);
     let x: Vec<f64> = (0..count).map(|_| random.unit() - 0.5).collect();
@@ -52,7 +52,7 @@ fn forward(spine: usize, per_limb: usize) -> Result<Run, Box<dyn Error>> {
     }))
 }
 
-/// Five tips of 22 bones, every angle a variable.
+/// Five tips of 22 bones; every angle is a variable.
 fn five_tips() -> Result<Problem, Box<dyn Error>> {
     let (skeleton, tips) = figure(2, 4);
     let skeleton = every_angle_free(&skeleton);

@@ -1,4 +1,4 @@
-//! The lane engine on the shipped Panda: one query, and a batch.
+//! SIMD solver on the shipped Panda: one query, and a batch.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -9,7 +9,7 @@ use kinopt::robot::Robot;
 use super::{Run, Stage};
 use crate::{ArmPoses, Sequence, chain, random_poses};
 
-/// Poses that a run goes through.
+/// Number of poses of a run.
 const POSES: usize = 2000;
 
 pub(super) fn stages() -> Vec<Stage> {

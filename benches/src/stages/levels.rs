@@ -1,5 +1,5 @@
-//! Levels of goals below a miss: a hand is pulled out of reach while feet, head and the other hand stay. One run is some
-//! frames of a drag.
+//! Priority levels with an unreachable second level: a hand is dragged out of reach while feet, head and the other hand
+//! stay. One run is a few frames of a drag.
 
 use std::error::Error;
 use std::hint::black_box;

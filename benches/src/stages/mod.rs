@@ -1,6 +1,5 @@
-//! The stages of the library one by one, each with its own input, made in code or from the shipped
-//! models. The criterion bench times them and the instruction counter counts them: both see the
-//! same work.
+//! Stages of the library, each with its own input, built in code or from the shipped models. The criterion bench times
+//! them and the instruction counter counts them.
 
 mod arms;
 mod derivatives;
@@ -19,28 +18,28 @@ pub use obstacles::{cloud_of_points, panda_among, shell_of_primitives};
 /// One run of a stage.
 pub type Run = Box<dyn FnMut()>;
 
-/// A stage: something to be run again and again.
+/// A stage: a function for repeated runs.
 pub struct Stage {
-    /// Its name in tables and on the command line.
+    /// Name in tables and on the command line.
     pub name: &'static str,
-    /// How many of `unit` one run is.
+    /// Number of `unit`s in one run.
     pub elements: u64,
-    /// What is counted.
+    /// Name of the counted unit.
     pub unit: &'static str,
     build: fn() -> Result<Run, Box<dyn Error>>,
 }
 
 impl Stage {
-    /// Makes the input, which may take long.
+    /// Creates the input, which can take long.
     ///
     /// # Errors
-    /// A model that cannot be read or a problem that cannot be built.
+    /// Returns an error for a model that cannot be read or a problem that cannot be built.
     pub fn build(&self) -> Result<Run, Box<dyn Error>> {
         (self.build)()
     }
 }
 
-/// All stages, from the bottom up.
+/// All stages, from low to high level.
 #[must_use]
 pub fn stages() -> Vec<Stage> {
     [
@@ -59,7 +58,7 @@ pub fn stages() -> Vec<Stage> {
     .collect()
 }
 
-/// A stage of which one run is one.
+/// A stage with one element for each run.
 fn single(name: &'static str, build: fn() -> Result<Run, Box<dyn Error>>) -> Stage {
     Stage {
         name,

@@ -1,4 +1,5 @@
-//! Checks of a Panda against worlds of several sizes: by its spheres, eight configurations at once, and by its shapes.
+//! Collision checks of a Panda in worlds of several sizes: by its spheres, eight configurations at once, and by its
+//! shapes.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -11,9 +12,9 @@ use kinopt::spatial::Vector3;
 use super::{Run, Stage};
 use crate::Sequence;
 
-/// Configurations that a run goes through.
+/// Number of configurations of a run.
 const CONFIGURATIONS: usize = 512;
-/// What stands around stands so far from the base, metres.
+/// Smallest distance of obstacles from the base, metres.
 const NEAREST: f64 = 0.35;
 
 pub(super) fn stages() -> Vec<Stage> {
@@ -58,11 +59,11 @@ pub(super) fn stages() -> Vec<Stage> {
     ]
 }
 
-/// A Panda that keeps clear of what stands around it.
+/// A Panda that avoids collisions with a world.
 ///
 /// # Errors
 ///
-/// When the shipped robot cannot be read.
+/// Returns an error if the shipped robot cannot be read.
 pub fn panda_among(world: &World) -> Result<(Arm, Checker), Box<dyn Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/franka_panda.urdf");
     let robot = Robot::read(file)?;
@@ -72,7 +73,7 @@ pub fn panda_among(world: &World) -> Result<(Arm, Checker), Box<dyn Error>> {
     Ok((arm, checker))
 }
 
-/// The same, and configurations that are drawn, two of three of which are free.
+/// The Panda with sampled configurations, two thirds of which are collision-free.
 fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
     let (arm, checker) = panda_among(world)?;
     let mut random = Sequence::new(0.25);
@@ -85,7 +86,7 @@ fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
                 .map(|joint| joint.lower + (joint.upper - joint.lower) * random.unit()),
         );
         let free = arm.collisions(&drawn)?.is_empty();
-        // A crowded world leaves few free.
+        // In a crowded world few configurations are free.
         if free || touching < CONFIGURATIONS / 3 {
             touching += usize::from(!free);
             q.extend_from_slice(&drawn);
@@ -94,7 +95,7 @@ fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
     Ok((arm, checker, q))
 }
 
-/// So many boxes, cylinders and balls in a shell around the base, which take up about as much room however many they are.
+/// Boxes, cylinders and balls in a shell around the base, with a total volume that hardly depends on their number.
 ///
 /// # Errors
 ///
@@ -116,7 +117,7 @@ pub fn shell_of_primitives(count: usize) -> Result<World, Box<dyn Error>> {
     Ok(world)
 }
 
-/// A cloud, as a camera sees it: points on a table and on a wall.
+/// A point cloud of a camera: points on a table and on a wall.
 ///
 /// # Errors
 ///
@@ -136,7 +137,7 @@ pub fn cloud_of_points(count: usize) -> Result<World, Box<dyn Error>> {
     Ok(world)
 }
 
-/// Somewhere within an arm's reach, but not where its base is.
+/// A position within the reach of the arm, outside its base.
 fn around(random: &mut Sequence) -> Vector3<f64> {
     loop {
         let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);

@@ -1,4 +1,4 @@
-//! From keyframes to a posed skin: sampling and blending.
+//! Sampling, blending and skinning: from keyframes to a posed skin.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -16,7 +16,7 @@ use crate::{Keying, Sequence, armature, at_ease, clip, figure};
 const VERTICES: usize = 1000;
 const INFLUENCES: usize = 4;
 const KEYS: usize = 40;
-/// Bones of a character of a game.
+/// Number of bones of a game character.
 const CHARACTER: usize = 67;
 
 pub(super) fn stages() -> Vec<Stage> {
@@ -95,7 +95,7 @@ fn sample() -> Result<Run, Box<dyn Error>> {
     }))
 }
 
-/// A frame of a clip that plays, from one frame to the next.
+/// One frame of clip playback.
 fn character(keying: Keying) -> Result<Run, Box<dyn Error>> {
     let armature = armature(CHARACTER);
     let clip = clip(&armature, keying, &mut Sequence::new(0.5));
@@ -118,13 +118,13 @@ fn character(keying: Keying) -> Result<Run, Box<dyn Error>> {
     }))
 }
 
-/// The same weights for each way to blend.
+/// The weights in each form.
 struct Weights<'a> {
     any: &'a SkinWeights,
     four: &'a PackedWeights,
 }
 
-/// What makes a frame of a skin from the bones' transforms.
+/// Skins one frame with the transforms of the bones.
 type Blend = fn(Weights<'_>, &[Affine3A], &[Vec3], &mut [Vec3]) -> Result<(), SkinningError>;
 
 fn skin(blend: Blend) -> Result<Run, Box<dyn Error>> {

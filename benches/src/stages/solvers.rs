@@ -1,6 +1,5 @@
-//! Iterations of each method on a figure of 22 bones with five tips. One run is one search of a few
-//! iterations towards tips of a random pose, from rest; what is counted is the iteration, with its
-//! evaluations.
+//! Iterations of each method on a skeleton of 22 bones with five tips. One run is a search of a few iterations towards
+//! tips of a random pose, from rest; the element is an iteration with its evaluations.
 
 use std::error::Error;
 use std::hint::black_box;

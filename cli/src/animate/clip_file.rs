@@ -1,4 +1,4 @@
-//! One animated file: a rig with its skin, or a scene's file with the clip added to all that it holds.
+//! Animated output file: a rig with its skin, or the file of a scene with an added clip.
 
 use std::path::{Path, PathBuf};
 
@@ -192,7 +192,7 @@ impl ClipOptions {
         json: bool,
     ) -> Outcome<()> {
         let armature = &animated.armature;
-        // Keys that nothing is asked of stay as they are.
+        // Keys without IK requests do not change.
         let made = match whole && self.ik.given().is_some() {
             true => clip.clone(),
             false => sampled(clip.name(), armature, frames, |time, pose| {

@@ -1,4 +1,4 @@
-//! Times of frames and their numbers.
+//! Times and indices of frames.
 
 use crate::failure::Outcome;
 
@@ -58,7 +58,7 @@ impl Frames {
 
     /// The file's name without its extension, and the time in seconds.
     pub(super) fn iter(self) -> impl Iterator<Item = (String, f64)> {
-        // Divided each time, so that frames do not drift.
+        // Computed by division for each frame, to avoid accumulated drift.
         let times = (0..self.count).map(move |frame| self.start + frame as f64 / self.per_second);
         let last = self.count - usize::from(self.partial.is_none());
         let digits = last.to_string().len().max(4);

@@ -1,4 +1,4 @@
-//! Inverse kinematics over the clip that is written: what reaches, what stands.
+//! Options of inverse kinematics over the written clip: reaching bones and planted feet.
 
 use std::path::{Path, PathBuf};
 
@@ -133,7 +133,7 @@ impl IkOptions {
         fps: f64,
     ) -> Outcome<(Clip, Option<IkReport>)> {
         if self.reach.is_empty() && self.plant.is_empty() {
-            // A rig is stood up in any case.
+            // A rig is rotated upright in any case.
             let up = self.up.filter(|_| skeleton.is_none()).map(|_| "--up");
             return match self.root.as_ref().map(|_| "--root").or(up) {
                 Some(option) => Err(usage!("{option} is for --reach and --plant")),

@@ -1,4 +1,4 @@
-//! What came of inverse kinematics over a clip.
+//! Report of inverse kinematics over a clip.
 
 use kinopt::animation::Armature;
 use kinopt::glam::Vec3;

@@ -1,4 +1,4 @@
-//! The arguments of `kinopt bench`.
+//! Arguments of `kinopt bench`.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Ctrl-C and a request to terminate: once to stop and keep what is done, twice to stop at once.
+//! Ctrl-C and termination requests: the first stops and keeps results, the second exits immediately.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

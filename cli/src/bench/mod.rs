@@ -1,4 +1,4 @@
-//! `kinopt bench`: solvers compared.
+//! `kinopt bench`: comparison of solvers.
 
 mod arguments;
 mod interrupt;
@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             set.cases().len()
         ));
     }
-    // Before the work, not after it.
+    // Fails before the work if the folder cannot be created.
     output::make_folder(&arguments.out)?;
     let mut bench = Bench::new(&set, arguments.budget()).with_chosen(arguments.problem);
     let wanted = contenders::all().into_iter();
@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     results.provenance = provenance::provenance();
     if let (Some(_), Some(stem)) = (&loaded.rig, arguments.model.file_stem()) {
-        // A rig's own name is the way to its file.
+        // The name of a rig is the path of its file.
         results.model.name = stem.to_string_lossy().into_owned();
     }
     report::write(&results, &arguments.out)?;

@@ -1,4 +1,4 @@
-//! The problems that a bench is about.
+//! Problems of a bench.
 
 use std::path::Path;
 

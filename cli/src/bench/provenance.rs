@@ -1,4 +1,4 @@
-//! Which program, when, on what machine.
+//! Provenance of a measurement: program, date and machine.
 
 use std::time::SystemTime;
 

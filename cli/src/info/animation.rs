@@ -1,4 +1,4 @@
-//! What there is to say about an armature with clips, for programs and for people.
+//! Report of an armature with clips, as JSON and text.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! How far a ball goes.
+//! Cone limits of ball joints.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! What there is to say about a model, as the JSON document says it.
+//! Report of a model, as a JSON document.
 
 use std::collections::BTreeSet;
 

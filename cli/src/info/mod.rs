@@ -1,4 +1,4 @@
-//! `kinopt info`: what a model has.
+//! `kinopt info`: content of a model.
 
 mod animation;
 mod cone;

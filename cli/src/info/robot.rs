@@ -1,4 +1,4 @@
-//! What a robot has beside its joints: links as a tree, tips, and who follows whom.
+//! Report of a robot beyond its joints: tree of links, tips, mimic joints.
 
 use std::collections::BTreeSet;
 
@@ -183,7 +183,7 @@ pub(super) fn tree(robot: &Robot) -> String {
         Table::new("link | joint | kind | axis | >lower | >upper | >speed | >effort | >q | ");
     let root = link_on(robot, None).unwrap_or("").to_owned();
     table.row([root]);
-    // Depth first by a stack, as a file may hang a thousand links in a row.
+    // Depth first with an explicit stack: a file may have a chain of a thousand links.
     let mut stack: Vec<(JointId, usize)> = Vec::new();
     let push_children = |stack: &mut Vec<(JointId, usize)>, parent: Option<JointId>, depth| {
         let joints = robot.model().joint_ids().zip(robot.model().joints());

@@ -1,4 +1,4 @@
-//! The document for people.
+//! Report of a model as text.
 
 use super::cone::ConeDocument;
 use super::document::{Document, RigDocument};

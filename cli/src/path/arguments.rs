@@ -1,4 +1,4 @@
-//! The arguments of `kinopt path`.
+//! Arguments of `kinopt path`.
 
 use std::path::PathBuf;
 

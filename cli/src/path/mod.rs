@@ -1,4 +1,4 @@
-//! `kinopt path`: a Cartesian path of an arm, with the fewest reconfigurations.
+//! `kinopt path`: joint path for a Cartesian path of an arm, with the fewest reconfigurations.
 
 mod arguments;
 mod report;

@@ -1,4 +1,4 @@
-//! What is told of a path.
+//! Report of a path.
 
 use kinopt::Arm;
 use kinopt::counted;
@@ -77,7 +77,7 @@ impl<'a> Report<'a> {
         let rest = self.loaded.rest();
         self.solution.rows().map(move |row| {
             let mut q = rest.clone();
-            // Both lengths are the arm's own.
+            // Both lengths are those of the arm.
             let _ = self.arm.configuration(row, &mut q);
             q
         })
@@ -164,7 +164,7 @@ impl<'a> Report<'a> {
             let (metres, radians) = (missed.position_error, missed.orientation_error);
             let (row, why) = (missed.index, reason(missed));
             match missed.reason {
-                // By itself it is met.
+                // The pose itself is reached.
                 MissReason::Touches(_) => format!("  row {row}: {why}"),
                 _ => format!("  row {row}: by {metres:.3e} m and {radians:.3e} rad, {why}"),
             }
@@ -213,7 +213,7 @@ fn reason(missed: &Missed) -> String {
 fn told_deviation(deviation: &Deviation) -> String {
     let metres = (deviation.metres, "m", deviation.metres_at);
     let radians = (deviation.radians, "rad", deviation.radians_at);
-    // Of what no step strays by there is no row either.
+    // Without a deviation there is no row.
     let strays = [metres, radians].into_iter().filter(|stray| stray.0 > 0.0);
     let told: Vec<String> = strays
         .map(|(most, unit, row)| format!("at most {most:.3e} {unit} (before row {row})"))

@@ -1,4 +1,4 @@
-//! `--out`: the rows as a table, or all that is told as JSON.
+//! `--out`: the rows as a table, or the whole report as JSON.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -34,7 +34,7 @@ fn table(report: &Report<'_>) -> String {
         let numbers = time.into_iter().chain(&q);
         for (place, number) in numbers.enumerate() {
             let apart = if place > 0 { "," } else { "" };
-            // Into a string nothing fails.
+            // Writing into a string cannot fail.
             let _ = write!(text, "{apart}{number}");
         }
         text.push('\n');

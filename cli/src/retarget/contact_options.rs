@@ -1,4 +1,4 @@
-//! `--contact-speed`, `--contact-height`: when feet stand.
+//! `--contact-speed`, `--contact-height`: thresholds of foot contacts.
 
 use clap::Args;
 use kinopt::motion::retarget::ContactDetection;

@@ -1,4 +1,4 @@
-//! All movements of a folder, in parallel; what is done stays done where the command is given again.
+//! Retargeting of a folder in parallel; a repeated command continues after an interruption.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! `--keep-clear`, `--world` and `--margin`: a robot that touches neither itself nor what stands about it.
+//! `--keep-clear`, `--world` and `--margin`: collision avoidance of a robot with itself and a world.
 
 use std::path::PathBuf;
 

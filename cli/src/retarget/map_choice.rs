@@ -1,4 +1,4 @@
-//! Which joint drives which frame: by a file, by a skeleton's name, or as names tell.
+//! Map from joints to frames: from a file, by the name of a skeleton, or guessed from names.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! `kinopt retarget`: people's movements on robots and figures.
+//! `kinopt retarget`: motion capture on robots and skeletons.
 
 mod contact_options;
 mod folder;
@@ -149,7 +149,7 @@ impl Clip {
             "{}: {}, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{sunk}\n",
             self.out.display(),
             counted(self.frames, "frame"),
-            // Times of frames in files have some digits only: of 0.033333 s are 30 a second.
+            // Frame times in files are rounded: 0.033333 s are 30 frames a second.
             (1e3 * self.fps).round() / 1e3,
             1e3 * self.mean_error,
             1e3 * self.slip
@@ -230,7 +230,7 @@ impl<'a> Job<'a> {
         let guess = self.map.of(&file, &read, robot.model())?;
         self.map.say(&file, &guess, read.up);
         let mut map = guess.map;
-        // What the command says comes first.
+        // The option has priority over the map.
         map.up = Some(read.up);
         let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
         let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
@@ -272,7 +272,7 @@ impl Arguments {
         let read = self.source_options.read(&self.source, given, skeleton)?;
         let file = self.source.display().to_string();
         let guess = choice.of(&file, &read, target.robot.model())?;
-        // Where it is gone by as well, that is said there.
+        // With `--out`, the retargeting reports the guess itself.
         if self.out.is_none() {
             choice.say(&file, &guess, read.up);
         }
@@ -318,7 +318,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     let clip = Job::new(arguments, Format::of(out)?)?.run(&arguments.source, out)?;
     if arguments.map.print_map {
-        // What is printed is the map alone, so that it can be read as JSON.
+        // Standard output has the map only, so that it is valid JSON.
         output::message(clip.summary().trim_end());
         return Ok(());
     }

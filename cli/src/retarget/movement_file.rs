@@ -1,4 +1,4 @@
-//! A movement as a file, which is there when it is whole.
+//! Output file of a motion, which appears when it is complete.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Where a movement comes from: arrays, motion capture, clips of scenes and keyframes of rigs.
+//! Sources of motion: arrays, motion capture, clips of scenes and keyframes of rigs.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What a movement is brought onto: a robot, or a figure that moves as a whole.
+//! Targets of retargeting: a robot, or a skeleton on a free base.
 
 use std::path::Path;
 
@@ -82,7 +82,7 @@ impl Target {
         let Some(figure) = self.figure.as_ref().filter(|_| along == Some(UpAxis::Y)) else {
             return;
         };
-        // Turned upright, what stood along z stands along y.
+        // The upright rotation maps z to y.
         let (up, along) = match figure.up() {
             UpAxis::Y => ("y", "z"),
             UpAxis::Z => ("z", "y"),

@@ -1,4 +1,4 @@
-//! `kinopt skin-report`: what is left of a tube that is twisted.
+//! `kinopt skin-report`: volume and radius of a twisted tube.
 
 use std::path::PathBuf;
 

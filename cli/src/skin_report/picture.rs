@@ -1,4 +1,4 @@
-//! The picture of a skin report.
+//! Picture of a skin report.
 
 use kinopt::skinning::SkinningMethod;
 use kinopt_charts::{Axis, Chart, Figure};

@@ -1,4 +1,4 @@
-//! The arguments of `kinopt solve`.
+//! Arguments of `kinopt solve`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -121,7 +121,7 @@ pub(crate) struct Arguments {
     /// The frame that --targets are for.
     ///
     /// Default: the file's tip_link, or a robot's only tip.
-    // Not `requires`: clap waives that for what conflicts with an argument given.
+    // Not `requires`: clap waives it for arguments that conflict with a given one.
     #[arg(long, value_name = "FRAME", conflicts_with_all = ["targets", "rays"], help_heading = TARGETS)]
     pub(super) tip: Option<String>,
 

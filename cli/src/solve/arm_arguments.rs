@@ -1,4 +1,4 @@
-//! What only the arm's front door understands.
+//! Options of the arm solver only.
 
 use clap::Args;
 use kinopt::arm::{Axis, Search};

@@ -1,4 +1,4 @@
-//! A robot's arm: one target on one chain.
+//! Arm backend: one target on one chain of a robot.
 
 use std::time::Instant;
 
@@ -54,7 +54,7 @@ impl<'a> ArmBackend<'a> {
         let [target] = goals.targets.as_slice() else {
             return Err(usage!("a robot's arm is asked for one --target"));
         };
-        // Unknown links are reported with the valid ones, as the user calls them.
+        // Unknown links are reported with the valid ones, as links.
         let frame = |name| loaded.frame(name, BareName::Tail);
         let base = goals.base.as_deref().map(frame).transpose()?;
         let tip = frame(&target.name)?;
@@ -218,7 +218,7 @@ impl QueryBackend for ArmBackend<'_> {
             answered();
         }
         if jumps.iter().any(|jump| !jump.continuous) {
-            // Whoever knows the whole path may find a way round; its steps are timed together.
+            // With the whole path known, the arm may avoid the jump; the steps are timed together.
             let targets: Vec<_> = queries.iter().map(|q| self.target(q)).collect();
             let started = Instant::now();
             let track = self.arm.track(&targets, &q_arm)?;
@@ -296,7 +296,7 @@ fn with_joint_options<'m>(
     if let Some(moves) = one_each("--max-move", &options.max_move, degrees)? {
         builder = builder.with_max_move(&moves);
     }
-    // Weights are no angles.
+    // Weights are not converted as angles.
     if let Some(weights) = one_each("--joint-weights", &options.joint_weights, false)? {
         builder = builder.with_joint_weights(&weights);
     }

@@ -1,4 +1,4 @@
-//! `--interval` and `--free-axis`: room on single axes of a target.
+//! `--interval` and `--free-axis`: goal bounds on single axes.
 
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Axis, Goal};

@@ -1,4 +1,4 @@
-//! What answers queries: a robot's arm or the general solvers.
+//! Backends that solve queries: a robot's arm or the general solvers.
 
 use std::time::Instant;
 

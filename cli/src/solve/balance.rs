@@ -1,4 +1,4 @@
-//! `--center-of-mass` and `--balance`: where the mass of a whole body should be.
+//! `--center-of-mass` and `--balance`: tasks for the centre of mass of a whole body.
 
 use clap::Args;
 use kinopt::model::{FrameId, Masses};

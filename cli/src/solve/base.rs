@@ -1,4 +1,4 @@
-//! The frame that targets are given in.
+//! Reference frame of targets.
 
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;

@@ -1,4 +1,4 @@
-//! Which joints may move, and what is on the tip: for every solver.
+//! Options of free joints and tools, for all solvers.
 
 use std::path::PathBuf;
 

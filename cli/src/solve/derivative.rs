@@ -1,4 +1,4 @@
-//! `--derivative`: how the answer moves with its targets.
+//! `--derivative`: derivative of the solution with respect to its targets.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The general solvers: any number of targets and rays, rigs and figures.
+//! General backend: any number of targets and rays, rigs and skeletons.
 
 use std::time::Instant;
 
@@ -197,7 +197,7 @@ impl<'a> GeneralBackend<'a> {
         if let Some(others) = &self.others {
             others.add(&mut builder, (self.loaded, start), levels)?;
         }
-        // After what was asked for, in whose order the answer is given.
+        // After the requested tasks, whose order is that of the report.
         for posture in self.held.posture(self.loaded, start)? {
             builder.add(posture);
         }

@@ -1,4 +1,4 @@
-//! What every query is about: the frames that have targets, and where those are given.
+//! Goals of every query: the frames with targets, and their reference frame.
 
 use std::path::Path;
 

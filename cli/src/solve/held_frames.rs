@@ -1,4 +1,4 @@
-//! What is held where it is while other frames go to their targets.
+//! Frames held in place while others go to their targets.
 
 use kinopt::model::{FrameId, ModelError, ParameterMap};
 use kinopt::skeleton::{BoneId, Holds};
@@ -75,7 +75,7 @@ impl Held {
                     let Some(bone) = bone_of(&frame) else {
                         continue;
                     };
-                    // Of a bone that carries what is dragged, the tip alone would say little.
+                    // For an ancestor of a dragged bone, its tip alone would not be enough.
                     if dragged_bones.iter().any(|&b| loaded.carries(bone, b)) {
                         held.holds.trunk.extend(loaded.up_from(bone));
                     } else {

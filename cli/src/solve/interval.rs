@@ -1,4 +1,4 @@
-//! `--interval`: how far a component of a pose may be from its target.
+//! `--interval`: allowed offset of a pose component from its target.
 
 use crate::number_list::{not_negative, number};
 

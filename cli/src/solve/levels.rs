@@ -1,4 +1,4 @@
-//! `--level`: what gives way to what, where not everything that is asked can be had.
+//! `--level`: priority levels of goals.
 
 use clap::Args;
 use kinopt::model::UnknownName;

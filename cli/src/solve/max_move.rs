@@ -1,4 +1,4 @@
-//! `--max-move` where the general solvers answer: how far joints may go from a start.
+//! `--max-move` of the general solvers: largest displacement of joints from the start.
 
 use super::arguments::Arguments;
 use crate::failure::Outcome;
@@ -25,7 +25,7 @@ pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<
             ));
         }
     };
-    // A ball goes by the angle that it turns by, though its numbers are no angles.
+    // A ball's displacement is its rotation angle, although its numbers are no angles.
     let turns = loaded.is_angle().zip(loaded.is_of_ball());
     let moves = each.into_iter().zip(turns);
     let moves = moves.map(

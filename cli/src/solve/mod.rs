@@ -84,7 +84,7 @@ fn one<B: QueryBackend>(
     query: &Query,
     json: bool,
 ) -> Outcome<()> {
-    // Before the search, not after it; but after all names, as making up skin weights takes a while.
+    // Checked before the search, but after all names, because computing skin weights is slow.
     let out = arguments.out.as_ref();
     let name = arguments.clip_name.as_deref();
     let written = match &arguments.into {

@@ -1,4 +1,4 @@
-//! `--world` and `--margin`: what an arm or a body keeps clear of.
+//! `--world` and `--margin`: collision avoidance of an arm or a body.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What `--out` and `--into` write: the mesh in the pose found, or the pose itself, of motion capture or into a scene's file.
+//! Output of `--out` and `--into`: the mesh in the solved pose, or the pose itself in a motion capture or scene file.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! A figure's pose: settled from where it stands, and searched for where that misses.
+//! Pose search of a skeleton: converges on the current branch, and searches after a miss.
 
 use std::time::{Duration, Instant};
 
@@ -103,7 +103,7 @@ impl PoseFinder {
         let (solver, question) = (self.search(left), body.question());
         let searched = solver.solve_observed(question, start, workspace, observer)?;
         let better = searched.cost < BETTER * settled.cost;
-        // Where every goal can be met, but nowhere without touching: that is told, as of an arm, and by how much.
+        // If the goals are met only in collision, that solution is reported, as for an arm.
         let only_touches = searched.goals_reached() && !settled.goals_reached();
         let taken = searched.reached || only_touches || (self.anywhere && better);
         let (way, best) = match taken {
@@ -116,7 +116,7 @@ impl PoseFinder {
         solution.counts += searched.counts;
         solution.attempts = searched.attempts + 1;
         if !taken {
-            // None agrees with what is not the lowest.
+            // Attempts with a higher cost do not count as agreeing.
             solution.agreeing = if better { 1 } else { searched.agreeing + 1 };
         }
         let lower_cost_elsewhere = (better && !taken).then_some(searched.cost);

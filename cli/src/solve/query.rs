@@ -1,4 +1,4 @@
-//! Queries and their answers, in terms of the whole model.
+//! Queries and their solutions, in terms of the whole model.
 
 use kinopt::Solution;
 use kinopt::arm::Jump;

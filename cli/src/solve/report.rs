@@ -1,4 +1,4 @@
-//! What came out, for people and for programs.
+//! Report of a solution, as text and JSON.
 
 use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
@@ -264,7 +264,7 @@ impl<'a> Report<'a> {
 
     fn joint_table(&self, degrees: bool) -> String {
         let unit = if degrees { "degrees" } else { "radians" };
-        // Lengths stay lengths, so only a model that slides needs the second unit.
+        // Lengths need no conversion, so only a model with prismatic joints needs the second unit.
         let slides = self.loaded.slides();
         let or_metres = if slides { " or metres" } else { "" };
         let balls: Vec<bool> = self.loaded.is_of_ball().collect();
@@ -287,7 +287,7 @@ impl<'a> Report<'a> {
             let note = if held {
                 "held"
             } else if ball {
-                // The ends of a quaternion's parts are no limits.
+                // The ranges of quaternion components are not limits.
                 ""
             } else if value <= limits.lower {
                 "at its lower limit"

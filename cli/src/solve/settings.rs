@@ -1,4 +1,4 @@
-//! What the arguments mean for solvers and for a model.
+//! Settings of solvers and models, from the arguments.
 
 use kinopt::Solver;
 use kinopt::arm::Search;
@@ -91,7 +91,7 @@ impl Arguments {
         loaded: &'l LoadedModel,
         goals: &Goals<'_>,
     ) -> Outcome<Option<&'l Robot>> {
-        // clap's `requires` would not ask for an option that another forbids.
+        // Checked here, because clap's `requires` ignores options that another one forbids.
         let limits = [
             ("--velocity-limits", &self.arm.velocity_limits),
             ("--acceleration-limits", &self.arm.acceleration_limits),
@@ -111,7 +111,7 @@ impl Arguments {
             || (!self.hold.is_empty() && loaded.rig.is_none())
             || goals.need_more_than_an_arm(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
-        // Those that settle from where they stand.
+        // Engines that converge from the current configuration.
         let settles = loaded.rig.is_some() || self.solver.is_none() && (general || !one_frame);
         let of_an_arm = self.arm.given(loaded.rig.is_some(), settles);
         match (&loaded.robot, of_an_arm) {
@@ -144,7 +144,7 @@ impl Arguments {
         }
         let all = loaded.model.configuration_len();
         let start = match &self.start {
-            // Numbers for an arm's own joints say nothing of the others.
+            // Numbers for the joints of an arm do not define the others.
             Start::Numbers(numbers) if loaded.robot.is_some() && numbers.len() != all => {
                 loaded.rest()
             }

@@ -1,4 +1,4 @@
-//! The file of `--tasks`: what is asked beside targets, checked; every complaint names the file and the place in it.
+//! The file of `--tasks`: additional tasks, validated; every error names the file and the position in it.
 
 use std::collections::BTreeMap;
 use std::path::Path;

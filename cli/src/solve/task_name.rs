@@ -1,4 +1,4 @@
-//! What a task of a query is called.
+//! Names of the tasks of a query.
 
 /// A task of a query, in the order of the solution's tasks.
 #[derive(Clone, Debug)]

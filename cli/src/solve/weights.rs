@@ -1,4 +1,4 @@
-//! `--weight`: how much each frame counts beside the others.
+//! `--weight`: relative weights of frames.
 
 use kinopt::model::{FrameId, UnknownName};
 

@@ -1,15 +1,15 @@
-//! Promise: docs/command.md is what `--help` says of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli --test command
-//! command_page` writes it anew.
+//! Promise: docs/reference/command.md is the `--help` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli --test command
+//! command_page` writes the page.
 #![cfg(not(any(feature = "bench", feature = "charts")))]
 
 use std::fmt::Write;
 use std::process::Command;
 
-const PAGE: &str = "../docs/command.md";
+const PAGE: &str = "../docs/reference/command.md";
 const OPENING: &str = "# The command
 
-`cargo install --path cli` installs it; what it says here is what `kinopt SUBCOMMAND --help` says, of which a test makes this page.
-`--json` goes with all of them; `kinopt bench` is in a build with `--features bench`, and says its own.
+`cargo install --path cli` installs the command. A test generates this page from `kinopt SUBCOMMAND --help`.
+All subcommands take `--json`. `kinopt bench` needs a build with `--features bench`; `kinopt bench --help` describes it.
 ";
 const SUBCOMMANDS: [&str; 9] = [
     "solve",
@@ -117,5 +117,8 @@ fn command_page_equals_the_help() {
         std::fs::write(PAGE, &page).unwrap();
     }
     let there = std::fs::read_to_string(PAGE).unwrap();
-    assert!(there == page, "KINOPT_BLESS=1 writes docs/command.md anew");
+    assert!(
+        there == page,
+        "KINOPT_BLESS=1 writes docs/reference/command.md"
+    );
 }

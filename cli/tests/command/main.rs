@@ -1,4 +1,7 @@
-//! What the command promises: a module a promise.
+//! Promises of the command, one a module.
+//!
+//! With the feature `bench` this binary is empty: the tests in `tests/bench` cover what that feature adds, and these are not repeated.
+#![cfg(not(feature = "bench"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[macro_use]
@@ -38,8 +41,6 @@ mod scenes;
 mod seeded_robot;
 mod servo;
 mod skin_report;
-#[cfg(feature = "bench")]
-mod solvers_compared;
 mod spheres;
 mod strict_levels;
 mod task_files;

@@ -1,4 +1,4 @@
-//! Promise: the flags that docs/options.md names are those of `kinopt solve` and `kinopt path`.
+//! Promise: the flags that docs/reference/options.md names are those of `kinopt solve` and `kinopt path`.
 
 use std::collections::BTreeSet;
 

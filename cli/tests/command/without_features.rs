@@ -1,6 +1,5 @@
 //! Promise: what a build leaves out says in one line how to get it.
 
-#[cfg(not(feature = "bench"))]
 #[test]
 fn missing_bench_states_its_feature() {
     let how = "--features bench -- bench robot.urdf --problems random:3";

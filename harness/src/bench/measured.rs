@@ -1,4 +1,4 @@
-//! Asking one solver one question, and judging what comes back.
+//! Measurement of one solver on one problem, and its verdict.
 
 use std::time::Duration;
 
@@ -6,14 +6,14 @@ use crate::clock;
 use crate::trace::Mark;
 use crate::{Adapter, Answer, Judge, Question, Record, Trace};
 
-/// Answers that take less are asked for again, and the shortest time counts.
+/// Shorter solves are repeated, and the shortest time counts.
 const QUICK: Duration = Duration::from_millis(2);
 const REPEATS: usize = 2;
-/// Answers that take less are timed several at once, so that looking at the clock does not count.
+/// Shorter solves are timed in groups, to exclude the cost of reading the clock.
 const TINY: Duration = Duration::from_micros(50);
 const TOGETHER: u32 = 16;
 
-/// What came of asking one adapter one question, plainly and traced.
+/// Result of one adapter on one problem, untraced and traced.
 pub(super) struct Measured {
     answer: Answer,
     plain: Duration,
@@ -21,10 +21,10 @@ pub(super) struct Measured {
     traced: Duration,
 }
 
-/// A record, and the way there.
+/// Record with its convergence history.
 pub(super) struct Judged {
     pub(super) record: Record,
-    /// Steps, and the lowest cost so far: at the start, where it fell, and at the end.
+    /// Iterations, and the lowest cost so far: at the start, where it decreased, and at the end.
     pub(super) course: Vec<(usize, f64)>,
 }
 
@@ -40,7 +40,7 @@ impl Measured {
             }
         }
         let trace = Trace::on();
-        // What it answers while it is watched is not asked for.
+        // The result of the traced solve is not used.
         let _ = adapter.solve(question, &trace);
         let (marks, traced) = trace.finish();
         Self {

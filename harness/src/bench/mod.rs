@@ -1,4 +1,4 @@
-//! Asks every adapter every case by every route.
+//! Benches: every adapter on every case with every derivative mode.
 
 mod measured;
 
@@ -15,14 +15,14 @@ use crate::{
     Question, Results, Run, Setting,
 };
 
-/// How far a bench has come; measured between two answers, so no time that is taken holds it.
+/// Progress of a bench; reported between two solves, outside all timing.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Answers so far.
+    /// Number of finished solves.
     pub answered: usize,
-    /// Answers in all.
+    /// Total number of solves.
     pub total: usize,
-    /// The solver that is next.
+    /// Name of the next solver.
     pub solver: &'a str,
 }
 
@@ -35,7 +35,7 @@ pub struct Bench<'s> {
 }
 
 impl<'s> Bench<'s> {
-    /// A comparison without adapters.
+    /// Creates a comparison without adapters.
     #[must_use]
     pub fn new(set: &'s ProblemSet, budget: Budget) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl<'s> Bench<'s> {
         }
     }
 
-    /// Keeps the course of the cost through this case, counted from 0. Default: the first.
+    /// Selects the case, counted from 0, whose convergence history is recorded. Default: the first.
     #[must_use]
     pub fn with_chosen(mut self, case: usize) -> Self {
         self.chosen = case;
@@ -65,11 +65,11 @@ impl<'s> Bench<'s> {
         }
     }
 
-    /// Asks everyone everything, problem by problem. `progress` is told before each answer and may
-    /// break: what is done is kept, up to the last problem that every solver was measured.
+    /// Runs all solvers, problem by problem. `progress` is called before each solve and may break. The results then
+    /// contain the problems that every solver has finished.
     ///
     /// # Errors
-    /// No cases; a problem that cannot be problem.
+    /// Returns an error for a set without cases, and for an invalid problem.
     pub fn run(
         &mut self,
         progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
@@ -154,7 +154,7 @@ impl<'s> Bench<'s> {
         }
     }
 
-    /// A run for each adapter and route; those that cannot take part say why.
+    /// Creates a run for each adapter and derivative mode; adapters that do not support the set have a reason.
     fn entries(&mut self, results: &mut Results) -> Vec<Entry> {
         let mut entries = Vec::new();
         for (position, adapter) in self.adapters.iter_mut().enumerate() {
@@ -179,7 +179,7 @@ impl<'s> Bench<'s> {
                     records: Vec::new(),
                 });
                 if sat_out.is_some() {
-                    // Its routes do not matter.
+                    // Its derivative modes do not matter.
                     break;
                 }
             }
@@ -188,16 +188,16 @@ impl<'s> Bench<'s> {
     }
 }
 
-/// An adapter at work by one route.
+/// An adapter with a derivative mode.
 struct Entry {
     adapter: usize,
     route: Option<Derivatives>,
-    /// Its position in the results.
+    /// Index in the results.
     run: usize,
     takes_part: bool,
 }
 
-/// From a tenth of the size down to the tolerance, decade by decade.
+/// Accuracies from a tenth of the size down to the tolerance, decade by decade.
 fn accuracies(tolerance: f64) -> Vec<f64> {
     let decades = (1..16).map(|k| 10_f64.powi(-k));
     let coarser = decades.take_while(|&accuracy| accuracy > 1.001 * tolerance);

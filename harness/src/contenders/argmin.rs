@@ -1,4 +1,4 @@
-//! argmin's solvers through the bridge.
+//! Solvers of argmin through the bridge.
 
 use argmin::core::Executor;
 use argmin::solver::linesearch::MoreThuenteLineSearch;
@@ -14,15 +14,15 @@ use rand::rngs::StdRng;
 use super::{STEPS, marked_run};
 use crate::{Adapter, Answer, Question, Trace, attempts};
 
-/// How many past steps L-BFGS remembers.
+/// Number of past steps stored by L-BFGS.
 const MEMORY: usize = 7;
-/// Steps of one simplex.
+/// Iterations of one simplex.
 const SIMPLEX_STEPS: u64 = 3000;
 const PARTICLES: usize = 40;
-/// Steps of one swarm.
+/// Iterations of one swarm.
 const SWARM_STEPS: u64 = 250;
 
-/// One of argmin's solvers under the harness' restarts.
+/// A solver of argmin with the restarts of the harness.
 #[derive(Clone, Debug)]
 pub struct ArgminAdapter {
     name: &'static str,
@@ -31,7 +31,7 @@ pub struct ArgminAdapter {
     solve: fn(&Question<'_>, &Trace) -> Answer,
 }
 
-/// A solver within bounds, made anew for each attempt from its start and number.
+/// A solver with bounds, created for each attempt from its start and seed.
 macro_rules! within_bounds {
     ($steps:expr, |$bounded:ident, $start:ident, $seed:ident| $solver:expr) => {
         |question, trace| {
@@ -57,7 +57,7 @@ macro_rules! within_bounds {
     };
 }
 
-/// A solver over unbounded variables, made anew for each attempt.
+/// A solver over unbounded variables, created for each attempt.
 macro_rules! over_unbounded {
     ($solver:expr) => {
         |question, trace| {
@@ -73,7 +73,7 @@ macro_rules! over_unbounded {
                 let run = marked_run::run(executor, left, trace);
                 match unbounded.solution_from(&y, run) {
                     Ok(solution) => Answer::from(&solution),
-                    // A line search that found nothing took the run with it.
+                    // A failed line search ends the run without a state.
                     Err(_) => Answer::at(start.to_vec()),
                 }
             });
@@ -87,7 +87,7 @@ macro_rules! over_unbounded {
 }
 
 impl ArgminAdapter {
-    /// Nelder-Mead from the simplex that the bridge proposes.
+    /// Nelder-Mead from the initial simplex of the bridge.
     #[must_use]
     pub fn nelder_mead() -> Self {
         Self {
@@ -100,14 +100,14 @@ impl ArgminAdapter {
         }
     }
 
-    /// The particle swarm across the joints' range. A further attempt is a new swarm.
+    /// Particle swarm over the joints' range. Each attempt is a new swarm.
     #[must_use]
     pub fn particle_swarm() -> Self {
         Self {
             name: "argmin particle swarm",
             setting: format!("{PARTICLES} particles, at most {SWARM_STEPS} steps an attempt"),
             routes: &[],
-            // argmin's own generator is seeded by the system.
+            // Seeded here, because the generator of argmin is seeded by the system.
             solve: within_bounds!(SWARM_STEPS, |bounded, start, seed| bounded
                 .search_box(start)
                 .map(|window| ParticleSwarm::new(window, PARTICLES)
@@ -128,7 +128,7 @@ impl ArgminAdapter {
         }
     }
 
-    /// The trust region with Steihaug's conjugate gradients.
+    /// Trust region with Steihaug's conjugate gradients.
     #[must_use]
     pub fn trust_region() -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! The classical methods: CCD and FABRIK, bare, under the harness' restarts.
+//! Geometric methods: CCD and FABRIK, with the restarts of the harness.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -9,10 +9,10 @@ use kinopt::solver::{Iteration, Silent, Stopping};
 
 use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace, attempts};
 
-/// Sweeps of one attempt: those of the methods' own defaults.
+/// Sweeps of one attempt, as by default.
 const SWEEPS: usize = 500;
 
-/// A [`Geometric`] method, made anew with the time that is left.
+/// A [`Geometric`] method, created with the remaining time.
 pub struct GeometricAdapter {
     name: &'static str,
     method: fn(Stopping) -> Box<dyn Geometric>,
@@ -63,7 +63,7 @@ impl Adapter for GeometricAdapter {
     }
 
     fn prepare(&mut self, set: &ProblemSet, _budget: Budget) -> Result<(), String> {
-        // Without a step: only what it has no answer for comes out.
+        // Zero iterations: finds unsupported problems.
         let problem = set.problem().map_err(|error| error.to_string())?;
         let stopping = Stopping::default().with_max_iterations(0);
         let tried = (self.method)(stopping).solve_question(
@@ -90,7 +90,7 @@ impl Adapter for GeometricAdapter {
             };
             match solved {
                 Ok(solution) => Answer::from(&solution),
-                // What it has no answer for sat out.
+                // Unsupported problems were excluded before.
                 Err(_) => Answer::at(start.to_vec()),
             }
         })

@@ -1,4 +1,4 @@
-//! The lane engine, through the arm's front door.
+//! SIMD solver, through the API of arms.
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmError, Base, Goal, Search};
@@ -6,7 +6,7 @@ use kinopt::model::FrameId;
 
 use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace};
 
-/// [`Arm`] with the search [`Search::First`]: one frame on one chain. It marks nothing.
+/// [`Arm`] with the search [`Search::First`]: one frame on one chain. It makes no marks.
 #[derive(Debug, Default)]
 pub struct LaneEngineAdapter {
     arm: Option<Arm>,

@@ -1,4 +1,4 @@
-//! argmin's executor with the budget's clock and the harness' marks.
+//! argmin's executor with the time limit and the marks of the harness.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use kinopt::argmin_bridge::Place;
 
 use crate::Trace;
 
-/// Marks the best place after every iteration.
+/// Marks the best variables after every iteration.
 struct Watch(Trace);
 
 impl<I: State> Observe<I> for Watch

@@ -1,4 +1,4 @@
-//! One of kinopt's methods, bare: no restarts but the harness' own.
+//! A single method of kinopt, with the restarts of the harness.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use kinopt::{Solver, Workspace};
 
 use crate::{Adapter, Answer, Question, Trace, attempts};
 
-/// A [`Method`] under the restarts that all local solvers share.
+/// A [`Method`] with the restarts of the harness.
 #[derive(Debug)]
 pub struct MethodAdapter {
     solver: Solver,
@@ -18,7 +18,7 @@ pub struct MethodAdapter {
 }
 
 impl MethodAdapter {
-    /// A method that takes at most `steps` in one attempt.
+    /// A method with at most `steps` iterations in one attempt.
     #[must_use]
     pub fn new(method: impl Method + 'static, steps: usize) -> Self {
         Self {
@@ -78,7 +78,7 @@ pub(super) fn solve_marked(
     };
     match solved {
         Ok(solution) => Answer::from(solution),
-        // Only a start that is not finite or of the wrong length: not within a problem set.
+        // Only for a start that is not finite or has the wrong length, which a problem set excludes.
         Err(_) => Answer::at(start.to_vec()),
     }
 }

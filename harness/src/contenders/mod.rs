@@ -1,7 +1,7 @@
-//! The solvers of this project, and argmin's, as adapters.
+//! Adapters of the solvers of this project and of argmin.
 //!
-//! Solvers without restarts of their own try again from random starts, the same for all
-//! ([`attempts`](crate::attempts)); their settings say how far one attempt goes.
+//! Solvers without restarts of their own are restarted from random starts, equal for all
+//! ([`attempts`](crate::attempts)). Their settings include the limits of one attempt.
 
 mod argmin;
 mod geometric;
@@ -20,12 +20,12 @@ use kinopt::solver::{Damping, FirstStep, GaussNewton, LevenbergMarquardt, Projec
 
 use crate::Adapter;
 
-/// Steps of one attempt of the gradient methods, which are many and small.
+/// Iterations of one attempt of the gradient methods, whose iterations are cheap.
 const GRADIENT_STEPS: usize = 2000;
-/// Steps of one attempt of the other methods.
+/// Iterations of one attempt of the other methods.
 const STEPS: usize = 200;
 
-/// Every solver there is, with its default settings.
+/// All solvers with their default settings.
 #[must_use]
 pub fn all() -> Vec<Box<dyn Adapter>> {
     let halving = ProjectedGradient::default();

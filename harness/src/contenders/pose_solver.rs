@@ -1,4 +1,4 @@
-//! kinopt's own solver as a user gets it, with its own restarts.
+//! Default solver of kinopt, with its own restarts.
 
 use kinopt::problem::Derivatives;
 use kinopt::solver::Stopping;
@@ -16,7 +16,7 @@ pub struct SolverAdapter {
 }
 
 impl SolverAdapter {
-    /// A solver under a name, with the stopping rules of the default and the budget's time limit.
+    /// A solver under a name, with the default stopping rules and the budget's time limit.
     #[must_use]
     pub fn new(name: impl Into<String>, solver: Solver) -> Self {
         Self {

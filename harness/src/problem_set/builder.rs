@@ -1,4 +1,4 @@
-//! Says what is asked, before the cases.
+//! Builder of problem sets.
 
 use kinopt::Model;
 use kinopt::arm::Mechanism;
@@ -8,10 +8,10 @@ use kinopt::robot::Mimic;
 use super::ProblemSet;
 use crate::HarnessError;
 
-/// What counts as solved unless said otherwise: a millionth of the size, and a microradian.
+/// Default tolerance: a millionth of the size, and a microradian.
 const TOLERANCE: f64 = 1e-6;
 
-/// Collects what all cases share; [`build`](Self::build) checks it.
+/// Common parameters of all cases; [`build`](Self::build) validates them.
 #[derive(Clone, Debug)]
 pub struct ProblemSetBuilder {
     model: Model,
@@ -34,15 +34,14 @@ impl ProblemSetBuilder {
         }
     }
 
-    /// The position of one more frame has a target.
+    /// Adds a target for the position of a frame.
     #[must_use]
     pub fn point(mut self, frame: FrameId) -> Self {
         self.frames.push(frame);
         self
     }
 
-    /// The position and orientation of one more frame have a target. Orientations then count for
-    /// all frames of the set.
+    /// Adds a target for the position and orientation of a frame. Orientations then count for all frames of the set.
     #[must_use]
     pub fn pose(mut self, frame: FrameId) -> Self {
         self.frames.push(frame);
@@ -50,25 +49,24 @@ impl ProblemSetBuilder {
         self
     }
 
-    /// The model's own length, in metres. Default: its reach.
+    /// Sets the size of the model, in metres. Default: its reach.
     #[must_use]
     pub fn size(mut self, size: f64) -> Self {
         self.size = Some(size);
         self
     }
 
-    /// What counts as solved: this share of the size, and as many radians; within (0, 0.1].
-    /// Default 1e-6.
+    /// Sets the tolerance: relative to the size, and in radians; within (0, 0.1]. Default 1e-6.
     #[must_use]
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
         self
     }
 
-    /// Checks everything; cases come next.
+    /// Validates the parameters and creates a set without cases.
     ///
     /// # Errors
-    /// A tolerance out of range; mimic joints that follow in a ring.
+    /// Returns an error for a tolerance out of range, and for a cycle of mimic joints.
     pub fn build(self) -> Result<ProblemSet, HarnessError> {
         if !(self.tolerance > 0.0 && self.tolerance <= 0.1) {
             let tolerance = self.tolerance;

@@ -1,4 +1,4 @@
-//! The problems that all solvers get.
+//! Problem sets for all solvers.
 
 mod builder;
 mod set_problem;
@@ -15,20 +15,20 @@ use kinopt::{Model, Problem};
 
 use crate::HarnessError;
 
-/// Separates the seeds of cases; attempts count below it.
+/// Distance of the seeds of cases; attempts count below it.
 const SEEDS_A_CASE: u64 = 1 << 16;
 
-/// One problem: where the frames should be, and where to start.
+/// One problem: targets of the frames, and a start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// world_from_target of each frame of the set, in metres (rigs: their own unit). Where only
-    /// points are asked for, the rotation does not matter.
+    /// world_from_target of each frame of the set, in metres (for rigs, the rig's unit). If only positions count, the
+    /// rotation is ignored.
     pub targets: Vec<Placement<f64>>,
-    /// A configuration (shape: degrees of freedom); it is moved into the limits.
+    /// Start configuration (shape: degrees of freedom); clamped into the limits.
     pub start: Vec<f64>,
 }
 
-/// A model, the frames that have targets, tolerances, and cases.
+/// A model, the frames with targets, tolerances, and cases.
 #[derive(Clone, Debug)]
 pub struct ProblemSet {
     model: Model,
@@ -53,18 +53,17 @@ impl Mechanism for ProblemSet {
 }
 
 impl ProblemSet {
-    /// Starts a set on a model, whose joints are all free, or on a robot, whose mimic joints follow.
+    /// Starts a set on a model, whose joints are all free, or on a robot with mimic joints.
     #[must_use]
     pub fn builder(mechanism: &impl Mechanism) -> ProblemSetBuilder {
         ProblemSetBuilder::new(mechanism)
     }
 
-    /// Adds `count` cases that have an answer: the frames' places at random configurations within
-    /// the limits. Each starts at `start`, or, where that is `None`, at another random
-    /// configuration. The same seed makes the same cases.
+    /// Adds `count` reachable cases: the poses of the frames at random configurations within the limits. Each starts at
+    /// `start`, or, if it is `None`, at another random configuration. Equal seeds give equal cases.
     ///
     /// # Errors
-    /// A start of the wrong length.
+    /// Returns an error for a start of the wrong length.
     pub fn with_random_cases(
         mut self,
         count: usize,
@@ -90,7 +89,7 @@ impl ProblemSet {
     /// Adds cases.
     ///
     /// # Errors
-    /// A case with too many or too few targets, or a start of the wrong length.
+    /// Returns an error for a case with a wrong number of targets, or a start of the wrong length.
     pub fn with_cases(mut self, cases: Vec<Case>) -> Result<Self, HarnessError> {
         for mut case in cases {
             let index = self.cases.len();
@@ -113,72 +112,71 @@ impl ProblemSet {
         Ok(self)
     }
 
-    /// With the seed that everything random comes from: starts of further attempts, and solvers' own.
+    /// Sets the seed of all random numbers: starts of further attempts, and those of solvers.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
     }
 
-    /// The problem that all cases are stated as, with targets that say nothing yet.
+    /// Problem of all cases, with placeholder targets.
     ///
     /// # Errors
-    /// No frames; no free joint; frames of another model.
+    /// Returns an error without frames or free joints, and for frames of another model.
     pub fn problem(&self) -> Result<Problem, HarnessError> {
         Ok(SetProblem::new(self)?.problem)
     }
 
-    /// The model.
+    /// Model of the set.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// From variables to configurations.
+    /// Map from variables to configurations.
     #[must_use]
     pub fn map(&self) -> &ParameterMap {
         &self.map
     }
 
-    /// The frames that have targets.
+    /// Frames with targets.
     #[must_use]
     pub fn frames(&self) -> &[FrameId] {
         &self.frames
     }
 
-    /// Their names.
+    /// Names of the frames with targets.
     pub fn frame_names(&self) -> impl Iterator<Item = &str> {
         let frames = self.frames.iter();
         let frames = frames.filter_map(|id| self.model.frames().get(id.index()));
         frames.map(|frame| frame.name.as_str())
     }
 
-    /// Whether orientations count, or positions alone.
+    /// True if orientations count, false for positions only.
     #[must_use]
     pub fn turns(&self) -> bool {
         self.turns
     }
 
-    /// The model's own length, in metres (rigs: their own unit): what tolerances and accuracies are
-    /// shares of.
+    /// Size of the model, in metres (for rigs, the rig's unit). Tolerances and accuracies are relative to it.
     #[must_use]
     pub fn size(&self) -> f64 {
         self.size
     }
 
-    /// What counts as solved: this share of the size, and as many radians.
+    /// Tolerance: relative to the size, and in radians.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// What counts as solved, in metres (rigs: their own unit).
+    /// Position tolerance, in metres (for rigs, the rig's unit).
     #[must_use]
     pub fn length_tolerance(&self) -> f64 {
         self.tolerance * self.size
     }
 
-    /// The angular tolerance as the cost weighs it: infinite where orientations do not count.
+    /// Angular tolerance in the unit of the weighted cost: infinite if orientations do not count.
     pub(crate) fn weighted_angle_tolerance(&self) -> f64 {
         if self.turns {
             self.tolerance * 0.25 * self.model.reach()
@@ -187,19 +185,19 @@ impl ProblemSet {
         }
     }
 
-    /// The cases.
+    /// Cases of the set.
     #[must_use]
     pub fn cases(&self) -> &[Case] {
         &self.cases
     }
 
-    /// The seed that everything random comes from.
+    /// Seed of all random numbers.
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// A seed for each case, far enough from the next for its attempts.
+    /// Seed of each case, with enough distance to the next for its attempts.
     pub(crate) fn seed_of_case(&self, case: usize) -> u64 {
         let case = u64::try_from(case).unwrap_or(u64::MAX).wrapping_add(1);
         self.seed
@@ -207,14 +205,14 @@ impl ProblemSet {
             .wrapping_add(case.wrapping_mul(SEEDS_A_CASE))
     }
 
-    /// A configuration drawn within the limits; followers follow, locked joints stay.
+    /// A configuration sampled within the limits; mimic joints follow, locked joints keep their values.
     #[must_use]
     pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
         self.within_limits(&self.model.random_configuration(seed))
     }
 
-    /// The configuration moved into the limits; followers follow, locked joints stay. NaN for what is no
-    /// configuration of the model.
+    /// Clamps a configuration into the limits; mimic joints follow, locked joints keep their values. NaN for a wrong
+    /// length.
     #[must_use]
     pub fn within_limits(&self, q: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.map.variables()];
@@ -224,7 +222,7 @@ impl ProblemSet {
         }
     }
 
-    /// The configuration of variables, moved into the limits. NaN for what are no variables of the map.
+    /// Configuration of variables, clamped into the limits. NaN for a wrong length.
     #[must_use]
     pub fn configuration(&self, x: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; self.model.degrees_of_freedom()];

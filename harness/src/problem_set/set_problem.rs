@@ -1,4 +1,4 @@
-//! The problem that all cases are stated as.
+//! Problem of all cases of a set.
 
 use kinopt::Problem;
 use kinopt::problem::{Derivatives, ProblemError, Question, Targets, TaskId};
@@ -7,7 +7,7 @@ use kinopt::task::{Point, Pose, Quantity};
 
 use crate::{Case, HarnessError, ProblemSet};
 
-/// The problem of a set, whose targets move from case to case.
+/// Problem of a set, with targets that change from case to case.
 pub(crate) struct SetProblem {
     pub(crate) problem: Problem,
     targets: Targets,
@@ -48,12 +48,12 @@ impl SetProblem {
         }
         Ok(())
     }
-    /// Chooses the derivative route.
+    /// Sets the derivative mode.
     pub(crate) fn derive_by(&mut self, route: Derivatives) {
         self.problem = self.problem.clone().with_derivatives(route);
     }
 
-    /// The problem with the targets of the case.
+    /// Problem instance with the targets of the case.
     pub(crate) fn question(&self) -> Result<Question<'_>, ProblemError> {
         self.problem.with_targets(&self.targets)
     }

@@ -1,9 +1,9 @@
-//! Which runs stand for what.
+//! Selection of runs for tables and pictures.
 
 use crate::profile::median;
 use crate::{Results, Run};
 
-/// Most lines in one chart.
+/// Largest number of lines in one chart.
 const LINES: usize = 7;
 
 /// One panel of a picture: its title and its runs.
@@ -12,7 +12,7 @@ pub(super) struct Panel<'r> {
     pub(super) runs: Vec<&'r Run>,
 }
 
-/// More solved is better; among equals the lower median time.
+/// True if `a` solved more, or as many in a lower median time.
 pub(super) fn is_better(a: &Run, b: &Run) -> bool {
     let time = |run: &Run| {
         let times = run
@@ -24,12 +24,12 @@ pub(super) fn is_better(a: &Run, b: &Run) -> bool {
     (a.solved(), time(b)) > (b.solved(), time(a))
 }
 
-/// Runs that took part.
+/// Runs with records.
 pub(super) fn active(results: &Results) -> impl Iterator<Item = &Run> {
     results.runs.iter().filter(|run| !run.records.is_empty())
 }
 
-/// Each solver by its best derivative route, in the order of the results.
+/// Each solver with its best derivative mode, in the order of the results.
 pub(super) fn best_routes(results: &Results) -> Vec<&Run> {
     let mut best: Vec<&Run> = Vec::new();
     for run in active(results) {
@@ -42,7 +42,7 @@ pub(super) fn best_routes(results: &Results) -> Vec<&Run> {
     best
 }
 
-/// The best routes by family, small families together, few enough lines in each.
+/// Best modes by family, with small families merged, and few lines in each panel.
 pub(super) fn panels(results: &Results) -> Vec<Panel<'_>> {
     let mut panels: Vec<Panel<'_>> = Vec::new();
     let best = best_routes(results);

@@ -1,4 +1,4 @@
-//! A table and pictures of results.
+//! Report of results: a table and pictures.
 
 mod choice;
 mod pictures;
@@ -13,7 +13,7 @@ use kinopt_charts::{ChartError, Figure};
 
 use crate::{HarnessError, Results};
 
-/// A picture's file name, what it shows, and how it is drawn.
+/// File name of a picture, its title, and its drawing function.
 type Picture = (&'static str, &'static str, fn(&Results) -> Figure);
 
 const PICTURES: [Picture; 5] = [
@@ -28,11 +28,10 @@ const PICTURES: [Picture; 5] = [
     ("jacobian.svg", "Cost of one Jacobian", jacobian),
 ];
 
-/// Writes `results.json`, `results.md` and the pictures that there is something to show in into an
-/// existing folder.
+/// Writes `results.json`, `results.md` and the non-empty pictures into an existing folder.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if a file cannot be written.
 pub fn write(results: &Results, folder: impl AsRef<Path>) -> Result<(), HarnessError> {
     let folder = folder.as_ref();
     results.write_json(folder.join("results.json"))?;
@@ -40,7 +39,7 @@ pub fn write(results: &Results, folder: impl AsRef<Path>) -> Result<(), HarnessE
     for (file, title, draw) in PICTURES {
         match draw(results).write_svg(folder.join(file)) {
             Ok(()) => text.push_str(&format!("\n![{title}]({file})\n")),
-            // Nothing was solved, or nobody takes derivatives: no picture.
+            // Without solved problems or derivative modes there is no picture.
             Err(ChartError::Empty { .. }) => {}
             Err(error) => return Err(error.into()),
         }

@@ -1,5 +1,4 @@
-//! The pictures. Where there are many solvers each is drawn by its best derivative route, in a panel
-//! for each family.
+//! Pictures of results. Each solver is drawn with its best derivative mode, in a panel for each family.
 
 use kinopt_charts::{Axis, Chart, Figure, Series, Style};
 
@@ -7,9 +6,9 @@ use super::choice::{self, Panel, panels};
 use crate::profile::{performance_profile, share_within};
 use crate::{Results, Run};
 
-/// How many solvers' derivative routes are compared: those that solve the most.
+/// Number of solvers whose derivative modes are compared: those that solve the most.
 const COMPARED: usize = 4;
-/// Costs below this share of the first are drawn at the edge.
+/// Costs below this fraction of the first are drawn at the edge.
 const LOWEST_COST: f64 = 1e-18;
 
 fn percent(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
@@ -23,14 +22,14 @@ fn solved_axis() -> Axis {
     Axis::linear("solved, %").range(0.0, 102.0)
 }
 
-/// Where all points lie along x, widened to something that an axis can show.
+/// Range of all points along x, widened for an axis.
 fn span(curves: &[Vec<(f64, f64)>]) -> Option<(f64, f64)> {
     let xs = curves.iter().flatten().map(|(x, _)| *x);
     let (low, high) = xs.fold((f64::INFINITY, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
     (low > 0.0 && low <= high).then_some((low / 1.3, high * 1.3))
 }
 
-/// A chart for each panel, all on the same axes.
+/// A chart for each panel, with common axes.
 fn by_panel(
     title: String,
     panels: &[Panel<'_>],
@@ -47,7 +46,7 @@ fn by_panel(
     for (member, panel) in panels.iter().enumerate() {
         let mut chart = Chart::new(panel.title.clone()).x(x.clone()).y(y.clone());
         for (colour, (run, curve)) in panel.runs.iter().zip(&mut curves).enumerate() {
-            // No line: the legend says why.
+            // Without a line, the legend gives the reason.
             let name = match curve.is_empty() {
                 true => format!("{}: none", run.title()),
                 false => run.title(),
@@ -66,7 +65,7 @@ fn times(run: &Run) -> impl Iterator<Item = f64> {
         .filter_map(|record| record.solved_micros())
 }
 
-/// The share of problems that each solver has solved within a time.
+/// Fraction of problems that each solver has solved within a time.
 #[must_use]
 pub fn solved_over_time(results: &Results) -> Figure {
     let panels = panels(results);
@@ -84,7 +83,7 @@ pub fn solved_over_time(results: &Results) -> Figure {
     )
 }
 
-/// The performance profile of Dolan and Moré.
+/// Performance profile of Dolan and Moré.
 #[must_use]
 pub fn performance(results: &Results) -> Figure {
     let panels = panels(results);
@@ -106,12 +105,12 @@ pub fn performance(results: &Results) -> Figure {
     by_panel(title, &panels, &curves, x, solved_axis())
 }
 
-/// The solvers that solve the most, each by all its derivative routes.
+/// The solvers that solve the most, each with all its derivative modes.
 #[must_use]
 pub fn routes(results: &Results) -> Figure {
     let mut best = choice::best_routes(results);
     best.retain(|run| run.route.is_some());
-    // Stable, so equals stay in the order of the results.
+    // Stable sort: equal runs keep the order of the results.
     best.sort_by_key(|run| std::cmp::Reverse(run.solved()));
     let mut figure = Figure::new(format!("Derivative routes: {}", results.model.name));
     for solver in best.iter().take(COMPARED).map(|run| &run.solver) {
@@ -129,7 +128,7 @@ pub fn routes(results: &Results) -> Figure {
     figure
 }
 
-/// The lowest cost so far over the steps of the chosen problem.
+/// Lowest cost so far over the iterations of the chosen problem.
 #[must_use]
 pub fn course(results: &Results) -> Figure {
     let mut panels = panels(results);
@@ -160,7 +159,7 @@ pub fn course(results: &Results) -> Figure {
     by_panel(title, &panels, &curves, "steps of all attempts + 1", y)
 }
 
-/// What one Jacobian costs by each route, with lines for O(m) and O(m²).
+/// Cost of one Jacobian by derivative mode, with guides for O(m) and O(m²).
 #[must_use]
 pub fn jacobian(results: &Results) -> Figure {
     let mut chart = Chart::new("Cost of one Jacobian: a chain of m bones with three angles each")
@@ -174,7 +173,7 @@ pub fn jacobian(results: &Results) -> Figure {
         let series = Series::line(cost.route.clone(), points);
         chart = chart.with(series.style(Style::family(colour, 0)));
     }
-    // The guides pass through the ends of the fastest and the slowest route.
+    // The guides pass through the last points of the fastest and the slowest mode.
     let ends = results
         .jacobian_cost
         .iter()

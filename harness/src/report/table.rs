@@ -6,8 +6,8 @@ use super::choice::{self, is_better};
 use crate::profile::median;
 use crate::{Record, Results, Run};
 
-/// Provenance, what was asked, the table of all runs, when which accuracy was reached, the cost of
-/// Jacobians, and how the solvers were set up.
+/// Report in Markdown: provenance, problem set, table of all runs, times to accuracies, cost of Jacobians, and settings
+/// of the solvers.
 #[must_use]
 pub fn markdown(results: &Results) -> String {
     // Writing into a string cannot fail.
@@ -201,7 +201,7 @@ fn missed_by(errors: impl Iterator<Item = f64>) -> String {
     median(errors).map_or("–".to_owned(), |error| format!("{error:.1e}"))
 }
 
-/// Three digits, or whole numbers.
+/// Number with three digits, or a whole number.
 fn short(number: Option<f64>) -> String {
     match number {
         None => "–".to_owned(),

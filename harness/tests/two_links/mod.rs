@@ -1,4 +1,4 @@
-//! Two links of one metre in a plane, and questions about their tip.
+//! Two links of one metre in a plane, with problems for their tip.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
@@ -9,7 +9,7 @@ use kinopt::model::{FrameId, Limits};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt_harness::{Adapter, Bench, Budget, ProblemSet, Results};
 
-/// Shoulder and elbow turn about z by at most two radians either way.
+/// Shoulder and elbow rotate about z within two radians in both directions.
 pub(crate) fn two_links() -> (Model, FrameId) {
     let mut builder = Model::builder("two links");
     let z = Vector3::new(0.0, 0.0, 1.0);
@@ -28,7 +28,7 @@ pub(crate) fn points(count: usize) -> ProblemSet {
     set.with_random_cases(count, 7, None).unwrap()
 }
 
-/// No clock ends anything.
+/// A budget whose clock ends no search.
 pub(crate) fn patient(attempts: usize) -> Budget {
     Budget {
         time_limit: Duration::from_secs(3600),

@@ -1,8 +1,9 @@
-"""Datasets of targets over many processes and machines, by Ray Data: ``pip install 'kinopt[ray]'``.
+"""Datasets of targets on several processes and machines, by Ray Data: ``pip install 'kinopt[ray]'``.
 
-``solve`` maps a dataset of targets to one of answers, ``solve_files`` a folder of Parquet files to another one, which
-can be ended and begun again; ``retarget_files`` does a folder of people's movements. Workers are given a ``SolveArm`` or a ``SolveProblem``, which hold an arm or a problem.
-``table`` and ``numbers`` turn numpy arrays into Arrow tables and back.
+``solve`` maps a dataset of targets to one of solutions; ``solve_files`` maps a folder of Parquet files to another one
+and can be interrupted and continued; ``retarget_files`` retargets a folder of motion captures. Workers hold a
+``SolveArm`` or a ``SolveProblem``, with an arm or a problem. ``table`` and ``numbers`` convert numpy arrays to Arrow
+tables and back.
 """
 
 from importlib.util import find_spec

@@ -1,4 +1,4 @@
-"""Datasets of targets through workers that each hold an arm or a problem."""
+"""Datasets of targets solved by workers that each hold an arm or a problem."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import ray.data
 from ray.data import Dataset
 
 TableSolver = Callable[[pa.Table], pa.Table]
-"""A table of targets to a table of answers: ``SolveArm``, ``SolveProblem``, or what is derived from them."""
+"""Function from a table of targets to one of solutions: ``SolveArm``, ``SolveProblem``, or a subclass of them."""
 
 
 class Worker:
-    """What Ray makes once in every worker: it holds a solver."""
+    """Ray actor that holds a solver; created once in every worker."""
 
     def __init__(self, solver: TableSolver) -> None:
         self.solver = solver
@@ -32,22 +32,23 @@ def solve(
     batch_size: int = 4096,
     **options: Any,
 ) -> Dataset:
-    """A dataset of targets (``ray.data.read_parquet``, ``from_arrow``, ...) to one of answers, by ``map_batches``.
+    """Maps a dataset of targets (``ray.data.read_parquet``, ``from_arrow``, ...) to one of solutions, by
+    ``map_batches``.
 
-    ``solver`` is a ``SolveArm`` or ``SolveProblem``, which each of ``workers`` processes holds: so many, or from
-    so few to so many; None is up to one for each core of the cluster. ``options`` go to ``map_batches``:
-    ``memory``, ``max_restarts``, ``num_cpus`` (a core, less where nothing would be left to read with), ...
+    ``solver`` is a ``SolveArm`` or ``SolveProblem``, held by each of ``workers`` processes: a number, or (minimum,
+    maximum); None is up to one for each core of the cluster. ``options`` go to ``map_batches``: ``memory``,
+    ``max_restarts``, ``num_cpus`` (default one core, less if no core would remain for reading), ...
 
-    Like every dataset it is computed when it is read, written or materialised. Every row is the same to the bit
-    as without Ray, with any number of workers and any batch size; the order of rows is Ray's, which keeps
-    it where ``ray.data.DataContext``'s ``execution_options.preserve_order`` is set, so let a column number them.
-    Ray starts a worker again that dies and solves again what it had; an exception in a worker ends the job.
+    Like every dataset it is computed when it is read, written or materialised. Rows equal those without Ray exactly, at
+    any number of workers and any batch size. The order of rows is Ray's, which is preserved if
+    ``ray.data.DataContext``'s ``execution_options.preserve_order`` is set; otherwise add a column of indices. Ray
+    restarts a worker that dies and repeats its batch; an exception in a worker ends the job.
 
-    Raises what Ray's ``map_batches`` does for options that it does not know, and, where the dataset is computed, Ray's
-    ``RayTaskError`` around what ``solver`` raised.
+    Raises the exceptions of Ray's ``map_batches`` for unknown options, and, when the dataset is computed, Ray's
+    ``RayTaskError`` around exceptions of ``solver``.
     """
     fewest, most = workers if isinstance(workers, tuple) else (workers or 1, workers or cores())
-    # With a whole core for each worker of as many as there are, nothing could be read for them.
+    # Workers with a whole core each would leave none for reading.
     options.setdefault("num_cpus", min(1.0, (cores() - 1) * 1000 // most / 1000))
     return dataset.map_batches(
         Worker,
@@ -60,7 +61,7 @@ def solve(
 
 
 def cores() -> int:
-    """The cores that Ray's cluster has; a cluster on this machine is started where there is none."""
+    """Number of cores of Ray's cluster; starts a cluster on this machine if there is none."""
     if not ray.is_initialized():
         ray.init()
     return max(1, int(ray.cluster_resources().get("CPU", 1)))

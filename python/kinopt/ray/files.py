@@ -1,4 +1,4 @@
-"""Folders of targets to folders of answers: what is finished stays on disk, so that a job can be begun again."""
+"""Folders of targets solved to folders of solutions: finished files stay, so an interrupted job can continue."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from ..errors import FileError, InvalidValueError, KinoptError
 from .datasets import TableSolver, cores
 from .folder import Folder
 
-# A note in a file of answers: which file of targets they answer.
+# Metadata key in a file of solutions, with the stamp of its file of targets.
 _STAMP = "kinopt targets"
-# So many rows of a finished file are solved again when a job goes on.
+# Number of rows of a finished file that are solved again when a job continues.
 _PROBED = 64
 
 
 def write_blocks(
     table: pa.Table, folder: str | os.PathLike[str], rows: int = 16_384
 ) -> list[str]:
-    """Writes a table as Parquet files of at most so many ``rows`` into ``folder``, made if need be.
+    """Writes a table as Parquet files of at most ``rows`` rows into ``folder``, which is created if missing.
 
-    A file is what a worker solves at a time and what ``solve_files`` keeps. Returns the files' names, whose
-    order is the table's. ``folder`` is a path or a URI. Raises ``FileError`` where it cannot be written and
-    ``InvalidValueError`` for files of less than a row.
+    A file is the unit of work of ``solve_files``. Returns the names of the files, in the order of the table. ``folder``
+    is a path or a URI. Raises ``FileError`` if it cannot be written and ``InvalidValueError`` for ``rows`` below 1.
     """
     if rows < 1:
         raise InvalidValueError(f"rows is {rows}, which is less than 1")
@@ -47,22 +46,21 @@ def solve_files(
     workers: int | None = None,
     **options: Any,
 ) -> pyarrow.dataset.Dataset:
-    """Solves every Parquet file of a folder of ``targets`` into a file of the same name in ``answers``.
+    """Solves every Parquet file of a folder of ``targets`` into a file of equal name in ``answers``.
 
-    The folders are paths or URIs that all workers see. Rows and their order are those of the targets' files,
-    so that they can be laid side by side, to the bit what ``solver`` says without Ray. ``workers`` (None: one
-    for each core of the cluster) take a file at a time, read, solve and write it themselves. ``options`` go to
-    Ray's ``map_batches``. Returns the answers, unread: Arrow's dataset, whose ``to_table()`` has the rows in order;
-    for a dataset of Ray's, ``ray.data.read_parquet(answers)``.
+    The folders are paths or URIs that all workers can access. Rows and their order are those of the targets' files, so
+    that the tables can be joined by row, and equal exactly the results of ``solver`` without Ray. Each of ``workers``
+    (None: one for each core of the cluster) reads, solves and writes one file at a time. ``options`` go to Ray's
+    ``map_batches``. Returns the solutions, unread: an Arrow dataset, whose ``to_table()`` has the rows in order; for a
+    dataset of Ray, use ``ray.data.read_parquet(answers)``.
 
-    A file appears in ``answers`` when it is whole. A job that was ended, killed or switched off goes on
-    where the same call is made again: files that are there are skipped, unless their targets changed since. The
-    first rows of one are solved again, and ``InvalidValueError`` is raised where they come out differently: then
-    these are the answers to another question. One job at a time for a folder of answers. A worker that dies is
-    started again by Ray, and its file with it.
+    A file appears in ``answers`` when it is complete. After an interruption, an equal call continues the job: existing
+    files are skipped, unless their targets changed. The first rows of one of them are solved again, and
+    ``InvalidValueError`` is raised if they differ, because the files then belong to another query. Only one job at a
+    time may use a folder of ``answers``. Ray restarts a worker that dies, with its file.
 
-    Raises ``FileError`` where there are no targets, and ``InvalidValueError`` with the file's name for those that
-    cannot be solved, after all others are.
+    Raises ``FileError`` without targets, and ``InvalidValueError`` with the name of a file that cannot be solved, after
+    all other files.
     """
     source, into = Folder(targets), Folder(answers)
     names = source.names()
@@ -91,7 +89,7 @@ def solve_files(
 
 
 class _Job:
-    """Files of targets, and where their answers go."""
+    """Files of targets, and the folder of their solutions."""
 
     def __init__(self, source: Folder, into: Folder, solver: TableSolver) -> None:
         self.source = source
@@ -102,18 +100,18 @@ class _Job:
         return self.into.note(name, _STAMP) == self.source.stamp(name)
 
     def probe(self, name: str) -> None:
-        """Raises where a finished file does not hold what would be answered now."""
+        """Raises an error if a finished file differs from the current results."""
         again = self.solver(self.source.read(name).slice(0, _PROBED))
         before = self.into.read(name).slice(0, _PROBED)
-        # As text, where a number is itself to the bit, and NaN too.
+        # Compared as text, which is exact and treats NaN as equal.
         if repr(again.to_pydict()) != repr(before.to_pydict()):
             raise InvalidValueError(
                 f"{name} in {self.into.name} answers another question: give another folder, or delete it"
             )
 
     def solve(self, name: str) -> str | None:
-        """Solves a file; returns what is wrong with it."""
-        # Before it is read: what changes meanwhile is solved again the next time.
+        """Solves a file; returns the error text, or None."""
+        # Taken before reading: a later change of the file then invalidates the result.
         stamp = self.source.stamp(name)
         try:
             answers = self.solver(self.source.read(name))
@@ -124,7 +122,7 @@ class _Job:
 
 
 class _FileWorker:
-    """What Ray makes once in every worker: it holds the job's solver."""
+    """Ray actor that holds the solver of the job; created once in every worker."""
 
     def __init__(self, job: _Job) -> None:
         self.job = job

@@ -1,4 +1,4 @@
-"""A folder of Parquet files, on this machine or behind a URI."""
+"""A folder of Parquet files, local or at a URI."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _UNFINISHED = ".part"
 
 
 class Folder:
-    """Tables by name; a file is there when it is whole."""
+    """Tables by name; a file appears when it is complete."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.name = os.fspath(folder)
@@ -33,7 +33,7 @@ class Folder:
         return f"{self.path}/{name}"
 
     def make(self) -> None:
-        """Makes the folder, and removes what a job that was ended was writing."""
+        """Creates the folder, and removes unfinished files of an interrupted job."""
         try:
             self.system.create_dir(self.path, recursive=True)
             for name in self._names(_UNFINISHED):
@@ -42,7 +42,7 @@ class Folder:
             raise FileError(f"{self.name} cannot be written: {error}") from None
 
     def names(self) -> list[str]:
-        """The names of its tables, in order."""
+        """Names of its tables, in order."""
         try:
             return [name for name in self._names(".parquet") if name[0] not in "._"]
         except OSError as error:
@@ -53,7 +53,7 @@ class Folder:
         return sorted(file.base_name for file in files if file.is_file and file.base_name.endswith(ending))
 
     def stamp(self, name: str) -> str:
-        """Tells a file from another one that takes its place."""
+        """Text that changes when the file is replaced."""
         file = self.system.get_file_info(self.path_of(name))
         return f"{file.size} {file.mtime_ns}"
 
@@ -64,12 +64,12 @@ class Folder:
             raise FileError(f"{name} in {self.name} cannot be read: {error}") from None
 
     def dataset(self, names: list[str]) -> pyarrow.dataset.Dataset:
-        """Tables one after another, unread."""
+        """Concatenated tables, unread."""
         paths = [self.path_of(name) for name in names]
         return pyarrow.dataset.dataset(paths, filesystem=self.system, format="parquet")
 
     def note(self, name: str, key: str) -> str | None:
-        """A note that was written with a table; None without one, and where no whole file is."""
+        """Metadata of a table; None without it, and without a complete file."""
         try:
             notes = pq.read_schema(self.path_of(name), filesystem=self.system).metadata
         except (OSError, pa.ArrowException):
@@ -78,7 +78,7 @@ class Folder:
         return note.decode() if note is not None else None
 
     def write(self, name: str, table: pa.Table, notes: dict[str, str] | None = None) -> None:
-        """Writes a table under another name first, so that none is there by halves."""
+        """Writes a table to a temporary name first, so that no partial file appears."""
         table = table.replace_schema_metadata({**(table.schema.metadata or {}), **(notes or {})})
         unfinished = self.path_of(f".{name}.{uuid4().hex}{_UNFINISHED}")
         try:

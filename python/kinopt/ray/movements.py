@@ -1,4 +1,4 @@
-"""Folders of people's movements over many machines."""
+"""Folders of motion captures on several machines."""
 
 from __future__ import annotations
 
@@ -36,10 +36,12 @@ def retarget_files(
     workers: int | None = None,
     **options: Any,
 ) -> list[ClipReport]:
-    """``kinopt.retargeting.retarget_folder`` by Ray's ``workers`` (None: one for each core of the cluster), each with a file at a time.
+    """Runs ``kinopt.retargeting.retarget_folder`` on Ray's ``workers`` (None: one for each core of the cluster), each
+    with one file at a time.
 
-    The folders are paths that all workers see. What is done stays done, to the bit what one machine writes; a worker that
-    dies is started again, and its file with it. ``options`` go to Ray's ``remote``: ``num_cpus``, ``memory``, ``max_retries``, ...
+    The folders are paths that all workers can access. Finished files stay and equal those of one machine exactly; a
+    worker that dies is restarted, with its file. ``options`` go to Ray's ``remote``: ``num_cpus``, ``memory``,
+    ``max_retries``, ...
 
     Raises as ``retarget_folder`` does.
     """

@@ -1,4 +1,4 @@
-"""What a worker does: a table of targets in, a table of answers out."""
+"""Worker functions: from a table of targets to a table of solutions."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from ..errors import InvalidValueError, UnknownNameError
 from .tables import column, numbers
 
 ANSWERS = ("q", "reached", "position_error", "orientation_error", "attempts", "iterations")
-"""The columns that a solved table has in addition."""
+"""Columns that a solved table has in addition."""
 
 
 class SolveArm:
-    """Answers tables of targets of an arm: what ``solve`` and ``solve_files`` hold once in every worker.
+    """Solves tables of targets of an arm: the solver that ``solve`` and ``solve_files`` hold in every worker.
 
-    ``target`` names the column of base_from_tool, 16 numbers a row, row by row, metres. ``start`` is one start
-    for all, shape (dof,), radians and metres (None: the one nearest to all zeros), or ``starts`` names a column
-    of them, dof numbers a row. ``keep`` names the columns that go along into the answers; None are all but those
-    of targets and starts. ``threads`` is for each worker.
+    ``target`` names the column of base_from_tool, 16 numbers for each row, row-major, metres. ``start`` is a common
+    start, shape (dof,), radians and metres (None: the one nearest to all zeros); or ``starts`` names a column of them,
+    dof numbers for each row. ``keep`` names the columns that are copied to the solutions; None is all except those of
+    targets and starts. ``threads`` is for each worker.
 
-    Called with a table it returns one of as many rows in the same order: ``q`` (dof numbers a row, radians and
-    metres, within the limits), ``reached``, ``position_error`` (metres), ``orientation_error`` (radians),
-    ``attempts``, ``iterations``, to the bit what ``arm.solve_batch`` says. Derive from it to add columns.
+    A call with a table returns a table with an equal number and order of rows: ``q`` (dof numbers for each row, radians
+    and metres, within the limits), ``reached``, ``position_error`` (metres), ``orientation_error`` (radians),
+    ``attempts``, ``iterations``, exactly as ``arm.solve_batch``. Subclass it to add columns.
 
-    Raises ``InvalidValueError`` for a start that does not fit; when called, for columns that are missing or
-    of other shapes, for targets that are no placements, and where an answer would hide a column that is kept.
+    Raises ``InvalidValueError`` for a start of another shape; when called, for columns that are missing or of other
+    shapes, for targets that are not placements, and for a kept column with the name of a result.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class SolveArm:
     ) -> None:
         if start is not None and starts is not None:
             raise InvalidValueError("there is one start for all, or a column of starts, not both")
-        # An empty batch looks at the start, here rather than in a worker.
+        # An empty batch validates the start, before it reaches a worker.
         arm.solve_batch(np.empty((0, 4, 4)), start, threads)
         self.arm = arm
         self.start = start
@@ -63,20 +63,21 @@ class SolveArm:
 
 
 class SolveProblem:
-    """Answers tables of targets of a problem: what ``solve`` and ``solve_files`` hold once in every worker.
+    """Solves tables of targets of a problem: the solver that ``solve`` and ``solve_files`` hold in every worker.
 
-    ``targets`` names the column that each task's target is in: {"hand": "hand_target"}; other tasks keep the
-    problem's own. A row holds the numbers of a target, row by row: 3 for a point, 16 for a pose, 9 for an orientation, 6 for
-    a plane (point, normal) or a ray (eye, through), 1 for a distance, dof for a posture. ``start`` is one start
-    for all, shape (dof,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move`` how far joints may
-    move from their start, as of its ``solve_batch``; ``keep`` and ``threads`` are as for ``SolveArm``.
+    ``targets`` names the column of each task's targets: {"hand": "hand_target"}; other tasks keep the problem's
+    targets. A row holds the numbers of a target, row-major: 3 for a point, 16 for a pose, 9 for an orientation, 6 for a
+    plane (point, normal) or a ray (eye, through), 1 for a distance, nq for a posture. ``start`` is a common start,
+    shape (nq,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move`` the largest
+    displacement of joints from their start, as in its ``solve_batch``; ``keep`` and ``threads`` are as for
+    ``SolveArm``.
 
-    Called with a table it returns one of as many rows in the same order, with the same columns as ``SolveArm``, to the
-    bit what ``solver.solve_batch`` says; errors are empty where no goal measures any in their unit. It
-    goes to workers as far as the residuals of the problem pickle.
+    A call with a table returns a table with an equal number and order of rows, with the columns of ``SolveArm``,
+    exactly as ``solver.solve_batch``; errors are empty if no required task has their unit. It can be sent to workers if
+    the residuals of the problem can be pickled.
 
-    Raises ``UnknownNameError`` for tasks that do not exist and ``InvalidValueError`` for a start that does not fit;
-    when called, for columns that are missing or of other shapes and for targets and moves that cannot be.
+    Raises ``UnknownNameError`` for unknown tasks and ``InvalidValueError`` for a start of another shape; when called,
+    for columns that are missing or of other shapes and for invalid targets and moves.
     """
 
     def __init__(
@@ -125,7 +126,7 @@ class SolveProblem:
 
 
 def _target_shape(problem: Problem, name: str) -> tuple[int, ...]:
-    """How the numbers of a task's target are laid out."""
+    """Shape of a task's target."""
     task = problem.tasks[problem.task_names.index(name)]
     task = task.task if isinstance(task, tasks.Within) else task
     shapes: dict[type, tuple[int, ...]] = {
@@ -139,7 +140,7 @@ def _target_shape(problem: Problem, name: str) -> tuple[int, ...]:
 
 
 def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]) -> pa.Table:
-    """The columns that go along: those of ``keep``, or all that are not ``used``."""
+    """The columns to copy: those of ``keep``, or all that are not ``used``."""
     if keep is None:
         keep = [name for name in table.column_names if name not in used]
     missing = [name for name in keep if name not in table.column_names]
@@ -152,10 +153,10 @@ def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]
 
 
 def answered(table: pa.Table, batch: Any) -> pa.Table:
-    """A table with the answers of a batch beside it."""
+    """The table with the results of a batch appended."""
     for name in ANSWERS:
         values = getattr(batch, name)
-        # A problem whose goals are in other units has no such errors.
+        # A problem without required tasks in this unit has no such errors.
         values = pa.nulls(len(batch), pa.float64()) if values is None else column(values)
         table = table.append_column(name, values)
     return table

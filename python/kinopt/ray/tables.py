@@ -1,4 +1,4 @@
-"""Arrow tables of arrays: a column holds a number, or as many numbers as a target or a configuration has, a row."""
+"""Arrow tables of arrays: a row of a column holds one number, or the numbers of a target or a configuration."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..types import Floats
 
 
 def table(**columns: ArrayLike) -> pa.Table:
-    """A table of arrays of N rows: shape (N,) becomes a column of values, (N, 4, 4) one of 16 numbers a row.
+    """A table of arrays of N rows: shape (N,) becomes a column of values, (N, 4, 4) one of 16 numbers for each row.
 
-    ``table(target=targets, number=range(len(targets)))``. Rows of numbers are fixed-size lists, which Parquet
-    keeps and other programs read. Raises ``InvalidValueError`` where lengths differ.
+    ``table(target=targets, number=range(len(targets)))``. Rows of numbers are fixed-size lists, which Parquet preserves
+    and other programs read. Raises ``InvalidValueError`` for different lengths.
     """
     arrays = {name: np.asarray(values) for name, values in columns.items()}
     lengths = {name: len(values) if values.ndim else None for name, values in arrays.items()}
@@ -26,9 +26,9 @@ def table(**columns: ArrayLike) -> pa.Table:
 
 
 def column(values: ArrayLike) -> pa.Array:
-    """A column of an array of shape (N, ...): what follows the first axis becomes a row's list.
+    """A column of an array of shape (N, ...): the other axes become the list of a row.
 
-    Raises Arrow's own ``ArrowInvalid`` for values that no column can hold.
+    Raises Arrow's ``ArrowInvalid`` for values that no column can hold.
     """
     array = np.asarray(values)
     if array.ndim == 1:
@@ -38,10 +38,10 @@ def column(values: ArrayLike) -> pa.Array:
 
 
 def numbers(table: pa.Table, name: str, shape: Sequence[int] = (-1,)) -> Floats:
-    """The numbers of a column as float64, shape (N, *shape), without a copy where they lie so already.
+    """The numbers of a column as float64, shape (N, *shape), without a copy if the layout matches.
 
-    Takes lists of any nesting and Ray's and Arrow's tensors; one length of ``shape`` may be -1. Raises
-    ``InvalidValueError`` for a column that is missing, has empty places, rows of other lengths, or no numbers.
+    Accepts lists of any nesting and tensors of Ray and Arrow; one length of ``shape`` may be -1. Raises
+    ``InvalidValueError`` for a column that is missing, has empty entries, rows of other lengths, or no numbers.
     """
     if name not in table.column_names:
         raise InvalidValueError(f"there is no column {name!r} among {table.column_names}")
@@ -63,7 +63,7 @@ def numbers(table: pa.Table, name: str, shape: Sequence[int] = (-1,)) -> Floats:
     array = np.asarray(values.to_numpy(zero_copy_only=False), dtype=np.float64)
     rows = table.num_rows
     try:
-        # Without rows nothing says how long they would be.
+        # Without rows their length is unknown.
         return array.reshape(rows, *(shape if rows else np.maximum(shape, 0)))
     except ValueError:
         width = array.size // max(rows, 1)

@@ -1,7 +1,7 @@
-"""People's movements on robots and rigs: ``kinopt.retarget``, and what it is made of.
+"""Motion capture retargeted to robots and rigs: ``kinopt.retarget``, and its parts.
 
-A ``Capture`` is where joints are, a map which of them drives which frame of a robot or a rig. ``guess_map`` makes one
-where none is given; ``RetargetFollower`` follows live.
+A ``Capture`` holds joint positions. A map assigns its joints to frames of a robot or a rig. ``guess_map`` computes a
+map if none is given; ``RetargetFollower`` retargets online.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Folders of movements: what is done stays done where the same call is made again."""
+"""Folders of motion captures: an equal call continues after an interruption."""
 
 from __future__ import annotations
 
@@ -20,34 +20,34 @@ from .targets import TargetLike, read_target
 
 @dataclass(frozen=True)
 class ClipReport:
-    """What came of one movement of a folder."""
+    """Report of one motion capture of a folder."""
 
     source: str
-    """Its file."""
+    """Input file."""
     out: str
-    """Where it was written."""
+    """Output file."""
     frames: int = 0
-    """How many frames it has; 0 of one that was done before, or failed."""
+    """Number of frames; 0 for a file that was done before, or failed."""
     mean_error: float = 0.0
-    """As of ``Retargeted``, metres."""
+    """Mean error as in ``Retargeted``, metres."""
     slip: float = 0.0
-    """As of ``Retargeted``, metres."""
+    """Largest drift as in ``Retargeted``, metres."""
     sunk: float = 0.0
-    """As of ``Retargeted``, metres."""
+    """Largest ground penetration as in ``Retargeted``, metres."""
     done_before: bool = False
-    """Whether it was there already."""
+    """True if the output existed."""
     notes: list[str] = field(default_factory=list)
-    """What a guessed map leaves to be looked at."""
+    """Notes on a guessed map, for review."""
     error: str | None = None
-    """What is wrong with it; None where it was written."""
+    """Error text; None if the output was written."""
 
 
-#: A movement's file, and where it goes.
+#: Input file and output file.
 Pair: TypeAlias = tuple[str, str]
 
 
 class Begun:
-    """A folder that was begun: what is left to do, and what came of the rest."""
+    """A folder in progress: the remaining files, and the reports of the others."""
 
     def __init__(self, movements: list[tuple[str, str, bool]]) -> None:
         self._pairs = [(source, out) for source, out, _ in movements]
@@ -55,23 +55,23 @@ class Begun:
         self.left = [pair for pair in self._pairs if pair not in self._reports]
 
     def note(self, pair: Pair, report: ClipReport) -> None:
-        """What came of one that was left."""
+        """Records the report of a remaining file."""
         self._reports[pair] = report
 
     @property
     def progress(self) -> tuple[int, int]:
-        """How many are done, and how many there are."""
+        """Number of finished files, and of all files."""
         return len(self._reports), len(self._pairs)
 
     @property
     def reports(self) -> list[ClipReport]:
-        """Of all, in the order of their names."""
+        """Reports of all files, in the order of their names."""
         return [self._reports[pair] for pair in self._pairs]
 
 
 @dataclass(frozen=True)
 class FolderJob:
-    """A folder of movements, and what is done with each: a worker anywhere may hold it."""
+    """A folder of motion captures with the options of retargeting; can be sent to a worker."""
 
     source: str
     out: str
@@ -80,16 +80,16 @@ class FolderJob:
     options: dict[str, Any]
 
     def begin(self, again: bool) -> Begun:
-        """Makes the folder, or goes on with one that was begun by whomever to answer the same question."""
+        """Creates the output folder, or continues one of an equal job."""
         skeleton = self.map if isinstance(self.map, str) and is_skeleton(self.map) else None
         given = read_map(self.map)
         text = None if given is None else json.dumps(given)
         folders = (self.source, self.out)
-        # They read what is theirs.
+        # Each option struct reads its own fields.
         return Begun(folder_begun(folders, self.target, text, skeleton, self.options, self.options, again))
 
     def run(self, pair: Pair) -> ClipReport:
-        """Brings one movement onto the target, and says what came of it."""
+        """Retargets one motion capture, and returns its report."""
         source, out = pair
         try:
             found = retarget(source, self.target, self.map, **self.options)
@@ -121,16 +121,17 @@ def retarget_folder(
     again: bool = False,
     progress: bool | Callable[[int, int], None] = False,
 ) -> list[ClipReport]:
-    """Brings every movement of a folder, and of those in it, onto a robot or a rig: a .npz each, as ``Retargeted.save`` writes it.
+    """Retargets every motion capture of a folder and its subfolders to a robot or a rig: a .npz each, as
+    ``Retargeted.save`` writes it.
 
-    So many ``threads`` (None: one a core) take a file at a time; the rest is as of ``retarget``. A file is there when it is whole:
-    what was ended goes on where this is called again, or ``kinopt retarget`` is asked the same of both folders, and the other way
-    round; what changed since is done anew, or with ``again`` all. What fails keeps no other from being done: its report says why.
-    ``progress``: whether a bar shows how far it is (by tqdm), or what is called with (done, total).
-    ``kinopt.ray.retarget_files`` does the same over many machines.
+    Each of ``threads`` (None: one for each core) processes one file at a time; other arguments are as in ``retarget``.
+    A file appears when it is complete. After an interruption, an equal call, or ``kinopt retarget`` with equal
+    arguments, continues the job. Changed inputs are done again, or with ``again`` all of them. A failure does not
+    affect other files: its report has the error. ``progress`` shows a tqdm bar if True, or is called with (done,
+    total). ``kinopt.ray.retarget_files`` runs on several machines.
 
-    Raises ``FileError`` for folders that cannot be read or written or hold no movement, ``InvalidValueError`` for one that answers
-    another question and for two movements of one name, and what is wrong with the target.
+    Raises ``FileError`` for folders that cannot be read or written or contain no motion capture, ``InvalidValueError``
+    for an output folder of another job and for two inputs of one name, and the errors of the target.
     """
     job = folder_job(
         source,
@@ -160,7 +161,7 @@ def retarget_folder(
             begun.note(running[done], done.result())
             report(*begun.progress)
     finally:
-        # Where it is interrupted, nothing more is begun.
+        # After an interruption, no further file starts.
         pool.shutdown(cancel_futures=True)
     return begun.reports
 
@@ -172,7 +173,7 @@ def folder_job(
     map: MapLike,
     **options: Any,
 ) -> FolderJob:
-    """What is done with every movement."""
+    """Creates the job of a folder."""
     joints = options.get("joints")
     options["joints"] = None if joints is None else list(joints)
     return FolderJob(os.fspath(source), os.fspath(out), read_target(target), map, options)

@@ -1,4 +1,4 @@
-"""A movement live: frames as they come."""
+"""Online retargeting."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from .targets import TargetLike
 
 
 class RetargetFollower:
-    """Follows a person live: one frame's places in, that frame's configuration out, in a bounded number of steps.
+    """Retargets a live motion capture: from one frame's joint positions to its configuration, in a bounded number of
+    steps.
 
-    ``measured`` is some movement of the same person, however short: limbs and the ground are measured in it, and its joints'
-    order is that of the frames to come. The rest is as of ``retarget``. Limits of position hold in every frame, those of
-    speed from each to the next at ``fps``. What stands is told by the frames before alone, so a foot is held some frames
-    later than where the whole movement is known.
+    ``measured`` is a motion capture of the subject, of any length: limbs and the ground are measured in it, and live
+    frames have its order of joints. Other arguments are as in ``retarget``. Position limits hold in every frame, speed
+    limits between successive frames at ``fps``. Contacts are detected from past frames only, so a foot lock starts some
+    frames later than in ``retarget``.
 
-    Raises what ``retarget`` does.
+    Raises the errors of ``retarget``.
     """
 
     def __init__(
@@ -65,7 +66,7 @@ class RetargetFollower:
 
     @property
     def q(self) -> Floats:
-        """Where the body is, shape (nq,)."""
+        """Current configuration, shape (nq,)."""
         return self._live.q
 
     @property
@@ -75,13 +76,13 @@ class RetargetFollower:
 
     @property
     def map(self) -> dict[str, Any]:
-        """The map that it goes by."""
+        """The map in use."""
         return self._map
 
     def step(self, positions: ArrayLike) -> Floats:
-        """Goes on to the next frame: ``positions`` of shape (J, 3) in, the configuration of shape (nq,) out.
+        """Processes the next frame: ``positions`` of shape (J, 3); returns the configuration of shape (nq,).
 
-        Where a place is not finite the body stays. The GIL is released.
+        A frame with a position that is not finite keeps the configuration. The GIL is released.
 
         Raises ``InvalidValueError`` for another number of joints.
         """

@@ -1,4 +1,4 @@
-"""Which joint of a capture drives which frame."""
+"""Maps from capture joints to frames."""
 
 from __future__ import annotations
 
@@ -15,33 +15,33 @@ from ..errors import FileError, InvalidFileError, InvalidValueError
 from .targets import Target
 
 MapLike: TypeAlias = Union[Mapping[str, Any], str, "os.PathLike[str]", None]
-"""A map as a dict, the path of its file, the name of a skeleton, or None where it is to be guessed."""
+"""A map as a dict, the path of its file, the name of a skeleton, or None for a guess."""
 
 
-#: Size of the largest map that is read.
+#: Largest size of a map file, bytes.
 MAX_BYTES = 1 << 28
 
 
 @dataclass(frozen=True)
 class MapGuess:
-    """A map that was guessed, and by what."""
+    """A guessed map, with the recognised skeleton and body."""
 
     map: dict[str, Any]
-    """The map, as its file has it."""
+    """The map, in the form of its file."""
     skeleton: str | None
-    """The known skeleton whose names the capture has: "cmu", "lafan1", "mixamo" or "smpl"."""
+    """Known skeleton with the joint names of the capture: "cmu", "lafan1", "mixamo" or "smpl"."""
     body: str | None
-    """The known body whose frames the target has: "g1", "h1", "humanoid" or "nao"."""
+    """Known body with the frame names of the target: "g1", "h1", "humanoid" or "nao"."""
     notes: list[str]
-    """What is to be looked at: parts that one of both has not, and proportions that are no body's."""
+    """Notes for review: parts that only one of both has, and implausible proportions."""
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the map as a file that can be corrected by hand.
+        """Writes the map as a file, which can be edited by hand.
 
-        Raises ``FileError`` where it cannot be written.
+        Raises ``FileError`` if it cannot be written.
         """
         try:
-            # Beside the file that a link leads to, then renamed.
+            # Written next to the target of a symbolic link, then renamed.
             real = Path(os.path.realpath(path))
             part = unfinished(real)
             part.write_text(json.dumps(self.map, indent=2) + "\n", encoding="utf-8")
@@ -53,11 +53,11 @@ class MapGuess:
 def guess_map(capture: Capture, target: Target, skeleton: str | None = None) -> MapGuess:
     """Guesses which joint of a capture drives which frame of a robot or a rig.
 
-    Known skeletons and bodies are told by their names; else it goes by what names tell, as ``LeftUpLeg``, ``l_thigh`` and
-    ``left_hip_pitch_link`` do. ``skeleton`` says which known one the capture is of.
+    Known skeletons and bodies are recognised by their names; otherwise by the meaning of names such as ``LeftUpLeg``,
+    ``l_thigh`` and ``left_hip_pitch_link``. ``skeleton`` names the known skeleton of the capture.
 
-    Raises ``InvalidValueError`` for names that tell of no body and a capture of another skeleton, ``UnknownNameError``
-    for a skeleton that there is not.
+    Raises ``InvalidValueError`` for names without a recognisable body and for a capture of another skeleton,
+    ``UnknownNameError`` for an unknown skeleton.
     """
     guessed = map_guessed(capture, target) if skeleton is None else map_of_skeleton(skeleton, capture, target)
     text, known, body, notes = guessed
@@ -65,9 +65,9 @@ def guess_map(capture: Capture, target: Target, skeleton: str | None = None) -> 
 
 
 def completed(map: dict[str, Any], capture: Capture, target: Target) -> tuple[dict[str, Any], list[str]]:
-    """A map, with drives by names where it has none of the target, and what is to be looked at.
+    """A map, with guessed drives if it has none for the target, and notes for review.
 
-    Raises what ``guess_map`` does where there are none, and ``InvalidValueError`` for what is wrong with the map.
+    Raises the errors of ``guess_map`` if there are none, and ``InvalidValueError`` for an invalid map.
     """
     text, notes = map_completed(json.dumps(map), capture, target)
     return map if text is None else json.loads(text), notes
@@ -75,7 +75,7 @@ def completed(map: dict[str, Any], capture: Capture, target: Target) -> tuple[di
 
 @contextmanager
 def naming(map: MapLike) -> Iterator[None]:
-    """Puts the name of a map's file before messages about the map."""
+    """Prefixes messages about the map with the name of its file."""
     try:
         yield
     except InvalidValueError as error:
@@ -85,16 +85,16 @@ def naming(map: MapLike) -> Iterator[None]:
 
 
 def is_skeleton(map: MapLike) -> bool:
-    """Whether a map is the name of a skeleton: what ends as no file does."""
+    """True if a map is the name of a skeleton: it has no file extension and no folder."""
     if not isinstance(map, str) or Path(map).suffix or os.sep in map:
         return False
-    # Which raises for one that there is not.
+    # Raises an error for an unknown skeleton.
     skeleton_joints(map, 0)
     return True
 
 
 def read_map(map: MapLike) -> dict[str, Any] | None:
-    """A map as a dict; None where there is none yet."""
+    """A map as a dict; None if it has to be guessed."""
     if map is None or is_skeleton(map):
         return None
     if isinstance(map, Mapping):

@@ -1,4 +1,4 @@
-"""A movement on a robot or a rig, and the truth about it."""
+"""A retargeted motion, with its errors."""
 
 from __future__ import annotations
 
@@ -19,82 +19,82 @@ from .targets import TargetLike, read_target
 
 @dataclass(frozen=True)
 class LimitMet:
-    """A limit that a joint is at over a span of frames."""
+    """An active limit of a joint over a span of frames."""
 
     joint: str
-    """The joint's name."""
+    """Name of the joint."""
     bound: str
     """"lower" or "upper", "speed down" or "speed up"."""
     first: int
-    """The first of the frames."""
+    """First frame of the span."""
     end: int
-    """The frame after the last."""
+    """Frame after the last one."""
 
 
 @dataclass(frozen=True)
 class Touching:
-    """Two links that touch in a frame, where they were to be kept apart."""
+    """Two links in contact in a frame, in spite of collision avoidance."""
 
     frame: int
-    """The frame."""
+    """Index of the frame."""
     first: str
-    """One link."""
+    """First link."""
     second: str
-    """The other."""
+    """Second link."""
     distance: float
-    """How far they are apart, metres; negative where one is in the other."""
+    """Distance, metres; negative for penetration."""
 
 
 @dataclass(frozen=True)
 class GivenUp:
-    """What stood, and could be held no longer, as limits win."""
+    """A contact that was lost, because limits have priority."""
 
     frame: int
-    """The first frame in which it has slipped by more than a millimetre; from there on it stands no more."""
+    """First frame with a drift of more than a millimetre; the contact ends there."""
     standing: str
-    """The frame of the target, as in ``standing``."""
+    """Frame of the target, as in ``standing``."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Retargeted:
-    """A movement on a robot or a rig: configurations within all limits of position and speed, to the bit."""
+    """A motion of a robot or a rig: configurations exactly within all position and speed limits."""
 
     q: Floats
     """Configurations, shape (T, nq)."""
     fps: float
-    """Frames a second."""
+    """Frame rate, in frames a second."""
     names: list[str]
     """Names of the numbers of a configuration."""
     contacts: NDArray[np.bool_]
-    """What stands, shape (T, S)."""
+    """True for each frame of motion and target frame in contact, shape (T, S)."""
     standing: list[str]
-    """The S frames of the target that stand at times."""
+    """The S frames of the target that are in contact at some time."""
     standing_at: Floats
-    """The point of each that stands, in its coordinates, shape (S, 3), metres."""
+    """Contact point of each, in its coordinates, shape (S, 3), metres."""
     errors: Floats
-    """How far each driven place is from where it should be, shape (T, K), metres."""
+    """Distance of each driven point from its target, shape (T, K), metres."""
     driven: list[str]
-    """The K captured joints that drive them, the columns of ``errors``."""
+    """The K driving joints of the capture, the columns of ``errors``."""
     mean_error: float
-    """Their mean over all frames, metres."""
+    """Mean of ``errors``, metres."""
     slip: float
-    """How far what stands is from where it came to stand, at most, metres."""
+    """Largest drift of a contact from its initial position, metres."""
     sunk: float
-    """How deep the lowest point of a foot with a shape is in the ground, at most, metres; 0 where none is."""
+    """Largest penetration of the ground by a foot with a shape, metres; 0 without one."""
     stride: float
-    """How many times as large as the person's its steps are."""
+    """Ratio of the step length to that of the subject."""
     limits: list[LimitMet]
-    """The limits that are met, by joint and then by frame."""
+    """Active limits, by joint and then by frame."""
     given_up: list[GivenUp]
-    """What could be held no longer before the person let go of it."""
+    """Contacts that were lost before the subject ended them."""
     touching: list[Touching]
-    """The frames in which something touches all the same with ``keep_clear``, each with its nearest pair."""
+    """Frames in contact in spite of ``keep_clear``, each with its nearest pair."""
     map: dict[str, Any]
-    """The map that it went by."""
+    """The map in use."""
     notes: list[str]
-    """What a guessed map leaves to be looked at, and whether the target stands along another axis than z."""
+    """Notes on a guessed map, for review, and on an upward axis of the target other than z."""
     capture: Capture
-    """What was brought there."""
+    """The capture."""
 
     def __len__(self) -> int:
         return len(self.q)
@@ -106,17 +106,18 @@ class Retargeted:
         )
 
     def missed(self, tolerance: float = 0.05) -> dict[str, NDArray[np.intp]]:
-        """The frames in which a driven place is further off than a ``tolerance`` (metres), by the joint that drives it."""
+        """Frames in which a driven point is farther than ``tolerance`` (metres) from its target, by its driving
+        joint."""
         far = self.errors > tolerance
         return {name: np.flatnonzero(far[:, k]) for k, name in enumerate(self.driven) if far[:, k].any()}
 
     def clip(self, target: TargetLike, name: str = "retargeted") -> Clip:
-        """The movement of a figure as a clip of ``target``'s armature, in the axes of its file: of the rig, skeleton, scene, motion capture or
-        ``FigureTarget`` that it was brought onto, or of its file.
+        """The motion as a clip of ``target``'s armature, in the axes of its file. ``target`` is the rig, skeleton,
+        scene, motion capture or ``FigureTarget`` of the retargeting, or its file.
 
-        ``SceneFile.add_clip`` puts it into the scene's own file.
+        ``SceneFile.add_clip`` adds it to the file of a scene.
 
-        Raises ``InvalidValueError`` for what is no figure, or another one.
+        Raises ``InvalidValueError`` for another target, or one without an armature.
         """
         figure = read_target(target)
         if not isinstance(figure, FigureTarget):
@@ -124,14 +125,15 @@ class Retargeted:
         return figure.clip(self.q, self.fps, name)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``standing`` and ``standing_at`` as a .npz; it appears when it is whole.
+        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``standing`` and ``standing_at`` as a .npz, which appears
+        when it is complete.
 
-        Raises ``InvalidValueError`` for another ending, ``FileError`` where it cannot be written.
+        Raises ``InvalidValueError`` for another file extension, ``FileError`` if it cannot be written.
         """
         path = Path(path)
         if path.suffix != ".npz":
             raise InvalidValueError(f"{path}: a .npz is written")
-        # Beside the file that a link leads to.
+        # Written next to the target of a symbolic link.
         real = Path(os.path.realpath(path))
         part = unfinished(real)
         try:

@@ -1,4 +1,4 @@
-"""A movement onto a robot or a rig."""
+"""Retargeting of a motion capture to a robot or a rig."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ def asked(
     clip: str | None,
     **options: Any,
 ) -> Question:
-    """Reads all of them."""
+    """Reads the capture, the target and the map."""
     skeleton = map if isinstance(map, str) and is_skeleton(map) else None
     given = read_map(map)
     if given is not None:
         joints = given.get("joints") or joints if joints is None else joints
         fps = given.get("fps") if fps is None else fps
         if up is not None:
-            # What is said here comes first.
+            # The argument has priority over the map.
             given = {**given, "up": up}
         up = given.get("up")
     capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
@@ -79,30 +79,32 @@ def retarget(
     margin: float | None = None,
     progress: bool | Callable[[int, int], None] = False,
 ) -> Retargeted:
-    """Brings a person's movement onto a robot or a rig, within its limits of position and speed in every frame.
+    """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
 
-    ``source`` is as of ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``, ``fps``,
-    ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, or a figure, which is put on a free base
-    (``q`` begins with x, y, z and w, x, y, z): a rig, a skeleton, a scene, a ``MotionCapture``, or a ``FigureTarget`` that says which way
-    is up in its file; or the path of a .urdf, MJCF .xml, .glb, .gltf, .bvh or rig's .json file. The movement of a figure is a clip
-    by ``Retargeted.clip``.
+    ``source`` is as in ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``,
+    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, or a skeleton, which is
+    put on a free base (``q`` begins with x, y, z and w, x, y, z): a rig, a skeleton, a scene, a ``MotionCapture``, or a
+    ``FigureTarget`` with the upward axis of its file; or the path of a .urdf, MJCF .xml, .glb, .gltf, .bvh or rig's
+    .json file. ``Retargeted.clip`` converts the motion of a skeleton to a clip.
 
-    ``map``: a dict or a .json file (which joint drives which frame), the name of the skeleton that the capture is of ("cmu", "lafan1",
-    "mixamo", "smpl"), or None, where it is guessed by ``guess_map``; the result has it. One file may hold the maps of several
-    robots, by the names of their files; where it drives nothing of this one, drives are guessed.
+    ``map``: a dict or a .json file (which joint drives which frame), the name of the capture's skeleton ("cmu",
+    "lafan1", "mixamo", "smpl"), or None, for a guess by ``guess_map``; the result contains it. One file may hold the
+    maps of several robots, by the names of their files; drives that it lacks for this robot are guessed.
 
-    Limbs are scaled by their lengths, the ground is found, feet are held where they stand. Frame by frame no frame knows
-    what comes; with ``whole`` all are solved as one: smooth, and feet stand as still as frame by frame (``slip`` tells how still). ``contact_speed`` (m/s) and
-    ``contact_height`` (metres over the ground) say when feet stand, ``acceleration`` what 1 rad/s² costs with ``whole``,
-    in metres off a place. ``keep_clear``: by how many metres a ``Robot``'s links are kept apart in every frame, by the exact distances of its
-    collision shapes; ``touching`` tells of frames in which that cannot be. ``world``: a ``World`` that it keeps clear of, and of itself, in
-    metres where the robot goes (a person's boxes are ``stride`` times as large there), by ``margin``; feet stand on obstacles as on the ground.
+    Limbs are scaled by their lengths, the ground is detected, feet are locked during contacts. By default frames are
+    solved one by one, without knowledge of later frames; with ``whole`` all are solved as one problem, with smooth
+    motion and equally firm foot locks (``slip`` is the drift). ``contact_speed`` (m/s) and ``contact_height`` (metres
+    over the ground) are the thresholds of foot contacts; ``acceleration`` is the cost of 1 rad/s² with ``whole``, as a
+    position error in metres. ``keep_clear``: smallest distance between links of a ``Robot`` in every frame, metres, by
+    the exact distances of its collision shapes; ``touching`` lists frames that violate it. ``world``: a ``World`` to
+    avoid collisions with, and with itself, in metres at the scale of the robot (obstacles of the subject scale by
+    ``stride``), by ``margin``; feet stand on obstacles as on the ground.
 
-    ``progress``: True shows a bar (by tqdm); a function is called with the frames that are done and all frames. Ctrl-C ends the
-    computation. The GIL is released.
+    ``progress``: True shows a tqdm bar; a function is called with the number of finished frames and of all frames.
+    Ctrl-C interrupts the computation. The GIL is released.
 
-    Raises ``UnknownNameError`` for names that the map has and the capture or the target has not, ``InvalidValueError`` for
-    what is wrong with arrays, names and options, ``FileError`` and ``InvalidFileError`` of files.
+    Raises ``UnknownNameError`` for names in the map that the capture or the target lacks, ``InvalidValueError`` for
+    invalid arrays, names and options, ``FileError`` and ``InvalidFileError`` for files.
     """
     own = asked(
         source,

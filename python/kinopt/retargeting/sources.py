@@ -1,4 +1,4 @@
-"""Captures of whatever holds a movement."""
+"""Captures from arrays, clips and files."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .._kinopt.retargeting import Capture, skeleton_joints, skeleton_names
 from ..errors import FileError, InvalidFileError, InvalidValueError
 
 Source: TypeAlias = Union[Capture, MotionCapture, Clip, str, "os.PathLike[str]", ArrayLike]
-"""Where a movement comes from."""
+"""Source of a motion capture."""
 
-# What is taken where nobody says it: of arrays, and of clips, whose keys stand anywhere.
+# Default frame rates: of arrays, and of clips, whose keys may have any times.
 ARRAY_FPS = 120.0
 CLIP_FPS = 60.0
-#: Size of the largest array file that is read.
+#: Largest size of an array file, bytes.
 MAX_BYTES = 1 << 30
 _FILES = ".npy, .bvh, .glb or .gltf"
 
@@ -37,16 +37,17 @@ def read_capture(
     up: Literal["y", "z"] | None = None,
     clip: str | None = None,
 ) -> Capture:
-    """Makes a ``Capture`` of a movement.
+    """Creates a ``Capture`` of a motion.
 
-    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or "smpl")
-    in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, of whose clips
-    ``clip`` names one (None: the first). ``fps``: of an array the frames a second that it has (None: 120), of
-    everything else those that are taken (None: the file's own, of clips 60). ``up``: the axis that points upward (None: z of
-    arrays, y of files of animation).
+    ``source``: an array (T, J, 3) with the joints ``joints``, or those of a known ``skeleton`` ("cmu", "lafan1" or
+    "smpl") in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, with ``clip`` as
+    the name of one of its clips (None: the first). ``fps``: for an array its frame rate (None: 120), otherwise the
+    sampling rate (None: that of the file, 60 for clips). ``up``: the upward axis (None: z for arrays, y for animation
+    files).
 
-    Raises ``FileError`` and ``InvalidFileError`` of a file, ``UnknownNameError`` for a clip or a skeleton that there is
-    not, ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, whose frame and joint it names.
+    Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton,
+    ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame and
+    joint.
     """
     if isinstance(source, Capture):
         return source
@@ -60,7 +61,7 @@ def read_capture(
         try:
             return read_capture(held, joints=joints, skeleton=skeleton, fps=fps, up=up)
         except InvalidValueError as error:
-            # Which of many files it is.
+            # Adds the name of the file to the message.
             raise type(error)(f"{path}: {error}") from None
     array: Any = np.asarray(source)
     names = list(joints) if joints is not None else _joints_of(array, skeleton)
@@ -68,7 +69,7 @@ def read_capture(
 
 
 def _held_by(path: Path, clip: str | None) -> Any:
-    """What a file holds: a capture, a clip or an array."""
+    """Content of a file: a capture, a clip or an array."""
     kind = path.suffix.lower()
     if kind == ".bvh":
         return MotionCapture.read(path)
@@ -99,12 +100,12 @@ def _array(path: Path) -> Any:
     except InvalidFileError:
         raise
     except Exception:  # noqa: BLE001 - NumPy parses the header as Python, which raises what it likes of damaged text
-        # NumPy's own words advise to unpickle it.
+        # NumPy's own message advises to unpickle the file.
         raise InvalidFileError(f"{path}: no NumPy array, or a damaged one") from None
 
 
 def _numbers(file: BinaryIO, size: int) -> Any:
-    """The array of an open file, whose header announces no more than the file holds."""
+    """Reads the array of an open file after a check of the size in its header."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(file)
@@ -115,7 +116,7 @@ def _numbers(file: BinaryIO, size: int) -> Any:
 
 
 def _joints_of(array: Any, skeleton: str | None) -> list[str]:
-    """The names of an array's joints, by the skeleton that it is of."""
+    """Names of an array's joints, by its known skeleton."""
     shape = np.shape(array)
     if len(shape) != 3 or shape[2] != 3:
         raise InvalidValueError(f"positions has shape {shape}, expected (frames, joints, 3)")

@@ -1,4 +1,4 @@
-"""What a movement is brought onto."""
+"""Targets of retargeting."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..errors import InvalidFileError
 from ..types import HasModel
 
 Target: TypeAlias = Union[Model, HasModel, Scene, MotionCapture]
-"""A robot with a free base, a figure (a rig, a skeleton, a scene, a motion capture), or a model."""
+"""A robot with a free base, a skeleton (a rig, a skeleton, a scene, a motion capture), or a model."""
 
 TargetLike: TypeAlias = Union[Target, str, "os.PathLike[str]"]
 """A target, or its file."""
@@ -20,7 +20,7 @@ _FILES = ".urdf, .xml, .mjcf, .glb, .gltf, .bvh or .json"
 
 
 def read_target(target: TargetLike) -> Target:
-    """A target, read where it is the path of a file."""
+    """Returns the target, read from a file if it is a path."""
     if not isinstance(target, (str, os.PathLike)):
         return target
     path = Path(target)

@@ -1,6 +1,6 @@
-"""Robots and characters in the browser, dragged with the mouse: `python -m kinopt.view MODEL`.
+"""Viewer in the browser, with robots and characters that can be dragged: `python -m kinopt.view MODEL`.
 
-`Scene` is the same for a script of your own, in a few lines. It needs viser: `pip install 'kinopt[view]'`.
+`Scene` offers it to scripts, in a few lines. It needs viser: `pip install 'kinopt[view]'`.
 """
 
 from importlib.util import find_spec

@@ -14,12 +14,12 @@ from ..types import BaseJoint
 from .opening import SUPPORTED, open_page
 from .stage import Up
 
-#: The ways up by what is typed.
+#: Upward axes by the name in the argument.
 UPS: dict[str | None, Up] = {"y": "+y", "z": "+z"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Opens the page and serves it until Ctrl-C; 1 where the model cannot be read."""
+    """Opens the page and serves it until Ctrl-C; returns 1 if the model cannot be read."""
     parser = argparse.ArgumentParser(prog="python -m kinopt.view", description=__doc__)
     parser.add_argument("model", metavar="MODEL", help=SUPPORTED)
     parser.add_argument("--host", default="127.0.0.1", help="who may look: 0.0.0.0 lets other machines in")

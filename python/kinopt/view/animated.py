@@ -1,4 +1,4 @@
-"""Characters from files of animation: glTF scenes and motion capture, played and dragged."""
+"""Characters from animation files: glTF scenes and motion capture, played and dragged."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from .solids import Solid
 
 Array = NDArray[np.float64]
 
-#: So many moments of each clip are looked at for bones that scale.
+#: Number of times of each clip that are checked for scaling bones.
 MOMENTS = 24
-#: Colours of a scene's meshes in turn.
+#: Colours of the meshes of a scene, in order.
 COLORS: tuple[Color, ...] = (look.SKIN, (150, 160, 172), (120, 140, 160), (190, 150, 120))
 
 
 class AnimatedBody(Figure):
-    """A glTF scene or a capture. It plays its clips, and is dragged from wherever a clip has it.
+    """A glTF scene or a motion capture. It plays its clips, and can be dragged from any pose of a clip.
 
-    Its angles count from the pose that a clip brought it to; all are zero there. The bones that turn are
-    those with channels of a capture, the joints of a scene's skins, or all where nothing is said.
+    Its angles are relative to the pose of a clip, where all are zero. The bones of a capture with channels rotate, or
+    the joints of a scene's skins; without any, all bones rotate.
     """
 
     def __init__(
@@ -42,8 +42,8 @@ class AnimatedBody(Figure):
         color: Color | None = None,
         opacity: float | None = None,
     ) -> None:
-        """As `Scene.add`; `thing` is a `kinopt.Scene` or a `kinopt.MotionCapture`."""
-        #: The file's bones.
+        """Arguments are as in `Scene.add`; `thing` is a `kinopt.Scene` or a `kinopt.MotionCapture`."""
+        #: Bones of the file.
         self.armature: Any = thing.armature
         self._turning = turning_bones(thing)
         self._limits = np.zeros((self.armature.bones, 3, 2))
@@ -81,10 +81,10 @@ class AnimatedBody(Figure):
             made.append(MeshOnBones(self, f"{self.name}/bones", skin, bones, rest, moments, own, opacity))
         return made
 
-    # Where it stands.
+    # Pose.
 
     def show_pose(self, pose: Any) -> None:
-        """Brings it to a pose of its armature; angles count from there."""
+        """Sets the pose of its armature, which becomes the zero of the angles."""
         self._pose = pose
         self._from_here = np.asarray(self.armature.local_to_model(pose), dtype=float)
         self._model_from_bone = self._from_here
@@ -93,7 +93,7 @@ class AnimatedBody(Figure):
         self._show()
 
     def standing(self) -> None:
-        """Has the skeleton be at rest where the figure stands."""
+        """Sets the rest pose of the skeleton to the current pose."""
         if self._stale:
             self.skeleton = self.thing = self._skeleton_in(self._pose, self.name)
             self.model = self.skeleton.model
@@ -115,7 +115,7 @@ class AnimatedBody(Figure):
             mesh.move(world_from_bone, self._pose)
 
     def frame(self, name: str) -> Array:
-        """Where a frame stands now: world_from_frame, shape (4, 4). An unknown name is an `UnknownNameError`."""
+        """Current pose of a frame: world_from_frame, shape (4, 4). Raises `UnknownNameError` for an unknown name."""
         if name not in self._bone_of_frame:
             return super().frame(name)
         place: Array = self.at @ self._model_from_bone[self._bone_of_frame[name]]
@@ -123,13 +123,13 @@ class AnimatedBody(Figure):
         return place
 
     def size(self) -> float:
-        """The longest way between its bones as it stands, in the model's unit."""
+        """Extent of its bones in the current pose, in the model's unit."""
         return look.extent(self._model_from_bone)
 
-    # What it is made of.
+    # Parts.
 
     def pieces(self) -> list[Piece]:
-        """Its meshes as they stand now, in the world, with all influences of each vertex."""
+        """Its meshes in the current pose, in the world, with all influences of each vertex."""
         world_from_bone = self.at @ self._model_from_bone
         return [
             Piece(mesh.name, Solid(mesh.posed(world_from_bone, self._pose), mesh.skin.triangles), mesh.color)
@@ -137,14 +137,14 @@ class AnimatedBody(Figure):
         ]
 
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
         for mesh in self._meshes:
             mesh.remove()
         self.scene.forget(self)
 
     @property
     def tips(self) -> list[str]:
-        """Where its limbs end: what the last bones that turn carry, or where those stand."""
+        """Ends of its limbs: the children of the last rotating bones, or those bones themselves."""
         parents, names = self.armature.parents.tolist(), self.armature.names
         leads_on = {parents[bone] for bone in self._turning}
         ends = []
@@ -155,7 +155,7 @@ class AnimatedBody(Figure):
 
     @property
     def clips(self) -> list[Clip]:
-        """The file's clips."""
+        """Clips of the file."""
         return self._clips
 
 
@@ -169,7 +169,7 @@ class Played:
         self.span = (float(start), float(end))
 
     def show(self, seconds: float) -> None:
-        """Moves the figure to where the clip has it then."""
+        """Sets the pose of the clip at that time."""
         self._body.show_pose(self._clip.sample(seconds))
 
 
@@ -179,7 +179,7 @@ def clips_of(thing: Any) -> list[Any]:
 
 
 def turning_bones(thing: Any) -> set[int]:
-    """The bones that may turn, by their places in the armature."""
+    """Bones that can rotate, by their indices in the armature."""
     names = thing.armature.names
     turning: set[int] = set()
     for mesh in getattr(thing, "meshes", []):

@@ -1,4 +1,4 @@
-"""What a body stands on."""
+"""Feet and masses of a body."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import kinopt
 
 Array = NDArray[np.float64]
 
-#: Frames that are pinned this much higher than the lowest one are no feet, as a share of the model's height over it.
+#: Pinned frames higher than this above the lowest one are no feet, relative to the height of the model above it.
 HIGHER = 0.15
 
 
 def has_masses(thing: Any, q: Array) -> bool:
-    """Whether a robot's file says what its links weigh."""
+    """True if the file of a robot has masses."""
     try:
         thing.center_of_mass(q)
     except (kinopt.KinoptError, AttributeError):

@@ -1,4 +1,4 @@
-"""What every thing in a scene that has a configuration can do."""
+"""Common interface of everything in a scene that has a configuration."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ Array = NDArray[np.float64]
 class Clip(Protocol):
     """Something that a body plays."""
 
-    #: What it is called.
+    #: Name of the clip.
     name: str
-    #: From when to when it goes, seconds.
+    #: Start and end time, seconds.
     span: tuple[float, float]
 
     def show(self, seconds: float) -> None:
-        """Moves the body to where it is then."""
+        """Sets the pose of the body at that time."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A mesh and its colour: on a frame of a body, or in the world as it is saved; in the model's unit."""
+    """A mesh and its colour: on a frame of a body, or in the world for saving; in the model's unit."""
 
     name: str
     solid: Solid
@@ -43,19 +43,19 @@ class Piece:
 
 
 class Body(ABC):
-    """Something with a configuration that is drawn in a scene: a robot, a figure, a character."""
+    """An object with a configuration in a scene: a robot, a skeleton, a character."""
 
     def __init__(self, scene: Canvas, thing: Any, name: str, at: Array) -> None:
         self.scene = scene
-        #: What is drawn, as it was given: a robot, rig, skeleton or model.
+        #: The drawn object, as given: a robot, rig, skeleton or model.
         self.thing = thing
-        #: Its name in the scene.
+        #: Name in the scene.
         self.name = name
         #: world_from_model, shape (4, 4).
         self.at = at
-        #: What is not drawn as its file has it, one line each.
+        #: Parts that are not drawn as in the file, one line each.
         self.missing: list[str] = []
-        #: Its joints, limits and frames.
+        #: Joints, limits and frames.
         self.model = getattr(thing, "model", thing)
         self._kinematics = DrawnKinematics(self.model)
         self._index = self._kinematics.index
@@ -70,9 +70,9 @@ class Body(ABC):
 
     @property
     def q(self) -> Array:
-        """Its configuration, shape (dof,), radians and metres; assigning moves what is drawn.
+        """Current configuration, shape (nq,), radians and metres; assigning it moves the drawing.
 
-        A wrong length or a number that is not finite is an `InvalidValueError`.
+        Raises `InvalidValueError` for a wrong length or a number that is not finite.
         """
         return self._q.copy()
 
@@ -81,9 +81,9 @@ class Body(ABC):
         self._place(np.array(q, dtype=float))
 
     def frame(self, name: str) -> Array:
-        """Where a frame stands now: world_from_frame, shape (4, 4). An unknown name is an `UnknownNameError`."""
+        """Current pose of a frame: world_from_frame, shape (4, 4). Raises `UnknownNameError` for an unknown name."""
         if name not in self._index:
-            # The library's own words, with the names that there are.
+            # Raises the error of the library, with the valid names.
             kinopt.frame_placement(self.model, name, self._q)
         placements: Array = self._kinematics.place(self._q)
         place: Array = self.at @ placements[self._index[name]]
@@ -96,75 +96,75 @@ class Body(ABC):
 
     @abstractmethod
     def _draw(self, q: Array, world_from_frames: Array) -> None:
-        """Moves what is drawn."""
+        """Moves the drawing."""
 
     @abstractmethod
     def pieces(self) -> list[Piece]:
-        """Its meshes as they stand now, in the world."""
+        """Its meshes in the current pose, in the world."""
 
     @property
     def unit(self) -> str:
-        """What its lengths are in: "m", or "units" of its own."""
+        """Unit of its lengths: "m", or "units" of its own."""
         return str(self.model.length_unit)
 
     @property
     def clips(self) -> list[Clip]:
-        """What it can play."""
+        """Clips that it can play."""
         return []
 
     @property
     def tips(self) -> list[str]:
-        """Names of the frames that are dragged first: hands, tools, feet."""
+        """Names of the frames that have gizmos at first: hands, tools, feet."""
         return list(getattr(self.thing, "tips", self.frame_names[-1:]))
 
     @property
     def pinned_first(self) -> list[str]:
-        """The frames that are pinned when a page opens."""
+        """Frames that are pinned when a page opens."""
         return []
 
     def standing(self) -> None:
-        """Called before a solve: the model's angles may count from where the body stands."""
+        """Called before a solve: the angles of the model may be relative to the current pose."""
 
     @property
     def can_hold(self) -> bool:
-        """Whether `holding` has something to say."""
+        """True if `holding` returns something."""
         return False
 
     def group(self, joint: str) -> str:
-        """What a joint belongs to: its sliders stand together."""
+        """Group of a joint, for its sliders."""
         return self.name
 
     def short(self, joint: str) -> str:
-        """What a joint is called within its group."""
+        """Name of a joint within its group."""
         return joint
 
     @property
     def stands(self) -> bool:
-        """Whether it moves as a whole, on a free base, so that what is pinned of it are its feet."""
+        """True for a free base, whose pinned frames are feet."""
         return False
 
     def holding(
         self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
     ) -> Holding | None:
-        """What should stay while frames of it are dragged from `q`, and what posture it leans to.
+        """Tasks and locks that hold the body while frames of it are dragged from `q`, with a nominal posture.
 
-        Of the `dragged`, the `pinned` are to stay too.
+        Frames of `dragged` that are also `pinned` stay too.
         """
         return None
 
     @abstractmethod
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.name!r}, {len(self._q)} joints)"
 
     def size(self) -> float:
-        """The longest way between its joints and frames as it stands, in the model's unit."""
+        """Extent of its joints and frames in the current pose, in the model's unit."""
         return extent(self._kinematics.place(self._q))
 
     def box(self) -> tuple[Array, Array]:
-        """The lowest and the highest corner of the box around it as it stands, in the model's unit."""
+        """Lowest and highest corner of its bounding box in the current pose, in the model's unit."""
         points = [piece.solid.vertices for piece in self.pieces() if len(piece.solid.vertices)]
         if not points:
             placements: Array = self.at @ self._kinematics.place(self._q)

@@ -1,4 +1,4 @@
-"""A page in the browser that things are drawn on, and the loop that moves them."""
+"""A browser page with drawn objects, and its loop."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 class Removable(Protocol):
-    """Something on a page that is known by its name."""
+    """A named object on a page."""
 
     @property
     def name(self) -> str: ...
@@ -34,7 +34,7 @@ class Removable(Protocol):
 
 @dataclass(frozen=True)
 class Embedded:
-    """HTML that a notebook shows."""
+    """HTML for a notebook."""
 
     html: str
 
@@ -43,16 +43,16 @@ class Embedded:
 
 
 class Canvas:
-    """A page, what is drawn on it by name, and how large a length of 1 is drawn."""
+    """A page with its objects by name, and its drawing scale."""
 
     def __init__(self, host: str, port: int, up: Up, title: str | None) -> None:
         with contextlib.redirect_stdout(io.StringIO()):
-            #: viser's server, for whatever is not here: its `scene`, its `gui`.
+            #: viser's server, for functions that are missing here: its `scene`, its `gui`.
             self.server = viser.ViserServer(host=host, port=port, label=title, verbose=False)
         self.up: Up = up
-        #: What a length of 1 is drawn as: very large and very small models are drawn about as large as a person.
+        #: Drawn length of 1: very large and very small models are drawn at about the size of a person.
         self.drawn = 1.0
-        #: Where all that happens on the page is done, in order.
+        #: Loop that runs all work of the page, in order.
         self.loop = Loop(self.server.atomic)
         self._things: dict[str, Removable] = {}
         self._closed = False
@@ -60,33 +60,33 @@ class Canvas:
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """Address of the page."""
         host = self.server.get_host()
         shown = "localhost" if host in ("0.0.0.0", "127.0.0.1") else host
         return f"http://{shown}:{self.server.get_port()}"
 
-    # What is on it.
+    # Objects.
 
     def place(self, name: str, thing: Removable) -> None:
-        """Knows a thing by its name from now on."""
+        """Registers an object by its name."""
         self._things[name] = thing
 
     def clear(self, name: str) -> str:
-        """The name, which nothing has any more."""
+        """Removes the object of a name, and returns the name."""
         name = name.strip("/")
         if name in self._things:
             self._things[name].remove()
         return name
 
     def forget(self, thing: Removable) -> None:
-        """What is removed is no longer known by its name."""
+        """Unregisters a removed object."""
         if self._things.get(thing.name) is thing:
             del self._things[thing.name]
 
     def frame(self, name: str, placement: object, *, size: float | None = None) -> viser.FrameHandle:
-        """Shows a placement as three axes, red, green, blue; again with the same name moves it.
+        """Shows a placement as three axes, red, green, blue; another call with the name moves it.
 
-        Raises `InvalidValueError` for what is no placement.
+        Raises `InvalidValueError` for an invalid placement.
         """
         place = placement_of(placement)
         length = (0.07 * stage.DRAWN / self.drawn if size is None else size) * self.drawn
@@ -109,7 +109,7 @@ class Canvas:
     ) -> viser.PointCloudHandle:
         """Shows points, shape (N, 3); `colors` red, green, blue up to 255, shape (3,) or (N, 3).
 
-        Raises `InvalidValueError` for other shapes and for places that are not finite.
+        Raises `InvalidValueError` for other shapes and for positions that are not finite.
         """
         places = positions_of(positions)
         shades = np.asarray(colors)
@@ -129,9 +129,9 @@ class Canvas:
     def path(
         self, name: str, positions: ArrayLike, color: Color = (38, 106, 171), *, width: float = 2.5
     ) -> viser.LineSegmentsHandle:
-        """Shows a line through positions, shape (N, 3), or through the places of (N, 4, 4); `width` in pixels.
+        """Shows a line through positions, shape (N, 3), or through those of placements (N, 4, 4); `width` in pixels.
 
-        Raises `InvalidValueError` for other shapes and for places that are not finite.
+        Raises `InvalidValueError` for other shapes and for positions that are not finite.
         """
         places = (positions_of(positions) * self.drawn).astype(np.float32)
         segments = np.stack([places[:-1], places[1:]], axis=1)
@@ -140,14 +140,14 @@ class Canvas:
         )
 
     def label(self, name: str, text: str, position: ArrayLike) -> viser.LabelHandle:
-        """Writes `text` beside a position, three numbers; others raise `InvalidValueError`."""
+        """Writes `text` at a position, three numbers; other values raise `InvalidValueError`."""
         place = placement_of(position, "position")[:3, 3] * self.drawn
         return self.server.scene.add_label(f"/{name}", text, position=place)
 
-    # Its life.
+    # Lifetime.
 
     def every_frame(self, ticker: Callable[[float], bool]) -> Callable[[float], bool]:
-        """Has `ticker` called 60 times a second with the time in seconds, until it returns false."""
+        """Calls `ticker` 60 times a second with the time in seconds, until it returns false."""
         self.loop.tick(ticker)
         return ticker
 
@@ -158,7 +158,7 @@ class Canvas:
         self.close()
 
     def close(self) -> None:
-        """Ends the page."""
+        """Closes the page."""
         if self._closed:
             return
         self._closed = True
@@ -172,7 +172,7 @@ class Canvas:
         return Embedded(f'<iframe src="{self.url}" width="100%" height="{height}" style="{style}"></iframe>')
 
     def snapshot(self) -> str:
-        """The page as it stands, as one HTML document that needs no server, for notebooks that are saved."""
+        """The current page as one HTML document that needs no server, for saved notebooks."""
         html: str = self.server.scene.as_html()
         return html
 

@@ -1,4 +1,4 @@
-"""Rigs and skeletons: a skinned mesh, or bodies for bones without one."""
+"""Rigs and skeletons: a skinned mesh, or capsules for bones without one."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 class CharacterBody(Figure):
     """A rig or a skeleton in a scene: its mesh if it has one, or its bones. Assigning `q` moves it.
 
-    The page blends four influences a vertex, linearly: `cut` is the most of a vertex's weight that this
-    leaves out. What is saved has all of them.
+    The page blends four influences for each vertex, linearly: `cut` is the largest weight of a vertex that this omits.
+    Saved files have all influences.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class CharacterBody(Figure):
         color: Color | None = None,
         opacity: float | None = None,
     ) -> None:
-        """As `Scene.add`."""
+        """Arguments are as in `Scene.add`."""
         super().__init__(scene, thing, name, at)
         mesh, weights = getattr(thing, "mesh", None), getattr(thing, "weights", None)
         if mesh is None:
@@ -59,29 +59,29 @@ class CharacterBody(Figure):
         self._shown.move(self.at @ self.skeleton.skinning_transforms(q))
 
     def pieces(self) -> list[Piece]:
-        """Its mesh as it stands now, in the world, with all influences of each vertex."""
+        """Its mesh in the current pose, in the world, with all influences of each vertex."""
         posed = self._skin.posed(self.skeleton.skinning_transforms(self._q))
         return [Piece(self.name, Solid(posed, self._skin.triangles).moved(self.at), self._color)]
 
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
         self._shown.remove()
         self.scene.forget(self)
 
     @property
     def pinned_first(self) -> list[str]:
-        """The tips that its file pins."""
+        """Tips that its file pins."""
         return [self.skeleton.tip(bone) for bone in getattr(self.thing, "constrained", [])]
 
     @property
     def clips(self) -> list[Clip]:
-        """The rig's keyframes."""
+        """Keyframes of the rig."""
         clip = getattr(self.thing, "clip", None)
         return [] if clip is None or clip.is_empty else [Keyframes(self, clip)]
 
 
 class Keyframes:
-    """A rig's keyframes on a time line."""
+    """Keyframes of a rig on a time line."""
 
     name = "keyframes"
 
@@ -90,6 +90,6 @@ class Keyframes:
         self.span: tuple[float, float] = clip.time_span
 
     def show(self, seconds: float) -> None:
-        """Moves the rig to where its keys have it then."""
+        """Sets the pose of the keyframes at that time."""
         q = np.asarray(self._clip.sample(seconds), dtype=float).reshape(-1)
         self._body.q = np.clip(q, self._body.model.lower, self._body.model.upper)

@@ -1,4 +1,4 @@
-"""Loops of what is moved joint by joint: the joints that close them go along."""
+"""Loop closure for bodies that are moved joint by joint."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Array = NDArray[np.float64]
 
 
 def closed(thing: Any, q: Array, moved: str | None = None) -> Array | None:
-    """The configuration with the loops of a robot or a model closed, the joint that was `moved` kept where it is.
+    """The configuration with the loops of a robot or a model closed, with the joint `moved` unchanged.
 
-    The passive joints of a robot close them; where there are none, or one of them was moved, all that move a loop.
-    None where that does not close them.
+    The passive joints of a robot close them; without any, or if one of them is `moved`, all joints of the loops. None
+    if the loops do not close.
     """
     model = getattr(thing, "model", thing)
     if not model.loops:

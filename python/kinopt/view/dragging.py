@@ -1,4 +1,4 @@
-"""A body that is dragged by its frames: which are asked for what, and how it follows."""
+"""Dragging of a body by its frames."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from .target import Target
 
 Array = NDArray[np.float64]
 
-#: Tips nearer to each other than this share of the body's size share a gizmo when the page opens.
+#: Tips closer than this share a gizmo when the page opens, relative to the size of the body.
 NEAR = 0.06
-#: Seconds between two looks at what need not be told sixty times a second: text, sliders, loose gizmos.
+#: Seconds between two updates of text, sliders and free gizmos, which need no screen rate.
 SLOW = 0.08
 
 
 class Dragging:
     """A body that is dragged by its frames.
 
-    Goals are what is pinned and what was dragged last; gizmos that are neither follow their frames.
-    Everything here runs on the scene's loop.
+    Goals are the pinned frames and the last dragged one; other gizmos follow their frames. Everything here runs on the
+    scene's loop.
     """
 
     def __init__(
@@ -45,22 +45,22 @@ class Dragging:
         self.scene = scene
         self.body = body
         self.posing = Posing(body, world, margin)
-        #: The obstacles that the body keeps clear of, as they are drawn.
+        #: Drawn obstacles of collision avoidance.
         self.obstacles = None if world is None else scene.add_world(world, on=body)
         self.posing.choose(tolerance=tolerance)
-        #: Whether targets ask for an orientation too.
+        #: True if targets have an orientation too.
         self.turns = turns
         self.targets: dict[str, Target] = {}
         self.pinned: set[str] = set()
-        #: The frame that was dragged last.
+        #: The last dragged frame.
         self.dragged: str | None = None
-        #: What the last frame came to.
+        #: Result of the last frame.
         self.answer: Answer | None = None
-        #: Why the solver that was chosen has no answer; empty where it has.
+        #: Reason why the selected solver has no result; empty if it has one.
         self.problem = ""
-        #: Seconds from a mouse's place to transforms on their way to the page, of the last moves.
+        #: Seconds from a mouse position to the transforms sent to the page, of the last moves.
         self.times: deque[float] = deque(maxlen=10_000)
-        #: Called soon after something changed, with targets added, removed or pinned, and when one is grabbed.
+        #: Callbacks: soon after a change; when targets are added, removed or pinned; and when one is grabbed.
         self.on_change: list[Callable[[], Any]] = []
         self.on_targets: list[Callable[[], Any]] = []
         self.on_grab: list[Callable[[], Any]] = []
@@ -69,7 +69,7 @@ class Dragging:
     # Targets.
 
     def add_target(self, frame: str, *, pinned: bool = False) -> Target:
-        """A gizmo on a frame; one that is there stays."""
+        """Adds a gizmo on a frame, unless there is one."""
         if frame in self.targets:
             return self.targets[frame]
         if pinned:
@@ -85,7 +85,7 @@ class Dragging:
         return target
 
     def remove_target(self, frame: str) -> None:
-        """Takes a frame's gizmo away."""
+        """Removes the gizmo of a frame."""
         self.targets.pop(frame).remove()
         self.pinned.discard(frame)
         if self.dragged == frame:
@@ -95,7 +95,7 @@ class Dragging:
         self.pose()
 
     def pin(self, frame: str, pinned: bool) -> None:
-        """Has a frame stay at its target while others are dragged, or lets go of it."""
+        """Pins a frame at its target while others are dragged, or releases it."""
         if pinned:
             self.pinned.add(frame)
             if frame != self.dragged:
@@ -106,7 +106,7 @@ class Dragging:
         self.pose()
 
     def set_turns(self, turns: bool) -> None:
-        """Whether targets ask for an orientation too."""
+        """Sets whether targets have an orientation too."""
         self.turns = turns
         for frame, target in self.targets.items():
             target.turns = turns
@@ -117,14 +117,14 @@ class Dragging:
         self.pose()
 
     def _place(self, frame: str) -> Array:
-        """Where the gizmo of a frame belongs: one that is only moved has the world's axes."""
+        """Pose of the gizmo of a frame; a gizmo without rotation has the world's axes."""
         place = self.body.frame(frame)
         if not self._asks_turn(frame):
             place[:3, :3] = np.eye(3)
         return place
 
     def apart(self, frames: list[str]) -> list[str]:
-        """The frames that are not fixed to another one of them, or to a target, nor stand beside it: none is in the way."""
+        """The frames that are not fixed to another one or to a target, and not close to a target."""
         near = NEAR * self.body.size()
         places = [self.body.frame(frame)[:3, 3] for frame in self.targets]
         carriers = moved_by(self.body.model)
@@ -140,7 +140,7 @@ class Dragging:
         return chosen
 
     def goals(self) -> list[Goal]:
-        """What is asked of the body now."""
+        """Current goals of the body."""
         wanted = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
         return [
             Goal(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
@@ -148,13 +148,13 @@ class Dragging:
         ]
 
     def _asks_turn(self, frame: str) -> bool:
-        """Whether a frame is asked how it is turned; feet are."""
+        """True if the goal of a frame includes its orientation; that of feet does."""
         return self.turns or (self.body.stands and frame in self.pinned)
 
     # Motion.
 
     def pose(self) -> None:
-        """Asks the solver once more, and goes on while the body does."""
+        """Solves once, and continues while the body moves."""
         answer = self._solved()
         if answer is not None:
             self.show(answer)
@@ -163,7 +163,7 @@ class Dragging:
         self.refresh()
 
     def _solved(self) -> Answer | None:
-        """One frame of the solver; what it has no answer for is told on the page."""
+        """One frame of the solver; the page shows the error of an unsupported problem."""
         try:
             answer = self.posing.solve(self.goals())
         except kinopt.KinoptError as error:
@@ -174,25 +174,25 @@ class Dragging:
         return answer
 
     def show(self, answer: Answer) -> None:
-        """Moves the body to where a solve brought it."""
+        """Moves the body to the result of a solve."""
         self.answer = answer
         self.body.q = answer.q
         if self.obstacles is not None:
             touched = getattr(answer.solution, "collisions", [])
             self.obstacles.refresh()
             bodies = [body for pair in touched for body in ((pair.first, pair.first_kind), (pair.second, pair.second_kind))]
-            # A link may bear the name of an obstacle.
+            # A link may have the name of an obstacle.
             self.obstacles.mark(name for name, kind in bodies if kind == "obstacle")
 
     def stand_at(self, q: Array) -> None:
-        """Places the body; pinned targets go along."""
+        """Sets the configuration of the body; pinned targets follow."""
         self.body.q = q
         if self.obstacles is not None:
             self.obstacles.follow()
         self.stands_elsewhere()
 
     def stands_elsewhere(self) -> None:
-        """The body was moved by something else, a clip say: pinned targets go along, nothing is asked any more."""
+        """Called when the body was moved otherwise, by a clip for example: pinned targets follow, and goals end."""
         self.dragged = None
         self.answer = None
         for frame in self.pinned:
@@ -201,13 +201,13 @@ class Dragging:
         self.refresh()
 
     def set_joint(self, joint: str, value: float) -> None:
-        """Moves one joint; the others keep pinned frames where they are, as far as they can."""
+        """Moves one joint; the others keep pinned frames in place, as far as possible."""
         self.dragged = None
         self.show(self.posing.with_joint(joint, value, self.goals()))
         self.refresh()
 
     def let_go(self) -> None:
-        """Nothing is pinned or dragged any more."""
+        """Releases all pinned and dragged frames."""
         self.pinned.clear()
         self.dragged = None
         self.answer = None
@@ -227,7 +227,7 @@ class Dragging:
         self.times.append(time.perf_counter() - self.targets[frame].asked)
 
     def _go_on(self, now: float) -> bool:
-        """One more frame of a body that is catching up, or settling, with a target that rests."""
+        """One more frame of a body that has not reached a constant target."""
         answer = self._solved()
         if answer is None:
             return False
@@ -235,10 +235,10 @@ class Dragging:
         self.refresh()
         return answer.goes_on
 
-    # What is told about it.
+    # Display.
 
     def refresh(self) -> None:
-        """Has text, sliders and loose gizmos follow, soon."""
+        """Updates text, sliders and free gizmos, soon."""
         self.scene.loop.tick(self._slow)
 
     def _slow(self, now: float) -> bool:
@@ -256,12 +256,12 @@ class Dragging:
         return float(np.linalg.norm(high - low))
 
     def call(self, work: Callable[[], Any]) -> Any:
-        """Does `work` between two frames and waits for it: for scripts that steer a page."""
+        """Runs `work` between two frames and waits for it: for scripts that control a page."""
         return self.scene.loop.call(work)
 
 
 def moved_by(model: Any) -> dict[str, str | None]:
-    """The joint that moves each frame of a model; none for what stands in the world."""
+    """Joint that moves each frame of a model; None for a frame fixed in the world."""
     joints = {joint.name: joint for joint in model.joints}
     carriers = {}
     for frame in model.frames:

@@ -1,4 +1,4 @@
-"""What rigs, skeletons, scenes and captures have in common: bones, limbs, and what stays while one is dragged."""
+"""Common code of rigs, skeletons, scenes and captures: bones, limbs, and holds during a drag."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from .holding import Holding
 
 Array = NDArray[np.float64]
 
-#: How far a back may bend while a limb is dragged, all its bones together, radians.
+#: Largest bend of a back while a limb is dragged, sum over its bones, radians.
 BENDS_OF_A_BACK = 0.7
-#: How much more a back keeps to its posture than limbs do.
+#: Posture weight of a back relative to limbs.
 STIFF = 5.0
 
 
@@ -31,21 +31,21 @@ class Figure(Body):
 
     def __init__(self, scene: Canvas, thing: Any, name: str, at: Array) -> None:
         super().__init__(scene, thing, name, at)
-        #: The bones.
+        #: Skeleton of the bones.
         self.skeleton: Any = getattr(thing, "skeleton", thing)
         self._bone_of = {j: bone for bone in self.skeleton.bone_names for j in self.skeleton.joints(bone)}
 
     @property
     def tips(self) -> list[str]:
-        """The tips of its limbs."""
+        """Tips of its limbs."""
         return list(self.skeleton.tips)
 
     def group(self, joint: str) -> str:
-        """The bone that a joint belongs to."""
+        """Bone of a joint."""
         return str(self._bone_of.get(joint, self.name))
 
     def short(self, joint: str) -> str:
-        """Which of its bone's angles a joint is."""
+        """Name of a joint's angle within its bone."""
         bone = self.group(joint)
         joints = self.skeleton.joints(bone) if joint in self._bone_of else []
         return ("twist", "bend", "second twist")[joints.index(joint)] if joint in joints else joint
@@ -53,9 +53,9 @@ class Figure(Body):
     def holding(
         self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
     ) -> Holding:
-        """The trunk stays, the back hardly bends, and the ends of other limbs stay where they are.
+        """Locks the trunk, limits the bend of the back, and keeps the ends of other limbs in place.
 
-        With a `reference` posture the back keeps to it more than limbs do.
+        With a `reference` posture the back has a larger weight than limbs.
         """
         bones = [self.skeleton.bone_of_frame(frame)[0] for frame in dragged]
         holds = self.skeleton.holds(bones)
@@ -65,7 +65,7 @@ class Figure(Body):
         narrow = {
             joint: (at[joint] - far, at[joint] + far)
             for bone in holds["back"]
-            # Both twists turn the same way where a bone is straight.
+            # Both twists rotate in one direction if a bone is straight.
             for joint, far in zip(self.skeleton.joints(bone), (bend / 2, bend, bend / 2), strict=True)
         }
         ends = [self.skeleton.tip(bone) for bone in holds["ends"]]

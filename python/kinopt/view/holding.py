@@ -1,20 +1,20 @@
-"""What of a character stays while something else is dragged."""
+"""Holds of a character during a drag."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any
 
-#: Strict levels of a body that stands: feet stay, and balance is kept, where a hand is beyond reach.
+#: Strict priority levels of a standing body: foot locks and balance have priority over an unreachable hand.
 PINNED, BALANCE, DRAGGED = 0, 1, 2
 
 
 @dataclass
 class Holding:
-    """Tasks that keep frames where they are, and joints that hardly turn."""
+    """Tasks that keep frames in place, and joints with little motion."""
 
     tasks: list[Any] = field(default_factory=list)
-    #: The problem's `ParameterMap`; None where all joints are free.
+    #: The problem's `ParameterMap`; None if all joints are free.
     parameters: Any = None
-    #: Whether the tasks keep a posture too.
+    #: True if the tasks include a posture.
     has_posture: bool = False

@@ -1,4 +1,4 @@
-"""A slider a joint, from limit to limit."""
+"""Sliders of joints, from limit to limit."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ import kinopt
 from .closing import closed
 from .dragging import Dragging
 
-#: More joints than this are grouped, and their groups closed.
+#: With more joints than this, sliders are in closed groups.
 MANY = 16
-#: How far a joint without limits is moved either way: radians, or shares of the model's size.
+#: Range of a joint without limits in both directions: radians, or multiples of the model's size.
 FREE = float(np.pi)
-#: Places of a slider.
+#: Number of positions of a slider.
 PLACES = 1000
 
 
 class JointsPanel:
-    """Sliders of the joints that move and follow no other."""
+    """Sliders of the moving joints, without mimic joints."""
 
     def __init__(self, page: Dragging) -> None:
         self._page = page
@@ -31,7 +31,7 @@ class JointsPanel:
         own = [
             (index, name)
             for index, name in enumerate(model.coordinate_names)
-            # The parts of a quaternion move together.
+            # The components of a quaternion have no sliders of their own.
             if name in kinds and name not in followers and model.lower[index] < model.upper[index]
         ]
         self._sliders: dict[int, Any] = {}
@@ -78,7 +78,7 @@ class JointsPanel:
         slider.on_update(moved)
 
     def show(self) -> None:
-        """Has the sliders agree with the body."""
+        """Updates the sliders to the body."""
         q = self._page.body.q
         for index, slider in self._sliders.items():
             value = float(min(max(q[index], slider.min), slider.max))
@@ -94,6 +94,6 @@ class JointsPanel:
         self._stand_at(draw.random_configuration(np.random.default_rng()))
 
     def _stand_at(self, q: NDArray[np.float64]) -> None:
-        """There, or where the body stands if its loops do not close there."""
+        """Moves the body, unless its loops do not close there."""
         going_along = closed(self._page.body.thing, q)
         self._page.stand_at(self._page.body.q if going_along is None else going_along)

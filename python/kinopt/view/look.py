@@ -1,4 +1,4 @@
-"""How robots without colours of their own look, and bodies where no mesh is at hand."""
+"""Appearance of robots without colours, and of bodies without meshes."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from .solids import Solid, capsule_between, cylinder, joined, sphere
 Array = NDArray[np.float64]
 Color = tuple[int, int, int]
 
-#: Links are white, as most arms are, and the hubs of their joints dark.
+#: Links are white, like most arms, and the hubs of their joints dark.
 LIGHT: Color = (228, 232, 237)
 DARK: Color = (84, 96, 114)
-#: Skin of characters, bones of figures without one.
+#: Skin of characters, and bones without a mesh.
 SKIN: Color = (201, 172, 148)
 BONE: Color = (104, 133, 166)
-#: How thick a capsule is, as a share of the model's size.
+#: Radius of a capsule, relative to the size of the model.
 THICKNESS = 0.035
 
 
 class DrawnKinematics:
-    """Where a model's frames stand, and its joints, and the world's origin, which have no frames of their own."""
+    """Forward kinematics of a model's frames, and of its joints and the world's origin, which have no frames."""
 
     def __init__(self, model: Any) -> None:
         taken = {frame.name for frame in model.frames}
         builder = kinopt.ModelBuilder(model.name)
-        #: The frames of joints, by joint; that of None is the world's.
+        #: Frames of joints, by joint; that of None is the world's.
         self.frame_of_joint: dict[str | None, str] = {None: _free("world", taken)}
         for joint in model.joints:
             kind, parent, place = joint.kind, joint.parent, joint.parent_from_joint
@@ -47,16 +47,16 @@ class DrawnKinematics:
             builder.frame(name, owner)
         drawn = builder.build()
         self._kinematics = kinopt.ForwardKinematics(drawn)
-        # A skeleton's angles come in another order than its joints.
+        # The angles of a skeleton have another order than its joints.
         names = model.coordinate_names
         self._order = [names.index(name) for name in drawn.coordinate_names]
-        #: The places of frames in what `place` gives, by name.
+        #: Indices of frames in the result of `place`, by name.
         self.index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
 
     def place(self, q: Array) -> Array:
-        """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (dof,).
+        """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (nq,).
 
-        A wrong length or a number that is not finite is an `InvalidValueError`.
+        Raises `InvalidValueError` for a wrong length or a number that is not finite.
         """
         if q.shape == (len(self._order),):
             q = q[self._order]
@@ -65,7 +65,7 @@ class DrawnKinematics:
 
 
 def _free(name: str, taken: set[str]) -> str:
-    """A name that no frame has yet."""
+    """Returns a name that no frame has."""
     while name in taken:
         name += "'"
     taken.add(name)
@@ -73,20 +73,20 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def extent(placements: Array) -> float:
-    """The diagonal of the box around placements, shape (N, 4, 4); 1 where there is no extent."""
+    """Diagonal of the bounding box of placements, shape (N, 4, 4); 1 for a zero diagonal."""
     points = placements[:, :3, 3]
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
     return diagonal if diagonal > 0.0 else 1.0
 
 
 def extent_of(model: Any) -> float:
-    """How large a model is at rest, in its own unit."""
+    """Size of a model at rest, in its own unit."""
     return extent(DrawnKinematics(model).place(model.neutral()))
 
 
 @dataclass(frozen=True)
 class JointBody:
-    """What is drawn for what a joint carries, in the joint's frame (None: the world's)."""
+    """Drawn solid of a joint, in the joint's frame (None: the world's)."""
 
     joint: str | None
     solid: Solid
@@ -94,7 +94,7 @@ class JointBody:
 
 
 def capsules(model: Any, size: float) -> Iterator[JointBody]:
-    """Clean capsules from each joint to what hangs on it, and a hub about the axis of each that turns."""
+    """Capsules from each joint to its children, and a hub about the axis of each revolute joint."""
     radius = THICKNESS * size
     ends: dict[str | None, list[Array]] = {None: [], **{joint.name: [] for joint in model.joints}}
     for joint in model.joints:
@@ -120,12 +120,12 @@ def capsules(model: Any, size: float) -> Iterator[JointBody]:
 
 
 def _slim(point: Array, radius: float) -> float:
-    """Short limbs are thinner, so that fingers are no balls."""
+    """Radius of a limb: short limbs are thinner, so that fingers do not look like balls."""
     return min(radius, max(0.4 * float(np.linalg.norm(point)), 0.3 * radius))
 
 
 def _along(axis: object) -> Array:
-    """A placement whose z axis lies along `axis`."""
+    """A placement with its z axis along `axis`."""
     z = np.asarray(axis, dtype=float)
     z /= np.linalg.norm(z)
     x = np.cross(z, np.eye(3)[np.abs(z).argmin()])

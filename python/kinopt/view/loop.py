@@ -1,4 +1,4 @@
-"""One thread does all the work of a page, in order, at the screen's rate while something moves."""
+"""Single-threaded loop of a page, at the screen's rate during motion."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from typing import Any
 FRAME = 1.0 / 60.0
 
 Work = Callable[[], Any]
-#: Called once a frame with the time in seconds; true while it wants the next frame too.
+#: Called in each frame with the time in seconds; returns true to be called in the next frame too.
 Ticker = Callable[[float], bool]
 
 
 class Loop:
-    """Runs what is posted at once, and tickers frame after frame until they rest.
+    """Runs posted work immediately, and tickers in each frame until they return false.
 
-    Everything that reads or changes what is shown runs here, so nothing of it needs locks; a mouse that
-    moves faster than a solve takes finds only its last place answered.
+    All access to shown objects runs here, so it needs no locks. If the mouse moves faster than a solve, only its last
+    position is solved.
     """
 
     def __init__(self, atomic: Callable[[], contextlib.AbstractContextManager[None]]) -> None:
-        """`atomic` groups what a frame sends."""
+        """`atomic` groups the messages of a frame."""
         self._atomic = atomic
         self._posted: deque[Work] = deque()
         self._tickers: dict[Ticker, None] = {}
@@ -38,19 +38,19 @@ class Loop:
         self.thread.start()
 
     def post(self, work: Work) -> None:
-        """Has `work` done on the loop's thread, after all that was posted before."""
+        """Runs `work` on the loop's thread, after all work posted before."""
         with self._changed:
             self._posted.append(work)
             self._changed.notify()
 
     def tick(self, ticker: Ticker) -> None:
-        """Calls `ticker` each frame, from the next pass on, until it rests (returns false)."""
+        """Calls `ticker` in each frame, from the next pass on, until it returns false."""
         with self._changed:
             self._tickers[ticker] = None
             self._changed.notify()
 
     def call(self, work: Work) -> Any:
-        """Does `work` on the loop's thread and waits for what it gives."""
+        """Runs `work` on the loop's thread and returns its result."""
         if threading.current_thread() is self.thread or self._stopped:
             return work()
         result: list[Any] = []
@@ -74,7 +74,7 @@ class Loop:
         return result[0]
 
     def stop(self) -> None:
-        """Ends the thread once it is through with what it does."""
+        """Ends the thread after its current work."""
         with self._changed:
             self._stopped = True
             self._changed.notify()
@@ -108,7 +108,7 @@ class Loop:
                         self._tickers.pop(ticker, None)
 
     def _guarded(self, work: Work) -> Any:
-        """What a person's own function raises is shown, and the page goes on."""
+        """Shows an exception of a user's function, and continues."""
         try:
             return work()
         except Exception:  # noqa: BLE001

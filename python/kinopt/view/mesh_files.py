@@ -1,4 +1,4 @@
-"""Where the meshes that a robot's file names are, if they are at hand."""
+"""Search for the mesh files of a robot."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from urllib.parse import unquote, urlparse
 
 from .solids import Solid
 
-#: Environment variables whose folders hold ROS packages.
+#: Environment variables with folders of ROS packages.
 PACKAGE_PATHS = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH")
 
 
 class MeshFiles:
-    """Finds and reads mesh files: STL, OBJ, PLY, glTF, and COLLADA where pycollada is installed."""
+    """Finds and reads mesh files: STL, OBJ, PLY, glTF, and COLLADA if pycollada is installed."""
 
     def __init__(
         self,
@@ -23,9 +23,10 @@ class MeshFiles:
         packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
         confine: bool = False,
     ) -> None:
-        """`beside` is the robot's own folder; `packages` folders of packages by name, or folders that hold them.
+        """`beside` is the folder of the robot; `packages` are folders of packages by name, or folders that contain
+        packages.
 
-        With `confine` no file outside of these folders is opened.
+        With `confine` no file outside these folders is opened.
         """
         self._beside = beside
         self._confine = confine
@@ -35,11 +36,11 @@ class MeshFiles:
             self._named = {name: Path(folder) for name, folder in packages.items()}
         else:
             self._folders = [Path(folder) for folder in packages]
-        #: What could not be drawn, one line each.
+        #: Files that cannot be drawn, one line each.
         self.missing: list[str] = []
 
     def find(self, file: str) -> Path | None:
-        """The path of a mesh named `package://…`, `file://…`, or by a path; None where it is not at hand."""
+        """Path of a mesh named `package://…`, `file://…`, or by a path; None if it is missing."""
         return next((place for place in self._places(file) if self._is_allowed(place) and place.is_file()), None)
 
     def _is_allowed(self, place: Path) -> bool:
@@ -69,14 +70,14 @@ class MeshFiles:
     def _package_folders(self) -> Iterable[Path]:
         yield from self._folders
         if self._beside is not None:
-            # A robot's file usually lies within the package that its meshes are in.
+            # The file of a robot is usually within the package of its meshes.
             yield self._beside
             yield from self._beside.parents
         for variable in PACKAGE_PATHS:
             yield from (Path(folder) for folder in os.environ.get(variable, "").split(os.pathsep) if folder)
 
     def read(self, file: str) -> list[tuple[Solid, tuple[int, int, int] | None]] | None:
-        """The pieces of a mesh with their colours; None, and a line in `missing`, where there is none to draw."""
+        """Parts of a mesh with their colours; None, and a line in `missing`, if it cannot be read."""
         import numpy as np
         import trimesh
 
@@ -85,12 +86,12 @@ class MeshFiles:
             self.missing.append(f"{file}: not at hand")
             return None
         try:
-            # Materials and buffers that the mesh names are opened only below its own folder.
+            # Materials and buffers of the mesh are opened only below its own folder.
             with path.open("rb") as opened:
                 resolver = _below(path.parent)
                 loaded = trimesh.load_scene(opened, file_type=path.suffix.lower().lstrip("."), resolver=resolver)
         except Exception as error:  # noqa: BLE001 - readers of many formats raise what they like
-            # Their words may quote the file, which whoever wrote the robot's file chose.
+            # The messages may quote the file, whose path comes from the robot's file.
             self.missing.append(f"{path}: cannot be read ({type(error).__name__})")
             return None
         pieces = []
@@ -106,7 +107,7 @@ class MeshFiles:
 
 
 def _below(folder: Path) -> Any:
-    """Opens the files that a mesh names, below a folder alone."""
+    """Resolver that opens the files of a mesh only below a folder."""
     from trimesh.resolvers import FilePathResolver
 
     class Below(FilePathResolver):
@@ -120,7 +121,7 @@ def _below(folder: Path) -> Any:
 
 
 def _color(mesh: object) -> tuple[int, int, int] | None:
-    """The colour that a mesh has as a whole, if its file gives it one."""
+    """Colour of a whole mesh, if its file has one."""
     visual = getattr(mesh, "visual", None)
     if visual is None or not getattr(visual, "defined", False):
         return None

@@ -1,4 +1,4 @@
-"""A mesh of a scene on the page: its bones' transforms travel, or its vertices where those are not enough."""
+"""A mesh of a scene on the page, moved by bone transforms or, where these do not suffice, by vertices."""
 
 from __future__ import annotations
 
@@ -13,16 +13,15 @@ from .skin import Skin, SkinOnPage
 
 Array = NDArray[np.float64]
 
-#: Scales that differ by less, as a share, count as the same.
+#: Relative difference of scales that count as equal.
 STEADY = 2e-3
 
 
 class MeshOnBones:
     """A mesh that follows joints of an armature.
 
-    The page's bones turn and move and do not scale. Where all joints scale the mesh by one number all the
-    time, that number goes into the mesh once. Meshes whose joints scale otherwise, or that change their
-    shape by morph targets, send their vertices.
+    Bones of the page rotate and translate, but do not scale. A constant uniform scale of all joints is applied to the
+    mesh once. Meshes with other scales of joints, or with morph targets, send their vertices.
     """
 
     def __init__(
@@ -37,11 +36,11 @@ class MeshOnBones:
         opacity: float | None = None,
         morphs: tuple[Any, int] | None = None,
     ) -> None:
-        """`joints` are places of bones in the armature, `moments` model_from_bone at times, (N, bones, 4, 4)."""
+        """`joints` are bone indices of the armature, `moments` model_from_bone at several times, (N, bones, 4, 4)."""
         self.name, self.skin, self.color = name, skin, color
         self._joints, self._joint_from_mesh, self._morphs = joints, joint_from_mesh, morphs
         self._drawn = body.scene.drawn
-        #: What is drawn otherwise than the file has it, one line each.
+        #: Differences of the drawing from the file, one line each.
         self.notes: list[str] = []
         scale = None if morphs else steady_scale(moments[:, joints] @ joint_from_mesh)
         self._scale = 1.0 if scale is None else scale
@@ -108,23 +107,23 @@ class MeshOnBones:
         return Skin(vertices, self.skin.triangles, self.skin.weights).posed(transforms)
 
     def remove(self) -> None:
-        """Takes it off the page."""
+        """Removes it from the page."""
         (self._by_bones or self._by_vertices).remove()
 
 
 def steady_scale(transforms: Array) -> float | None:
-    """The one number by which all transforms, shape (..., 4, 4), scale; None where there is none."""
+    """Common uniform scale of all transforms, shape (..., 4, 4); None without one."""
     linear = transforms[..., :3, :3]
     squares = np.swapaxes(linear, -1, -2) @ linear
     square = float(np.trace(squares, axis1=-2, axis2=-1).mean()) / 3.0
     if square <= 0.0 or np.abs(squares / square - np.eye(3)).max() > 2.0 * STEADY:
         return None
-    # A page's bone cannot mirror.
+    # A bone of the page cannot mirror.
     return float(np.sqrt(square)) if (np.linalg.det(linear) > 0.0).all() else None
 
 
 def welded(skin: Skin) -> Skin:
-    """The same skin with vertices at one place, with one set of weights, made one: normals become smooth."""
+    """The skin with coincident vertices of equal weights merged: normals become smooth."""
     keys = np.concatenate([np.round(skin.vertices, 9), np.round(skin.weights, 6)], axis=1)
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     triangles = inverse.reshape(-1)[skin.triangles].astype(np.uint32)

@@ -1,4 +1,4 @@
-"""A person's movement beside the body that it was brought onto."""
+"""A subject's motion capture next to the body of the retargeted motion."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from .transforms import matrix_of
 
 Array = NDArray[np.float64]
 
-#: What the person is drawn in.
+#: Colour of the subject.
 COLOR = (196, 120, 52)
-#: Frames in which it is looked at which joints one bone joins.
+#: Number of frames that are used to find bones.
 LOOKED_AT = 64
-#: Of joints that keep as even a distance, the nearer ones are of one bone: what a length counts beside an unevenness.
+#: Weight of a bone's length relative to its variation: of joints at equally constant distance, the nearer ones share a
+#: bone.
 LENGTH = 0.05
-#: How thick bones are drawn, pixels.
+#: Width of bones, pixels.
 WIDTH = 5.0
-#: And joints, of a body as large as a person.
+#: Size of joints, for a body as large as a person.
 JOINT = 0.006
 
 
@@ -35,9 +36,9 @@ class Person:
         self, scene: Canvas, name: str, positions: Array, bones: list[tuple[int, int]] | None = None
     ) -> None:
         self.scene = scene
-        #: Its name in the scene.
+        #: Name in the scene.
         self.name = name
-        #: Where its joints are, shape (T, J, 3).
+        #: Positions of its joints, shape (T, J, 3).
         self.positions = positions
         self.bones = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
         first = positions[0]
@@ -55,18 +56,18 @@ class Person:
         self._lines.points = self._ends(frame)
 
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
         self._joints.remove()
         self._lines.remove()
 
 
 class Movement:
-    """A movement that a body in a scene does, with the person beside it: a clip."""
+    """A retargeted motion of a body in a scene, with the subject next to it: a clip."""
 
     def __init__(self, name: str, movement: kinopt.Retargeted, body: Body, person: Person | None) -> None:
-        #: What it is called.
+        #: Name of the clip.
         self.name = name
-        #: From when to when it goes, seconds.
+        #: Start and end time, seconds.
         self.span = (0.0, (len(movement) - 1) / movement.fps)
         self.movement, self.body, self.person = movement, body, person
         self._at = body.at.copy()
@@ -77,11 +78,11 @@ class Movement:
             )
 
     def show(self, seconds: float) -> None:
-        """Moves body and person to where they are then."""
+        """Sets the poses of body and subject at that time."""
         frame = min(max(round(seconds * self.movement.fps), 0), len(self.movement) - 1)
         q = self.movement.q[frame]
         if self._base:
-            # A rig has no joint that moves it as a whole.
+            # A rig has no base joint.
             self.body.at = self._at @ matrix_of(q[3:7], q[:3])
         self.body.q = q[self._base :]
         if self.person is not None:
@@ -91,13 +92,13 @@ class Movement:
 def show_movement(
     scene: Canvas, movement: kinopt.Retargeted, body: Body, beside: float | None, name: str
 ) -> Movement:
-    """As `Scene.add_movement`."""
+    """Implements `Scene.add_movement`."""
     played = Movement(name, movement, body, None)
     played.show(0.0)
     size = body.size()
     if beside is not None:
         positions = upright(movement)
-        # To its left, as it looks along x in most files.
+        # To its left: in most files it faces along x.
         positions[..., 1] += beside * size
         played.person = Person(scene, scene.clear(name), positions, movement.capture.bones)
         scene.place(name, played.person)
@@ -106,7 +107,7 @@ def show_movement(
 
 
 def upright(movement: kinopt.Retargeted) -> Array:
-    """Where the person's joints are with z upward and legs as long as the body's, the lowest on the ground."""
+    """Positions of the subject's joints with z upward and legs as long as the body's, the lowest on the ground."""
     positions = movement.capture.positions
     if movement.map.get("up", movement.capture.up) == "y":
         positions = positions[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
@@ -116,7 +117,7 @@ def upright(movement: kinopt.Retargeted) -> Array:
 
 
 def bones_of(positions: Array) -> NDArray[np.intp]:
-    """Which joints bones join, shape (J - 1, 2): the tree whose distances change least."""
+    """Pairs of joints that bones connect, shape (J - 1, 2): the tree with the most constant distances."""
     looked_at = positions[:: max(len(positions) // LOOKED_AT, 1)][:LOOKED_AT]
     apart = np.linalg.norm(looked_at[:, :, None] - looked_at[:, None], axis=3)
     price = apart.std(axis=0) + LENGTH * apart.mean(axis=0)
@@ -134,9 +135,9 @@ def bones_of(positions: Array) -> NDArray[np.intp]:
 
 
 def _look(scene: Canvas, played: Movement, size: float) -> None:
-    """Has the camera see all of the way."""
+    """Sets the camera to view the whole path."""
     low, high = played.body.box()
-    # A free base's place comes first, of robots and rigs.
+    # The position of a free base is first in `q`, for robots and rigs.
     q = played.movement.q
     way = q[:, :3] - q[0, :3] if q.shape[1] > 7 else np.zeros((1, 3))
     low, high = low + way.min(axis=0), high + way.max(axis=0)

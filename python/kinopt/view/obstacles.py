@@ -1,4 +1,4 @@
-"""Worlds of obstacles in a scene: drawn where they stand, or on the body that carries them; what is touched is red."""
+"""Worlds of obstacles in a scene, fixed or attached to a body; obstacles in contact are red."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from .transforms import wxyz_of
 
 Array = NDArray[np.float64]
 
-#: Obstacles, and those that something touches.
+#: Colours of obstacles, and of those in contact.
 COLOR: Color = (176, 160, 132)
 TOUCHED: Color = (214, 58, 58)
-#: A plane is drawn as a square of so many times the size of what stands on it.
+#: Side length of the square that represents a plane, relative to the size of the objects on it.
 PLANE = 3.0
 
 
 class Obstacles:
-    """A world drawn in a scene. `refresh` draws it as it is now."""
+    """A drawn world. `refresh` updates it."""
 
     def __init__(self, scene: Canvas, world: kinopt.World, name: str, body: Body | None) -> None:
         self.scene = scene
-        #: What is drawn.
+        #: The drawn world.
         self.world = world
-        #: Its name in the scene.
+        #: Name in the scene.
         self.name = name
         self._body = body
         self._handles: dict[str, Any] = {}
@@ -43,7 +43,7 @@ class Obstacles:
         self.refresh()
 
     def refresh(self) -> None:
-        """Draws what was added, moved or attached since, and no longer what was taken out."""
+        """Draws added, moved and attached obstacles, and removes removed ones."""
         if self.world.revision != self._revision:
             self._revision = self.world.revision
             for handle in self._handles.values():
@@ -54,7 +54,7 @@ class Obstacles:
         self.follow()
 
     def follow(self) -> None:
-        """Moves what is attached to where its frames are now."""
+        """Moves attached obstacles to the current poses of their frames."""
         at = np.eye(4) if self._body is None else self._body.at
         for name, obstacle in self._drawn.items():
             handle = self._handles[name]
@@ -69,7 +69,7 @@ class Obstacles:
             handle.wxyz = wxyz_of(place[None, :3, :3])[0]
 
     def mark(self, touched: Iterable[str]) -> None:
-        """Draws these obstacles red, and all others as they were."""
+        """Draws these obstacles red, and all others in their colour."""
         marked = frozenset(touched) & self._handles.keys()
         for name in marked ^ self._marked:
             handle = self._handles[name]
@@ -78,7 +78,7 @@ class Obstacles:
         self._marked = marked
 
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
         for handle in self._handles.values():
             handle.remove()
         self._handles = {}

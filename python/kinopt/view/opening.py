@@ -1,4 +1,4 @@
-"""A page for whatever file a model comes from."""
+"""Opening a page for a model file."""
 
 from __future__ import annotations
 
@@ -18,36 +18,35 @@ from .robot_body import Style, has_meshes
 from .scene import Scene
 from .stage import Up
 
-#: Ranges from here on have no middle worth speaking of, radians.
+#: Ranges from this size on have no meaningful middle, radians.
 FULL_TURN = 5.9
-#: An arm whose tool moves this much less easily one way than another is stretched.
+#: Ratio of smallest to largest singular value below which an arm counts as stretched.
 STRETCHED = 0.03
-#: How far joints are bent from a stretched pose, radians at most.
+#: Largest bend of joints away from a stretched pose, radians.
 BEND = 1.2
-#: What files there are pages for.
+#: Supported file types.
 SUPPORTED = ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)"
 
 
 @dataclass
 class Opened:
-    """A model that was read, and how it is shown."""
+    """A model, with the options of its page."""
 
     thing: Any
     up: Up = "+z"
-    #: Whether targets ask for an orientation at first.
+    #: True if targets initially have an orientation.
     turns: bool = False
-    #: Lengths and angles within which targets count as reached at first.
+    #: Initial tolerance of targets for lengths and angles.
     tolerance: float = 1e-6
-    #: What reading did without or mended, one line each.
+    #: Omissions and repairs of the reader, one line each.
     notes: list[str] = field(default_factory=list)
 
 
 def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
-    """Reads a model, told apart by its file's extension; a robot's root moves on a `base_joint`, if one is given.
+    """Reads a model by its file extension; `base_joint` connects a robot's root to the world.
 
-    A URDF that is not in order is mended where that can be done in one way, which the notes tell. Raises
-    `FileError` where it cannot be read, `InvalidFileError` for what it says, `InvalidValueError` for files
-    of other kinds.
+    A malformed URDF is repaired if the repair is unique, with notes. Raises `FileError` if the file cannot be read,
+    `InvalidFileError` if its content is invalid, `InvalidValueError` for other file types.
     """
     path = Path(path)
     if base_joint is not None and path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
@@ -76,15 +75,15 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
 
 
 def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
-    """A pose to begin in: an arm in the middle of its ranges, bent where it would be stretched; others at rest, a
-    body on a free base with its knees bent a little over what is held.
+    """Initial pose: an arm in the middle of its ranges, bent if it would be stretched; others at rest, a body on a free
+    base with its knees slightly bent over the held frames.
 
     At full stretch, where many files have all zeros, an arm cannot be pushed back.
     """
     model, tips = robot.model, robot.tips
     rest = model.neutral()
     if model.configuration_len > model.degrees_of_freedom:
-        # Nor has a quaternion a middle.
+        # A quaternion has no middle.
         return robot.bent_stance(list(hold), rest)
     arms = [robot.chain(robot.frame_names[0], tip) for tip in tips[:1]]
     followed = set(robot.mimics) | {joint for tip in tips for joint in robot.chain(robot.frame_names[0], tip)}
@@ -108,7 +107,7 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
 
 
 def _style(thing: Any, capsules: bool, among_obstacles: bool) -> Style:
-    """Among obstacles it is seen what keeps clear of them, where a file has no meshes to show."""
+    """Style of a robot: its collision shapes, if there are obstacles and its file has no meshes."""
     if capsules:
         return "capsules"
     bare = isinstance(thing, kinopt.Robot) and not has_meshes(thing)
@@ -120,7 +119,7 @@ def _extent(armature: Any) -> float:
 
 
 def _robot(robot: kinopt.Robot) -> Opened:
-    # A hand of a body is dragged to places.
+    # Targets of a body's hands are positions.
     return Opened(robot, turns=not robot.model.free_joints, notes=list(robot.repairs))
 
 
@@ -149,8 +148,9 @@ def open_page(
     whole: bool = False,
     keep_clear: float | None = None,
 ) -> Page:
-    """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`, `UnknownNameError` for
-    a frame to hold, `InvalidValueError` for a world around what has no shapes, and as `kinopt.retarget` for a movement."""
+    """Opens the page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`,
+    `UnknownNameError` for an unknown frame to hold, `InvalidValueError` for a world with a model without shapes, and as
+    `kinopt.retarget` for a motion."""
     path = Path(path)
     if world is not None and not isinstance(world, kinopt.World):
         world = kinopt.World.read(world)
@@ -167,7 +167,7 @@ def open_page(
             fps=fps,
             whole=whole,
             keep_clear=keep_clear,
-            # A figure's movement keeps clear of nothing.
+            # The motion of a skeleton avoids no collisions.
             world=around,
             margin=None if around is None or keep_clear is not None else margin,
         )
@@ -175,7 +175,7 @@ def open_page(
         if movement.touching:
             opened.notes.append(f"something touches in {len(movement.touching)} of {len(movement)} frames")
     if world is not None:
-        # Whether it goes with the model is known before a page opens.
+        # Checks the world with the model before a page opens.
         kinopt.Problem(opened.thing, world=world, margin=margin)
     scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)
     body = scene.add(
@@ -185,7 +185,7 @@ def open_page(
         packages=packages,
     )
     for frame in hold:
-        # Names what there is, where there is no such frame.
+        # Raises an error with the valid names for an unknown frame.
         body.frame(frame)
     if isinstance(opened.thing, kinopt.Robot):
         body.q = opening_pose(opened.thing, hold)

@@ -1,4 +1,4 @@
-"""The page that `python -m kinopt.view` shows: a body, targets on its frames, and a panel."""
+"""The page of `python -m kinopt.view`: a body, targets on its frames, and a panel."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .status_panel import StatusPanel, plain
 from .targets_panel import TargetsPanel
 from .time_panel import TimePanel
 
-#: So many tips have a gizmo when the page opens; others are picked from the list.
+#: Largest number of tips with a gizmo when the page opens; others are selected from the list.
 MOST_TARGETS = 8
 
 
 class Page(Dragging):
-    """A body that is dragged by its frames, and a panel that tells of it and takes choices."""
+    """A body that is dragged by its frames, and a panel with its state and choices."""
 
     def __init__(
         self,
@@ -37,15 +37,15 @@ class Page(Dragging):
         clips: Iterable[Clip] = (),
     ) -> None:
         super().__init__(scene, body, turns=turns, tolerance=tolerance, world=world, margin=margin)
-        #: What was mended or is not drawn, one line each.
+        #: Repairs, and parts that are not drawn, one line each.
         self.notes = [*notes, *body.missing]
         self._hold = list(hold)
-        #: What is played before the body's own clips; where there is any, gizmos are picked from the list.
+        #: Clips before the body's own clips; with any, gizmos are selected from the list.
         self._played = list(clips)
         scene.loop.call(self._furnish)
 
     def _furnish(self) -> None:
-        """The panel, and gizmos on the tips."""
+        """Creates the panel, and gizmos on the tips."""
         self.status = StatusPanel(self)
         self.targets_panel = TargetsPanel(self)
         clips = [*self._played, *self.body.clips]

@@ -1,4 +1,4 @@
-"""Moving what is drawn: only transforms travel to the page, and only of parts that moved."""
+"""Motion of drawn parts: only transforms of parts that moved are sent to the page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Four = tuple[float, float, float, float]
 Three = tuple[float, float, float]
 Write = Callable[[Four, Three], None]
 
-#: A part that moved or turned less than this, in metres as drawn and in quaternions' numbers, stays.
+#: Smallest change of a transform that is sent, in metres as drawn and in components of quaternions.
 STILL = 1e-5
 
 
@@ -31,14 +31,14 @@ class Parts:
         parts: Sequence[viser.SceneNodeHandle] | Sequence[viser.MeshSkinnedBoneHandle],
         scale: float = 1.0,
     ) -> None:
-        """`scale` is what the page draws for a length of 1."""
+        """`scale` is the drawn length of 1."""
         self._server = server
         self._scale = scale
         self._writes = [_write(part) for part in parts]
         self._sent = np.full((len(parts), 7), np.inf)
 
     def send(self, world_from_part: Array) -> int:
-        """Moves the parts: placements of shape (parts, 4, 4); how many had to be sent."""
+        """Moves the parts to placements of shape (parts, 4, 4); returns the number of sent parts."""
         now = np.empty_like(self._sent)
         now[:, :4] = wxyz_of(world_from_part[:, :3, :3])
         now[:, 4:] = world_from_part[:, :3, 3] * self._scale
@@ -52,11 +52,11 @@ class Parts:
 
 
 def _write(part: Any) -> Write:
-    """What moves one part.
+    """Function that moves one part.
 
-    viser's own setters compare each part with where it was, which takes longer than a solve; parts here are
-    compared all at once, so the messages are queued as the setters would. A viser that has them no more is
-    asked by its setters.
+    The setters of viser compare each part with its last transform, which takes longer than a solve. Parts here are
+    compared all at once, so messages are queued as the setters would do. The setters are used if a version of viser
+    lacks these messages.
     """
     try:
         from viser import _messages as messages

@@ -1,4 +1,4 @@
-"""How a body is posed for the targets on the page: which solver, what is held, what is preferred."""
+"""Solvers and options that pose a body for the targets on the page."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from .transforms import inverse
 
 Array = NDArray[np.float64]
 
-#: Follows the mouse without leaps: an arm's follower, or a drag for everything else.
+#: Follows the mouse without jumps: a path follower for an arm, a drag for everything else.
 FOLLOW = "follow the mouse"
-#: Searches of an arm alone, anew for each place.
+#: Searches for arms only, independent for each target.
 ARM_SEARCHES = {
     "arm: next to where it stands": "start",
     "arm: nearest": "nearest",
     "arm: first found": "first",
 }
-#: Methods for any problem, anew for each place.
+#: Methods for any problem, independent for each target.
 GEOMETRIC = ("ccd", "fabrik")
 METHODS = ("levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd", "fabrik")
-#: A body whose joints move less in a frame rests, radians or metres.
+#: Largest joint displacement in a frame of a body at rest, radians or metres.
 STILL = 1e-6
-#: What a body leans to in what its targets leave free.
+#: Nominal postures in the null space of the targets.
 POSTURES = ("as it was grabbed", "rest", "none")
 
 
 @dataclass(frozen=True)
 class Goal:
-    """What one frame should do: stand at `placement` (world_from_frame), turned so too if it `turns`.
+    """Goal of one frame: its `placement` (world_from_frame), with the orientation if `turns`.
 
-    What is `pinned` stays while others are dragged: the feet of a body that stands.
+    A `pinned` frame stays while others are dragged: the feet of a standing body.
     """
 
     frame: str
@@ -52,43 +52,42 @@ class Goal:
 
 @dataclass(frozen=True)
 class Choices:
-    """What a person chooses on the page."""
+    """Choices of the user on the page."""
 
     solver: str = FOLLOW
-    #: Metres (a rig's own unit for rigs) and radians within which a target counts as reached.
+    #: Metres (for rigs, the rig's unit) and radians within which a target counts as reached.
     tolerance: float = 1e-6
     posture: str = POSTURES[0]
-    #: Whether what is not dragged of a character stays where it is.
+    #: True to keep the other frames of a character in place.
     holds: bool = True
 
 
 @dataclass
 class Answer:
-    """Where the body stands now, and the truth about its targets."""
+    """Configuration of the body, with the errors of its targets."""
 
     q: Array
     solution: Any
-    #: Seconds that the solver took.
+    #: Duration of the solve, seconds.
     seconds: float
-    #: Whether the body goes on though its targets rest.
+    #: True if the body continues to move with constant targets.
     goes_on: bool
-    #: A leap to another branch, in words; none but where searches are chosen.
+    #: Text about a jump to another branch; only with searches.
     leap: str | None = None
 
 
 class Posing:
-    """Solves for goals that move, from where the body stands.
+    """Solves for moving goals, from the current configuration.
 
-    Whatever is asked twice is stated once: an arm, a problem, a drag are kept until the goals are others,
-    or a choice is.
+    Arms, problems and drags are kept until the goals or a choice change.
     """
 
     def __init__(self, body: Body, world: kinopt.World | None = None, margin: float = 0.0) -> None:
         self.body = body
         self.choices = Choices()
-        #: What the body keeps clear of, with its own parts, and how far, metres; nothing where there is no world.
+        #: Obstacles of collision avoidance, with the margin in metres; None disables it.
         self.world, self.margin = world, margin
-        #: Holds of a character by what is dragged: frames that stay, bones that do.
+        #: Holds of a character by dragged frame: frames that stay, bones that stay.
         self._engine: _Engine | None = None
         self._stated: tuple[Any, ...] = ()
 
@@ -98,20 +97,20 @@ class Posing:
         self.state_anew()
 
     def state_anew(self) -> None:
-        """The next solve states its problem anew, from where the body stands then."""
+        """Makes the next solve create its problem again, from the current configuration."""
         self._engine = None
 
     def _clear_of(self) -> dict[str, Any]:
-        """What arms and problems are told of the world."""
+        """Collision avoidance options of arms and problems."""
         return {} if self.world is None else {"world": self.world, "margin": self.margin}
 
     def solvers(self) -> list[str]:
-        """Names of the solvers that there are for this body."""
+        """Names of the solvers for this body."""
         arms = list(ARM_SEARCHES) if isinstance(self.body.thing, kinopt.Robot) else []
         return [FOLLOW, *arms, *METHODS]
 
     def solve(self, goals: list[Goal]) -> Answer | None:
-        """One frame: the body's next configuration for these goals; None where there are none."""
+        """One frame: the body's next configuration for these goals; None without goals."""
         if not goals:
             return None
         moved = 0 if self.world is None else self.world.revision
@@ -125,7 +124,7 @@ class Posing:
         return answer
 
     def with_joint(self, joint: str, value: float, goals: list[Goal]) -> Answer:
-        """The body with one joint at a value, and the goals met by the others as far as they can."""
+        """The body with one joint at a value, and the goals met by the others as far as possible."""
         self.body.standing()
         q = self.body.q
         moving = self.body.model.coordinate_names
@@ -135,7 +134,7 @@ class Posing:
         self.state_anew()
         if not goals:
             going_along = closed(self.body.thing, q, joint)
-            # A joint goes no farther than loops let it.
+            # Loops limit the motion of the joint.
             return Answer(self.body.q if going_along is None else going_along, None, 0.0, False)
         before = time.perf_counter()
         held = kinopt.ParameterMap(self.body.thing, lock={joint: float(q[moving.index(joint)])})
@@ -175,7 +174,7 @@ class Posing:
         self.body.standing()
         choices, thing = self.choices, self.body.thing
         alone = len(goals) == 1 and isinstance(thing, kinopt.Robot)
-        # A follower stops before what is in its way; a drag slides along it.
+        # A path follower stops before an obstacle; a drag slides along it.
         arms = ARM_SEARCHES if self.world is not None else (FOLLOW, *ARM_SEARCHES)
         if alone and choices.solver in arms:
             arm = self._arm(goals[0])
@@ -193,7 +192,7 @@ class Posing:
             made += holding.tasks
             parameters = holding.parameters
         if choices.solver in GEOMETRIC:
-            # They know goals alone.
+            # Geometric methods support required tasks only.
             made = [task for task in made if not isinstance(task, (tasks.Posture, tasks.SupportPolygon))]
         elif reference is not None and not (holding and holding.has_posture):
             weights: Literal["upright"] | None = "upright" if self.body.stands else None
@@ -206,7 +205,7 @@ class Posing:
         return _DragEngine(kinopt.Drag(problem, self.body.q))
 
     def _arm(self, goal: Goal) -> Any:
-        """The arm from the world to a robot's frame; None where nothing moves there."""
+        """The arm from the world to a robot's frame; None if nothing moves there."""
         reference = self._reference()
         options: dict[str, Any] = {
             "position_tolerance": self.choices.tolerance,
@@ -231,7 +230,7 @@ class _Engine:
 
 
 class _ArmEngine(_Engine):
-    """One tip of a robot, by the arm's own engine."""
+    """One tip of a robot, solved by an arm."""
 
     def __init__(self, arm: Any, goal: Goal, q: Array, search: bool) -> None:
         self._arm, self._turns, self._search = arm, goal.turns, search
@@ -249,13 +248,13 @@ class _ArmEngine(_Engine):
             solution, jump = self._follower.advance(target)
             leap = None if jump is None or jump.continuous else f"{jump.joint} leapt by {jump.distance:.2g}"
         settled = self._arm.configuration(solution.q, q)
-        # A follower that misses comes nearer frame by frame, until it rests.
+        # A path follower that misses comes nearer frame by frame, until it is at rest.
         goes_on = self._follower is not None and not solution.reached
         return Answer(settled, solution, 0.0, goes_on and np.abs(settled - q).max() > STILL, leap)
 
 
 class _SolverEngine(_Engine):
-    """A search for each place anew."""
+    """An independent search for each target."""
 
     def __init__(self, problem: Any, solver: Any) -> None:
         self._problem, self._solver = problem, solver
@@ -266,7 +265,7 @@ class _SolverEngine(_Engine):
 
 
 class _DragEngine(_Engine):
-    """Follows the mouse without leaps, frame by frame."""
+    """Follows the mouse without jumps, frame by frame."""
 
     def __init__(self, drag: Any) -> None:
         self._drag = drag

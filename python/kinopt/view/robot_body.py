@@ -1,4 +1,4 @@
-"""Robots: meshes where their files are at hand, the file's own simple shapes, clean capsules for the rest."""
+"""Robots drawn by mesh files, by the simple shapes of the file, or by capsules."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Style = Literal["auto", "file", "capsules", "collision"]
 
 
 class RobotBody(Body):
-    """A robot in a scene, or anything else with a model, as rigid parts. Assigning `q` moves it."""
+    """A robot in a scene, or any other object with a model, as rigid parts. Assigning `q` moves it."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class RobotBody(Body):
         beside: str | Path | None = None,
         packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
     ) -> None:
-        """As `Scene.add`."""
+        """Arguments are as in `Scene.add`."""
         super().__init__(scene, thing, name, at)
         confine = bool(getattr(thing, "confined", False))
         files = MeshFiles(None if beside is None else Path(beside), packages, confine)
@@ -59,7 +59,7 @@ class RobotBody(Body):
                 self._pieces = list(self._of_shapes(files, color))
         if not self._pieces:
             self._pieces = self._of_capsules(color)
-        #: Meshes that could not be drawn, one line each; capsules stand in for them.
+        #: Meshes that could not be drawn, one line each; capsules replace them.
         self.missing = files.missing
         self._of_frames = np.array([self._index[piece.name] for piece in self._pieces], dtype=int)
         self._handles = [
@@ -80,18 +80,18 @@ class RobotBody(Body):
 
     @property
     def stands(self) -> bool:
-        """Whether it moves as a whole, on a free base."""
+        """True for a free base."""
         return bool(self.model.free_joints)
 
     @property
     def can_hold(self) -> bool:
-        """Whether its feet, once pinned, can carry it: it moves as a whole and has masses."""
+        """True if its pinned feet can carry it: it has a free base and masses."""
         return self.stands and balance.has_masses(self.thing, self._q)
 
     def holding(
         self, dragged: list[str], q: Array, reference: Array | None, pinned: Sequence[str] = ()
     ) -> Holding | None:
-        """The centre of mass stays over the feet, which are the lowest of what is pinned."""
+        """Keeps the centre of mass over the feet, the lowest pinned frames."""
         if not self.can_hold:
             return None
         feet = balance.feet(self.model, pinned, q)
@@ -101,19 +101,19 @@ class RobotBody(Body):
         return Holding([tasks.SupportPolygon(on=soles, name="balance", level=BALANCE)])
 
     def pieces(self) -> list[Piece]:
-        """Its meshes as they stand now, in the world."""
+        """Its meshes in the current pose, in the world."""
         placements = (self.at @ self._kinematics.place(self._q))[self._of_frames]
         pairs = zip(self._pieces, placements, strict=True)
         return [Piece(piece.name, piece.solid.moved(place), piece.color) for piece, place in pairs]
 
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
         for handle in self._handles:
             handle.remove()
         self.scene.forget(self)
 
     def _of_shapes(self, files: MeshFiles, color: Color | None) -> Iterable[Piece]:
-        """The links' shapes, each named after the link that carries it; capsules for meshes not at hand."""
+        """Shapes of the links, each named after its link; capsules for missing meshes."""
         if not isinstance(self.thing, kinopt.Robot):
             return
         found = 0
@@ -132,7 +132,7 @@ class RobotBody(Body):
             yield from self._of_capsules(color, bare)
 
     def _of_collision_shapes(self, color: Color | None) -> Iterable[Piece]:
-        """What counts where something is kept clear of."""
+        """Collision shapes."""
         if not isinstance(self.thing, kinopt.Robot):
             return
         model = self.thing.collision_model(leave_out_missing=True)
@@ -145,7 +145,7 @@ class RobotBody(Body):
             yield Piece(link, solid, color or shades[joint_of[link]])
 
     def _of_capsules(self, color: Color | None, only: set[str | None] | None = None) -> list[Piece]:
-        """Capsules for what hangs on each joint, or on `only` those joints, each named after its frame."""
+        """Capsules for the children of each joint, or of `only` those joints, each named after its frame."""
         bodies = look.capsules(self.model, self.size())
         drawn = (body for body in bodies if only is None or body.joint in only)
         named = self._kinematics.frame_of_joint
@@ -153,19 +153,19 @@ class RobotBody(Body):
 
 
 def has_meshes(robot: Any) -> bool:
-    """Whether a robot's file draws links by meshes."""
+    """True if a robot's file has meshes of links."""
     return any(shape.kind == "mesh" for link in robot.frame_names for shape in robot.shapes(link))
 
 
 def _says_how_links_lie(robot: Any) -> bool:
-    """Whether a robot's file draws nothing but cylinders, from joint to joint: capsules show more of it."""
+    """True if a robot's file has only cylinders, from joint to joint: capsules then look better."""
     if not isinstance(robot, kinopt.Robot):
         return True
     return all(shape.kind == "cylinder" for link in robot.frame_names for shape in robot.shapes(link))
 
 
 def _solids(shape: Any, files: MeshFiles) -> list[tuple[Solid, Color | None]] | None:
-    """A shape's meshes in its own frame, and colours; None for a mesh that is not at hand."""
+    """Meshes of a shape in its own frame, with colours; None for a missing mesh file."""
     measures = shape.measures
     match shape.kind:
         case "box":

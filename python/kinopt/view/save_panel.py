@@ -9,7 +9,7 @@ from .saving import FORMATS, saved
 
 
 class SavePanel:
-    """Saves the pose to a file of the browser's."""
+    """Saves the pose to a download of the browser."""
 
     def __init__(self, page: Dragging) -> None:
         gui = page.scene.server.gui

@@ -1,4 +1,4 @@
-"""A pose as a file: JSON for programs, OBJ and GLB for whatever shows meshes."""
+"""Saved poses: JSON for programs, OBJ and GLB for mesh viewers."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .transforms import wxyz_of
 if TYPE_CHECKING:
     from .body import Body
 
-#: What a pose can be saved as.
+#: Formats of a saved pose.
 FORMATS = ("json", "obj", "glb")
 
 
 def pose_json(body: Body) -> str:
-    """The configuration, by joint, and where the tips stand (metres or the model's unit, w x y z) as JSON.
+    """The configuration by joint, and the poses of the tips (metres or the model's unit, w x y z) as JSON.
 
-    The numbers read back are the same to the bit.
+    The numbers read back exactly.
     """
     frames = {}
     for name in body.tips:
@@ -36,7 +36,7 @@ def pose_json(body: Body) -> str:
 
 
 def pose_obj(body: Body) -> str:
-    """The meshes as they stand now, in the world, as Wavefront OBJ with a group for each part."""
+    """The meshes in the current pose, in the world, as Wavefront OBJ with a group for each part."""
     lines = [f"# {body.model.name}, posed by kinopt"]
     first = 1
     for i, piece in enumerate(body.pieces()):
@@ -48,7 +48,7 @@ def pose_obj(body: Body) -> str:
 
 
 def pose_glb(body: Body) -> bytes:
-    """The meshes as they stand now as binary glTF, with their colours; y is up there, as glTF has it."""
+    """The meshes in the current pose as binary glTF, with their colours; y is upward, as in glTF."""
     import trimesh as meshes
 
     trimesh: Any = meshes

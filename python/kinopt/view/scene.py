@@ -1,4 +1,4 @@
-"""A page with robots, characters, targets and whatever a script shows."""
+"""A page with robots, characters, targets and other objects of a script."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .transforms import placement_of
 
 
 class Scene(Canvas):
-    """A page in the browser that a script shows its robots, targets and results on.
+    """A page in the browser for the robots, targets and results of a script.
 
     ```python
     import kinopt
@@ -44,9 +44,9 @@ class Scene(Canvas):
     scene.wait()
     ```
 
-    Lengths are the model's own (metres for robots), placements 4 x 4 arrays, what has `homogeneous`,
-    `as_matrix()` or `A`, or three numbers for a position. In a notebook the scene as a cell's last value
-    is the page.
+    Lengths are in the unit of the model (metres for robots). Placements are 4 x 4 arrays, objects with `homogeneous`,
+    `as_matrix()` or `A`, or three numbers for a position. In a notebook, the scene as the last value of a cell shows
+    the page.
     """
 
     def __init__(
@@ -57,9 +57,9 @@ class Scene(Canvas):
         up: Up = "+z",
         title: str | None = None,
     ) -> None:
-        """Opens a page at `url`, on the next free port from `port` on; `up` is the way up, "+z" or "+y".
+        """Opens a page at `url`, on the first free port from `port`; `up` is the upward axis, "+z" or "+y".
 
-        Only this machine sees it unless `host` is "0.0.0.0".
+        Only this machine can access it unless `host` is "0.0.0.0".
         """
         super().__init__(host, port, up, title)
         self._empty = True
@@ -78,14 +78,12 @@ class Scene(Canvas):
     ) -> Body:
         """Shows a robot, rig, skeleton, model, glTF scene or motion capture: a `Body`, whose `q` moves it.
 
-        `at` is world_from_model, 4 x 4 or three numbers, in the model's unit. With `style="file"` a robot is drawn
-        with the shapes of its file; its meshes are looked for in the folder `beside` (and above it), in
-        `packages` (folders by package, or folders that hold packages) and in `ROS_PACKAGE_PATH`; clean
-        capsules stand in for those that are not at hand. With "capsules" there are no others; "collision" draws what
-        collides; "auto" is
-        "capsules" for files that have cylinders alone. `color` is red, green, blue up to 255, `opacity` from 0
-        to 1. Of the same given `name` only the last is shown. Raises `InvalidValueError` for things of other kinds
-        and for an `at` that is no placement.
+        `at` is world_from_model, 4 x 4 or three numbers, in the model's unit. `style="file"` draws a robot with the
+        shapes of its file; its meshes are searched in the folder `beside` (and above it), in `packages` (folders by
+        package, or folders that contain packages) and in `ROS_PACKAGE_PATH`. Capsules replace missing meshes.
+        "capsules" draws capsules only; "collision" draws the collision shapes; "auto" is "capsules" for files with
+        cylinders only. `color` is red, green, blue up to 255, `opacity` from 0 to 1. An object replaces another one of
+        an equal given `name`. Raises `InvalidValueError` for other objects and for an invalid `at`.
         """
         at = np.eye(4) if at is None else placement_of(at, "at")
         if not (hasattr(thing, "armature") or hasattr(thing, "model") or isinstance(thing, kinopt.Model)):
@@ -120,9 +118,11 @@ class Scene(Canvas):
     def add_world(
         self, world: kinopt.World, name: str = "obstacles", *, on: Body | None = None
     ) -> Obstacles:
-        """Shows a world of obstacles; `on` is the body in whose model's coordinates they stand, and which carries what is attached.
+        """Shows a world of obstacles; `on` is the body whose model defines their coordinates and carries attached
+        obstacles.
 
-        Its `refresh` draws what has changed in the world since. Of the same given `name` only the last is shown.
+        `refresh` of the result draws later changes of the world. An object replaces another one of an equal given
+        `name`.
         """
         name = self.clear(name)
         shown = Obstacles(self, world, name, on)
@@ -132,15 +132,15 @@ class Scene(Canvas):
     def add_movement(
         self, movement: kinopt.Retargeted, body: Body, *, beside: float | None = 0.9, name: str = "movement"
     ) -> Movement:
-        """Has a body do a movement that was brought onto it: a clip, whose `show(seconds)` moves it and which `play` plays.
+        """Adds a retargeted motion of a body: a clip, whose `show(seconds)` moves it and which `play` plays.
 
-        The person whose movement it is stands beside it, so many times its size away and drawn with legs as long as the body's;
-        None leaves them out. The camera sees all of the way. Raises `InvalidValueError` for a movement of another body.
+        The subject is drawn next to it, at a distance of `beside` times its size and with legs as long as the body's;
+        None omits it. The camera views the whole path. Raises `InvalidValueError` for a motion of another body.
         """
         return show_movement(self, movement, body, beside, name)
 
     def play(self, clip: Clip, speed: float = 1.0) -> None:
-        """Plays a clip again and again, `speed` times as fast as it is, while the page is served."""
+        """Plays a clip in a loop, at `speed` times its speed, while the page is served."""
         start, end = clip.span
         begun: list[float] = []
 
@@ -152,7 +152,7 @@ class Scene(Canvas):
         self.every_frame(tick)
 
     def _measure(self, thing: Any) -> None:
-        """The first thing shown says how large all is drawn."""
+        """Sets the drawing scale from the first object."""
         if not self._empty:
             return
         if hasattr(thing, "armature"):
@@ -162,7 +162,7 @@ class Scene(Canvas):
         self.drawn = stage.drawn_scale(extent_of(getattr(thing, "model", thing)))
 
     def _numbered(self, thing: Any) -> str:
-        """The thing's own name, with a number where that is taken: nothing is replaced unasked."""
+        """The object's own name, with a number if the name exists, so that nothing is replaced."""
         own = getattr(getattr(thing, "model", thing), "name", None)
         own = (own if isinstance(own, str) else "").strip("/") or "body"
         names = itertools.chain([own], (f"{own} {i}" for i in itertools.count(2)))
@@ -170,11 +170,11 @@ class Scene(Canvas):
 
     @property
     def bodies(self) -> list[Body]:
-        """The robots and characters that are shown."""
+        """The robots and characters in the scene."""
         return [thing for thing in self._things.values() if isinstance(thing, Body)]
 
     def frame_all(self) -> None:
-        """Lays the ground below all bodies and lets the camera see the whole of them."""
+        """Draws the ground below all bodies and sets the camera to view all of them."""
         boxes = [body.box() for body in self.bodies]
         if not boxes:
             return
@@ -182,7 +182,7 @@ class Scene(Canvas):
         high = np.max([high for _, high in boxes], axis=0) * self.drawn
         size = float(np.linalg.norm(high - low))
         axis = 2 if self.up == "+z" else 1
-        # What stands on the ground stands there; what hangs below the origin is let down.
+        # The ground stays near the origin, but is below a model that hangs deeper.
         ground = 0.0 if abs(low[axis]) < 0.05 * size else float(low[axis])
         stage.lay_ground(self.server, self.up, ground, size)
         stage.look_at(self.server, self.up, low, high)
@@ -190,10 +190,10 @@ class Scene(Canvas):
     def target(
         self, name: str, placement: object, *, size: float | None = None, turns: bool = True
     ) -> Target:
-        """A gizmo to drag: a `Target`, whose `on_move` says what follows it.
+        """A gizmo to drag: a `Target`, whose `on_move` registers callbacks.
 
-        `size` is its arrows' length in the model's unit; without `turns` it is moved but not turned.
-        Raises `InvalidValueError` for what is no placement.
+        `size` is the length of its arrows in the model's unit; without `turns` it has no rotation. Raises
+        `InvalidValueError` for an invalid placement.
         """
         name = self.clear(name)
         size = 0.16 * stage.DRAWN / self.drawn if size is None else size

@@ -1,4 +1,4 @@
-"""Meshes of what collides: obstacles, and shapes of robots."""
+"""Meshes of collision shapes, for obstacles and robots."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .solids import Solid
 
 Array = NDArray[np.float64]
 
-#: How thick a plane is drawn, as a share of its length.
+#: Thickness of a plane, relative to its length.
 THIN = 0.002
 
 
 def solid_of(obstacle: kinopt.Obstacle, plane: float) -> Solid:
-    """An obstacle's surface in its own frame; a plane is a square, `plane` long."""
+    """Surface of an obstacle in its own frame; a plane is a square of side `plane`."""
     measures = obstacle.measures
     match obstacle.kind:
         case "box":
@@ -47,7 +47,7 @@ def _raised(z: float) -> Array:
 
 
 def _field(heights: Array, spacing: Array) -> Solid:
-    """A surface over a grid that is centred on the origin; rows go along y, columns along x."""
+    """Surface over a grid centred on the origin; rows go along y, columns along x."""
     rows, columns = heights.shape
     x = (np.arange(columns) - (columns - 1) / 2) * spacing[0]
     y = (np.arange(rows) - (rows - 1) / 2) * spacing[1]

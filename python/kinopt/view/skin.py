@@ -1,4 +1,4 @@
-"""Skinned meshes on the page: uploaded once, then only their bones' transforms travel."""
+"""Skinned meshes on the page: uploaded once, then moved by bone transforms."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ from .solids import Solid, Triangles, capsule_between, joined, sphere
 
 Array = NDArray[np.float64]
 
-#: The page blends so many influences a vertex.
+#: Number of influences of a vertex that the page blends.
 INFLUENCES = 4
-#: How thick a bone without a mesh is, as a share of the figure's size, and of its own length at most.
+#: Thickness of a bone without a mesh, relative to the skeleton's size, and its largest ratio to the bone's length.
 BONE_THICKNESS = 0.014
 SLENDER = 0.16
 
 
 @dataclass(frozen=True)
 class Skin:
-    """A mesh at rest and how strongly each bone moves each vertex, shape (V, bones)."""
+    """A mesh at rest with dense skin weights, shape (V, bones)."""
 
     vertices: Array
     triangles: Triangles
     weights: Array
 
     def posed(self, skinning_transforms: Array) -> Array:
-        """The vertices, shape (V, 3), by linear blend with all influences; transforms of shape (bones, 4, 4)."""
+        """Vertices, shape (V, 3), by linear blend with all influences; transforms of shape (bones, 4, 4)."""
         blended = (self.weights @ skinning_transforms[:, :3].reshape(-1, 12)).reshape(-1, 3, 4)
         posed: Array = np.einsum("vij,vj->vi", blended[:, :, :3], self.vertices) + blended[:, :, 3]
         return posed
 
 
 class SkinOnPage:
-    """A skin that the page shows. Assigning transforms of its bones moves it."""
+    """A skin on the page. `move` sets the transforms of its bones."""
 
     def __init__(self, scene: Canvas, name: str, skin: Skin, color: Color, **looks: Any) -> None:
         weights, self.cut = fewer_influences(skin.weights)
@@ -50,7 +50,7 @@ class SkinOnPage:
             f"/{name}",
             vertices=(skin.vertices * scene.drawn).astype(np.float32),
             faces=skin.triangles,
-            # At rest no bone has moved: what travels are the skinning transforms themselves.
+            # All bones are at the identity at rest, so the sent transforms are the skinning transforms.
             bone_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
             bone_positions=np.zeros((count, 3)),
             skin_weights=weights[:, self._used],
@@ -60,16 +60,17 @@ class SkinOnPage:
         self._parts = Parts(scene.server, self._handle.bones, scene.drawn)
 
     def move(self, world_from_rest: Array) -> None:
-        """Skinning transforms, shape (bones, 4, 4): from the model at rest to the world. They may not scale."""
+        """Skinning transforms, shape (bones, 4, 4): from the model at rest to the world. They must not scale."""
         self._parts.send(world_from_rest[self._used])
 
     def remove(self) -> None:
-        """Takes it off the page."""
+        """Removes it from the page."""
         self._handle.remove()
 
 
 def fewer_influences(weights: Array) -> tuple[Array, float]:
-    """Weights of at most four bones a vertex, and the most of a vertex's weight that was cut; rows sum to 1."""
+    """Weights with at most four influences for each vertex, and the largest omitted weight of a vertex; rows sum to
+    1."""
     count = int(np.count_nonzero(weights, axis=1).max(initial=0))
     if count <= INFLUENCES:
         return weights, 0.0
@@ -81,7 +82,7 @@ def fewer_influences(weights: Array) -> tuple[Array, float]:
 
 
 def bone_skin(skeleton: Any) -> Skin:
-    """Bodies for bones without a mesh: a slender capsule from where a bone stands to where the next ones do."""
+    """Bodies for bones without a mesh: a thin capsule from a bone's tail to those of its children."""
     bones = skeleton.bones
     names = {bone.name: i for i, bone in enumerate(bones)}
     thick = BONE_THICKNESS * skeleton.size
@@ -121,7 +122,7 @@ def _ball(place: Array, radius: float) -> Solid:
 
 
 def nearest_bones(skeleton: Any, vertices: Array) -> Array:
-    """Weights for a mesh that has none: each vertex goes with the bone it is nearest to."""
+    """Weights for a mesh without weights: each vertex follows the nearest bone."""
     tails = np.array([bone.rest_tail for bone in skeleton.bones])
     tips = np.array([bone.rest_tip for bone in skeleton.bones])
     along = tips - tails

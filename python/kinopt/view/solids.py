@@ -1,4 +1,4 @@
-"""Meshes of simple bodies: boxes, cylinders, spheres, capsules; sharp edges have vertices of their own."""
+"""Meshes of simple solids: boxes, cylinders, spheres, capsules; sharp edges have separate vertices."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
 
-#: Points around a body of revolution.
+#: Points around a solid of revolution.
 AROUND = 40
-#: Points of half a circle's outline.
+#: Points of the outline of a half circle.
 ALONG = 24
 
 
@@ -24,19 +24,19 @@ class Solid:
     triangles: Triangles
 
     def moved(self, placement: Array) -> Solid:
-        """The same mesh elsewhere: `placement` is 4 x 4."""
+        """The mesh transformed by `placement`, 4 x 4."""
         vertices = self.vertices @ placement[:3, :3].T + placement[:3, 3]
         return Solid(vertices, self.triangles)
 
     def scaled(self, factors: object) -> Solid:
-        """The same mesh with its axes scaled; mirrored triangles are turned round."""
+        """The mesh with its axes scaled; mirrored triangles are reversed."""
         factors = np.broadcast_to(np.asarray(factors, dtype=float), (3,))
         triangles = self.triangles[:, ::-1] if np.prod(factors) < 0.0 else self.triangles
         return Solid(self.vertices * factors, np.ascontiguousarray(triangles))
 
 
 def joined(solids: list[Solid]) -> Solid:
-    """One mesh of several."""
+    """Merges several meshes."""
     starts = np.cumsum([0] + [len(solid.vertices) for solid in solids])
     vertices = [solid.vertices for solid in solids]
     triangles = [solid.triangles + np.uint32(start) for solid, start in zip(solids, starts, strict=False)]
@@ -46,7 +46,7 @@ def joined(solids: list[Solid]) -> Solid:
 
 
 def _revolved(outline: Array, around: int = AROUND) -> Solid:
-    """An outline of (radius, z) points, from the bottom up, turned about z; equal points make a sharp edge."""
+    """Revolves an outline of (radius, z) points, from the bottom up, about z; equal points make a sharp edge."""
     angles = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     rings = outline[:, None, :1] * circle[None]
@@ -81,7 +81,7 @@ def sphere(radius: float) -> Solid:
 
 
 def cylinder(length: float, radius: float) -> Solid:
-    """A cylinder along z about the origin, its edges broken a little so that they catch light."""
+    """A cylinder along z about the origin, with small bevels for highlights."""
     bevel = 0.08 * min(radius, length / 2)
     half, turn = length / 2, np.linspace(0.0, np.pi / 2, 5)
     edge = np.stack([radius - bevel + bevel * np.sin(turn), bevel * np.cos(turn) - bevel], axis=1)
@@ -92,7 +92,7 @@ def cylinder(length: float, radius: float) -> Solid:
 
 
 def box(size: object) -> Solid:
-    """A box about the origin; `size` is its whole lengths along x, y and z."""
+    """A box about the origin; `size` is its full lengths along x, y and z."""
     vertices, triangles = [], []
     for axis in range(3):
         for sign in (-1.0, 1.0):
@@ -129,9 +129,9 @@ def _at(rotation: Array, position: Array) -> Array:
 
 
 def creased(solid: Solid, angle: float = 0.6) -> Solid:
-    """The same surface with vertices of their own on either side of edges sharper than `angle`, radians.
+    """The surface with separate vertices on either side of edges sharper than `angle`, radians.
 
-    A page computes normals from shared vertices, so edges of machined parts would look melted.
+    A page computes normals from shared vertices, which would smooth the edges of machined parts.
     """
     _, welded = np.unique(np.round(solid.vertices, 9), axis=0, return_inverse=True)
     corners = welded.reshape(-1)[solid.triangles].astype(np.int64)
@@ -147,14 +147,14 @@ def creased(solid: Solid, angle: float = 0.6) -> Solid:
     first, second = order[:-1][same], order[1:][same]
     smooth = np.einsum("ij,ij->i", normals[face[first]], normals[face[second]]) > np.cos(angle)
     first, second = first[smooth], second[smooth]
-    # Corners at either end of a smooth edge belong together: labels spread until they agree.
+    # Corners at either end of a smooth edge share a label: labels propagate until they agree.
     label = np.arange(3 * len(corners))
     flat = corners.reshape(-1)
     after_first = 3 * (first // 3) + (first + 1) % 3
     after_second = 3 * (second // 3) + (second + 1) % 3
     one = np.concatenate([first, after_first])
     opposite = np.concatenate([after_second, second])
-    # Where the neighbour goes round the other way, the same ends are the same corners.
+    # If the neighbour has the opposite orientation, equal ends are equal corners.
     other = np.where(flat[one] == flat[opposite], opposite, np.concatenate([second, after_second]))
     while True:
         least = np.minimum(label[one], label[other])

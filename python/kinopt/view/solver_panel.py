@@ -1,4 +1,4 @@
-"""Solver, tolerance, posture, what is held."""
+"""Panel of solver options: method, tolerance, posture, holds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .posing import POSTURES
 
 
 class SolverPanel:
-    """Choices that hold from the next move on."""
+    """Choices that apply from the next move."""
 
     def __init__(self, page: Dragging) -> None:
         self._page = page

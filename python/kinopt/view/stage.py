@@ -1,4 +1,4 @@
-"""What a scene stands on: ground with a grid and soft shadows, light, and a camera that sees the whole model."""
+"""Stage of a scene: ground with a grid and soft shadows, light, and a camera that views the whole model."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Up = Literal["+z", "+y"]
 
-#: A model is drawn about this large, in viser's metres: shadows and gizmos are made for such sizes.
+#: Approximate drawn size of a model, in viser's metres: shadows and gizmos are designed for it.
 DRAWN = 1.6
-#: Sizes in metres that are drawn as they are.
+#: Sizes in metres that are drawn without scaling.
 USUAL = (0.4, 4.0)
-#: From where the camera looks: right of the front, a little above; for z up, x to the front.
+#: Direction from the model to the camera: right of the front, slightly above; for z up, x to the front.
 LOOK_FROM = np.array([1.0, -0.72, 0.36])
-#: The camera's vertical field of view, radians.
+#: Vertical field of view of the camera, radians.
 FIELD_OF_VIEW = 0.6
 
 
 def drawn_scale(size: float) -> float:
-    """What a length of 1 is drawn as for a model of this size."""
+    """Drawn length of 1 for a model of this size."""
     if not np.isfinite(size) or size <= 0.0 or USUAL[0] <= size <= USUAL[1]:
         return 1.0
     return DRAWN / size
 
 
 def furnish(server: viser.ViserServer, up: Up) -> None:
-    """Light, and the panel's looks."""
+    """Sets the light, and the theme of the panel."""
     server.gui.configure_theme(
         show_logo=False, show_share_button=False, control_width="medium", brand_color=(38, 106, 171)
     )
@@ -44,7 +44,7 @@ def furnish(server: viser.ViserServer, up: Up) -> None:
 
 
 def lay_ground(server: viser.ViserServer, up: Up, height: float, size: float) -> None:
-    """A ground below a model of this size as drawn, at `height` along the way up."""
+    """Draws a ground below a model of this size as drawn, at `height` along the upward axis."""
     cell = 10.0 ** np.floor(np.log10(max(size, 1e-6))) / 10.0
     position = (0.0, 0.0, height) if up == "+z" else (0.0, height, 0.0)
     server.scene.add_grid(
@@ -64,12 +64,12 @@ def lay_ground(server: viser.ViserServer, up: Up, height: float, size: float) ->
 
 
 def look_at(server: viser.ViserServer, up: Up, low: Array, high: Array) -> None:
-    """Places the camera so that the box from `low` to `high`, as drawn, fills the page."""
+    """Moves the camera so that the box from `low` to `high`, as drawn, fills the page."""
     middle = (low + high) / 2
     radius = max(float(np.linalg.norm(high - low)) / 2, 1e-3)
     way = LOOK_FROM / np.linalg.norm(LOOK_FROM)
     if up == "+y":
-        # A character of glTF looks along +z.
+        # A glTF character faces +z.
         way = np.array([-way[1], way[2], way[0]])
     eye = middle + way * radius / np.sin(FIELD_OF_VIEW / 2) * 1.12
     camera = server.initial_camera

@@ -1,4 +1,4 @@
-"""What came of the last solve, in the library's own words, and the miss drawn beside its target."""
+"""Result of the last solve as text, and the error of a target drawn next to it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from .dragging import Dragging
 
-#: Colours of the bar beside the text, by how it went.
+#: Colours of the bar next to the text, by result.
 COLORS = {
     "": "#9aa5b1",
     "Reached": "#2f9e60",
@@ -24,17 +24,17 @@ class StatusPanel:
 
     def __init__(self, page: Dragging) -> None:
         self._page = page
-        #: What stands there, as plain text.
+        #: The text without formatting.
         self.text = ""
         self._shown = page.scene.server.gui.add_html("")
         self._lines: Any = None
-        #: The distances that are written beside missed targets, by frame.
+        #: Labels of the distances at missed targets, by frame.
         self.marks: dict[str, Any] = {}
         self._labels: dict[str, Any] = {}
         self.show()
 
     def show(self) -> None:
-        """Writes what there is to tell now."""
+        """Updates the text and the marks."""
         head, body, foot = self._words()
         text = "\n".join(part for part in (head, body, foot) if part)
         if text != self.text:
@@ -43,7 +43,7 @@ class StatusPanel:
         self._draw_misses()
 
     def _words(self) -> tuple[str, str, str]:
-        """How it went, in the library's words, and how long it took."""
+        """Heading, text of the library, and duration."""
         answer = self._page.answer
         if self._page.problem:
             return "No answer", self._page.problem, ""
@@ -57,7 +57,7 @@ class StatusPanel:
         return head, body, f"solved in {duration(answer.seconds)}"
 
     def _draw_misses(self) -> None:
-        """Lines and distances; nothing where all is reached."""
+        """Draws lines and distances of missed targets."""
         page, scene = self._page, self._page.scene
         missed = {}
         answer = page.answer
@@ -66,7 +66,7 @@ class StatusPanel:
                 place, target = page.body.frame(goal.frame)[:3, 3], goal.placement[:3, 3]
                 if np.linalg.norm(place - target) * scene.drawn > 1e-3:
                     missed[goal.frame] = (place, target)
-        # Hidden, not removed: the page would say that it knows them no more.
+        # Hidden instead of removed, because the page would report removed labels as unknown.
         for frame in [frame for frame in self.marks if frame not in missed]:
             self.marks.pop(frame).visible = False
         if self._lines is not None:
@@ -93,7 +93,7 @@ class StatusPanel:
 
 
 def _html(head: str, body: str, foot: str) -> str:
-    """The text with a bar of its colour beside it."""
+    """The text with a bar of its colour next to it."""
     lines = [escape(line) for line in body.splitlines() if line.strip()]
     parts = [f'<div style="margin-top:3px">{line}</div>' for line in lines]
     if head:
@@ -108,21 +108,21 @@ def _html(head: str, body: str, foot: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Text as Markdown that shows it as it is."""
+    """Escapes a text for Markdown."""
     for sign in "\\`*_{}[]<>#|~":
         text = text.replace(sign, "\\" + sign)
     return text
 
 
 def duration(seconds: float) -> str:
-    """A time in the unit that suits it."""
+    """A time in a suitable unit."""
     if seconds < 1e-3:
         return f"{seconds * 1e6:.0f} µs"
     return f"{seconds * 1e3:.1f} ms" if seconds < 1.0 else f"{seconds:.1f} s"
 
 
 def length(value: float, unit: str) -> str:
-    """A length in the unit that suits it, or in the model's own."""
+    """A length in a suitable unit, or in the model's own."""
     if unit != "m":
         return f"{value:.3g}"
     if value < 1e-3:

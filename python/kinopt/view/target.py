@@ -18,31 +18,31 @@ from .transforms import between, matrix_of, placement_of, wxyz_of
 Array = NDArray[np.float64]
 Moved = Callable[[Array], Any]
 
-#: viser's page tells where a gizmo is 20 times a second; what lies between is filled in.
+#: viser's page sends the pose of a gizmo 20 times a second; poses between are interpolated.
 BETWEEN_MESSAGES = 0.05
 
 
 class Target:
-    """A place that is dragged on the page; whoever asked for `on_move` hears of it frame by frame.
+    """A pose that is dragged on the page; `on_move` callbacks receive it frame by frame.
 
-    The page sends twenty places a second; on the way from one to the next the target glides, so that what
-    follows it moves at the screen's rate.
+    The page sends twenty poses a second. The target interpolates between them, so that its followers move at the
+    screen's rate.
     """
 
     def __init__(self, scene: Canvas, name: str, placement: Array, size: float, turns: bool) -> None:
         self.scene = scene
-        #: Its name in the scene.
+        #: Name in the scene.
         self.name = name
-        #: How long its arrows are, in the model's unit.
+        #: Length of its arrows, in the model's unit.
         self.size = size
         self._heard: list[Moved] = []
         self._grabbed: list[Moved] = []
         self._released: list[Moved] = []
         self._now = self._from = self._to = placement.copy()
         self._began = -np.inf
-        #: Whether a mouse holds it.
+        #: True while the mouse holds it.
         self.held = False
-        #: When the place that is answered now was heard of, or came up on the way there, `time.perf_counter()`.
+        #: Time when the current pose was received or interpolated, `time.perf_counter()`.
         self.asked = 0.0
         position, wxyz = self._shown(placement)
         self._gizmo = scene.server.scene.add_transform_controls(
@@ -64,9 +64,9 @@ class Target:
 
     @property
     def placement(self) -> Array:
-        """Where it is: world_from_target, shape (4, 4); assigning moves it, without calling `on_move`.
+        """Current pose: world_from_target, shape (4, 4); assigning it moves the target, without calling `on_move`.
 
-        What is no placement raises `InvalidValueError`.
+        Raises `InvalidValueError` for an invalid placement.
         """
         return self._now.copy()
 
@@ -78,7 +78,7 @@ class Target:
 
     @property
     def turns(self) -> bool:
-        """Whether it can be turned."""
+        """True if it can be rotated."""
         return not self._gizmo.disable_rotations
 
     @turns.setter
@@ -87,7 +87,7 @@ class Target:
 
     @property
     def visible(self) -> bool:
-        """Whether its gizmo is shown."""
+        """True if its gizmo is shown."""
         return bool(self._gizmo.visible)
 
     @visible.setter
@@ -95,22 +95,22 @@ class Target:
         self._gizmo.visible = visible
 
     def on_move(self, moved: Moved) -> Moved:
-        """Has `moved` called with the placement, shape (4, 4), for every frame in which it is dragged."""
+        """Calls `moved` with the placement, shape (4, 4), in every frame of a drag."""
         self._heard.append(moved)
         return moved
 
     def on_grab(self, grabbed: Moved) -> Moved:
-        """Has `grabbed` called with the placement, shape (4, 4), when the mouse takes hold."""
+        """Calls `grabbed` with the placement, shape (4, 4), when a drag starts."""
         self._grabbed.append(grabbed)
         return grabbed
 
     def on_release(self, released: Moved) -> Moved:
-        """Has `released` called with the placement, shape (4, 4), when the mouse lets go."""
+        """Calls `released` with the placement, shape (4, 4), when a drag ends."""
         self._released.append(released)
         return released
 
     def remove(self) -> None:
-        """Takes it out of the scene."""
+        """Removes it from the scene."""
         for heard in (self._grabbed, self._heard, self._released):
             heard.clear()
         self._gizmo.remove()
@@ -124,7 +124,7 @@ class Target:
         return placement[:3, 3] * self.scene.drawn, wxyz_of(placement[None, :3, :3])[0]
 
     def _hear(self, placement: Array, phase: str, arrived: float | None = None) -> None:
-        """A message of the page's, on the loop's thread."""
+        """Handles a message of the page, on the loop's thread."""
         if arrived is not None:
             self.asked = arrived
         self.held = phase != "end"
@@ -142,12 +142,12 @@ class Target:
                 released(self._now)
 
     def _glide(self, now: float) -> bool:
-        """One more frame on the way."""
+        """One frame of interpolation."""
         self.asked = now
         return self._go_on(now)
 
     def _go_on(self, now: float) -> bool:
-        """Goes on towards the last place heard of; whether there is more to go."""
+        """Moves towards the last received pose; returns true until it is reached."""
         share = min((now - self._began + FRAME) / BETWEEN_MESSAGES, 1.0)
         self._now = between(self._from, self._to, share)
         for moved in list(self._heard):

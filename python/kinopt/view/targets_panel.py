@@ -1,4 +1,4 @@
-"""Which frames have targets, and which of them are pinned."""
+"""Panel of targets, with pins."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .dragging import Dragging
 
 
 class TargetsPanel:
-    """A row a target, a list to add others from."""
+    """A row for each target, and a list to add others."""
 
     def __init__(self, page: Dragging) -> None:
         self._page = page
@@ -45,7 +45,7 @@ class TargetsPanel:
             page.remove_target(frame)
 
     def show(self) -> None:
-        """Has the rows agree with the page's targets."""
+        """Updates the rows to the targets of the page."""
         page = self._page
         for frame in [frame for frame in self._pins if frame not in page.targets]:
             self._pins.pop(frame).remove()

@@ -1,4 +1,4 @@
-"""A time line: clips and captures, played and scrubbed."""
+"""Time line for clips and captures, with playback and scrubbing."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import Any
 from .body import Clip
 from .dragging import Dragging
 
-#: How much faster or slower than life.
+#: Playback speeds.
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 
 
 class TimePanel:
-    """Which clip, when, and whether it runs; below the picture."""
+    """Selects clip and time, and plays; below the picture."""
 
     def __init__(self, page: Dragging, clips: Sequence[Clip]) -> None:
         self._page = page
         self._clips = {clip.name: clip for clip in clips}
         self._clip = next(iter(self._clips.values()))
-        #: Where in the clip it is, seconds.
+        #: Time in the clip, seconds.
         self.now = self._clip.span[0]
         self.playing = False
         self._last = 0.0
@@ -57,7 +57,7 @@ class TimePanel:
         self._choice.on_update(chosen)
 
     def choose(self, name: str) -> None:
-        """Turns to another clip, at its beginning."""
+        """Selects another clip, at its start."""
         self._clip = self._clips[name]
         start, end = self._clip.span
         self._slider.min, self._slider.max = start, max(end, start + 1e-3)
@@ -65,14 +65,14 @@ class TimePanel:
         self._slider.value = start
 
     def play(self) -> None:
-        """Plays on from where it stands, again and again."""
+        """Plays from the current time, in a loop."""
         self.playing = True
         self._last = time.perf_counter()
         self._play.label = "Pause"
         self._page.scene.loop.tick(self._tick)
 
     def pause(self) -> None:
-        """Stops where it is."""
+        """Pauses at the current time."""
         if self.playing:
             self.playing = False
             self._play.label = "Play"
@@ -98,6 +98,6 @@ class TimePanel:
         return True
 
     def follow(self) -> None:
-        """Has the slider agree with the time."""
+        """Updates the slider to the time."""
         if abs(self._slider.value - self.now) > 1e-3:
             self._slider.value = self.now

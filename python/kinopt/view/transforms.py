@@ -1,4 +1,4 @@
-"""Placements as viser wants them: quaternions (w, x, y, z) and positions, for many parts at once."""
+"""Placements in viser's form: quaternions (w, x, y, z) and positions, for several parts at once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def _quaternion_products() -> tuple[Array, Array]:
-    """4 q qᵀ of a rotation's quaternion is linear in its matrix: the map of its nine numbers, and the rest."""
+    """Linear map from the nine numbers of a rotation matrix to 4 q qᵀ of its quaternion, and the constant part."""
     products = np.zeros((4, 4, 3, 3))
     diagonal = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
     for i, signs in enumerate(diagonal):
@@ -36,7 +36,7 @@ def wxyz_of(rotations: Array) -> Array:
     count = len(rotations)
     products = rotations.reshape(count, 9) @ _PRODUCTS
     products += _ONES
-    # The row of the largest component has no cancellation, near half turns too.
+    # The row of the largest component has no cancellation, even near half turns.
     largest = products[:, ::5].argmax(axis=1)
     rows: Array = products.reshape(count, 4, 4)[np.arange(count), largest]
     rows /= np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None]
@@ -57,9 +57,9 @@ def matrix_of(wxyz: Array, position: Array) -> Array:
 
 
 def placement_of(value: object, name: str = "placement") -> Array:
-    """A 4 x 4 array of what stands for a placement: an array, or what has `homogeneous`, `as_matrix()` or `A`.
+    """A 4 x 4 array from a placement: an array, or an object with `homogeneous`, `as_matrix()` or `A`.
 
-    Three numbers are a position. What is neither, or not finite, is an `InvalidValueError`.
+    Three numbers are a position. Raises `InvalidValueError` for other values, and for numbers that are not finite.
     """
     if not any(hasattr(value, attribute) for attribute in ("homogeneous", "as_matrix", "A")):
         try:
@@ -89,7 +89,7 @@ def inverse(placement: Array) -> Array:
 
 
 def between(first: Array, second: Array, share: float) -> Array:
-    """A placement on the way from one to another: positions straight, rotations by the shortest turn."""
+    """Interpolates placements: positions linearly, rotations along the shortest arc."""
     if share >= 1.0:
         return second
     a, b = wxyz_of(np.stack([first[:3, :3], second[:3, :3]]))

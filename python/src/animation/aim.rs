@@ -1,4 +1,4 @@
-//! Bones that aim, in closed form, over the pose that clips gave.
+//! Analytic aim of a bone, on top of an animated pose.
 
 use std::sync::Arc;
 
@@ -12,17 +12,17 @@ use crate::error::OrRaise;
 use crate::pickling;
 use crate::transforms::{finite_vector, shaped, vector};
 
-/// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims.
+/// Rotates a bone so that one of its axes points at a target: a looking head, an aiming hand.
 ///
-/// A bone that points along `forward`, in its own coordinates; `up` is the axis that goals may hold
-/// upright, `muzzle` a point from which it points instead of from its joint. All have shape (3,).
+/// `forward` is the axis that points, in the bone's coordinates; `up` is the axis that goals may keep upright, `muzzle`
+/// an offset point from which it points instead of from its joint. All have shape (3,).
 ///
-/// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes without length or on one line.
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes of zero length or parallel axes.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Aim {
     inner: Aiming,
     armature: Arc<Bones>,
-    /// The bone's name, forward, up and muzzle.
+    /// Arguments: name of the bone, forward, up and muzzle.
     made: (String, [f32; 3], Option<[f32; 3]>, [f32; 3]),
 }
 
@@ -57,8 +57,8 @@ impl Aim {
         })
     }
 
-    /// Turns the bone of a pose by its weight's share of the rotation that points it at the target. Says
-    /// whether there is one: there is none for a target that is not finite or is the joint itself.
+    /// Rotates the bone of a pose towards the target, by the weight's fraction of the angle. Returns False if no
+    /// rotation exists: for a target that is not finite or is at the joint itself.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn turn(&self, pose: &Bound<'_, Pose>, goal: &Bound<'_, AimGoal>) -> PyResult<bool> {
@@ -90,13 +90,13 @@ impl Aim {
     }
 }
 
-/// What a bone should point at this frame.
+/// Target of an `Aim`.
 ///
-/// At the point `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction to which
-/// the bone's up axis goes as far as it can (None: the shortest arc); `twist` how far the bone turns about
-/// the way to the target besides, radians; `weight` the share of the angle, within [0, 1].
+/// It points at `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction for the bone's up axis,
+/// as far as possible (None: the shortest arc); `twist` is an additional rotation about the direction to the target,
+/// radians; `weight` is the fraction of the angle, within [0, 1].
 ///
-/// A weight is taken into [0, 1]. Raises `InvalidValueError` for other shapes and numbers that are not finite.
+/// The weight is clamped to [0, 1]. Raises `InvalidValueError` for other shapes and numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct AimGoal {
     inner: Look,
@@ -121,13 +121,13 @@ impl AimGoal {
         Ok(Self { inner })
     }
 
-    /// The point to point at, shape (3,), float32.
+    /// Target point, shape (3,), float32.
     #[getter]
     fn target<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         shaped(py, self.inner.target.to_array().to_vec(), &[3])
     }
 
-    /// The share of the angle.
+    /// Fraction of the angle, within [0, 1].
     #[getter]
     fn weight(&self) -> f32 {
         self.inner.weight

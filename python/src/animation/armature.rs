@@ -1,4 +1,4 @@
-//! Armatures: bones in a tree, with their rest pose and the names of morph targets.
+//! Armatures: a tree of bones with their rest pose, and names of morph targets.
 
 use kinopt::animation::{Armature as Bones, ArmatureBone, LocalTransform};
 use kinopt::glam::{Affine3A, Quat, Vec3A};
@@ -18,7 +18,7 @@ use crate::transforms::{
 };
 use crate::vertices::whole;
 
-/// Poses that are computed between two looks at signals.
+/// Number of poses between two checks for signals.
 const POSES_AT_A_TIME: usize = 256;
 
 impl Armature {
@@ -79,7 +79,7 @@ impl Armature {
             .enumerate()
             .map(|(index, name)| ArmatureBone {
                 name,
-                // Anything but -1 is looked at; one that is too large does not come before it.
+                // Keeps every index except -1; one that is too large fails the check of the order.
                 parent: (parents[index] != -1)
                     .then(|| usize::try_from(parents[index]).unwrap_or(usize::MAX)),
                 rest: LocalTransform {
@@ -93,21 +93,21 @@ impl Armature {
             .map(Self::from)
     }
 
-    /// The bones of a skeleton: at rest each stands where its angles are zero.
+    /// The bones of a skeleton, at rest with all angles zero.
     #[classmethod]
     fn of_skeleton(_class: &Bound<'_, PyType>, skeleton: &Bound<'_, Skeleton>) -> Self {
         Bones::of_skeleton(&skeleton.get().inner).into()
     }
 
-    /// The same bones with these morph targets, whose weights are zero at rest.
+    /// The armature with these morph targets, whose weights are zero at rest.
     ///
-    /// Raises `InvalidValueError` for a name that is given twice.
+    /// Raises `InvalidValueError` for a duplicate name.
     fn with_morph_targets(&self, names: Vec<String>) -> PyResult<Self> {
         let armature = Bones::clone(&self.inner).with_morph_targets(names);
         armature.or_raise().map(Self::from)
     }
 
-    /// The same with these weights of the morph targets at rest, shape (targets,).
+    /// The armature with these weights of the morph targets at rest, shape (targets,).
     ///
     /// Raises `InvalidValueError` for another number of weights and for weights that are not finite.
     fn with_rest_morph_weights(&self, weights: &Bound<'_, PyAny>) -> PyResult<Self> {
@@ -116,7 +116,7 @@ impl Armature {
         armature.or_raise().map(Self::from)
     }
 
-    /// The same bones and morph targets, at rest as `pose` has them.
+    /// The armature with `pose` as its rest pose.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn at_rest_in(&self, pose: &Bound<'_, Pose>) -> PyResult<Self> {
@@ -124,19 +124,19 @@ impl Armature {
         armature.or_raise().map(Self::from)
     }
 
-    /// How many bones there are.
+    /// Number of bones.
     #[getter]
     fn bones(&self) -> usize {
         self.inner.bones()
     }
 
-    /// The bones' names, in their order.
+    /// Names of the bones, in their order.
     #[getter]
     fn names(&self) -> Vec<String> {
         self.inner.names().to_vec()
     }
 
-    /// Each bone's parent as its place in `names`, shape (bones,), int64; -1 for roots.
+    /// Index of each bone's parent in `names`, shape (bones,), int64; -1 for roots.
     #[getter]
     fn parents<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let bones = (0..self.inner.bones()).filter_map(|index| self.inner.bone_at(index));
@@ -144,28 +144,28 @@ impl Armature {
         PyArray1::from_iter(py, bones.map(parent))
     }
 
-    /// The morph targets' names, in their order.
+    /// Names of the morph targets, in their order.
     #[getter]
     fn morph_targets(&self) -> Vec<String> {
         self.inner.morph_targets().to_vec()
     }
 
-    /// The pose at rest; a new one each time.
+    /// The rest pose, as a new object.
     #[getter]
     fn rest(&self) -> Pose {
         Pose::of(&self.inner, self.inner.rest().clone())
     }
 
-    /// The inverse of where each bone is at rest: model -> the bone at rest, shape (bones, 4, 4), float32.
+    /// Inverse bind matrices: from the model to each bone at rest, shape (bones, 4, 4), float32.
     #[getter]
     fn rest_from_model<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         to_array(py, self.inner.rest_from_model())
     }
 
-    /// Where the bones are in the model: model_from_bone, float32, shape (bones, 4, 4) for a `Pose`,
-    /// (N, bones, 4, 4) for `Poses`. `out` takes the result.
+    /// Bone transforms in model space: model_from_bone, float32, shape (bones, 4, 4) for a `Pose`, (N, bones, 4, 4) for
+    /// `Poses`. `out` receives the result.
     ///
-    /// Raises `InvalidValueError` for poses of another armature and for an `out` that does not fit.
+    /// Raises `InvalidValueError` for poses of another armature and for an `out` of another shape or type.
     #[pyo3(signature = (pose, *, out = None))]
     fn local_to_model<'py>(
         &self,
@@ -195,10 +195,10 @@ impl Armature {
         Ok(array)
     }
 
-    /// The skinning matrices of `model_from_bone`, shape (bones, 4, 4) or (N, bones, 4, 4): from the model at
-    /// rest to the posed model; float32 of the same shape. `out` takes the result.
+    /// Skinning matrices of `model_from_bone`, shape (bones, 4, 4) or (N, bones, 4, 4): from the model at rest to the
+    /// posed model; float32 of that shape. `out` receives the result.
     ///
-    /// Raises `InvalidValueError` for another shape and for an `out` that does not fit.
+    /// Raises `InvalidValueError` for another shape and for an `out` of another shape or type.
     #[pyo3(signature = (model_from_bone, *, out = None))]
     fn skinning_transforms<'py>(
         &self,
@@ -235,7 +235,7 @@ impl Armature {
         Ok(array)
     }
 
-    /// Where one bone is in the model, shape (4, 4), float32.
+    /// Transform of one bone in model space, shape (4, 4), float32.
     ///
     /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a pose of another armature.
     fn model_from_bone<'py>(
@@ -249,7 +249,7 @@ impl Armature {
         one_to_array(py, &placed.or_raise()?)
     }
 
-    /// How one bone is turned in the model, shape (4,), float32: x, y, z, w; scales aside.
+    /// Rotation of one bone in model space, shape (4,), float32: x, y, z, w; without scale.
     ///
     /// Raises as `model_from_bone`.
     fn model_rotation_xyzw<'py>(
@@ -262,7 +262,7 @@ impl Armature {
         shaped(py, Order::Xyzw.to_array(q).to_vec(), &[4])
     }
 
-    /// How one bone is turned in the model, shape (4,), float32: w, x, y, z; scales aside.
+    /// Rotation of one bone in model space, shape (4,), float32: w, x, y, z; without scale.
     ///
     /// Raises as `model_from_bone`.
     fn model_rotation_wxyz<'py>(
@@ -275,10 +275,9 @@ impl Armature {
         shaped(py, Order::Wxyz.to_array(q).to_vec(), &[4])
     }
 
-    /// Places a bone of `pose` in the model by a 4 x 4 transform. The bones above stay, those below move
-    /// along.
+    /// Sets the model-space transform of a bone of `pose`, 4 x 4. Its ancestors stay, its descendants move along.
     ///
-    /// Raises `InvalidValueError` where the bone would have to shear for it.
+    /// Raises `InvalidValueError` if the bone would have to shear.
     fn set_model_from_bone(
         &self,
         pose: &Bound<'_, Pose>,
@@ -291,8 +290,8 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// Turns a bone of `pose` in the model by a quaternion of shape (4,), x, y, z, w as `xyzw` or w, x, y, z as `wxyz`; its translation
-    /// and scale in its parent stay.
+    /// Sets the model-space rotation of a bone of `pose` by a quaternion of shape (4,), x, y, z, w as `xyzw` or w, x,
+    /// y, z as `wxyz`. Its local translation and scale stay.
     ///
     /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a quaternion of length 0, and as
     /// `set_model_from_bone`.
@@ -312,7 +311,7 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// Moves a bone's origin of `pose` in the model, shape (3,); its rotation and scale stay.
+    /// Sets the model-space position of a bone of `pose`, shape (3,); its rotation and scale stay.
     ///
     /// Raises `UnknownNameError` for the bone, `InvalidValueError` for numbers that are not finite, and as
     /// `set_model_from_bone`.
@@ -328,11 +327,11 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// The skeleton with the same bones, at rest where the armature is: what problems and `ReachLayer` are
-    /// stated on. `limits`, shape (bones, 3, 2), are the ranges of first twist, bend and second twist about
-    /// the bone's own x, z and x, radians (None: no limits). Tips are where their bones stand.
+    /// The skeleton of these bones and their rest pose, for problems and `ReachLayer`. `limits`, shape (bones, 3, 2),
+    /// are the ranges of first twist, bend and second twist about the bone's own x, z and x, radians (None: no limits).
+    /// Bones have length zero, with the tip at the tail.
     ///
-    /// Raises `InvalidValueError` naming a bone that scales its children unevenly.
+    /// Raises `InvalidValueError` with a bone that scales its children non-uniformly.
     #[pyo3(signature = (name = "armature", limits = None))]
     fn skeleton(&self, name: &str, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Skeleton> {
         let bones = self.inner.bones();

@@ -11,13 +11,13 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::transforms::numbers;
 
-/// What is put over a base pose: how, how much, and where.
+/// A layer over a base pose, with a weight and a mask.
 ///
-/// Without a `reference` it goes in the base's place, by cross-fade; with one, on top of it, as the difference
-/// from that pose.
+/// Without a `reference` it replaces the base by cross-fade. With a `reference` it is additive: the difference from
+/// that pose.
 ///
-/// A layer under a mask: `weight` is within [0, 1] in place of the base, any finite number on top of it,
-/// where 1 adds the whole difference from `reference`.
+/// `weight` is within [0, 1] for a cross-fade. For an additive layer it is any finite number; 1 adds the whole
+/// difference from `reference`.
 ///
 /// Raises `InvalidValueError` for a weight that is not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -58,26 +58,26 @@ impl Layer {
         })
     }
 
-    /// How much of it is put over the base.
+    /// Weight of the layer.
     #[getter]
     fn weight(&self) -> f32 {
         self.inner.weight
     }
 
-    /// Which bones and morph targets it moves.
+    /// Mask of bones and morph targets.
     #[getter]
     fn mask(&self, py: Python<'_>) -> Py<BoneMask> {
         self.mask.clone_ref(py)
     }
 
-    /// The pose that adds nothing; None for a layer in the base's place.
+    /// Reference pose of an additive layer; None for a cross-fade.
     #[getter]
     fn reference(&self, py: Python<'_>) -> PyResult<Option<Py<Pose>>> {
         let copy = |pose: &Py<Pose>| Py::new(py, pose.get().copy());
         self.reference.as_ref().map(copy).transpose()
     }
 
-    /// Puts the layer's pose over a base pose, which is changed.
+    /// Applies the layer's pose to a base pose, which is changed.
     ///
     /// Raises `InvalidValueError` for poses or a mask of different armatures.
     fn apply(&self, base: &Bound<'_, Pose>, layer: &Bound<'_, Pose>) -> PyResult<()> {
@@ -101,9 +101,9 @@ impl Layer {
     }
 }
 
-/// The weighted mean of poses, a new one; `weights`, shape (N,), of at least 0, need not sum to one.
+/// Weighted mean of poses, a new pose; `weights`, shape (N,), of at least 0, need not sum to one.
 ///
-/// Raises `InvalidValueError` for a weight that is negative or not finite, for none above 0, and for poses of
+/// Raises `InvalidValueError` for a weight that is negative or not finite, for no weight above 0, and for poses of
 /// different armatures.
 #[pyfunction]
 pub(crate) fn blend_poses(poses: &Bound<'_, PyAny>, weights: &Bound<'_, PyAny>) -> PyResult<Pose> {

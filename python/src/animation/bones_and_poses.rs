@@ -1,4 +1,4 @@
-//! Armatures and poses as they are passed around: each knows the other, so they stand together.
+//! Armatures and poses. One file, because each refers to the other.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,14 +7,14 @@ use pyo3::prelude::*;
 
 use crate::error::invalid;
 
-/// Bones in a tree, parents before children, with their rest pose and the names of morph targets: what
-/// characters are animated by, in single precision.
+/// A tree of bones for character animation, parents before children, with their rest pose and the names of morph
+/// targets, in single precision.
 ///
-/// An armature of bones: `names`; `parents`, shape (bones,), each bone's parent as its place in the list,
-/// before it, or -1; and the rest pose: `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz`
-/// (bones, 4) and `scales` (bones, 3), where they are not the identity; `morph_targets` are names.
+/// An armature of bones: `names`; `parents`, shape (bones,), the index of each bone's parent, which precedes it, or -1;
+/// and the rest pose: `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz` (bones, 4) and `scales` (bones,
+/// 3), default the identity; `morph_targets` are names.
 ///
-/// Raises `InvalidValueError` naming the bone.
+/// Raises `InvalidValueError` with the bone.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Armature {
     pub(crate) inner: Arc<Bones>,
@@ -34,10 +34,10 @@ impl From<Bones> for Armature {
 
 /// A local transform for each bone of an armature and a weight for each of its morph targets.
 ///
-/// Bones are scaled, then turned, then moved, in their parents. Numbers are float32, lengths in the
-/// armature's unit. A pose can be changed; calls from many threads come one after another.
+/// A bone's transform in its parent is scale, then rotation, then translation. Numbers are float32, lengths in the
+/// armature's unit. A pose is mutable; calls from several threads are serialised.
 ///
-/// A pose of an armature: what is not given is at rest. `translations` and `scales` have shape
+/// A pose of an armature; missing arguments are at rest. `translations` and `scales` have shape
 /// (bones, 3), `rotations_xyzw` or `rotations_wxyz` (bones, 4), of any length above 0,
 /// `morph_weights` (targets,).
 ///
@@ -56,25 +56,25 @@ impl Pose {
         }
     }
 
-    /// A copy as it is now.
+    /// Copy of the current state.
     pub(crate) fn now(&self) -> Locals {
         self.with(|locals| locals.clone())
     }
 
-    /// Does something with it that makes no Python objects.
+    /// Calls a function that creates no Python objects, with the pose locked.
     pub(crate) fn with<T>(&self, run: impl FnOnce(&mut Locals) -> T) -> T {
         run(&mut self.locals.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The armature's bones.
+    /// Armature of the pose.
     pub(crate) fn bones(&self) -> &Arc<Bones> {
         &self.armature
     }
 }
 
-/// Poses of one armature, such as a clip's at many times; nothing changes them.
+/// Immutable list of poses of one armature, such as samples of a clip.
 ///
-/// N poses of an armature, as `Pose` with N before each shape; or of a list of `poses`.
+/// N poses of an armature, with the arguments of `Pose` and a leading axis of N; or a list of `poses`.
 ///
 /// Raises `InvalidValueError` for other shapes, for numbers that are not finite and for poses of another
 /// armature.
@@ -93,7 +93,7 @@ impl Poses {
     }
 }
 
-/// The poses of a `Pose`, of `Poses` or of a list; and how many, where it is not one alone.
+/// Reads the poses of a `Pose`, of `Poses` or of a list, with their number; `None` for a single `Pose`.
 pub(crate) fn poses_of(value: &Bound<'_, PyAny>) -> PyResult<(Vec<Locals>, Option<usize>)> {
     if let Ok(pose) = value.cast::<Pose>() {
         return Ok((vec![pose.get().now()], None));

@@ -1,4 +1,4 @@
-//! Clips: the motion of an armature's bones and morph targets over a span of time.
+//! Animation clips: motion of an armature's bones and morph targets over a span of time.
 
 use std::sync::Arc;
 
@@ -21,15 +21,16 @@ use crate::pickling;
 use crate::pool::Pool;
 use crate::signals::interruptible;
 
-/// Samples that are taken between two looks at signals.
+/// Number of samples between two checks for signals.
 const SAMPLES_AT_A_TIME: usize = 256;
 
-/// Motion of an armature's bones and morph targets over a span of time. What has no channel is at rest.
+/// Animation clip: motion of an armature's bones and morph targets over a span of time. Without a channel they are at
+/// rest.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Clip {
     pub(crate) inner: Arc<Motion>,
     pub(crate) armature: Arc<Bones>,
-    /// Playback goes on where it was; from many threads each has a cursor of its own.
+    /// Playback cursors; concurrent calls use different ones.
     cursors: Pool<Cursor>,
 }
 
@@ -56,7 +57,7 @@ impl Clip {
 
 #[pymethods]
 impl Clip {
-    /// Starts a clip for an armature.
+    /// Returns a builder of a clip for an armature.
     #[classmethod]
     fn builder(
         _class: &Bound<'_, PyType>,
@@ -66,10 +67,10 @@ impl Clip {
         ClipBuilder::new(name, armature)
     }
 
-    /// The clip of a name among `clips`, or the one whose name ends with it after a sign: "Walk" means
+    /// Returns the clip of a name among `clips`, or the one whose name ends with it after a separator: "Walk" finds
     /// "Armature|Walk".
     ///
-    /// Raises `UnknownNameError`, `InvalidValueError` where several may be meant.
+    /// Raises `UnknownNameError`, and `InvalidValueError` if several clips match.
     #[staticmethod]
     fn named<'py>(clips: Vec<Bound<'py, Self>>, name: &str) -> PyResult<Bound<'py, Self>> {
         let found = Motion::named(clips.iter().map(|clip| &*clip.get().inner), name).or_raise()?;
@@ -78,32 +79,32 @@ impl Clip {
         Ok(clips[index].clone())
     }
 
-    /// What the clip is called.
+    /// Name of the clip.
     #[getter]
     fn name(&self) -> &str {
         self.inner.name()
     }
 
-    /// The armature it moves.
+    /// Armature of the clip.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
     }
 
-    /// The first and last moment, in seconds.
+    /// First and last time, in seconds.
     #[getter]
     fn span(&self) -> (f32, f32) {
         let [start, end] = self.inner.span();
         (start, end)
     }
 
-    /// How long it lasts, in seconds.
+    /// Duration, in seconds.
     #[getter]
     fn duration(&self) -> f64 {
         self.inner.duration()
     }
 
-    /// Its events, sorted by time: [(seconds of the clip's own time, name), ...].
+    /// Events, sorted by time: [(time of the clip in seconds, name), ...].
     #[getter]
     fn events(&self) -> Vec<(f32, String)> {
         let events = self.inner.events().iter();
@@ -115,8 +116,8 @@ impl Clip {
     /// The pose at `time`, in seconds of the file as in `span` and `events`: a `Pose` for a number, `Poses` for N of
     /// them, shape (N,).
     ///
-    /// `playback` says what happens outside the span: "hold", "loop" or "ping_pong". `out`, a `Pose`, takes
-    /// the result of a number.
+    /// `playback` selects the behaviour outside the span: "hold", "loop" or "ping_pong". `out`, a `Pose`, receives the
+    /// result of a single time.
     ///
     /// Raises `InvalidValueError` for a time that is not finite and for an `out` of another armature,
     /// `UnknownNameError` for another `playback`.
@@ -158,11 +159,11 @@ impl Clip {
         Ok(Bound::new(py, Poses::of(&self.armature, poses))?.into_any())
     }
 
-    /// The events that a passage of playback (of `Playhead.advance`) goes by, in the order in which it meets
-    /// them, the first `most` of them: [(name, seconds since playback started), ...].
+    /// Events in a passage of playback (of `Playhead.advance`), in the order of playback, at most the first `most`:
+    /// [(name, seconds since playback started), ...].
     ///
-    /// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for a `most` that is no whole
-    /// number of at least 0.
+    /// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for a `most` that is not a whole number of
+    /// at least 0.
     #[pyo3(signature = (passage, playback = "hold", most = 10_000))]
     fn fired(
         &self,
@@ -181,10 +182,10 @@ impl Clip {
         })
     }
 
-    /// What it moves and how: [(bone, property, curve), ...], by bone, with "translation", "rotation" or
-    /// "scale" and a `KeyedCurve`, `RotationCurve` or `EulerCurve`. What does not move has a single key.
+    /// Channels: [(bone, property, curve), ...], by bone, with "translation", "rotation" or "scale" and a `KeyedCurve`,
+    /// `RotationCurve` or `EulerCurve`. A constant property has a single key.
     ///
-    /// Raises `InvalidValueError` where a curve cannot be told, which no clip of a file or a builder has.
+    /// Raises `InvalidValueError` for a curve without a representation; clips of files and builders have none.
     fn channels<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, String, Bound<'py, PyAny>)>> {
         let channels = self.inner.channels(&self.armature).or_raise()?;
         let of = |(bone, channel): (kinopt::skeleton::BoneId, Channel)| {
@@ -206,7 +207,7 @@ impl Clip {
         channels.into_iter().map(of).collect()
     }
 
-    /// As `channels`, for the weights of morph targets: [(target, curve), ...].
+    /// Channels of morph target weights: [(target, curve), ...].
     ///
     /// Raises as `channels`.
     fn morph_channels(&self) -> PyResult<Vec<(String, KeyedCurve)>> {
@@ -221,10 +222,10 @@ impl Clip {
             .collect())
     }
 
-    /// A clip through `poses` at `times` in seconds, which rise, shape (N,): straight from pose to pose. What is the same in all poses has
-    /// one key, and none where it is at rest.
+    /// A clip through `poses` at ascending `times` in seconds, shape (N,), with linear interpolation. A property that
+    /// is equal in all poses has one key, and none if it is at rest.
     ///
-    /// Raises `InvalidValueError` for no poses, other counts, times that do not rise and poses of another armature.
+    /// Raises `InvalidValueError` for no poses, other counts, times that do not ascend and poses of another armature.
     #[staticmethod]
     fn through_poses(
         name: String,
@@ -240,21 +241,22 @@ impl Clip {
         Ok(Self::of(armature, Arc::new(clip)))
     }
 
-    /// The same motion under another name.
+    /// The clip under another name.
     fn renamed(&self, name: String) -> Self {
         let clip = Motion::clone(&self.inner).renamed(name);
         Self::of(&self.armature, Arc::new(clip))
     }
 
-    /// The clip by samples: so many keys a second from its start to its end, with straight lines between them.
+    /// The clip resampled at `keys_per_second` from start to end, with linear interpolation.
     ///
-    /// Raises `InvalidValueError` for a rate that is no number above 0 or takes more than four million keys.
+    /// Raises `InvalidValueError` for a rate that is not above 0 or needs more than four million keys.
     fn baked(&self, py: Python<'_>, keys_per_second: f64) -> PyResult<Self> {
         self.changed(py, |clip, armature| clip.baked(armature, keys_per_second))
     }
 
-    /// The clip with as few keys as leave each bone within `translation` (the file's unit), `rotation` (radians) and `scale` of what it was
-    /// in its parent at each of its keys; weights of morph targets within `scale`. Steps, cubic and eased curves stay as they are.
+    /// The clip with fewer keys. At each original key, every bone stays within `translation` (the file's unit),
+    /// `rotation` (radians) and `scale` of its original local transform, and morph target weights within `scale`. Step,
+    /// cubic and eased curves do not change.
     #[pyo3(signature = (translation = 0.0, rotation = 0.0, scale = 0.0))]
     fn with_fewer_keys(
         &self,
@@ -272,9 +274,9 @@ impl Clip {
         })
     }
 
-    /// The clip by samples, whose last `seconds` lead over to its first pose, so that it repeats without a jump.
+    /// The clip resampled, with its last `seconds` blended into its first pose, so that it loops without a jump.
     ///
-    /// Raises `InvalidValueError` for seconds that it does not have, and as `baked`.
+    /// Raises `InvalidValueError` for seconds longer than the clip, and as `baked`.
     #[pyo3(signature = (seconds, keys_per_second = 30.0))]
     fn with_closed_seam(
         &self,
@@ -287,16 +289,18 @@ impl Clip {
         })
     }
 
-    /// Inverse kinematics over the clip. `reach` are `Reach`es: bones that go to points, or along curves, over spans; `plant` are bones, feet
-    /// say, that stand still where they hardly move. Each frame keeps as near to the clip as that allows, and the root moves only where
-    /// limbs are too short: `root`, unless set the first bone from the top that carries all of these and branches.
+    /// Inverse kinematics over the clip. `reach` is a list of `Reach`: bones that go to points, or along curves, over
+    /// spans. `plant` are bones, such as feet, that are locked in place while they hardly move. Each sample stays as
+    /// close to the clip as possible. The root `root` moves only if limbs are too short; by default it is the first
+    /// branching bone from the top above all these bones.
     ///
-    /// `up` is the axis up. Feet stand on the `ground`: a `World`, or a function of x, y, z that gives its height over
-    /// the level that the clip walks on. A clip on the spot travels by `travel` a second, or as its "feet" say. Of a rig's clip `skeleton`
-    /// has the joints and limits, and tips of bones reach and stand. `keys_per_second` frames are solved and keyed a second.
+    /// `up` is the upward axis. Feet stand on the `ground`: a `World`, or a function of x, y, z that returns its height
+    /// over the level of the clip's walk. A clip in place travels with the velocity `travel`, in units a second; "feet"
+    /// computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and the tips of bones reach
+    /// and stand. `keys_per_second` samples are solved and keyed.
     ///
-    /// Raises `UnknownNameError` for bones, `InvalidValueError` for spans and numbers out of range and for what is asked twice, and
-    /// whatever the function raises.
+    /// Raises `UnknownNameError` for bones, `InvalidValueError` for spans and numbers out of range and for conflicting
+    /// requests. Exceptions of the ground function propagate.
     #[pyo3(signature = (
         reach = Vec::new(), plant = Vec::new(), *, root = None, up = [0.0, 1.0, 0.0], keys_per_second = 60.0,
         ground = None, travel = None, skeleton = None
@@ -327,10 +331,10 @@ impl Clip {
         asked.over(py, self)
     }
 
-    /// The clip in place and the way of a bone over the ground: (clip, root motion). The bone stays above the ground where it started and
-    /// faces as it did; `up` is the axis up.
+    /// The clip in place, and the root motion of a bone: (clip, root motion). The bone keeps its initial horizontal
+    /// position and heading; `up` is the upward axis.
     ///
-    /// Raises `UnknownNameError`, `InvalidValueError` for an axis without a direction, and as `baked`.
+    /// Raises `UnknownNameError`, `InvalidValueError` for an axis of zero length, and as `baked`.
     #[pyo3(signature = (bone, up = [0.0, 1.0, 0.0], keys_per_second = 30.0))]
     fn without_root_motion(
         &self,
@@ -351,9 +355,9 @@ impl Clip {
         ))
     }
 
-    /// The clip by samples with the way of a bone put into it: the reverse of `without_root_motion`.
+    /// The clip resampled with a root motion added to a bone: the inverse of `without_root_motion`.
     ///
-    /// Raises as there.
+    /// Raises as `without_root_motion`.
     #[pyo3(signature = (bone, motion, keys_per_second = 30.0))]
     fn with_root_motion(
         &self,
@@ -378,7 +382,7 @@ impl Clip {
     fn _rebuild(armature: &Bound<'_, Armature>, text: &str) -> PyResult<Self> {
         let armature = &armature.get().inner;
         let clip: Motion = serde_json::from_str(text).or_raise()?;
-        // Of one size, or an error.
+        // Returns an error if the clip is of another armature.
         let mut pose = armature.rest().clone();
         let hold = kinopt::animation::Playback::Hold;
         clip.sample(clip.start(), hold, &mut Cursor::new(), &mut pose)

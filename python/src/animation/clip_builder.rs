@@ -1,4 +1,4 @@
-//! Collects the channels of a clip and compiles them.
+//! Builder of clips.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::error::{OrRaise, invalid};
 
 /// Collects the channels and events of a clip for one armature.
 ///
-/// An empty clip of this name.
+/// Starts an empty clip of this name.
 #[pyclass(module = "kinopt.animation")]
 pub(crate) struct ClipBuilder {
     name: String,
@@ -21,7 +21,7 @@ pub(crate) struct ClipBuilder {
     parts: Vec<Part>,
 }
 
-/// What is added, in the order in which it was.
+/// Additions in their order.
 #[derive(Clone)]
 enum Part {
     Channel(kinopt::skeleton::BoneId, Channel),
@@ -99,8 +99,7 @@ impl ClipBuilder {
 
     /// Adds the weight of one morph target: a `KeyedCurve` of numbers.
     ///
-    /// Raises `UnknownNameError` for a morph target that there is not, `InvalidValueError` for a curve of
-    /// vectors.
+    /// Raises `UnknownNameError` for an unknown morph target, `InvalidValueError` for a curve of
     fn morph_weight(&mut self, target: &str, weights: &Bound<'_, KeyedCurve>) -> PyResult<()> {
         let target = self.armature.morph_target(target).or_raise()?;
         match &weights.get().inner {
@@ -110,7 +109,7 @@ impl ClipBuilder {
         Ok(())
     }
 
-    /// Adds the tracks of a rig's keyframes, for an armature made of its skeleton.
+    /// Adds the tracks of a rig's keyframes, for an armature of its skeleton.
     ///
     /// A clip of other bones raises `InvalidValueError` in `build`.
     fn euler_clip(&mut self, clip: &Bound<'_, EulerClip>) {
@@ -118,24 +117,24 @@ impl ClipBuilder {
         self.parts.push(Part::EulerClip(clip));
     }
 
-    /// Adds an event at a time in seconds; one outside the clip's span never fires.
+    /// Adds an event at a time in seconds; an event outside the clip's span never fires.
     ///
     /// A time that is not finite raises `InvalidValueError` in `build`.
     fn event(&mut self, time: f32, name: String) {
         self.parts.push(Part::Event(time, name));
     }
 
-    /// Sets the clip's span in seconds. Without it, it is from the first to the last key.
+    /// Sets the span of the clip in seconds. Default: from the first to the last key.
     ///
     /// An end before the start raises `InvalidValueError` in `build`.
     fn span(&mut self, start: f32, end: f32) {
         self.parts.push(Part::Span(start, end));
     }
 
-    /// Checks all and makes the clip.
+    /// Validates all parts and creates the clip.
     ///
-    /// Raises `InvalidValueError` naming the bone or target: a second channel for one of its properties,
-    /// keys or an event that are not finite, a span that ends before it starts.
+    /// Raises `InvalidValueError` with the bone or target: a second channel for one of its properties, keys or an event
+    /// that are not finite, a span that ends before it starts.
     fn build(&self) -> PyResult<Clip> {
         let mut builder = Motion::builder(self.name.as_str(), &self.armature);
         for part in &self.parts {

@@ -17,19 +17,19 @@ use crate::error::{OrRaise, invalid};
 use crate::skeleton::Skeleton;
 use crate::world::World;
 
-/// A foot that stands over some seconds of a clip.
+/// Foot plant: a contact interval of a foot in a clip.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
 #[derive(Clone)]
 pub(crate) struct Stance {
-    /// The name of the bone.
+    /// Name of the bone.
     bone: String,
-    /// The first and last moment, seconds of the clip.
+    /// First and last time, seconds of the clip.
     span: (f64, f64),
-    /// Where it stands in the model.
+    /// Contact position in the model.
     place: (f64, f64, f64),
-    /// How far it is from there at most at any key.
+    /// Largest distance from the contact position at any key.
     slide: f64,
-    /// How far it is from there at most between keys.
+    /// Largest distance from the contact position between keys.
     stray: f64,
 }
 
@@ -41,15 +41,15 @@ impl Stance {
     }
 }
 
-/// A bone that was led, and how well.
+/// Result of a reaching or planted bone.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
 #[derive(Clone)]
 pub(crate) struct Led {
-    /// The name of the bone.
+    /// Name of the bone.
     bone: String,
-    /// How far it is from where it should be, at most.
+    /// Largest distance from the target.
     miss: f64,
-    /// When that is, seconds of the clip.
+    /// Time of that distance, seconds of the clip.
     at: f64,
 }
 
@@ -63,16 +63,16 @@ impl Led {
     }
 }
 
-/// A clip that was solved over: of `Clip.with_ik`.
+/// Result of `Clip.with_ik`.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
 pub(crate) struct EditedClip {
-    /// The new clip.
+    /// New clip.
     clip: Py<Clip>,
-    /// Where feet stand, foot by foot.
+    /// Foot plants, foot by foot.
     stances: Vec<Stance>,
-    /// What was asked for, planted feet first.
+    /// Results of the bones, planted feet first.
     led: Vec<Led>,
-    /// How far the root moves at most from where the clip has it.
+    /// Largest displacement of the root from the original clip.
     root_moved: f64,
 }
 
@@ -90,7 +90,7 @@ impl EditedClip {
     }
 }
 
-/// What is asked over a clip.
+/// Options of inverse kinematics over a clip.
 pub(super) struct ClipIkRequest<'py> {
     pub(super) reach: Vec<Bound<'py, PyAny>>,
     pub(super) plant: Vec<String>,
@@ -102,7 +102,7 @@ pub(super) struct ClipIkRequest<'py> {
     pub(super) skeleton: Option<Bound<'py, PyAny>>,
 }
 
-/// A height of the ground that Python has a say in, and what it raised.
+/// Exception raised by a ground function of Python.
 type Raised = Arc<Mutex<Option<PyErr>>>;
 
 impl ClipIkRequest<'_> {
@@ -192,7 +192,7 @@ fn on_ground<'a>(
     }))
 }
 
-/// A `kinopt.animation.Reach`.
+/// Reads a `kinopt.animation.Reach`.
 fn reach(given: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<Reach> {
     let get = |name: &str| match given.getattr_opt(name)? {
         Some(value) => Ok(value),

@@ -1,4 +1,4 @@
-//! Characters that share an armature and the limbs that reach for goals.
+//! Crowds: characters that share an armature and its reaching limbs.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -18,27 +18,26 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::{threads, transforms};
 
-/// A clip that a character plays: where it is, how fast it plays, what happens at its ends, and how far the
-/// pose of the clips before it goes to this one's.
+/// A clip in playback: its position and speed, the behaviour at its ends, and its blend weight over the previous clips.
 ///
-/// A clip that plays from `elapsed` seconds on at `speed`, "hold", "loop" or "ping_pong", blended over the
-/// clips before it by `share`, within [0, 1].
+/// A clip at `elapsed` seconds, with `speed`, "hold", "loop" or "ping_pong", blended over the previous clips by
+/// `share`, within [0, 1].
 ///
-/// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for a `share` that is not within [0,
-/// 1] and for numbers that are not finite.
+/// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for a `share` that is not within [0, 1] and
+/// for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct PlayingClip {
     clip: Py<Clip>,
     playback: Playback,
     name: String,
     #[pyo3(get)]
-    /// How many seconds of the clip pass in a second; negative plays backwards.
+    /// Playback speed: seconds of the clip for each second; negative plays backwards.
     speed: f64,
     #[pyo3(get)]
     /// Seconds since playback started.
     elapsed: f64,
     #[pyo3(get)]
-    /// How far the pose of the clips before it goes to this one's, within [0, 1].
+    /// Blend weight over the previous clips, within [0, 1].
     share: f32,
 }
 
@@ -63,13 +62,13 @@ impl PlayingClip {
         })
     }
 
-    /// The clip that is played.
+    /// The clip.
     #[getter]
     fn clip(&self, py: Python<'_>) -> Py<Clip> {
         self.clip.clone_ref(py)
     }
 
-    /// What happens at its ends.
+    /// Behaviour at its ends.
     #[getter]
     fn playback(&self) -> &str {
         &self.name
@@ -117,12 +116,12 @@ impl PlayingClip {
     }
 }
 
-/// Characters that share an armature and the limbs that reach for goals. A frame of one samples its clips,
-/// blends them, brings its limbs to their goals, and places its bones in the model.
+/// Characters that share an armature and its reaching limbs. Each update of a character samples its clips, blends them,
+/// moves its limbs to their goals, and computes its bones in model space.
 ///
-/// It holds what is running, so it is not pickled; calls from many threads come one after another.
+/// It holds running state, so it cannot be pickled; calls from several threads are serialised.
 ///
-/// A crowd without characters; each will have a goal for each of the limbs, which are of the armature.
+/// A crowd without characters; each added character has a goal for each of the limbs.
 ///
 /// Raises `InvalidValueError` for a limb of another armature.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -155,8 +154,8 @@ impl Crowd {
         })
     }
 
-    /// Adds a character that plays these clips, each blended over those before it, in the rest pose until it is
-    /// advanced. Gives its number.
+    /// Adds a character that plays these clips, each blended over the previous ones. It is in the rest pose until the
+    /// first `advance`. Returns its index.
     ///
     /// Raises `InvalidValueError` for a clip of another armature.
     fn add(&self, clips: Vec<Bound<'_, PlayingClip>>) -> PyResult<usize> {
@@ -172,13 +171,14 @@ impl Crowd {
         self.with(|crowd| crowd.characters().len())
     }
 
-    /// The armature of the characters.
+    /// Armature of the characters.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
     }
 
-    /// Goes on by so many seconds, over `threads` threads (None: one a core), with the same bits at any number.
+    /// Advances all characters by `seconds`, on `threads` threads (None: one for each core), with equal results at any
+    /// number.
     ///
     /// Raises `InvalidValueError` for seconds that are not finite and for 0 threads.
     #[pyo3(signature = (seconds, threads = Some(1)))]
@@ -200,10 +200,10 @@ impl Crowd {
         .or_raise()
     }
 
-    /// Where the bones of all characters are in the model, as of the last frame: float32, shape
-    /// (N, bones, 4, 4). `out` takes the result.
+    /// Bone transforms of all characters in model space after the last update: float32, shape (N, bones, 4, 4). `out`
+    /// receives the result.
     ///
-    /// Raises `InvalidValueError` for an `out` that does not fit.
+    /// Raises `InvalidValueError` for an `out` of another shape or type.
     #[pyo3(signature = (*, out = None))]
     fn model_from_bone<'py>(
         &self,
@@ -227,7 +227,7 @@ impl Crowd {
         Ok(array)
     }
 
-    /// The poses of all characters as of the last frame.
+    /// Poses of all characters after the last update.
     #[getter]
     fn poses(&self) -> Poses {
         let poses = self.with(|crowd| {
@@ -239,18 +239,18 @@ impl Crowd {
         Poses::of(&self.armature, poses)
     }
 
-    /// One character's pose as of the last frame.
+    /// Pose of one character after the last update.
     ///
-    /// Raises `IndexError` for a character that there is not.
+    /// Raises `IndexError` for an unknown character.
     fn pose(&self, character: isize) -> PyResult<Pose> {
         let index = place(character, self.__len__())?;
         let pose = self.with(|crowd| crowd.characters()[index].pose().clone());
         Ok(Pose::of(&self.armature, pose))
     }
 
-    /// Sets what a limb of a character reaches for; both by number.
+    /// Sets the goal of a limb of a character; both by index.
     ///
-    /// Raises `IndexError` for a character or a limb that there is not.
+    /// Raises `IndexError` for an unknown character or limb.
     fn set_goal(&self, character: isize, limb: isize, goal: &Bound<'_, LimbGoal>) -> PyResult<()> {
         let (index, limb) = (place(character, self.__len__())?, place(limb, self.limbs)?);
         let goal = goal.get().inner;
@@ -258,10 +258,10 @@ impl Crowd {
         Ok(())
     }
 
-    /// Changes how a character plays a clip of its list, both by number: its `share`, its `speed`.
+    /// Changes the `share` or `speed` of a clip of a character, both by index.
     ///
-    /// Raises `IndexError` for a character or a clip that there is not, `InvalidValueError` for a `share`
-    /// that is not within [0, 1] and for numbers that are not finite.
+    /// Raises `IndexError` for an unknown character or clip, `InvalidValueError` for a `share` that is not within [0,
+    /// 1] and for numbers that are not finite.
     #[pyo3(signature = (character, clip, *, share = None, speed = None))]
     fn set_clip(
         &self,

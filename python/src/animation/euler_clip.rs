@@ -1,4 +1,4 @@
-//! Keyframes of a skeleton's angles.
+//! Keyframes of the angles of a skeleton.
 
 use std::sync::Arc;
 
@@ -15,19 +15,18 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::skeleton::Skeleton;
 
-/// Samples that are taken between two looks at signals.
+/// Number of samples between two checks for signals.
 const SAMPLES_AT_A_TIME: usize = 1024;
 
-/// Keyframes for any of a skeleton's bones, as rig files have them: three angles a key.
+/// Keyframes of a skeleton's bones, as in rig files: three angles for each key.
 ///
-/// A clip of `tracks`, {bone: (times, angles)}: times of shape (K,), seconds, rising; angles of shape
-/// (K, 3), radians: first twist, bend, second twist.
+/// A clip of `tracks`, {bone: (times, angles)}: times of shape (K,), seconds, ascending; angles of shape (K, 3),
+/// radians: first twist, bend, second twist.
 ///
-/// Between keys runs what `interpolation` says, one for all or {bone: one}: "linear", "catmull-rom"
-/// or an array of shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
+/// `interpolation` between keys is one value for all bones or {bone: value}: "linear", "catmull-rom" or an array of
+/// shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
 ///
-/// Raises `UnknownNameError` for a bone that does not exist, `InvalidValueError` for keys that do not
-/// rise or are not finite.
+/// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for keys that do not ascend or are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct EulerClip {
     pub(crate) inner: Arc<Clip>,
@@ -101,39 +100,39 @@ impl EulerClip {
         Ok(Self { inner, skeleton })
     }
 
-    /// The skeleton whose bones it moves.
+    /// Skeleton of the clip.
     #[getter]
     fn skeleton(&self) -> Skeleton {
         Arc::clone(&self.skeleton).into()
     }
 
-    /// Names of the bones that have keys, in the skeleton's order.
+    /// Names of the bones with keys, in the skeleton's order.
     #[getter]
     fn bones(&self) -> Vec<&str> {
         let tracks = self.inner.tracks().iter();
         tracks.map(|track| self.name(track.bone)).collect()
     }
 
-    /// Names of the bones whose tracks were given without keys and left out.
+    /// Names of the bones with ignored tracks, which had no keys.
     #[getter]
     fn keyless(&self) -> Vec<&str> {
         let bones = self.inner.keyless().iter();
         bones.map(|bone| self.name(*bone)).collect()
     }
 
-    /// Whether no bone has keys.
+    /// True if no bone has keys.
     #[getter]
     fn is_empty(&self) -> bool {
         self.inner.is_empty()
     }
 
-    /// The first and last key times in seconds; None without keys.
+    /// First and last key time in seconds; None without keys.
     #[getter]
     fn time_span(&self) -> Option<(f64, f64)> {
         self.inner.time_span().map(|[start, end]| (start, end))
     }
 
-    /// A bone's keys: times, shape (K,), seconds, and angles, shape (K, 3), radians; empty where it has none.
+    /// Keys of a bone: times, shape (K,), seconds, and angles, shape (K, 3), radians; empty without keys.
     ///
     /// Raises `UnknownNameError`.
     fn keys<'py>(&self, py: Python<'py>, bone: &str) -> PyResult<Arrays<'py>> {
@@ -143,8 +142,8 @@ impl EulerClip {
         Ok((times, arrays::list(py, &angles).reshape([keys.len(), 3])?))
     }
 
-    /// What runs between a bone's keys: "linear", "catmull-rom", or tension, continuity and bias of each
-    /// key, shape (K, 3), for a Kochanek-Bartels spline.
+    /// Interpolation between a bone's keys: "linear", "catmull-rom", or tension, continuity and bias of each key, shape
+    /// (K, 3), for a Kochanek-Bartels spline.
     ///
     /// Raises `UnknownNameError`.
     fn interpolation<'py>(&self, py: Python<'py>, bone: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -165,14 +164,14 @@ impl EulerClip {
         }
     }
 
-    /// The stacked angles at one time, shape (3 * bones,), or at N, shape (N, 3 * bones), radians; bones
-    /// without keys are at 0.
+    /// Stacked angles at one time, shape (3 * bones,), or at N, shape (N, 3 * bones), radians; bones without keys are
+    /// at 0.
     ///
-    /// `times` is seconds, a number or an array of shape (N,); `playback` "hold", "loop" or "ping_pong";
-    /// `out` takes the result. Limits are not looked at.
+    /// `times` is seconds, a number or an array of shape (N,); `playback` is "hold", "loop" or "ping_pong"; `out`
+    /// receives the result. Limits are not applied.
     ///
-    /// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for times that are not finite
-    /// and for an `out` that does not fit.
+    /// Raises `UnknownNameError` for another `playback`, `InvalidValueError` for times that are not finite and for an
+    /// `out` of another shape or type.
     #[pyo3(signature = (times, playback = "hold", *, out = None))]
     fn sample<'py>(
         &self,
@@ -220,7 +219,7 @@ impl EulerClip {
     }
 }
 
-/// What runs between the keys of one bone.
+/// Reads the interpolation between the keys of one bone.
 fn read_interpolation(value: &Bound<'_, PyAny>) -> PyResult<EulerInterpolation> {
     let named = [EulerInterpolation::Linear, EulerInterpolation::CatmullRom];
     if let Ok(name) = value.extract::<String>() {

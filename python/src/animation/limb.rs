@@ -1,4 +1,4 @@
-//! Limbs that reach, in closed form, over the pose that clips gave.
+//! Analytic two-bone limbs, on top of an animated pose.
 
 use std::sync::Arc;
 
@@ -12,23 +12,23 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::transforms::{finite_quaternion, finite_vector, given, shaped, vector};
 
-/// A thigh and a shin, an upper arm and a forearm: two bones of an armature and the point that should go
-/// somewhere. Bones between the two turn with the upper one.
+/// Two-bone limb with an end that reaches a target: thigh and shin, or upper arm and forearm. Bones between the two
+/// rotate with the upper one.
 ///
-/// The limb of two bones that ends where the bone `end` starts, a hand or a foot, or in a point in the
-/// lower bone's coordinates, shape (3,).
+/// The limb ends at the head of the bone `end`, a hand or a foot, or at a point in the lower bone's coordinates, shape
+/// (3,).
 ///
-/// `hinge`, shape (3,), is the axis about which the elbow or knee bends, in the lower bone's coordinates:
-/// a positive turn bends it the way it may. `softening` slows the end down beyond that share of the
-/// limb's length, so that the elbow does not snap: 0.95 to 0.98, or 1 for none.
+/// `hinge`, shape (3,), is the bend axis of the elbow or knee, in the lower bone's coordinates: positive rotations are
+/// allowed. `softening` slows the end down beyond that fraction of the limb's length, so that the elbow does not snap:
+/// 0.95 to 0.98, or 1 for none.
 ///
-/// Raises `UnknownNameError` for a bone, `InvalidValueError` for bones that do not hang on each other, an
-/// axis without length, a share that is not within [0, 1].
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` for bones that are not descendants of each other, an axis
+/// of zero length, a fraction that is not within [0, 1].
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Limb {
     pub(crate) inner: TwoBones,
     pub(crate) armature: Arc<Bones>,
-    /// What it was made of.
+    /// Arguments of the constructor.
     made: Made,
 }
 
@@ -89,8 +89,8 @@ impl Limb {
         })
     }
 
-    /// Turns the two bones of a pose so that the end goes its weight's share of the way to the target, or as
-    /// near as the bones reach; then the bone at the end.
+    /// Rotates the two bones of a pose so that the end moves by the weight's fraction towards the target, or as near as
+    /// the limb reaches; then rotates the end bone.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn reach(&self, pose: &Bound<'_, Pose>, goal: &Bound<'_, LimbGoal>) -> PyResult<()> {
@@ -133,19 +133,19 @@ impl Limb {
     }
 }
 
-/// What the end of a limb should do this frame.
+/// Goal of a limb's end.
 ///
-/// The end at `target`, shape (3,), in model coordinates.
+/// The end goes to `target`, shape (3,), in model coordinates.
 ///
-/// `weight` is how far it goes, from 0, the pose as it is, to 1; `pole`, shape (3,), the point towards
-/// which the elbow or knee goes (None keeps the side that the pose has); `twist` how far the limb turns
-/// about the way to the target besides, radians.
+/// `weight` is the blend weight from 0, the pose itself, to 1, the target; `pole`, shape (3,), is a point towards which
+/// the elbow or knee bends (None keeps the bend direction of the pose); `twist` is an additional rotation of the limb
+/// about the direction to the target, radians.
 ///
-/// The bone at the end goes along, is held as it was by the share `hold`, or turned in the model as
-/// `rotation_xyzw` or `rotation_wxyz` says, shape (4,), by the share `rotation_weight`.
+/// By default the end bone rotates with the limb. `hold` is the blend weight of its rotation before, `rotation_weight`
+/// that of the model-space rotation `rotation_xyzw` or `rotation_wxyz`, shape (4,).
 ///
-/// Weights are taken into [0, 1]. Raises `InvalidValueError` for other shapes, for numbers that are not finite, and for an end
-/// that is both held and turned.
+/// Weights are clamped to [0, 1]. Raises `InvalidValueError` for other shapes, for numbers that are not finite, and if
+/// both a hold and a rotation are given.
 #[pyclass(frozen, module = "kinopt.animation")]
 #[derive(Clone)]
 pub(crate) struct LimbGoal {
@@ -198,13 +198,13 @@ impl LimbGoal {
         Ok(Self { inner })
     }
 
-    /// Where the end should be, shape (3,), float32.
+    /// Target of the end, shape (3,), float32.
     #[getter]
     fn target<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         shaped(py, self.inner.target.to_array().to_vec(), &[3])
     }
 
-    /// How far it goes.
+    /// Blend weight of the goal.
     #[getter]
     fn weight(&self) -> f32 {
         self.inner.weight

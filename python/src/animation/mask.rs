@@ -1,4 +1,4 @@
-//! Masks: how much of each bone and morph target takes part.
+//! Masks: weights of bones and morph targets.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::error::OrRaise;
 use crate::pickling;
 use crate::transforms::{numbers, shaped};
 
-/// A share within [0, 1] for each bone and each morph target of an armature; nothing changes it.
+/// Immutable mask: a weight within [0, 1] for each bone and each morph target of an armature.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct BoneMask {
     pub(crate) inner: Mask,
@@ -28,7 +28,7 @@ impl BoneMask {
 
 #[pymethods]
 impl BoneMask {
-    /// The whole armature.
+    /// Mask of the whole armature: all weights are 1.
     #[classmethod]
     fn all(_class: &Bound<'_, PyType>, armature: &Bound<'_, Armature>) -> Self {
         let armature = Arc::clone(&armature.get().inner);
@@ -36,7 +36,7 @@ impl BoneMask {
         Self { inner, armature }
     }
 
-    /// None of it, to add parts to.
+    /// Empty mask: all weights are 0.
     #[classmethod]
     fn none(_class: &Bound<'_, PyType>, armature: &Bound<'_, Armature>) -> Self {
         let armature = Arc::clone(&armature.get().inner);
@@ -44,7 +44,7 @@ impl BoneMask {
         Self { inner, armature }
     }
 
-    /// The same with another share of one bone.
+    /// The mask with another weight of one bone.
     ///
     /// Raises `UnknownNameError`, and `InvalidValueError` for a share that is not within [0, 1].
     #[pyo3(signature = (bone, share = 1.0))]
@@ -53,7 +53,7 @@ impl BoneMask {
         Ok(self.with(self.inner.clone().with_bone(bone, share).or_raise()?))
     }
 
-    /// The same with another share of a bone and of all that hang on it.
+    /// The mask with another weight of a bone and its descendants.
     ///
     /// Raises as `with_bone`.
     #[pyo3(signature = (root, share = 1.0))]
@@ -63,7 +63,7 @@ impl BoneMask {
         Ok(self.with(mask.or_raise()?))
     }
 
-    /// The same with another share of one morph target.
+    /// The mask with another weight of one morph target.
     ///
     /// Raises `UnknownNameError`, and `InvalidValueError` for a share that is not within [0, 1].
     #[pyo3(signature = (target, share = 1.0))]
@@ -73,13 +73,13 @@ impl BoneMask {
         Ok(self.with(mask.or_raise()?))
     }
 
-    /// The bones' shares, shape (bones,), float32.
+    /// Weights of the bones, shape (bones,), float32.
     #[getter]
     fn bones<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         shaped(py, self.inner.bones().to_vec(), &[self.inner.bones().len()])
     }
 
-    /// The morph targets' shares, shape (targets,), float32.
+    /// Weights of the morph targets, shape (targets,), float32.
     #[getter]
     fn morph_targets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let shares = self.inner.morph_targets().to_vec();

@@ -1,4 +1,4 @@
-//! Motion over time: keyframes, what is between them, and poses.
+//! Animation: keyframes, interpolation, and poses.
 
 mod aim;
 mod armature;
@@ -27,7 +27,7 @@ pub(crate) use self::bones_and_poses::{Armature, Pose, poses_of};
 pub(crate) use self::clip::Clip;
 pub(crate) use self::euler_clip::EulerClip;
 
-/// Motion over time: keyframes, what is between them, and poses.
+/// Animation: keyframes, interpolation, and poses.
 #[pymodule(submodule)]
 pub(crate) mod animation {
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! What a clip does outside its own span of time.
+//! Playback modes outside the span of a clip.
 
 use kinopt::animation::Playback;
 use kinopt::model::UnknownName;
@@ -6,14 +6,14 @@ use pyo3::prelude::*;
 
 use crate::error::OrRaise;
 
-/// The names by which state machines' files call them too.
+/// Names, as in files of state machines.
 const NAMES: [(&str, Playback); 3] = [
     ("hold", Playback::Hold),
     ("loop", Playback::Loop),
     ("ping_pong", Playback::PingPong),
 ];
 
-/// A way to play by its name.
+/// Returns a playback mode by its name.
 pub(crate) fn of(name: &str) -> PyResult<Playback> {
     let found = NAMES.iter().find(|(known, _)| *known == name);
     found

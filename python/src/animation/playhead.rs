@@ -1,4 +1,4 @@
-//! Time that passes while a clip plays.
+//! Playback time of a clip.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 
-/// Time that passes while a clip plays, at a speed that may be negative.
+/// Playback time of a clip, with a speed that may be negative.
 ///
-/// `elapsed` seconds after the start, at `speed` seconds of the clip a second.
+/// It is `elapsed` seconds after the start of playback; `speed` is seconds of the clip for each second.
 ///
 /// Raises `InvalidValueError` for numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -40,7 +40,7 @@ impl Playhead {
         self.with(|own| own.elapsed())
     }
 
-    /// How many seconds of the clip pass in a second; may be assigned, negative plays backwards.
+    /// Playback speed: seconds of the clip for each second; may be assigned, negative plays backwards.
     #[getter]
     fn speed(&self) -> f64 {
         self.with(|own| own.speed)
@@ -53,7 +53,7 @@ impl Playhead {
         Ok(())
     }
 
-    /// Plays on for so many seconds. What was passed is for `Clip.fired`.
+    /// Advances playback by `seconds`. Pass the result to `Clip.fired` for its events.
     ///
     /// Raises `InvalidValueError` for a number that is not finite.
     fn advance(&self, seconds: f64) -> PyResult<Passage> {
@@ -68,7 +68,7 @@ impl Playhead {
     }
 }
 
-/// The stretch of time between two moments of playback.
+/// Interval of playback time.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct Passage {
     pub(crate) inner: kinopt::animation::Passage,
@@ -76,19 +76,19 @@ pub(crate) struct Passage {
 
 #[pymethods]
 impl Passage {
-    /// Where playback was, in seconds since it started.
+    /// Start, in seconds since playback started.
     #[getter]
     fn start(&self) -> f64 {
         self.inner.from
     }
 
-    /// Where it is now; before `start` when it plays backwards.
+    /// End, in seconds since playback started; before `start` when playing backwards.
     #[getter]
     fn end(&self) -> f64 {
         self.inner.to
     }
 
-    /// Whether playback started at `start`.
+    /// True if playback started at `start`.
     #[getter]
     fn starts(&self) -> bool {
         self.inner.starts

@@ -52,37 +52,37 @@ impl Pose {
         Ok(Self::of(armature, parts.pose(armature)?))
     }
 
-    /// The armature it is of.
+    /// Armature of the pose.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
     }
 
-    /// Where the bones are in their parents, shape (bones, 3), float32.
+    /// Local translations of the bones, shape (bones, 3), float32.
     #[getter]
     fn translations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.array(py, |locals| flat(locals.translations()).collect(), 3)
     }
 
-    /// How the bones are turned in their parents, shape (bones, 4), float32: unit quaternions x, y, z, w.
+    /// Local rotations of the bones, shape (bones, 4), float32: unit quaternions x, y, z, w.
     #[getter]
     fn rotations_xyzw<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.array(py, rotations(Order::Xyzw), 4)
     }
 
-    /// How the bones are turned in their parents, shape (bones, 4), float32: unit quaternions w, x, y, z.
+    /// Local rotations of the bones, shape (bones, 4), float32: unit quaternions w, x, y, z.
     #[getter]
     fn rotations_wxyz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.array(py, rotations(Order::Wxyz), 4)
     }
 
-    /// How the bones are scaled along their own axes, shape (bones, 3), float32.
+    /// Local scales of the bones along their own axes, shape (bones, 3), float32.
     #[getter]
     fn scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.array(py, |locals| flat(locals.scales()).collect(), 3)
     }
 
-    /// The weights of the morph targets, shape (targets,), float32; may be assigned.
+    /// Weights of the morph targets, shape (targets,), float32; may be assigned.
     #[getter]
     fn morph_weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let weights = self.with(|locals| locals.morph_weights().to_vec());
@@ -97,7 +97,7 @@ impl Pose {
         Ok(())
     }
 
-    /// Sets one morph target's weight.
+    /// Sets the weight of a morph target.
     ///
     /// Raises `UnknownNameError`, which lists the targets.
     fn set_morph_weight(&self, target: &str, weight: f32) -> PyResult<()> {
@@ -109,17 +109,18 @@ impl Pose {
         Ok(())
     }
 
-    /// A bone's place in its parent, shape (4, 4), float32: parent_from_bone.
+    /// Local transform of a bone, shape (4, 4), float32: parent_from_bone.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn local<'py>(&self, py: Python<'py>, bone: &str) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let bone = self.armature.bone(bone).or_raise()?;
         let local = self.with(|locals| locals.local(bone)).or_raise()?;
         one_to_array(py, &local.to_affine())
     }
 
-    /// Moves a bone in its parent; what is not given stays. A quaternion of shape (4,), x, y, z, w as
-    /// `rotation_xyzw` or w, x, y, z as `rotation_wxyz`, of any length, is made of unit length; `translation` and `scale` have shape (3,).
+    /// Sets parts of the local transform of a bone; missing arguments keep their values. A quaternion of shape (4,), x,
+    /// y, z, w as `rotation_xyzw` or w, x, y, z as `rotation_wxyz`, of any length, is normalised; `translation` and
+    /// `scale` have shape (3,).
     ///
     /// Raises `UnknownNameError`, and `InvalidValueError` for numbers that are not finite.
     #[pyo3(signature = (bone, *, translation = None, rotation_xyzw = None, rotation_wxyz = None, scale = None))]
@@ -149,8 +150,9 @@ impl Pose {
         .or_raise()
     }
 
-    /// Goes the share (taken into [0, 1]) of the way to another pose: rotations by slerp the shorter way
-    /// round, everything else straight; by `mask`, each bone and morph target by its share as well.
+    /// Interpolates towards another pose by the fraction `share` (clamped to [0, 1]): rotations by slerp along the
+    /// shorter arc, other properties linearly. With `mask`, `share` is multiplied by the weight of each bone and morph
+    /// target.
     ///
     /// Raises `InvalidValueError` for a pose or mask of another armature.
     #[pyo3(signature = (to, share, mask = None))]
@@ -168,13 +170,13 @@ impl Pose {
         .or_raise()
     }
 
-    /// Makes this pose the same as another one of its armature.
+    /// Copies another pose of its armature.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn copy_from(&self, other: &Bound<'_, Self>) -> PyResult<()> {
         let other = other.get().now();
         self.with(|locals| {
-            // Nothing of the way is to one of another size.
+            // A cross-fade by 0 changes nothing, but returns an error for another armature size.
             locals.cross_fade(&other, 0.0)?;
             locals.copy_from(&other);
             Ok::<(), kinopt::animation::SizeMismatch>(())
@@ -182,7 +184,7 @@ impl Pose {
         .or_raise()
     }
 
-    /// A pose of its own with the same numbers.
+    /// Independent copy of the pose.
     pub(crate) fn copy(&self) -> Self {
         Self::of(&self.armature, self.now())
     }
@@ -200,7 +202,7 @@ impl Pose {
     fn _rebuild(armature: &Bound<'_, Armature>, text: &str) -> PyResult<Self> {
         let armature = &armature.get().inner;
         let locals: Locals = serde_json::from_str(text).or_raise()?;
-        // Of one size, or an error.
+        // Returns an error for another armature size.
         armature
             .rest()
             .clone()

@@ -1,4 +1,4 @@
-//! The parts of poses as arrays, in and out.
+//! Conversion of poses from and to arrays.
 
 use kinopt::animation::{Armature as Bones, LocalTransform, Pose as Locals};
 use numpy::PyArrayDyn;
@@ -8,13 +8,13 @@ use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::transforms::{Order, numbers, quaternions, vectors};
 
-/// An array that nobody can write to: a pose would not hear of it.
+/// Makes an array read-only: writes to it would not change the pose.
 pub(super) fn frozen(array: Bound<'_, PyArrayDyn<f32>>) -> PyResult<Bound<'_, PyArrayDyn<f32>>> {
     arrays::freeze(&array)?;
     Ok(array)
 }
 
-/// The parts of poses as arrays, N of them or one.
+/// Arguments of one pose or N poses as arrays.
 pub(super) struct Parts<'a, 'py> {
     pub(super) translations: Option<&'a Bound<'py, PyAny>>,
     pub(super) rotations: Option<(&'a Bound<'py, PyAny>, Order)>,
@@ -23,7 +23,7 @@ pub(super) struct Parts<'a, 'py> {
 }
 
 impl Parts<'_, '_> {
-    /// A pose of an armature; what is not given is at rest.
+    /// Pose of an armature; missing arguments are at rest.
     pub(super) fn pose(&self, armature: &Bones) -> PyResult<Locals> {
         let mut pose = armature.rest().clone();
         let bones = armature.bones();
@@ -69,7 +69,7 @@ impl Parts<'_, '_> {
     }
 }
 
-/// Finite weights, one for each morph target.
+/// Reads finite weights, one for each morph target.
 pub(super) fn weights_of(value: &Bound<'_, PyAny>, armature: &Bones) -> PyResult<Vec<f32>> {
     let weights = numbers(value, "morph_weights", Some(armature.morph_targets().len()))?;
     match weights.iter().all(|weight| weight.is_finite()) {

@@ -1,4 +1,4 @@
-//! Many poses of one armature.
+//! Lists of poses of one armature.
 
 use std::sync::Arc;
 
@@ -90,39 +90,39 @@ impl Poses {
         Ok(Self::of(armature, list))
     }
 
-    /// The armature they are of.
+    /// Armature of the poses.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
     }
 
-    /// Where the bones are in their parents, shape (N, bones, 3), float32.
+    /// Local translations of the bones, shape (N, bones, 3), float32.
     #[getter]
     fn translations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let numbers = |locals: &Locals| flat(locals.translations()).collect();
         self.array(py, numbers, &[self.armature.bones(), 3])
     }
 
-    /// How the bones are turned in their parents, shape (N, bones, 4), float32: x, y, z, w.
+    /// Local rotations of the bones, shape (N, bones, 4), float32: x, y, z, w.
     #[getter]
     fn rotations_xyzw<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.array(py, rotations(Order::Xyzw), &[self.armature.bones(), 4])
     }
 
-    /// How the bones are turned in their parents, shape (N, bones, 4), float32: w, x, y, z.
+    /// Local rotations of the bones, shape (N, bones, 4), float32: w, x, y, z.
     #[getter]
     fn rotations_wxyz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.array(py, rotations(Order::Wxyz), &[self.armature.bones(), 4])
     }
 
-    /// How the bones are scaled along their own axes, shape (N, bones, 3), float32.
+    /// Local scales of the bones along their own axes, shape (N, bones, 3), float32.
     #[getter]
     fn scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let numbers = |locals: &Locals| flat(locals.scales()).collect();
         self.array(py, numbers, &[self.armature.bones(), 3])
     }
 
-    /// The weights of the morph targets, shape (N, targets), float32.
+    /// Weights of the morph targets, shape (N, targets), float32.
     #[getter]
     fn morph_weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let numbers = |locals: &Locals| locals.morph_weights().to_vec();
@@ -176,7 +176,7 @@ impl Poses {
     }
 }
 
-/// One pose's part of an array of many.
+/// Item of a stacked array.
 fn item<'py>(stack: Option<&Bound<'py, PyAny>>, i: usize) -> PyResult<Option<Bound<'py, PyAny>>> {
     stack.map(|stack| stack.get_item(i)).transpose()
 }

@@ -1,4 +1,4 @@
-//! Inverse kinematics over an animated pose by the optimiser, and a skeleton's angles in poses.
+//! Numerical inverse kinematics over an animated pose, and conversion between skeleton angles and poses.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,21 +15,20 @@ use crate::solution::Solution;
 use crate::solver::Solver;
 use crate::transforms::{given, quaternion};
 
-/// Poses that are converted between two looks at signals.
+/// Number of poses between two checks for signals.
 const POSES_AT_A_TIME: usize = 256;
 
-/// Inverse kinematics over an animated pose: tasks for the tips of bones, each with a weight, on top of the
-/// pose that clips gave. Slower than a `Limb`, but for any bones, with joint limits, and several tips that
-/// share a spine. The search starts at the clip's pose, so what does not help a tip stays.
+/// Inverse kinematics over an animated pose: tasks for the tips of bones, each with a weight, on top of the pose of
+/// clips. Slower than a `Limb`, but supports any bones, joint limits, and several tips that share a spine. The search
+/// starts at the animated pose, so motion that does not help a tip is preserved.
 ///
-/// It holds what is running, so it is not pickled; calls from many threads come one after another.
+/// It holds running state, so it cannot be pickled; calls from several threads are serialised.
 ///
-/// A layer for the tips of these bones of a skeleton, all with weight 0 at first; bones that are `held`
-/// stay turned in the model as the clip has them, or are turned as asked. `solver` searches: a
-/// `kinopt.Solver` of a method that minimises, `kinopt.Solver()` unless given.
+/// A layer for the tips of these bones of a skeleton, all with weight 0 at first. Bones that are `held` keep their
+/// animated model-space rotation, or the rotation of `set_rotation`. `solver` is a `kinopt.Solver` of a method that
+/// minimises, default `kinopt.Solver()`.
 ///
-/// Raises `UnknownNameError` for a bone, `InvalidValueError` where there are none, and for a geometric
-/// method.
+/// Raises `UnknownNameError` for a bone, `InvalidValueError` without bones, and for a geometric method.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct ReachLayer {
     inner: Mutex<Reach>,
@@ -69,11 +68,10 @@ impl ReachLayer {
         })
     }
 
-    /// Sets where a bone's tip should be, shape (3,), in model coordinates, and how much of the way it goes:
-    /// from 0, where the clip has it, to 1, the target.
+    /// Sets the target of a bone's tip, shape (3,), in model coordinates, and its blend weight: from 0, the animated
+    /// position, to 1, the target.
     ///
-    /// Raises `UnknownNameError` for a bone that is none of the layer's, and `InvalidValueError` for a target
-    /// that is not finite.
+    /// Raises `UnknownNameError` for a bone outside the layer, and `InvalidValueError` for a target that is not finite.
     #[pyo3(signature = (bone, target, weight = 1.0))]
     fn set_goal(&self, bone: &str, target: &Bound<'_, PyAny>, weight: f64) -> PyResult<()> {
         let bone = self.skeleton.bone(bone).or_raise()?;
@@ -82,8 +80,7 @@ impl ReachLayer {
             .or_raise()
     }
 
-    /// Sets how a held bone should be turned in the model, `xyzw` or `wxyz` of shape (4,), and how much of the
-    /// way it goes there, from 0 to 1.
+    /// Sets the model-space rotation of a held bone, `xyzw` or `wxyz` of shape (4,), and its blend weight, from 0 to 1.
     ///
     /// Raises `UnknownNameError` for a bone that the layer does not hold.
     #[pyo3(signature = (bone, weight = 1.0, *, xyzw = None, wxyz = None))]
@@ -102,12 +99,11 @@ impl ReachLayer {
             .or_raise()
     }
 
-    /// Turns the bones of a pose so that the tips go their weights' shares of the way to their targets, within
-    /// the joints' limits. Gives the `Solution`, which says what is missed and by how much; None where all
-    /// weights are 0.
+    /// Rotates the bones of a pose so that the tips move by their weights' fractions towards their targets, within the
+    /// joint limits. Returns the `Solution`, with the errors of missed targets; None if all weights are 0.
     ///
-    /// Raises `InvalidValueError` for a pose of another armature, and for a bone that scales unevenly what
-    /// hangs on it; the pose stays as it is.
+    /// Raises `InvalidValueError` for a pose of another armature, and for a bone that scales its children
+    /// non-uniformly; the pose then does not change.
     fn apply(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Option<Solution>> {
         let pose = pose.get();
         let mut locals = pose.now();
@@ -124,10 +120,10 @@ impl ReachLayer {
     }
 }
 
-/// A skeleton's stacked angles in poses of its armature, and back.
+/// Conversion between a skeleton's stacked angles and poses of its armature.
 ///
-/// The angles of a skeleton in poses of `Armature.of_skeleton(skeleton)`, or of another armature with the
-/// same bones: the one whose skeleton it is.
+/// The armature is `Armature.of_skeleton(skeleton)`, or another armature with these bones, from which the skeleton was
+/// made.
 ///
 /// Raises `InvalidValueError` for an armature of another number of bones.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -165,10 +161,10 @@ impl PoseAngles {
         })
     }
 
-    /// The stacked angles of a pose, radians: shape (3 * bones,) for a `Pose`, (N, 3 * bones) for `Poses`.
-    /// `out` takes the result.
+    /// Stacked angles of a pose, radians: shape (3 * bones,) for a `Pose`, (N, 3 * bones) for `Poses`. `out` receives
+    /// the result.
     ///
-    /// Raises `InvalidValueError` for poses of other bones and for an `out` that does not fit.
+    /// Raises `InvalidValueError` for poses of other bones and for an `out` of another shape or type.
     #[pyo3(signature = (pose, *, out = None))]
     fn angles_of<'py>(
         &self,
@@ -197,7 +193,7 @@ impl PoseAngles {
         Ok(array)
     }
 
-    /// The pose of stacked angles, radians: a `Pose` for shape (3 * bones,), `Poses` for (N, 3 * bones);
+    /// Pose of stacked angles, radians: a `Pose` for shape (3 * bones,), `Poses` for (N, 3 * bones);
     /// translations and scales are at rest.
     ///
     /// Raises `InvalidValueError` for another shape and for angles that are not finite.

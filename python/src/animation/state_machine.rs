@@ -1,4 +1,4 @@
-//! State machines: which clips a character plays, and how one goes over into the next.
+//! Animation state machines: clips by state, with cross-fades between states.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,11 +18,10 @@ use crate::contents::text_or_bytes;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 
-/// States, transitions and the clips they play, checked. It never changes; each character that runs it has a
-/// `StateMachineRun`.
+/// Validated states, transitions and clips. Immutable; each running character has a `StateMachineRun`.
 ///
-/// Its JSON names parameters with their first values (a number, true or false, or "trigger"), the initial
-/// state, states that play clips by name, and transitions with their conditions:
+/// Its JSON names parameters with their initial values (a number, true or false, or "trigger"), the initial state,
+/// states that play clips by name, and transitions with their conditions:
 ///
 ///     {"parameters": {"speed": 0.0, "hit": "trigger", "dead": false},
 ///      "initial": "idle",
@@ -33,14 +32,14 @@ use crate::pickling;
 ///         {"from": "blow", "to": "idle", "seconds": 0.25, "after": 0.8, "easing": "quadratic_in_out"},
 ///         {"to": "idle", "seconds": 0.3, "when": [{"parameter": "speed", "above": 0.5}]}]}
 ///
-/// A transition without "from" leads from every state; "seconds" is how long its cross-fade takes, "after" the
-/// share of the clip that must have played; a condition is "is", "above" or "below" a value, and nothing for a
-/// trigger. "playback" is "hold", "loop" or "ping_pong", "speed" a factor.
+/// A transition without "from" leaves any state; "seconds" is the duration of its cross-fade, "after" the fraction of
+/// the clip that must have played; a condition is "is", "above" or "below" a value, and nothing for a trigger.
+/// "playback" is "hold", "loop" or "ping_pong", "speed" a factor.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct StateMachine {
     inner: Arc<Machine>,
     armature: Arc<Bones>,
-    /// What it was read from.
+    /// JSON text of the machine.
     json: Vec<u8>,
     file: String,
     clips: Vec<Py<Clip>>,
@@ -74,10 +73,10 @@ impl StateMachine {
 
 #[pymethods]
 impl StateMachine {
-    /// Reads a state machine's JSON file that plays these clips, all of one armature.
+    /// Reads the JSON file of a state machine that plays these clips, all of one armature.
     ///
-    /// Raises `FileError` where it cannot be opened, `InvalidFileError` naming the file and a path in it such
-    /// as `transitions[2].to`.
+    /// Raises `FileError` if the file cannot be opened, `InvalidFileError` with the file and a path in it such as
+    /// `transitions[2].to`.
     #[classmethod]
     fn read(
         class: &Bound<'_, PyType>,
@@ -89,9 +88,9 @@ impl StateMachine {
         Self::make(class.py(), json, file, clips)
     }
 
-    /// Reads a state machine from its JSON, a text or bytes; `name` is what messages call it.
+    /// Reads a state machine from JSON, a text or bytes; `name` is its name in messages.
     ///
-    /// Raises `InvalidFileError` naming a path in it such as `transitions[2].to`.
+    /// Raises `InvalidFileError` with a path in it such as `transitions[2].to`.
     #[classmethod]
     #[pyo3(signature = (data, clips, name = "state_machine.json"))]
     fn from_bytes(
@@ -108,19 +107,19 @@ impl StateMachine {
         )
     }
 
-    /// The states' names.
+    /// Names of the states.
     #[getter]
     fn states(&self) -> Vec<&str> {
         self.inner.states().collect()
     }
 
-    /// The clips that it may play.
+    /// Clips of the machine.
     #[getter]
     fn clips(&self, py: Python<'_>) -> Vec<Py<Clip>> {
         self.clips.iter().map(|clip| clip.clone_ref(py)).collect()
     }
 
-    /// The armature of its clips.
+    /// Armature of its clips.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
@@ -137,10 +136,10 @@ impl StateMachine {
     }
 }
 
-/// Where one character is in a machine: its parameters, the state it is in, and the cross-fade that is under
-/// way. It holds what is running, so it is not pickled.
+/// State of one character in a machine: its parameters, its current state, and the current cross-fade. It holds running
+/// state, so it cannot be pickled.
 ///
-/// A character in the machine's initial state.
+/// The character starts in the machine's initial state.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct StateMachineRun {
     inner: Mutex<Run>,
@@ -148,14 +147,14 @@ pub(crate) struct StateMachineRun {
 }
 
 impl StateMachineRun {
-    /// Does something with it that makes no Python objects.
+    /// Calls a function that creates no Python objects, with the run locked.
     fn with<T>(&self, run: impl FnOnce(&mut Run) -> T) -> T {
         run(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// An event of a clip that a state machine went by: the state and the clip whose it is, the event's name and
-/// its time in the clip, and how much of the pose was that clip's at that moment.
+/// Event of a clip: the state, the clip, the name of the event, its time in the clip, and the weight of the clip at
+/// that time.
 type Heard = (String, String, String, f32, f32);
 
 #[pymethods]
@@ -170,11 +169,11 @@ impl StateMachineRun {
         })
     }
 
-    /// Goes on by so many seconds: plays the clips, takes transitions at the moments at which they may be
-    /// taken, and blends. A long step ends where many short ones do.
+    /// Advances by `seconds`: plays the clips, takes transitions at the times when they become possible, and blends.
+    /// The result does not depend on the step size.
     ///
-    /// Gives the events of clips that were passed, at most 1024 of them: [(state, clip, event, time in the
-    /// clip, weight), ...]. Seconds below 0 count as 0.
+    /// Returns the events of the played clips, at most 1024 of them: [(state, clip, event, time in the clip, weight),
+    /// ...]. Negative seconds count as 0.
     ///
     /// Raises `InvalidValueError` for seconds that are not finite.
     fn update(&self, py: Python<'_>, seconds: f64) -> PyResult<Vec<Heard>> {
@@ -197,57 +196,56 @@ impl StateMachineRun {
         Ok(heard)
     }
 
-    /// The pose as of the last update; a new one each time.
+    /// Pose after the last update, as a new object.
     #[getter]
     fn pose(&self) -> Pose {
         Pose::of(&self.armature, self.with(|run| run.pose().clone()))
     }
 
-    /// The state that it is in or on the way to.
+    /// Current state, or the target state of a cross-fade.
     #[getter]
     fn state(&self) -> String {
         self.with(|run| run.state().to_owned())
     }
 
-    /// How long it has been in that state, in seconds, from the start of the cross-fade to it.
+    /// Time in that state, in seconds, from the start of the cross-fade to it.
     #[getter]
     fn seconds(&self) -> f64 {
         self.with(|run| run.seconds())
     }
 
-    /// How many times through that state's clips have played since it was entered: 0.5 is half of it.
+    /// Number of plays of that state's clip since it was entered: 0.5 is half of it.
     #[getter]
     fn played(&self) -> f64 {
         self.with(|run| run.played())
     }
 
-    /// The names of that state's clips that play now, with their weights: [(clip, weight), ...].
+    /// Names of that state's clips in playback, with their weights: [(clip, weight), ...].
     #[getter]
     fn playing(&self) -> Vec<(String, f32)> {
         let named = |(clip, weight): (&str, f32)| (clip.to_owned(), weight);
         self.with(|run| run.playing().map(named).collect())
     }
 
-    /// How far the cross-fade to the state is, as the share of its time within [0, 1); None without one.
+    /// Progress of the cross-fade to the state, within [0, 1); None without one.
     #[getter]
     fn fading(&self) -> Option<f32> {
         self.with(|run| run.fading())
     }
 
-    /// The state that a cross-fade comes from; None without one, or where it comes from the pose in which
-    /// another one was broken off.
+    /// Source state of a cross-fade; None without one, or if it starts from the pose of an interrupted cross-fade.
     #[getter]
     fn leaving(&self) -> Option<String> {
         self.with(|run| run.leaving().map(str::to_owned))
     }
 
-    /// Whether the last update passed more events than it told.
+    /// True if the last update passed more events than it returned.
     #[getter]
     fn events_left_out(&self) -> bool {
         self.with(|run| run.events_left_out())
     }
 
-    /// All parameters with their values now: {name: number or bool}; a trigger is True until it is taken.
+    /// All parameters with their current values: {name: number or bool}; a trigger is True until a transition uses it.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all: Vec<(String, ParameterValue)> = self.with(|run| {
@@ -281,14 +279,14 @@ impl StateMachineRun {
         self.with(|run| run.set_flag(name, value)).or_raise()
     }
 
-    /// Sets a trigger, until a transition takes it.
+    /// Sets a trigger, until a transition uses it.
     ///
     /// Raises `UnknownNameError`, which lists the triggers.
     fn trigger(&self, name: &str) -> PyResult<()> {
         self.with(|run| run.trigger(name)).or_raise()
     }
 
-    /// Takes a trigger back that no transition has taken.
+    /// Clears a trigger that no transition has used.
     ///
     /// Raises `UnknownNameError`, which lists the triggers.
     fn clear_trigger(&self, name: &str) -> PyResult<()> {

@@ -1,4 +1,4 @@
-//! The arm, and single questions to it.
+//! The arm and its single queries.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -27,50 +27,49 @@ use crate::solution::{Collision, Solution};
 use crate::srdf::Srdf;
 use crate::world::World;
 
-/// An arm that answers pose questions: base, tip and target in, joint values out.
+/// An arm that solves pose queries: joint values from base, tip and target.
 ///
-/// It never changes and may be asked from many threads. Everywhere here a configuration has one number a
-/// free joint between base and tip, in that order (`joint_names`), radians or metres; targets are
-/// base_from_tool: 4 x 4 arrays, metres (or objects with `homogeneous`, `as_matrix()` or `A`).
+/// It is immutable and thread-safe. In all its methods a configuration has one number for each free joint between base
+/// and tip, in that order (`joint_names`), radians or metres. Targets are base_from_tool: 4 x 4 arrays, metres (or
+/// objects with `homogeneous`, `as_matrix()` or `A`).
 ///
-/// `robot` is a `Robot` or a `Model`; `base` and `tip` are frames of it, None for `base` is the world. Options,
-/// each None for its default:
+/// `robot` is a `Robot` or a `Model`; `base` and `tip` are frames of it, None for `base` is the world. Options, each
+/// None for its default:
 ///
-/// tool: the tool's placement on the tip, 4 x 4, metres. Default: the tip itself.
-/// goal: which components of the pose count, and how exactly, a `Goal`. Default: the full pose.
+/// tool: placement of the tool relative to the tip, 4 x 4, metres. Default: the tip itself.
+/// goal: goal bounds, a `Goal`. Default: the full pose.
 /// search: "start" (the solution of the attempt from the start; other attempts only if that fails), "first" (the
-///     quickest) or "nearest" (the nearest to the start). Default: "start".
+///     fastest) or "nearest" (the nearest to the start). Default: "start".
 /// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
-/// metres_per_radian: how many metres weigh as much as a radian. Default: a quarter of the arm's reach.
-/// locked: {joint: value}, locked there, radians or metres; up to 1e-3 outside the limits is clamped, as in `held`. Default: none.
-/// only: names of the joints that are free; all others are held at `held`, a configuration of the model,
-///     shape (model's dof,), clamped into the limits. Default: all between base and tip; the neutral
-///     configuration.
-/// joint_weights: what a radian or metre of each joint counts as in joint distances, shape (dof,), above 0.
-///     Default: 1 each.
-/// max_move: how far each joint may be from its start, shape (dof,), radians or metres; a hard bound. Default:
+/// metres_per_radian: distance that weighs as much as a radian, metres. Default: a quarter of the arm's reach.
+/// locked: {joint: value}, radians or metres; up to 1e-3 outside the limits is clamped, as in `held`. Default: none.
+/// only: names of the free joints; all others are locked at `held`, a configuration of the model, shape (model's dof,),
+///     clamped into the limits. Default: all between base and tip; the neutral configuration.
+/// joint_weights: weight of a radian or metre of each joint in joint distances, shape (dof,), above 0. Default: 1 each.
+/// max_move: largest displacement of each joint from its start, shape (dof,), radians or metres; a hard bound. Default:
 ///     inf.
-/// posture: the configuration that a redundant arm prefers, shape (dof,), radians or metres. Default: none.
-/// attempts: most attempts of a question, at least 1. Default: 200.
-/// iterations: no attempt begins after so many of all attempts together, at least 1. Default: 2600, or none
-///     where `attempts` is given.
-/// global_search_on_miss: whether a miss is answered by the best of all attempts, wherever that is. Default:
-///     False, the nearest place on the start's own way.
-/// limit_avoidance: how strongly joints keep clear of their limits on paths, radians, at least 0. Default: 4.
-/// time_limit: seconds a question. Default: none; with one, answers may differ from run to run.
-/// seed: of the attempts after the first. Default: 0.
+/// posture: nominal posture of a redundant arm, shape (dof,), radians or metres. Default: none.
+/// attempts: largest number of attempts for a query, at least 1. Default: 200.
+/// iterations: no attempt begins once all attempts together have used this many, at least 1. Default: 2600, or none if
+///     `attempts` is given.
+/// global_search_on_miss: on a miss, return the best of all attempts on any branch. Default: False, the closest pose on
+///     the branch of the start.
+/// limit_avoidance: strength of joint limit avoidance on paths, radians, at least 0. Default: 4.
+/// time_limit: seconds for a query. Default: none; with a time limit, results may differ from run to run.
+/// seed: seed of the attempts after the first. Default: 0.
 /// srdf: an `Srdf` of the robot, whose state "ready" or "home" is `default_start`. Default: none.
-/// world: a `World` to keep clear of, as it is now; also of the arm's own robot. A solution is then reached only if
-///     nothing touches, by the exact distances of the robot's collision shapes (`solution.collisions`); paths touch
-///     nothing between their points either. `with_world` takes another. Default: nothing is in the way.
-/// margin: how far all is to be apart at least, metres, at least 0; without a `world` of the robot's own links.
-///     Default: 0.
-/// collision_model: a `CollisionModel` of the robot, whose shapes and pairs count for `world` and `margin`. Default: that of
-///     `robot`, without the pairs that cannot touch, or always do in a thousand random configurations.
-/// atlas: whether restarts begin from a table of seeds (35 ms to make, once). Default: True.
+/// world: a `World` to avoid collisions with, copied at this moment; the arm then also avoids collisions with its own
+///     robot. A solution is then reached only if it is collision-free by the exact distances of the robot's collision
+///     shapes (`solution.collisions`). Paths are collision-free between their points too. `with_world` replaces it.
+///     Default: no obstacles.
+/// margin: smallest distance of all pairs, metres, at least 0; without a `world`, of the links of the robot. Default:
+///     0.
+/// collision_model: a `CollisionModel` of the robot, with the shapes and pairs for `world` and `margin`. Default: that
+///     of `robot`, without the pairs that are never, or in a thousand random configurations always, in contact.
+/// atlas: start attempts from a precomputed table of seeds (35 ms to compute, once). Default: True.
 ///
-/// Raises `UnknownNameError` for frames, joints and options that do not exist, `InvalidValueError` for
-/// options out of range, and where nothing between base and tip can move.
+/// Raises `UnknownNameError` for unknown frames, joints and options, `InvalidValueError` for options out of range, and
+/// if no joint between base and tip can move.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Arm {
     pub(crate) inner: Arc<kinopt::Arm>,
@@ -78,14 +77,14 @@ pub(crate) struct Arm {
     base: Option<String>,
     tip: String,
     options: Py<PyDict>,
-    /// The last search for distinct solutions, as it is often asked for again.
+    /// Arm of the last search for distinct solutions, kept for repeated queries.
     distinct: Mutex<Option<(Search, Arc<kinopt::Arm>)>>,
-    /// Compiled when it is first asked for.
+    /// Compiled at the first query.
     jacobian: OnceLock<Pool<Jacobian>>,
 }
 
 impl Arm {
-    /// The same arm, changed, with one option told anew.
+    /// The arm `inner` with the new value of one option.
     fn changed(
         &self,
         py: Python<'_>,
@@ -106,7 +105,7 @@ impl Arm {
         })
     }
 
-    /// The arm that searches for several solutions.
+    /// Returns the arm that searches for several solutions.
     fn searching(&self, search: Search) -> PyResult<Arc<kinopt::Arm>> {
         let mut kept = self.distinct.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((known, arm)) = &*kept {
@@ -119,7 +118,7 @@ impl Arm {
         Ok(arm)
     }
 
-    /// The start given, or the default one.
+    /// Returns the given start, or the default one.
     fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         match start {
             Some(start) => {
@@ -155,7 +154,7 @@ impl Arm {
         let obstacles = Obstacles::of(&options)?;
         let held = options.get_item("held")?.filter(|held| !held.is_none());
         let held = held.map(|held| arrays::copied(&held, "held")).transpose()?;
-        // Arrays in it may be changed later by who made them.
+        // The caller may change arrays in it later.
         let options = py.import("copy")?.call_method1("deepcopy", (options,))?;
         let options = options.cast_into::<PyDict>()?;
         let from = match &base {
@@ -217,7 +216,7 @@ impl Arm {
         arrays::frozen(py, self.inner.limits().map(|limits| limits.upper))
     }
 
-    /// Highest speeds of the free joints, shape (dof,), rad/s or m/s; inf for none.
+    /// Velocity limits of the free joints, shape (dof,), rad/s or m/s; inf for none.
     #[getter]
     fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.velocity_limits().iter().copied())
@@ -237,21 +236,21 @@ impl Arm {
         arrays::frozen(py, self.inner.jerk_limits().iter().copied())
     }
 
-    /// The start of `solve`, `solve_batch`, `distinct`, `track` and `follower` without one, shape (dof,), radians or metres: the
-    /// state "ready" or "home" of `srdf`, else the middle of each joint's limits, or the value closest to 0 for a joint that
-    /// has no limit on one side.
+    /// The start of `solve`, `solve_batch`, `distinct`, `track` and `follower` without one, shape (dof,), radians or
+    /// metres. It is the state "ready" or "home" of `srdf`, else the middle of each joint's limits, or the value
+    /// closest to 0 for a joint without a limit on one side.
     #[getter]
     fn default_start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.default_start().iter().copied())
     }
 
-    /// What the arm was made of: a `Robot`, or a `Model`.
+    /// The `Robot` or `Model` of the arm.
     #[getter]
     fn robot(&self, py: Python<'_>) -> Py<PyAny> {
         self.mechanism.clone_ref(py)
     }
 
-    /// The frame that targets are in; None for the world.
+    /// Frame of the targets; None for the world.
     #[getter]
     fn base(&self) -> Option<&str> {
         self.base.as_deref()
@@ -263,11 +262,11 @@ impl Arm {
         &self.tip
     }
 
-    /// The same arm in another world, as that is now, or with another margin (metres; None for the same): tens of
-    /// microseconds, as the seed atlas is shared.
+    /// The arm with another world, copied at this moment, or another margin (metres; None keeps it). Takes tens of
+    /// microseconds, because the seed atlas is shared.
     ///
-    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, for a margin
-    /// out of range, and for an obstacle that is attached to a frame that the robot does not have.
+    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, for a margin out of
+    /// range, and for an obstacle that is attached to an unknown frame.
     #[pyo3(signature = (world, margin=None))]
     fn with_world(
         &self,
@@ -283,22 +282,22 @@ impl Arm {
         Ok(changed)
     }
 
-    /// The pairs that are nearer to each other than the margin at `q` (shape (dof,)), the deepest first: `Collision`s.
+    /// Pairs nearer to each other than the margin at `q` (shape (dof,)), the deepest first: `Collision`s.
     ///
-    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, of which it is not known what it
-    /// touches, for another shape and for numbers that are not finite.
+    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, for another shape and
+    /// for numbers that are not finite.
     fn collisions(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
         let q = arrays::vector_of(q, "q", self.inner.joint_count())?;
         let pairs = self.inner.collisions(&q).or_raise()?;
         Ok(pairs.into_iter().map(Collision::from).collect())
     }
 
-    /// Which configurations, shape (N, dof), are surely clear, shape (N,): the spheres that cover the links come nowhere nearer than the
-    /// margin. Eight are checked at once, far faster than by `collisions`; where the spheres stick out of the shapes, one that is not
-    /// clear by them may still be free.
+    /// True for each configuration, shape (N, dof), that is proven collision-free, shape (N,): the spheres that cover
+    /// the links keep the margin. Eight are checked at once, far faster than by `collisions`. False proves nothing,
+    /// because the spheres protrude from the shapes.
     ///
-    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, of which it is not known what it
-    /// touches, for another shape and for numbers that are not finite.
+    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, for another shape and
+    /// for numbers that are not finite.
     fn clear_by_spheres<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let (py, dof) = (q.py(), self.inner.joint_count());
         let q = arrays::rows(q, "q", dof)?;
@@ -309,11 +308,11 @@ impl Arm {
         Ok(PyArray1::from_vec(py, clear))
     }
 
-    /// The tool's Jacobian: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
+    /// Jacobian of the tool: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
     ///
-    /// Rows are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the
-    /// base's axes; columns the free joints, with those that follow them. Raises `InvalidValueError` for
-    /// another shape and for numbers that are not finite.
+    /// Rows are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the axes of the
+    /// base; columns are the free joints, with their mimic joints. Raises `InvalidValueError` for another shape and for
+    /// numbers that are not finite.
     fn jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pool = match self.jacobian.get() {
             Some(pool) => pool,
@@ -325,11 +324,11 @@ impl Arm {
         jacobians(q, pool, 1)
     }
 
-    /// How the solution `q` (shape (dof,)) moves with its target (4 x 4, metres): an `ArmDerivative`, whose
-    /// `by_target` has shape (dof, 6); for (N, dof) and (N, 4, 4) shape (N, dof, 6).
+    /// Derivative of the solution `q` (shape (dof,)) with respect to its target (4 x 4, metres): an `ArmDerivative`,
+    /// whose `by_target` has shape (dof, 6); for (N, dof) and (N, 4, 4) shape (N, dof, 6).
     ///
-    /// By the implicit function theorem, at the limits that hold the solution, reached or not. Look at `existence`
-    /// before it is trusted. Raises `InvalidValueError` as `solve` does, and for other shapes.
+    /// Computed by the implicit function theorem with the active limits of the solution, reached or not. Check
+    /// `existence` before use. Raises `InvalidValueError` as `solve` does, and for other shapes.
     fn derivative(
         &self,
         target: &Bound<'_, PyAny>,
@@ -338,7 +337,7 @@ impl Arm {
         derivative::derivative(&self.inner, target, q)
     }
 
-    /// Where the tool stands: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
+    /// Pose of the tool: base_from_tool, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn base_from_tool<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -361,12 +360,11 @@ impl Arm {
 
     /// Solves for one target from one start: a `Solution`, reached or not.
     ///
-    /// `target` is base_from_tool (4 x 4, metres), `start` a configuration of shape (dof,), outside the
-    /// limits or not; None is `default_start`.
+    /// `target` is base_from_tool (4 x 4, metres). `start` is a configuration of shape (dof,), inside or outside the
+    /// limits; None is `default_start`.
     ///
-    /// Raises `InvalidValueError` for a target that is no rigid motion to 1e-6, and for a start of another
-    /// length or one that is not finite. A target out of reach is no error: see `Solution.reached` and
-    /// `Solution.explain`.
+    /// Raises `InvalidValueError` for a target that is not a rigid motion to 1e-6, and for a start of another length or
+    /// one that is not finite. A target that is not reached is no error: see `Solution.reached` and `Solution.explain`.
     #[pyo3(signature = (target, start = None))]
     fn solve(
         &self,
@@ -383,11 +381,10 @@ impl Arm {
         Ok(Solution::from(solution.or_raise()?))
     }
 
-    /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than
-    /// `distance` (weighted joint distance, radians); an empty list where the target is out of reach.
+    /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
+    /// joint distance, radians); an empty list if the target is not reached.
     ///
-    /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a distance that is no number of at
-    /// least 0.
+    /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a negative `distance` or NaN.
     #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
     fn distinct(
         &self,
@@ -404,17 +401,17 @@ impl Arm {
         Ok(solutions.into_iter().map(Solution::from).collect())
     }
 
-    /// Solves many targets: a `Batch` of arrays.
+    /// Solves a batch of targets: a `Batch` of arrays.
     ///
-    /// `targets` has shape (N, 4, 4), or is a list of placements; `starts` shape (N, dof), or (dof,) for
-    /// one start of all; None is `default_start`. What a target gives depends on
-    /// nothing but itself and its start: q and errors are `solve`'s bit for bit, on any number of
-    /// `threads` (None: all cores), but for the search "first", where the lowest attempt wins and not the
-    /// quickest. `out` is a float64 array of shape (N, dof) that takes the configurations. `progress` is
-    /// called with (done, total) now and then; True shows a bar, if tqdm is installed. Ctrl-C stops it.
+    /// `targets` has shape (N, 4, 4), or is a list of placements; `starts` has shape (N, dof), or (dof,) for a common
+    /// start; None is `default_start`. Each result depends only on its target and start: q and errors equal those of
+    /// `solve` exactly, on any number of `threads` (None: all cores). With the search "first", the lowest attempt is
+    /// selected instead of the fastest. `out` is a float64 array of shape (N, dof) for the configurations. `progress`
+    /// is called with (done, total) from time to time; True shows a progress bar if tqdm is installed. Ctrl-C
+    /// interrupts the computation.
     ///
-    /// Raises `InvalidValueError`, which names the target, as `solve` does; for starts of another shape, and
-    /// for an `out` that does not fit.
+    /// Raises `InvalidValueError`, which names the target, as `solve` does; for starts of another shape, and for an
+    /// `out` of another shape or type.
     #[pyo3(signature = (targets, starts = None, threads = 1, *, out = None, progress = None))]
     fn solve_batch<'py>(
         slf: &Bound<'py, Self>,
@@ -431,8 +428,8 @@ impl Arm {
         batch::solve(slf, targets, &starts, threads, out, progress)
     }
 
-    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start` on one branch where there is one:
-    /// a `Track`, which tells every step in which a joint moves further than 0.2 rad.
+    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch as far as possible: a `Track`,
+    /// which lists every step in which a joint moves farther than 0.2 rad.
     ///
     /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
@@ -450,7 +447,7 @@ impl Arm {
         Track::new(py, &self.inner, track)
     }
 
-    /// A `Follower` that stands at `start`, for a path whose targets come one at a time.
+    /// A `Follower` at `start`, for a path whose targets come one at a time.
     ///
     /// Raises `InvalidValueError` for a start of another length or one that is not finite.
     #[pyo3(signature = (start = None))]
@@ -460,15 +457,18 @@ impl Arm {
 
     /// A `Servo` at `start` that takes a target every `time_step` seconds.
     ///
-    /// `velocity_limits`, `acceleration_limits`, `jerk_limits`: shape (dof,), rad/s, rad/s², rad/s³ or m/s, m/s², m/s³, inf for none.
-    /// Default: those of the robot's files. They hold in every cycle for the differences of the commanded positions.
+    /// `velocity_limits`, `acceleration_limits`, `jerk_limits`: shape (dof,), rad/s, rad/s², rad/s³ or m/s, m/s², m/s³,
+    /// inf for none. Default: those of the robot's files. They hold in every cycle for the differences of the commanded
+    /// positions.
     /// `velocity`, `acceleration`: shape (dof,), the motion at the start; default at rest.
-    /// `straight_line`: keeps the tool on the straight line to its target, slower rather than off it.
-    /// `damping`: a motion of the tool that needs this many radians of joint motion a radian is made at half of its speed;
-    /// default 0.01.
+    /// `straight_line`: moves the tool on the straight line to its target, and reduces its speed rather than leave the
+    /// line.
+    /// `damping`: a tool motion that requires this many radians of joint motion for each radian runs at half of its
+    /// speed; default 0.01.
     ///
-    /// Raises `InvalidValueError` for a start of another length or not finite, a time step that is not a positive number, limits or a
-    /// damping out of range, and a joint whose motion violates a limit or which cannot brake before a position limit.
+    /// Raises `InvalidValueError` for a start of another length or not finite, a time step that is not a positive
+    /// number, limits or a damping out of range, and a joint whose motion violates a limit or which cannot brake before
+    /// a position limit.
     #[pyo3(signature = (start, time_step, *, velocity_limits = None, acceleration_limits = None, jerk_limits = None, velocity = None, acceleration = None, straight_line = false, damping = None))]
     #[allow(clippy::too_many_arguments)]
     fn servo(
@@ -500,9 +500,9 @@ impl Arm {
         Servo::new(Arc::clone(&self.inner), &start, time_step, &options)
     }
 
-    /// The same arm with another tool on its tip (4 x 4, metres), at once: the table of seeds is shared.
+    /// The arm with another tool on its tip (4 x 4, metres). Fast, because the table of seeds is shared.
     ///
-    /// Raises `InvalidValueError` for what is no rigid motion.
+    /// Raises `InvalidValueError` for a placement that is not rigid.
     fn with_tool(&self, tip_from_tool: &Bound<'_, PyAny>) -> PyResult<Self> {
         let arm = self
             .inner
@@ -511,16 +511,16 @@ impl Arm {
         self.changed(tip_from_tool.py(), arm, "tool", tip_from_tool)
     }
 
-    /// The same arm with another goal, at once.
+    /// The arm with another goal. Fast, because the table of seeds is shared.
     ///
-    /// Raises `InvalidValueError` for a goal that does not go with the arm's other options.
+    /// Raises `InvalidValueError` for a goal that is incompatible with the arm's other options.
     fn with_goal(&self, goal: &Bound<'_, Goal>) -> PyResult<Self> {
         let arm = self.inner.with_goal(goal.get().inner).or_raise()?;
         self.changed(goal.py(), arm, "goal", goal)
     }
 
-    /// Writes the arm's joints `q` (shape (dof,)) into a configuration of the whole model, with joints
-    /// that follow: a new array of shape (model's dof,), whose other numbers are those of `q_model`.
+    /// Writes the arm's joints `q` (shape (dof,)) and their mimic joints into a configuration of the whole model: a new
+    /// array of shape (model's dof,), whose other numbers are those of `q_model`.
     ///
     /// Raises `InvalidValueError` for other lengths.
     fn configuration<'py>(
@@ -534,7 +534,7 @@ impl Arm {
         Ok(arrays::list(q.py(), &whole))
     }
 
-    /// Reads the arm's joints out of a configuration of the whole model: shape (dof,).
+    /// Reads the arm's joints from a configuration of the whole model: shape (dof,).
     ///
     /// Raises `InvalidValueError` for another length.
     fn joint_values<'py>(
@@ -570,7 +570,7 @@ impl Arm {
     }
 }
 
-/// The arm that starts at a state of an SRDF file.
+/// Returns the arm whose default start is a group state of an SRDF file.
 fn with_srdf(arm: kinopt::Arm, srdf: &Bound<'_, PyAny>) -> PyResult<kinopt::Arm> {
     match srdf.cast::<Srdf>() {
         Ok(srdf) => Ok(arm.with_srdf(srdf.get().inner())),

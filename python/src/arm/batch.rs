@@ -1,4 +1,4 @@
-//! Many targets at once.
+//! Batches of targets.
 
 use kinopt::Arm;
 use kinopt::arm::{PoseOutcome, QueryError};
@@ -17,31 +17,30 @@ use crate::progress::Progress;
 use crate::solution::Solution;
 use crate::threads;
 
-/// Targets between two looks at signals, a thread.
+/// Targets of a thread between two checks for signals.
 const PIECE: usize = 2048;
 
-/// The solutions of many targets, as arrays: item i of each belongs to target i.
+/// Solutions of a batch of targets, as arrays: item i of each belongs to target i.
 ///
-/// `batch[i]` is the whole `Solution` of target i, found once more, which gives the same q bit for bit
-/// (without a time limit) and says what `solve` says. A slice, a mask or a list of numbers takes a part of
-/// the batch: `batch[~batch.reached]` are the misses. The targets and starts are kept where they lie: change
-/// those arrays, and `batch[i]` answers what they hold then.
+/// `batch[i]` is the whole `Solution` of target i, computed again with exactly the same q (without a time limit). A
+/// slice, a mask or a list of numbers selects a part of the batch: `batch[~batch.reached]` are the misses. The arrays
+/// of targets and starts are not copied: changes to them change the result of `batch[i]`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Batch {
-    /// Which also knows how it is built again.
+    /// The arm, with the data that rebuild it.
     arm: Py<super::Arm>,
     /// Shape (N, 4, 4).
     targets: Py<PyAny>,
-    /// Shape (N, dof), or (dof,) for one start of all.
+    /// Shape (N, dof), or (dof,) for a common start.
     starts: Py<PyAny>,
     count: usize,
     /// Shape (N, dof), radians or metres, each within its limits.
     #[pyo3(get)]
     q: Py<PyArray2<f64>>,
-    /// Shape (N,), bool: whether each target is reached within the tolerances.
+    /// Shape (N,), bool: true for each target that is reached within the tolerances.
     #[pyo3(get)]
     reached: Py<PyArray1<bool>>,
-    /// Shape (N,), metres: how far the tool is from its target at q.
+    /// Shape (N,), metres: distance of the tool from its target at q.
     #[pyo3(get)]
     position_error: Py<PyArray1<f64>>,
     /// Shape (N,), radians: the angle between the tool and its target at q.
@@ -50,12 +49,12 @@ pub(crate) struct Batch {
     /// Shape (N,), uint32: iterations of all attempts together.
     #[pyo3(get)]
     iterations: Py<PyArray1<u32>>,
-    /// Shape (N,), uint32: attempts begun.
+    /// Shape (N,), uint32: number of attempts.
     #[pyo3(get)]
     attempts: Py<PyArray1<u32>>,
 }
 
-/// What a batch is rebuilt of, besides its arm: targets, starts, and its arrays in the order of its fields.
+/// Data that rebuild a batch, next to its arm: targets, starts, and its arrays in the order of its fields.
 type Parts = (
     Py<PyAny>,
     Py<PyAny>,
@@ -65,7 +64,7 @@ type Parts = (
     [Py<PyArray1<u32>>; 2],
 );
 
-/// One start a target, or one for all.
+/// One start for each target, or a common one.
 enum Starts<'py> {
     Each(Rows<'py>),
     Same(Vector<'py>),
@@ -86,7 +85,7 @@ impl<'py> Starts<'py> {
         }
     }
 
-    /// The array that they lie in, for keeping.
+    /// Returns the array object, to store it.
     fn keep(&self) -> Py<PyAny> {
         match self {
             Self::Each(rows) => rows.keep(),
@@ -94,7 +93,7 @@ impl<'py> Starts<'py> {
         }
     }
 
-    /// The starts of some targets, in `memory` where they have to be written out.
+    /// Starts of a range of targets; a common start is repeated in `memory`.
     fn of<'a>(&'a self, first: usize, count: usize, memory: &'a mut Vec<f64>) -> &'a [f64] {
         match self {
             Self::Each(rows) => {
@@ -210,7 +209,7 @@ fn solve_all(
     Ok(())
 }
 
-/// An error of a piece, with the number that its query has among all.
+/// Changes the index of an error from that in a piece to that in the batch.
 fn counted_from(first: usize, error: QueryError) -> QueryError {
     match error {
         QueryError::StartNotFinite {
@@ -259,7 +258,7 @@ impl Batch {
         py.detach(|| arm.solve(target, start)).or_raise()
     }
 
-    /// The batch of some of the targets.
+    /// Returns the batch of some of the targets.
     fn some(&self, py: Python<'_>, places: &[usize]) -> PyResult<Self> {
         let count = places.len();
         let places = places.iter().map(|&place| place as i64);
@@ -285,7 +284,7 @@ impl Batch {
     }
 }
 
-/// Some rows of a column.
+/// Selects rows of a column.
 fn taken<T: numpy::Element, D: Dimension>(
     column: &Py<PyArray<T, D>>,
     places: &Bound<'_, PyArray1<i64>>,
@@ -296,9 +295,9 @@ fn taken<T: numpy::Element, D: Dimension>(
 
 #[pymethods]
 impl Batch {
-    /// What `Solution.explain` says of target `i`; without `i` a list for all.
+    /// Text of `Solution.explain` for target `i`; without `i` a list for all.
     ///
-    /// Raises `IndexError` for a target that there is not.
+    /// Raises `IndexError` for an index out of range.
     #[pyo3(signature = (i = None))]
     fn explain<'py>(&self, py: Python<'py>, i: Option<isize>) -> PyResult<Bound<'py, PyAny>> {
         let text = |i| Ok(self.solution(py, i)?.explain());

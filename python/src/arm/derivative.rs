@@ -1,4 +1,4 @@
-//! How an arm's solutions move with their targets.
+//! Derivatives of an arm's solutions with respect to their targets.
 
 use kinopt::arm::ArmDerivative as Derivative;
 use numpy::ndarray::IxDyn;
@@ -9,11 +9,11 @@ use crate::arrays::{self, axes};
 use crate::error::{OrRaise, invalid};
 use crate::placement::{placement, placements};
 
-/// The derivative of an arm's solution by its target, or of N solutions by theirs.
+/// The derivative of an arm's solution with respect to its target, or of N solutions.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ArmDerivative {
-    /// Shape (dof, 6), or (N, dof, 6): radians and metres for moving the target along (metres) and turning it
-    /// about (radians) its own axes.
+    /// Shape (dof, 6), or (N, dof, 6): radians and metres, for translation of the target along its own axes (metres)
+    /// and rotation about them (radians).
     #[pyo3(get)]
     by_target: Py<PyArray<f64, IxDyn>>,
     existence: Vec<&'static str>,
@@ -22,9 +22,9 @@ pub(crate) struct ArmDerivative {
 
 #[pymethods]
 impl ArmDerivative {
-    /// Whether it exists: "unique"; "shortest_of_many", where the arm has more joints than the goal asks for and
-    /// the shortest change is told; or why there is none: "on_limit", "at_kink", "singular", "not_stationary",
-    /// "not_finite". A list of N for many.
+    /// Differentiability: "unique"; "shortest_of_many", if the arm is redundant for the goal and the derivative is the
+    /// shortest change; or the reason why no derivative exists: "on_limit", "at_kink", "singular", "not_stationary",
+    /// "not_finite". A list for N solutions.
     #[getter]
     fn existence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(match self.existence.as_slice() {
@@ -33,7 +33,7 @@ impl ArmDerivative {
         })
     }
 
-    /// Whether the solution is a smooth function of its target here: a bool, or an array of N.
+    /// True if the solution is a smooth function of its target here: a bool, or an array of N.
     #[getter]
     fn is_unique<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut all = self.existence.iter().map(|own| *own == "unique");
@@ -54,7 +54,7 @@ impl ArmDerivative {
     }
 }
 
-/// Reads targets and solutions, one of each or many.
+/// Computes the derivative of one solution and target, or of several.
 pub(super) fn derivative(
     arm: &kinopt::Arm,
     target: &Bound<'_, PyAny>,

@@ -1,4 +1,4 @@
-//! Paths whose targets come one at a time.
+//! Followers of paths whose targets come one at a time.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,7 +15,7 @@ use crate::solution::Solution;
 use kinopt::arm::Follower as Following;
 
 self_cell!(
-    /// A follower and the arm it moves.
+    /// A follower and its arm.
     struct Cell {
         owner: Arc<kinopt::Arm>,
         #[covariant]
@@ -40,16 +40,16 @@ impl Follower {
 
 #[pymethods]
 impl Follower {
-    /// Where the last step ended, shape (dof,), radians or metres.
+    /// Configuration at the end of the last step, shape (dof,), radians or metres.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
         arrays::list(py, cell.borrow_dependent().q())
     }
 
-    /// Goes on to the next target (4 x 4, metres): the `Solution`, and the `Jump` in it or None.
+    /// Moves to the next target (4 x 4, metres): the `Solution`, and its `Jump` or None.
     ///
-    /// Raises `InvalidValueError` for a target that is no rigid motion.
+    /// Raises `InvalidValueError` for a target that is not rigid.
     fn advance(
         &self,
         py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Arms that keep clear of a world.
+//! Arms that avoid collisions.
 
 use kinopt::collision::Checker;
 use pyo3::prelude::*;
@@ -6,8 +6,8 @@ use pyo3::prelude::*;
 use crate::error::OrRaise;
 use crate::world::World;
 
-/// The arm kept clear of what a checker has, if there is one; `held` is where the joints stand that are not the arm's, a
-/// configuration of the whole model, or the neutral one.
+/// Returns the arm with collision avoidance of a checker, if there is one. `held` is a configuration of the whole model
+/// with the values of joints outside the arm; default neutral.
 pub(super) fn keep_clear(
     arm: kinopt::Arm,
     checker: Option<&Checker>,
@@ -20,7 +20,7 @@ pub(super) fn keep_clear(
     arm.with_checker(checker, &rest).or_raise()
 }
 
-/// The same arm in another world.
+/// Returns the arm with another world.
 pub(super) fn moved(
     arm: &kinopt::Arm,
     world: &Bound<'_, World>,

@@ -1,4 +1,4 @@
-//! An arm's options as keywords.
+//! Options of an arm as keywords.
 
 use std::time::Duration;
 
@@ -39,7 +39,7 @@ const NAMES: [&str; 23] = [
     "world",
 ];
 
-/// The builder with every keyword set; None stands for the default, of `held` that is `neutral`.
+/// Applies all keywords to the builder; None is the default, `neutral` for `held`.
 pub(super) fn apply<'m>(
     mut builder: ArmBuilder<'m>,
     options: &Bound<'_, PyDict>,
@@ -84,7 +84,7 @@ fn set<'m>(
         "seed" => builder.with_seed(whole::<u64>(value, name)?),
         "time_limit" => builder.with_time_limit(seconds(value)?),
         "tool" => builder.with_tool(placement(value, "tool")?),
-        // `held` is read with `only`; `srdf`, `world`, `margin` and `collision_model` where the arm is made.
+        // `held` is read with `only`; `srdf`, `world`, `margin` and `collision_model` are read when the arm is created.
         _ => builder,
     })
 }

@@ -1,4 +1,4 @@
-//! Servoing: one target a control cycle, within all limits of the joints.
+//! Servos: one target in each control cycle, within all joint limits.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -14,7 +14,7 @@ use crate::placement::placement;
 use crate::solution::Collision;
 
 self_cell!(
-    /// A servo and the arm it moves.
+    /// A servo and its arm.
     struct Cell {
         owner: Arc<kinopt::Arm>,
         #[covariant]
@@ -24,13 +24,13 @@ self_cell!(
 
 /// Follows targets that come at a fixed rate; made by `Arm.servo`.
 ///
-/// Every cycle keeps the position, velocity, acceleration and jerk limits of the joints, whatever the targets do.
+/// Every cycle satisfies the position, velocity, acceleration and jerk limits of the joints for any targets.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Servo {
     cell: Mutex<Cell>,
 }
 
-/// Options of a servo, one number a free joint; none for the default.
+/// Options of a servo, one number for each free joint; `None` is the default.
 pub(super) struct ServoOptions {
     pub(super) velocity_limits: Option<Vec<f64>>,
     pub(super) acceleration_limits: Option<Vec<f64>>,
@@ -135,8 +135,8 @@ impl Servo {
         })
     }
 
-    /// One control cycle of a stop: every joint brakes as hard as its limits allow. Call it once a cycle until the status is
-    /// "stopped".
+    /// One control cycle of a stop: every joint brakes as hard as its limits allow. Call it in each cycle until the
+    /// status is "stopped".
     fn stop(&self, py: Python<'_>) -> ServoStep {
         py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
@@ -183,12 +183,14 @@ pub(crate) struct ServoStep {
     q: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    /// "on_target", "speed_limited" (on the way, as fast as a velocity, acceleration or jerk limit allows), "settling" (on the way,
-    /// no joint at a limit: slowed by damping or by the plan of a straight line), "nearest" (at rest at the closest pose), "blocked" (brakes before a collision),
-    /// "touching" (a pair is still in contact that was where the servo began), "stopping" or "stopped" (by `Servo.stop`).
+    /// "on_target", "speed_limited" (moving, a velocity, acceleration or jerk limit is active), "settling" (moving, no
+    /// limit is active: slowed by damping or by the plan of a straight line), "nearest" (at rest at the closest pose),
+    /// "blocked" (brakes before a collision), "touching" (a pair in contact at the start of the servo is still in
+    /// contact), "stopping" or "stopped" (by `Servo.stop`).
     #[pyo3(get)]
     status: &'static str,
-    /// Whether the tool is within the tolerances of its target, and nothing is in contact. It may still move: see `velocity`.
+    /// True if the tool is within the tolerances of its target, and no pair is in contact. The arm may still move: see
+    /// `velocity`.
     #[pyo3(get)]
     reached: bool,
     /// Distance of the tool from its target, metres.
@@ -233,21 +235,21 @@ impl ServoStep {
         arrays::list(py, &self.q)
     }
 
-    /// Difference of `q` to the last cycle by the time step, shape (dof,), rad/s or m/s.
+    /// Difference of `q` to the last cycle, divided by the time step, shape (dof,), rad/s or m/s.
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.velocity)
     }
 
-    /// Difference of `velocity` to the last cycle by the time step, shape (dof,), rad/s² or m/s².
+    /// Difference of `velocity` to the last cycle, divided by the time step, shape (dof,), rad/s² or m/s².
     #[getter]
     fn acceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.acceleration)
     }
 
-    /// The joints that a limit holds back, with that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up" |
-    /// "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration ones cover
-    /// jerk and braking distance; the last two are joints that began outside their limits and return.
+    /// Joints with an active limit, and that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up"
+    /// | "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration limits
+    /// include jerk and braking distance. The last two are joints that began outside their limits and return.
     #[getter]
     fn held(&self) -> Vec<(String, &'static str)> {
         self.held.clone()

@@ -1,4 +1,4 @@
-//! Whole paths.
+//! Solutions along paths of targets.
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -6,18 +6,18 @@ use pyo3::types::PyType;
 use crate::pickling;
 use crate::solver::Solutions;
 
-/// A step in which a joint moves further than 0.2 rad.
+/// A step in which a joint moves farther than 0.2 rad.
 #[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Jump {
-    /// Which step: the place of its target in the path; the motion is from the one before.
+    /// Index of the step's target in the path; the motion starts at the previous target.
     step: usize,
-    /// Name of the joint that moves furthest.
+    /// Name of the joint that moves farthest.
     joint: String,
-    /// How far it moves, radians; a slide by the metres that weigh as much.
+    /// Distance that it moves, radians; for a prismatic joint metres, converted by its weight.
     distance: f64,
-    /// Whether small steps lead there along the straight way: a fast motion or a coarse path. If not, the
-    /// branch ended and this is a flip to another.
+    /// True if small steps along the straight segment lead there: a fast motion or a coarse path. Otherwise the branch
+    /// ended and the arm jumped to another.
     continuous: bool,
 }
 
@@ -49,10 +49,10 @@ impl Jump {
     }
 }
 
-/// A path of solutions, and where it is broken: the `Solutions` of its steps, and its `jumps`.
+/// Solutions along a path: the `Solutions` of its steps, and its `jumps`.
 #[pyclass(frozen, extends = Solutions, module = "kinopt")]
 pub(crate) struct Track {
-    /// The steps in which a joint moves further than 0.2 rad, in order.
+    /// Steps in which a joint moves farther than 0.2 rad, in order.
     #[pyo3(get)]
     jumps: Vec<Jump>,
 }

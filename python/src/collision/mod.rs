@@ -1,4 +1,4 @@
-//! Collision shapes of robots, and spheres that cover them.
+//! Collision models of robots, and spheres that cover them.
 
 mod model;
 mod obstacles;

@@ -1,4 +1,4 @@
-//! The shapes of a robot and the links that are kept apart.
+//! Collision shapes of a robot and its enabled collision pairs.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -17,17 +17,18 @@ use crate::signals::interruptible;
 use crate::srdf::Srdf;
 use crate::world::Obstacle;
 
-/// Shapes on the links of a robot, and the pairs of links that must not touch. Made by `Robot.collision_model`.
+/// Collision shapes on the links of a robot, and the enabled collision pairs. Created by `Robot.collision_model`.
 ///
-/// At first all pairs of links with shapes are enabled, except those of one body (joined by fixed joints) and of neighbours
-/// (joined by one moving joint). An `Arm` or `Problem` that is given a model takes its pairs as they
-/// are; without one they leave out what nearly always touches, as `with_pairs_sampled` does: begin with that where pairs are edited.
+/// Initially all pairs of links with shapes are enabled, except those of one body (joined by fixed joints) and of
+/// neighbours (joined by one moving joint). An `Arm` or `Problem` uses the pairs of a given model. Without a model, it
+/// applies `with_pairs_sampled`, which omits pairs that are nearly always in contact. Call `with_pairs_sampled` first
+/// before editing pairs.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct CollisionModel {
     pub(crate) inner: Arc<collision::CollisionModel>,
-    /// Those that were given; without any they are made where they are needed.
+    /// Given spheres; `None` computes them on demand.
     pub(crate) spheres: Option<Arc<collision::SphereModel>>,
-    /// Made when an arm or a problem first keeps its shapes apart.
+    /// Created when an arm or problem first avoids collisions.
     checker: OnceLock<collision::Checker>,
 }
 
@@ -37,10 +38,10 @@ impl From<collision::CollisionModel> for CollisionModel {
     }
 }
 
-/// Convex pieces of a mesh at most.
+/// Largest number of convex pieces of a mesh.
 const PIECES: usize = 16;
 
-/// How a robot's shapes are taken.
+/// Options for the collision shapes of a robot.
 pub(crate) struct Taking {
     pub(crate) packages: Vec<PathBuf>,
     pub(crate) meshes: String,
@@ -59,7 +60,7 @@ impl CollisionModel {
         }
     }
 
-    /// What keeps its shapes apart, in a world without obstacles; made once.
+    /// Returns the collision checker in a world without obstacles; created once.
     pub(crate) fn checker(&self) -> collision::Checker {
         let made = || {
             let model = collision::CollisionModel::clone(&self.inner);
@@ -93,7 +94,7 @@ impl CollisionModel {
         Ok(builder.build().or_raise()?.into())
     }
 
-    /// The same with other pairs of links.
+    /// Returns the model with other pairs of links.
     fn changed(&self, inner: collision::CollisionModel) -> Self {
         Self::of_parts(Arc::new(inner), self.spheres.clone())
     }
@@ -109,8 +110,9 @@ impl CollisionModel {
 
 #[pymethods]
 impl CollisionModel {
-    /// Capsules along the bones of a rig, as thick as the skin that follows each of them most; a bone whose skin is wider
-    /// than thick gets several side by side. Bones that touch at rest may touch. It is of the rig's `Skeleton`.
+    /// Capsules along the bones of a rig, with the thickness of the skin whose largest weight is the bone's. A bone
+    /// with skin wider than thick gets several parallel capsules. Collisions of bones in contact at rest are allowed.
+    /// The model is that of the rig's `Skeleton`.
     ///
     /// Raises `InvalidValueError` for a rig without a mesh or weights.
     #[classmethod]
@@ -123,20 +125,20 @@ impl CollisionModel {
         Ok(made.or_raise()?.into())
     }
 
-    /// The model that it is of.
+    /// Kinematic model.
     #[getter]
     fn model(&self) -> Model {
         let inner = Arc::new(self.inner.model().clone());
         Model { inner }
     }
 
-    /// The links that have shapes, in the model's order.
+    /// Links with shapes, in the model's order.
     #[getter]
     fn links(&self) -> Vec<String> {
         self.names(self.inner.links())
     }
 
-    /// The shapes of all links: obstacles attached to their links, each with a name of its own.
+    /// Shapes of all links: obstacles attached to their links, with unique names.
     #[getter]
     fn shapes(&self) -> Vec<Obstacle> {
         let frames = self.inner.model().frames();
@@ -153,7 +155,7 @@ impl CollisionModel {
         shapes.collect()
     }
 
-    /// The pairs of links that are kept apart.
+    /// Enabled collision pairs of links.
     #[getter]
     fn pairs(&self) -> Vec<(String, String)> {
         let frames = self.inner.model().frames();
@@ -165,20 +167,20 @@ impl CollisionModel {
             .collect()
     }
 
-    /// What was left out or mended on the way here.
+    /// Omissions and repairs, one text each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.inner.notes().to_vec()
     }
 
-    /// Whether two links are kept apart.
+    /// True if the collision pair of two links is enabled.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn is_checked(&self, first: &str, second: &str) -> PyResult<bool> {
         self.inner.is_checked(first, second).or_raise()
     }
 
-    /// The same model, but these two links may touch. A link and an obstacle are let touch by the world: `World.allow_touch`.
+    /// The model with this collision pair disabled. `World.allow_touch` allows collisions of a link and an obstacle.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {
@@ -186,7 +188,7 @@ impl CollisionModel {
         Ok(self.changed(model.with_ignored(first, second).or_raise()?))
     }
 
-    /// The same model with these two links kept apart.
+    /// The model with this collision pair enabled.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_checked(&self, first: &str, second: &str) -> PyResult<Self> {
@@ -194,7 +196,7 @@ impl CollisionModel {
         Ok(self.changed(model.with_checked(first, second).or_raise()?))
     }
 
-    /// The same model without the pairs that an SRDF file disables.
+    /// The model without the pairs that an SRDF file disables.
     ///
     /// Raises `InvalidValueError` for an SRDF file that was read for another robot.
     pub(crate) fn with_srdf(&self, srdf: &Srdf) -> PyResult<Self> {
@@ -209,10 +211,11 @@ impl CollisionModel {
         Ok(self.changed(model.with_srdf(srdf.inner())))
     }
 
-    /// The same model without the pairs that cannot touch, and without those that touch in at least 95 % of so many random configurations. Of a pair that
-    /// touches in none its distance is made less from where it came nearest; it is left out only where that leads to no touch.
+    /// The model without the pairs that cannot be in contact, and without those in contact in at least 95 % of
+    /// `samples` random configurations. For a pair without contact in all samples, a descent minimises the distance
+    /// from the nearest sample; the pair is omitted only if the descent finds no contact.
     ///
-    /// Raises `InvalidValueError` where the model's lengths are no numbers.
+    /// Raises `InvalidValueError` if the model has lengths that are not finite.
     #[pyo3(signature = (samples = 10_000, seed = 0))]
     fn with_pairs_sampled(&self, py: Python<'_>, samples: u64, seed: u64) -> PyResult<Self> {
         let model = collision::CollisionModel::clone(&self.inner);
@@ -220,7 +223,7 @@ impl CollisionModel {
         Ok(self.changed(sampled.or_raise()?))
     }
 
-    /// The same model without the pairs that touch at a configuration, shape (nq,).
+    /// The model without the pairs in contact at a configuration, shape (nq,).
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn with_touching_ignored(&self, q: &Bound<'_, PyAny>) -> PyResult<Self> {
@@ -229,13 +232,13 @@ impl CollisionModel {
         Ok(self.changed(model.with_touching_ignored(&q).or_raise()?))
     }
 
-    /// An SRDF document that disables every pair of links with shapes that is not kept apart.
+    /// SRDF document that disables every pair of links with shapes that is not enabled.
     fn to_srdf(&self) -> String {
         self.inner.to_srdf()
     }
 
-    /// Spheres that cover the shapes: as few as are found that stick out by at most `overhang` metres, or at most
-    /// `per_link` a link that stick out as little as is found. One of the two is given.
+    /// Spheres that cover the shapes: the fewest found that protrude by at most `overhang` metres, or at most
+    /// `per_link` spheres for each link with the smallest protrusion found. Exactly one of the two is given.
     ///
     /// Raises `InvalidValueError` for numbers that are not positive, or an overhang that needs millions of cells.
     #[pyo3(signature = (overhang = None, *, per_link = None))]
@@ -254,19 +257,19 @@ impl CollisionModel {
         Ok(spheres.or_raise()?.into())
     }
 
-    /// The same model with spheres by which its configurations are looked through, instead of those that are made anew where it is given
-    /// to an `Arm` or a `Problem`. They are grown by the gaps that they leave, so that nothing is called free that is not. Raises nothing.
+    /// The model with these spheres for fast collision checks, instead of spheres computed by an `Arm` or a `Problem`.
+    /// They are enlarged by their gaps, so a configuration that passes is proven collision-free. Raises nothing.
     fn with_spheres(&self, spheres: &SphereModel) -> Self {
         Self::of_parts(Arc::clone(&self.inner), Some(Arc::clone(&spheres.inner)))
     }
 
-    /// Whether its checker is made, which every arm and problem of it shares: for tests.
+    /// True if its checker exists, which all arms and problems of the model share: for tests.
     #[getter]
     fn _is_covered(&self) -> bool {
         self.checker.get().is_some()
     }
 
-    /// Itself, as nothing changes it: a copy would be covered anew.
+    /// Returns itself: the object is immutable, and a copy would compute its spheres again.
     fn __deepcopy__(model: Bound<'_, Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
         model.unbind()
     }

@@ -1,4 +1,4 @@
-//! What is kept clear of: the options `world`, `margin` and `collision_model` of arms and problems.
+//! Collision avoidance options of arms and problems: `world`, `margin` and `collision_model`.
 
 use kinopt::collision::Checker;
 use pyo3::prelude::*;
@@ -11,7 +11,7 @@ use crate::rig::Rig;
 use crate::robot::Robot;
 use crate::world::World;
 
-/// The options as they were given.
+/// Options as given.
 pub(crate) struct Obstacles {
     world: Option<kinopt::collision::World>,
     margin: Option<f64>,
@@ -43,8 +43,8 @@ impl Obstacles {
         })
     }
 
-    /// The checker of a robot, of a rig with a skin, or of anything with shapes that were given; none where there is nothing to keep
-    /// clear of.
+    /// Returns the checker of a robot, of a rig with a skin, or of the given collision model; `None` without any
+    /// option.
     pub(crate) fn checker(&self, of: &Bound<'_, PyAny>) -> PyResult<Option<Checker>> {
         if self.world.is_none() && self.margin.is_none() && self.shapes.is_none() {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! Spheres that cover a robot's shapes.
+//! Spheres that cover the shapes of a robot.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,8 +13,8 @@ use crate::arrays;
 use crate::error::OrRaise;
 use crate::pickling;
 
-/// Spheres by link, which together cover every shape of a `CollisionModel`, inside and all. Made by
-/// `CollisionModel.spheres`, or read from a file of others.
+/// Spheres by link, which together cover every shape of a `CollisionModel`, including the interior. Created by
+/// `CollisionModel.spheres`, or read from a file of another tool.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct SphereModel {
     pub(crate) inner: Arc<collision::SphereModel>,
@@ -33,12 +33,12 @@ fn numbers(Ball { centre, radius }: &Ball) -> [f64; 4] {
 
 #[pymethods]
 impl SphereModel {
-    /// Reads spheres that others made: cuRobo's `collision_spheres` (`.yml`, `.yaml`), or the spheres of a spherised URDF as
-    /// foam and VAMP have it. They are taken as they are; how far they stick out of the model's shapes is measured, and how much of
-    /// those they leave uncovered.
+    /// Reads spheres of other tools: cuRobo's `collision_spheres` (`.yml`, `.yaml`), or the spheres of a spherised URDF
+    /// as in foam and VAMP. They are not changed; their protrusion from the model's shapes and the uncovered gap are
+    /// measured.
     ///
-    /// Raises `FileError` where it cannot be read, `InvalidFileError` for what is wrong in it, a link that the model does
-    /// not have among it.
+    /// Raises `FileError` if the file cannot be read, `InvalidFileError` if its content is invalid or names an unknown
+    /// link.
     #[classmethod]
     fn read(
         _class: &Bound<'_, PyType>,
@@ -50,25 +50,25 @@ impl SphereModel {
         Ok(read.or_raise()?.into())
     }
 
-    /// How many spheres there are.
+    /// Number of spheres.
     #[getter]
     fn count(&self) -> usize {
         self.inner.count()
     }
 
-    /// No sphere sticks out of its link's shapes any further, in metres.
+    /// Maximum protrusion of a sphere from the shapes of its link, in metres.
     #[getter]
     fn overhang(&self) -> f64 {
         self.inner.overhang()
     }
 
-    /// No point of the shapes lies farther outside all spheres of its link, in metres: 0 where they cover all shapes.
+    /// Largest distance of a point of the shapes from all spheres of its link, in metres: 0 if they cover all shapes.
     #[getter]
     fn gap(&self) -> f64 {
         self.inner.gap()
     }
 
-    /// What of the file that they were read from was left out, one text each.
+    /// Parts of the file that the reader ignored, one text each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.inner.notes().to_vec()
@@ -88,7 +88,7 @@ impl SphereModel {
         Ok(links)
     }
 
-    /// By link: x, y, z and the radius of a sphere around all its spheres, shape (4,).
+    /// By link: x, y, z and the radius of a bounding sphere of its spheres, shape (4,).
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let links = PyDict::new(py);
@@ -99,7 +99,7 @@ impl SphereModel {
         Ok(links)
     }
 
-    /// The pairs of links that are kept apart.
+    /// Enabled collision pairs of links.
     #[getter]
     fn pairs(&self) -> Vec<(String, String)> {
         let groups = self.inner.groups();
@@ -116,9 +116,10 @@ impl SphereModel {
         self.inner.to_yaml()
     }
 
-    /// A robot's URDF, given as text, with these spheres as its only collision shapes; `name` is what messages call it.
+    /// The URDF of a robot, given as text, with these spheres as its only collision shapes; `name` is its name in
+    /// messages.
     ///
-    /// Raises `InvalidFileError` for what is no URDF.
+    /// Raises `InvalidFileError` for a text that is not URDF.
     #[pyo3(signature = (urdf, name = "robot.urdf"))]
     fn spherised(&self, urdf: &str, name: &str) -> PyResult<String> {
         self.inner.spherised(urdf, name).or_raise()

@@ -1,4 +1,4 @@
-//! Motion as BVH.
+//! BVH writer.
 
 use std::path::PathBuf;
 
@@ -8,10 +8,10 @@ use pyo3::prelude::*;
 use crate::animation::{Armature, Clip, poses_of};
 use crate::error::OrRaise;
 
-/// A clip as BVH text, `rate` frames a second from its start to its end; what is left after the last whole
-/// frame is not written.
+/// A clip as BVH text, at `rate` frames a second from its start to its end; a remainder after the last whole frame is
+/// omitted.
 ///
-/// Raises `InvalidValueError`: no bones, a name the format cannot say, a scaled bone, a clip of another
+/// Raises `InvalidValueError`: no bones, a name that the format cannot represent, a scaled bone, a clip of another
 /// armature's size, a rate that is not positive.
 #[pyfunction]
 pub(crate) fn bvh_to_text(
@@ -26,8 +26,8 @@ pub(crate) fn bvh_to_text(
         .or_raise()
 }
 
-/// Poses (`Poses` or a list of `Pose`) as BVH text, `rate` of them a second: what became of a clip by
-/// blending, layers or inverse kinematics.
+/// Poses (`Poses` or a list of `Pose`) as BVH text, at `rate` frames a second: for example the results of blending,
+/// layers or inverse kinematics.
 ///
 /// Raises `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
@@ -43,9 +43,9 @@ pub(crate) fn bvh_poses_to_text(
         .or_raise()
 }
 
-/// Writes a clip to the BVH file `path`: the armature as its hierarchy, in its own unit, and `rate` frames a
-/// second of translations and Euler angles (degrees, as the format has them) from the clip's start to its end.
-/// `MotionCapture.read` reads it back; what is left after the last whole frame is not written.
+/// Writes a clip to the BVH file `path`: the armature as its hierarchy, in its unit, and `rate` frames a second of
+/// translations and Euler angles (degrees in the file) from the clip's start to its end. `MotionCapture.read` reads it
+/// back; a remainder after the last whole frame is omitted.
 ///
 /// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
@@ -62,8 +62,8 @@ pub(crate) fn bvh_write(
         .or_raise()
 }
 
-/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, `rate` of them a second: what became of a
-/// clip by blending, layers or inverse kinematics. The file is as `bvh_write` has it.
+/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, at `rate` frames a second: for example the
+/// results of blending, layers or inverse kinematics. The format is that of `bvh_write`.
 ///
 /// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]

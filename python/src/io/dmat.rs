@@ -35,16 +35,16 @@ fn read(value: &Bound<'_, PyAny>) -> PyResult<DMatrix<f64>> {
 
 /// Reads a DMAT file: a table of float64, shape (rows, columns).
 ///
-/// Raises `FileError` where it cannot be opened, `InvalidFileError` naming the line or byte.
+/// Raises `FileError` if it cannot be opened, `InvalidFileError` with the line or byte.
 #[pyfunction]
 pub(crate) fn dmat_read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyArrayDyn<f64>>> {
     let table = py.detach(|| dmat::read(&path)).or_raise()?;
     to_array(py, table)
 }
 
-/// Reads the bytes of a DMAT file; `name` is for messages.
+/// Reads the bytes of a DMAT file; `name` is its name in messages.
 ///
-/// Raises `InvalidFileError` naming the line or byte.
+/// Raises `InvalidFileError` with the line or byte.
 #[pyfunction]
 #[pyo3(signature = (data, name = "table.dmat"))]
 pub(crate) fn dmat_from_bytes<'py>(
@@ -57,7 +57,7 @@ pub(crate) fn dmat_from_bytes<'py>(
 
 /// The bytes of a DMAT file of a table, shape (rows, columns); `encoding` is "binary" or "text".
 ///
-/// Raises `UnknownNameError` for another encoding, `InvalidValueError` for what is no table of numbers.
+/// Raises `UnknownNameError` for another encoding, `InvalidValueError` for a value that is not a table of numbers.
 #[pyfunction]
 #[pyo3(signature = (table, encoding = "binary"))]
 pub(crate) fn dmat_to_bytes<'py>(

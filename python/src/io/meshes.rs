@@ -24,18 +24,18 @@ fn encoding(name: &str) -> PyResult<PlyEncoding> {
         .or_raise()
 }
 
-/// Reads a PLY file: a `TriangleMesh`; faces of more corners become fans.
+/// Reads a PLY file: a `TriangleMesh`; polygons become triangle fans.
 ///
-/// Raises `FileError` where it cannot be opened, `InvalidFileError` naming the place in it.
+/// Raises `FileError` if it cannot be opened, `InvalidFileError` with the position in it.
 #[pyfunction]
 pub(crate) fn ply_read(py: Python<'_>, path: PathBuf) -> PyResult<TriangleMesh> {
     let mesh = py.detach(|| ply::read(&path));
     mesh.or_raise().map(TriangleMesh::from)
 }
 
-/// Reads the bytes of a PLY file; `name` is for messages.
+/// Reads the bytes of a PLY file; `name` is its name in messages.
 ///
-/// Raises `InvalidFileError` naming the place in them.
+/// Raises `InvalidFileError` with the position in them.
 #[pyfunction]
 #[pyo3(signature = (data, name = "mesh.ply"))]
 pub(crate) fn ply_from_bytes(data: &[u8], name: &str) -> PyResult<TriangleMesh> {
@@ -91,7 +91,7 @@ pub(crate) fn obj_write(mesh: &Bound<'_, TriangleMesh>, path: PathBuf) -> PyResu
     mesh.py().detach(|| obj::write(own, &path)).or_raise()
 }
 
-/// The bytes of a .glb file of a mesh that does not move, such as a posed one.
+/// The bytes of a .glb file of a static mesh, such as a posed one.
 ///
 /// Raises `InvalidValueError` for a mesh without vertices or triangles.
 #[pyfunction]
@@ -102,7 +102,7 @@ pub(crate) fn gltf_mesh_to_bytes<'py>(
     Ok(PyBytes::new(mesh.py(), &bytes))
 }
 
-/// Writes a mesh that does not move to a file, which should end in .glb.
+/// Writes a static mesh to a file, which should end in .glb.
 ///
 /// Raises `FileError`, `InvalidValueError` for a mesh without vertices or triangles.
 #[pyfunction]

@@ -1,4 +1,4 @@
-//! Files of meshes, tables and motion, as functions; rigs, scenes and captures read and write themselves.
+//! Functions for files of meshes, tables and motion; rigs, scenes and captures have methods for theirs.
 
 mod bvh;
 mod dmat;

@@ -1,4 +1,4 @@
-//! Models joint by joint.
+//! Models built joint by joint.
 
 use kinopt::model::{BallLimits, FrameId, JointId, JointKind, LengthUnit, Limits};
 use kinopt::spatial::Placement;
@@ -10,17 +10,17 @@ use crate::error::{OrRaise, invalid};
 use crate::loops::NamedLoop;
 use crate::placement;
 
-/// Builds a model joint by joint; joints and frames are known by their names.
+/// Builds a model joint by joint; joints and frames are identified by name.
 ///
-/// Starts an empty model; `length_unit` is "m", or "units" for lengths of the model's own.
+/// Starts an empty model; `length_unit` is "m", or "units" for lengths of an unknown unit.
 ///
 /// Raises `InvalidValueError` for another unit.
 #[pyclass(module = "kinopt")]
 pub(crate) struct ModelBuilder {
     inner: kinopt::model::ModelBuilder,
-    /// The joints that others can stand on, by the names they were added by.
+    /// Joints that can be parents, by the names under which they were added.
     joints: Vec<(String, JointId)>,
-    /// The frames that loops can join.
+    /// Frames that loops can connect.
     frames: Vec<(String, FrameId)>,
 }
 
@@ -36,7 +36,7 @@ impl ModelBuilder {
             .map(Some)
     }
 
-    /// Where a joint stands: its parent and the placement in it.
+    /// Parent of a joint and its placement relative to the parent.
     fn place(
         &self,
         parent: Option<&str>,
@@ -50,7 +50,7 @@ impl ModelBuilder {
     }
 }
 
-/// Ranges as limits.
+/// Converts ranges to limits.
 fn room<const N: usize>(room: Option<[(f64, f64); N]>) -> [Limits; N] {
     let free = [Limits::UNBOUNDED; N];
     room.map_or(free, |room| {
@@ -84,13 +84,12 @@ impl ModelBuilder {
     /// Adds a joint.
     ///
     /// `kind` is "revolute", "continuous", "prismatic" or "fixed" (`ball`, `free`, `planar` and `universal` add the
-    /// others); `parent` the name of a joint that is
-    /// there (None: the world); `parent_from_joint` a 4 x 4 placement, metres (None: the identity);
-    /// `axis` three numbers, in the joint's own frame, of any length; `lower` and `upper` radians or
-    /// metres.
+    /// others); `parent` is the name of an existing joint (None: the world); `parent_from_joint` a 4 x 4 placement,
+    /// metres (None: the identity); `axis` three numbers, in the joint's own frame, of any length; `lower` and `upper`
+    /// radians or metres.
     ///
-    /// Raises `UnknownNameError` for a kind or a parent that does not exist, `InvalidValueError` for a
-    /// placement of another shape; what does not go together is said by `build`.
+    /// Raises `UnknownNameError` for an unknown kind or parent, `InvalidValueError` for a placement of another shape.
+    /// `build` raises errors of incompatible arguments.
     #[pyo3(signature = (
         name, kind = "revolute", parent = None, parent_from_joint = None, axis = [0.0, 0.0, 1.0],
         lower = f64::NEG_INFINITY, upper = f64::INFINITY
@@ -136,16 +135,15 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a ball joint, which turns any way about one point: in a configuration its unit quaternion w, x,
-    /// y, z.
+    /// Adds a ball joint, which rotates about one point. Its part of a configuration is its unit quaternion w, x, y, z.
     ///
-    /// With `swing` (radians, at most pi) it tips its `axis` within a cone of that half angle, or within an
-    /// elliptic one of two half angles, about `about` and about what is across that and the axis; `twist` is
-    /// the range, (lower, upper) in radians, that it may turn about its axis. `angle` limits the whole rotation, about
-    /// whatever axis, in radians; pi and more is no limit. `parent` and `parent_from_joint` are as of `joint`.
+    /// `swing` (radians, at most pi) limits the tilt of its `axis` to a cone of that half angle. Two half angles make
+    /// an elliptic cone, about `about` and about the perpendicular of `about` and the axis. `twist` is the range,
+    /// (lower, upper) in radians, of the rotation about its axis. `angle` limits the whole rotation, about any axis, in
+    /// radians; pi and more is no limit. `parent` and `parent_from_joint` are as in `joint`.
     ///
-    /// Raises `UnknownNameError` for a parent that does not exist, `InvalidValueError` for a placement of
-    /// another shape; what does not go together is said by `build`.
+    /// Raises `UnknownNameError` for an unknown parent, `InvalidValueError` for a placement of another shape. `build`
+    /// raises errors of incompatible arguments.
     #[pyo3(signature = (
         name, parent = None, parent_from_joint = None, axis = [1.0, 0.0, 0.0], *, swing = None,
         twist = None, about = None, angle = None
@@ -181,9 +179,9 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a joint that moves and turns any way: `NAME/x`, `NAME/y` and `NAME/z`, which slide within `room`
-    /// ((lower, upper) three times, metres), and the ball `NAME/rotation`. In a configuration it is x, y, z,
-    /// w, x, y, z. Others stand on it by its name.
+    /// Adds a free joint with six degrees of freedom: `NAME/x`, `NAME/y` and `NAME/z`, which translate within `room`
+    /// ((lower, upper) three times, metres), and the ball `NAME/rotation`. Its part of a configuration is x, y, z, w,
+    /// x, y, z. Children refer to it by its name.
     ///
     /// Raises as `ball`.
     #[pyo3(signature = (name, parent = None, parent_from_joint = None, *, room = None))]
@@ -201,9 +199,8 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a joint that moves in the plane across `normal`: `NAME/x` and `NAME/y`, which slide within `room`
-    /// ((lower, upper) twice, metres), and `NAME/yaw`, which turns within `yaw` (radians). Others stand on it by
-    /// its name.
+    /// Adds a planar joint across `normal`: `NAME/x` and `NAME/y`, which translate within `room` ((lower, upper) twice,
+    /// metres), and `NAME/yaw`, which rotates within `yaw` (radians). Children refer to it by its name.
     ///
     /// Raises as `ball`.
     #[pyo3(signature = (
@@ -226,9 +223,9 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a universal joint: `NAME/first`, which turns about the first of two `axes` (each three numbers), and
-    /// `NAME/second`, which turns about the second as the first has turned it, within `limits` ((lower, upper) twice,
-    /// radians). Others stand on it by its name.
+    /// Adds a universal joint: `NAME/first`, which rotates about the first of two `axes` (each three numbers), and
+    /// `NAME/second`, which rotates about the second axis in the frame of the first, within `limits` ((lower, upper)
+    /// twice, radians). Children refer to it by its name.
     ///
     /// Raises as `ball`.
     #[pyo3(signature = (
@@ -249,9 +246,9 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a frame: a named place on `joint` (None: the world), `joint_from_frame` away, 4 x 4, metres.
+    /// Adds a frame on `joint` (None: the world) at `joint_from_frame`, 4 x 4, metres.
     ///
-    /// Raises `UnknownNameError` for a joint that does not exist, `InvalidValueError` for a placement of
+    /// Raises `UnknownNameError` for an unknown joint, `InvalidValueError` for a placement of
     /// another shape.
     #[pyo3(signature = (name, joint = None, joint_from_frame = None))]
     fn frame(
@@ -270,12 +267,12 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a loop: the origins of two `frames` that are there fall together ("connect"), or origins and axes
-    /// ("weld"); with `places`, a pair of 4 x 4 placements, not the frames themselves but those places on them. Every
-    /// problem on the model keeps it closed.
+    /// Adds a loop: the origins of two existing `frames` coincide ("connect"), or origins and axes ("weld"). `places`,
+    /// a pair of 4 x 4 placements, are relative to the frames; default the identity. Every problem on the model closes
+    /// it.
     ///
-    /// Raises `UnknownNameError` for a kind or a frame that does not exist; what does not go together, and a loop that
-    /// no configuration closes, is said by `build`.
+    /// Raises `UnknownNameError` for an unknown kind or frame. `build` raises errors of incompatible arguments, and of
+    /// a loop that no configuration closes.
     #[pyo3(signature = (name, frames, kind = "connect", places = None))]
     fn close(
         &mut self,
@@ -298,10 +295,10 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Checks all and makes the model.
+    /// Validates all parts and creates the model.
     ///
-    /// Raises `InvalidValueError`, which names the joint or frame: names given twice, limits that leave
-    /// nothing, axes without a direction, placements that are no rigid motions.
+    /// Raises `InvalidValueError`, which names the joint or frame: duplicate names, empty limits, axes of zero length,
+    /// placements that are not rigid.
     fn build(&self) -> PyResult<Model> {
         self.inner.clone().build().or_raise().map(Model::from)
     }
@@ -311,7 +308,7 @@ impl ModelBuilder {
     }
 }
 
-/// One half angle of a cone, or two of an elliptic one.
+/// Reads one half angle of a cone, or two of an elliptic one.
 fn half_angles(swing: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
     let cone = swing.extract().map(|half| [half; 2]);
     cone.or_else(|_| swing.extract()).map_err(|_| {
@@ -322,7 +319,7 @@ fn half_angles(swing: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
     })
 }
 
-/// An argument, or what it should have been: pyo3's own error would be none of this library's.
+/// Reads an argument; the error names the expected value instead of pyo3's type error.
 fn given<'py, T: FromPyObjectOwned<'py>>(value: &Bound<'py, PyAny>, expected: &str) -> PyResult<T> {
     let own = value.extract();
     own.map_err(|_| invalid(format!("{expected}, not {}", arrays::shown(value))))

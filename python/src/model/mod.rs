@@ -20,11 +20,11 @@ use crate::error::{OrRaise, invalid};
 use crate::loops::{self, LoopParts};
 use crate::pickling;
 
-/// A tree of joints and the frames they carry, that nothing changes.
+/// Immutable tree of joints and their frames.
 ///
-/// A configuration `q` has one number a moving joint, in the order of `joint_names`: radians for joints
-/// that turn, metres (a rig's own unit for rigs) for those that slide; a ball joint has four, its unit
-/// quaternion w, x, y, z.
+/// A configuration `q` has one number for each moving joint, in the order of `joint_names`: radians for revolute
+/// joints, metres (for rigs, the rig's unit) for prismatic ones. A ball joint has four numbers, its unit quaternion w,
+/// x, y, z.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Model {
@@ -40,7 +40,7 @@ impl From<kinopt::Model> for Model {
 
 #[pymethods]
 impl Model {
-    /// The model's name.
+    /// Name of the model.
     #[getter]
     fn name(&self) -> &str {
         self.inner.name()
@@ -50,7 +50,7 @@ impl Model {
     #[getter]
     pub(crate) fn joint_names(&self) -> Vec<&str> {
         let moving = self.inner.moving_joints();
-        // A ball is there four times.
+        // A ball joint occurs four times in `moving_joints`.
         let first = |(at, id): &(usize, &JointId)| *at == 0 || moving[at - 1] != **id;
         let joints = moving.iter().enumerate().filter(first);
         joints
@@ -58,7 +58,7 @@ impl Model {
             .collect()
     }
 
-    /// Names of all frames: links of a robot, bones and tips of a skeleton.
+    /// Names of all frames: links of a robot, bones and end effectors of a skeleton.
     #[getter]
     pub(crate) fn frame_names(&self) -> Vec<&str> {
         self.inner
@@ -68,7 +68,7 @@ impl Model {
             .collect()
     }
 
-    /// Names of the numbers of a configuration: of its joint, and which part of a ball's quaternion, as in
+    /// Names of the numbers of a configuration: the joint's name, with the component for a ball's quaternion, as in
     /// "hip w".
     #[getter]
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
@@ -88,7 +88,7 @@ impl Model {
         parts.collect()
     }
 
-    /// Names of the free joints, whose parts are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
+    /// Names of the free joints, whose components are `NAME/x`, `NAME/y`, `NAME/z` and `NAME/rotation`.
     #[getter]
     pub(crate) fn free_joints(&self) -> Vec<&str> {
         let first = self.inner.free_joints().iter();
@@ -98,13 +98,13 @@ impl Model {
             .collect()
     }
 
-    /// How many numbers a configuration has, nq: four for a ball joint, one for any other.
+    /// Length of a configuration, nq: four for a ball joint, one for any other.
     #[getter]
     pub(crate) fn configuration_len(&self) -> usize {
         self.inner.configuration_len()
     }
 
-    /// How many numbers a velocity has, nv: three for a ball joint, one for any other.
+    /// Length of a velocity, nv: three for a ball joint, one for any other.
     #[getter]
     pub(crate) fn degrees_of_freedom(&self) -> usize {
         self.inner.degrees_of_freedom()
@@ -122,7 +122,7 @@ impl Model {
         arrays::frozen(py, self.inner.limits().map(|limits| limits.upper))
     }
 
-    /// All joints, fixed ones among them, parents before children.
+    /// All joints, including fixed ones, parents before children.
     #[getter]
     fn joints(&self) -> Vec<Joint> {
         let joints = self.inner.joints().iter();
@@ -136,38 +136,37 @@ impl Model {
         frames.map(|frame| Frame::of(&self.inner, frame)).collect()
     }
 
-    /// The loops that every problem on the model closes: tuples of (name, "connect" or "weld", the two frames' names,
-    /// where on them, shape (2, 4, 4): frame_from_place).
+    /// Loops that every problem on the model closes: tuples of (name, "connect" or "weld", the names of two frames, the
+    /// placements relative to them, shape (2, 4, 4)).
     #[getter]
     pub(crate) fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
         loops::loop_parts(py, &self.inner)
     }
 
-    /// The unit of lengths: "m", or "units" where the model says nothing of its size in the world.
+    /// Unit of lengths: "m", or "units" for an unknown unit.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.inner.length_unit().symbol()
     }
 
-    /// How far what turns reaches, metres: the longest way from the first moving joint above a frame to
-    /// that frame.
+    /// Reach of the revolute joints, metres: the longest chain from the first moving joint above a frame to that frame.
     #[getter]
     fn reach(&self) -> f64 {
         self.inner.reach()
     }
 
-    /// The configuration nearest to all zeros within the limits, shape (nq,).
+    /// The configuration closest to all zeros within the limits, shape (nq,).
     pub(crate) fn neutral<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.inner.neutral())
     }
 
-    /// Configurations drawn uniformly within the limits, half a turn around neutral where there are none.
+    /// Configurations sampled uniformly within the limits; without limits, within half a turn around neutral.
     ///
-    /// `seed` is a whole number (the same one gives the same configurations on every machine) or a
-    /// `numpy.random.Generator`, which is drawn from. Without `n` one configuration of shape (nq,), with
-    /// it n of them, shape (n, dof), of the seeds `seed`, `seed + 1`, ...
+    /// `seed` is a whole number (equal seeds give equal configurations on every machine) or a `numpy.random.Generator`,
+    /// whose state advances. Without `n` the result is one configuration of shape (nq,), with it n of them, shape (n,
+    /// nq), of the seeds `seed`, `seed + 1`, ...
     ///
-    /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.
+    /// Raises `InvalidValueError` for a seed or an `n` that is not a whole number of at least 0.
     #[pyo3(signature = (seed = None, n = None))]
     pub(crate) fn random_configuration<'py>(
         &self,
@@ -181,10 +180,10 @@ impl Model {
         })
     }
 
-    /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
-    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or
-    /// one for all of the other; radians and metres, a ball's and a free joint's in their own moved axes, linear first.
-    /// Quaternions of `q` are w, x, y, z.
+    /// Integrates a velocity over a unit of time from a configuration, without limits, as Pinocchio's `integrate`: q +
+    /// v for joints of one number, exp for balls and free joints. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or one
+    /// row for all of the other; radians and metres. Velocities of balls and free joints are in their own moving axes,
+    /// linear first. Quaternions of `q` are w, x, y, z.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
     pub(crate) fn integrate<'py>(
@@ -199,8 +198,8 @@ impl Model {
         })
     }
 
-    /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes
-    /// (nq,) twice, (N, nq) twice, or one for all of the other.
+    /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes (nq,) twice,
+    /// (N, nq) twice, or one row for all of the other.
     ///
     /// Raises `InvalidValueError` as `integrate`.
     pub(crate) fn difference<'py>(
@@ -215,7 +214,7 @@ impl Model {
         })
     }
 
-    /// The configuration at a share of the way from `q0` to `q1`. Shapes as of `difference`.
+    /// Interpolates from `q0` (`share` 0) to `q1` (`share` 1). Shapes are as in `difference`.
     ///
     /// Raises `InvalidValueError` as `integrate`, and for a share that is not finite.
     pub(crate) fn interpolate<'py>(
@@ -243,7 +242,7 @@ impl Model {
         Ok(arrays::list(q.py(), &q_unit))
     }
 
-    /// Whether a configuration, shape (nq,), is within all limits, cones included.
+    /// True if a configuration, shape (nq,), is within all limits, including cones.
     ///
     /// Raises `InvalidValueError` for another shape.
     pub(crate) fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -251,14 +250,14 @@ impl Model {
         Ok(self.inner.is_within_limits(&q))
     }
 
-    /// The same model as JSON, which `Model.from_json` reads.
+    /// The model as JSON, which `Model.from_json` reads.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(&*self.inner).or_raise()
     }
 
-    /// A model from what `to_json` wrote; it is checked anew.
+    /// Creates a model from the JSON of `to_json`, and validates it.
     ///
-    /// Raises `InvalidValueError` for a text that is no model.
+    /// Raises `InvalidValueError` for a text that is not a model.
     #[classmethod]
     fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         serde_json::from_str::<kinopt::Model>(text)
@@ -281,7 +280,8 @@ impl Model {
     }
 }
 
-/// Configurations of `nq` numbers of the seeds `seed`, `seed + 1`, ...: one of shape (nq,), or `n` of shape (n, nq).
+/// Random configurations of `nq` numbers of the seeds `seed`, `seed + 1`, ...: one of shape (nq,), or `n` of shape (n,
+/// nq).
 pub(crate) fn random_configurations<'py>(
     py: Python<'py>,
     seed: Option<&Bound<'py, PyAny>>,
@@ -312,7 +312,7 @@ pub(crate) fn random_configurations<'py>(
     Ok(array.into_any())
 }
 
-/// A whole number, or one drawn from a generator of numpy's.
+/// Returns a whole number, or samples one from a numpy generator.
 pub(crate) fn first_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
     if seed.hasattr("integers")? {
         return seed.call_method1("integers", (0, 1_i64 << 62))?.extract();

@@ -1,4 +1,4 @@
-//! What a model consists of: joints and frames, to read.
+//! Read-only joints and frames of a model.
 
 use kinopt::model::JointId;
 use kinopt::spatial::Placement;
@@ -12,16 +12,16 @@ use crate::placement;
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Joint {
-    /// Unique within the model.
+    /// Unique name within the model.
     #[pyo3(get)]
     name: String,
     /// "revolute", "continuous", "prismatic", "ball" or "fixed".
     #[pyo3(get)]
     kind: &'static str,
-    /// The joint it stands on; None for the world.
+    /// Parent joint; None for the world.
     #[pyo3(get)]
     parent: Option<String>,
-    /// The unit axis it turns about or slides along, in its own frame.
+    /// Unit axis of rotation or translation, in the joint's own frame.
     #[pyo3(get)]
     axis: [f64; 3],
     /// Smallest value, radians or metres.
@@ -30,16 +30,16 @@ pub(crate) struct Joint {
     /// Largest value, radians or metres.
     #[pyo3(get)]
     upper: f64,
-    /// Where its value, or a ball's quaternion w, x, y, z, begins in a configuration; None for a fixed joint.
+    /// Index of its value, or of a ball's quaternion w, x, y, z, in a configuration; None for a fixed joint.
     #[pyo3(get)]
     coordinate: Option<usize>,
-    /// How far a ball joint may swing about two axes across its own, radians; None for anywhere.
+    /// Largest swing of a ball joint about two axes across its own, radians; None for no limit.
     #[pyo3(get)]
     swing: Option<[f64; 2]>,
-    /// How far a ball joint may twist about its axis, radians; None for anywhere.
+    /// Range of a ball joint's twist about its axis, radians; None for no limit.
     #[pyo3(get)]
     twist: Option<(f64, f64)>,
-    /// How far a ball may turn in all, radians; None where nothing but swing and twist limits it.
+    /// Largest rotation angle of a ball joint, radians; None for no limit next to swing and twist.
     #[pyo3(get)]
     angle: Option<f64>,
     parent_from_joint: [f64; 16],
@@ -68,7 +68,7 @@ impl Joint {
 
 #[pymethods]
 impl Joint {
-    /// Where the joint stands in its parent at value 0, shape (4, 4).
+    /// Placement of the joint relative to its parent at value 0, shape (4, 4).
     #[getter]
     fn parent_from_joint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         arrays::list(py, &self.parent_from_joint).reshape([4, 4])
@@ -82,11 +82,11 @@ impl Joint {
     }
 }
 
-/// One frame of a model: a named place on a joint.
+/// A frame of a model, fixed to a joint.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Frame {
-    /// Unique within the model.
+    /// Unique name within the model.
     #[pyo3(get)]
     name: String,
     /// The joint that carries it; None for a frame fixed in the world.
@@ -108,7 +108,7 @@ impl Frame {
 
 #[pymethods]
 impl Frame {
-    /// Where the frame stands in its joint's frame, shape (4, 4).
+    /// Placement of the frame relative to its joint, shape (4, 4).
     #[getter]
     fn joint_from_frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         placement::to_array(py, &self.joint_from_frame)

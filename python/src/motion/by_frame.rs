@@ -1,4 +1,4 @@
-//! What is said of tasks frame by frame.
+//! Targets and weights of tasks by sample of a trajectory.
 
 use kinopt::motion::clip::MotionProblemBuilder;
 use kinopt::task::Task;
@@ -9,25 +9,25 @@ use crate::arrays;
 use crate::error::invalid;
 use crate::problem::{self, Adds, AnyTask, Stated, Target};
 
-/// Adds tasks with their targets and weights by frame.
+/// Adds tasks with their targets and weights by sample.
 pub(super) struct ByFrame<'a, 'm, 'py> {
     pub(super) builder: &'a mut MotionProblemBuilder<'m>,
-    /// Which task is added.
+    /// Index of the added task.
     pub(super) task: usize,
     pub(super) targets: Vec<OfTask<'py>>,
     pub(super) weights: Vec<OfTask<'py>>,
     pub(super) frames: usize,
 }
 
-/// What one task has, one for each frame.
+/// Values of one task, one for each sample.
 pub(super) struct OfTask<'py> {
     task: usize,
-    /// As messages speak of it.
+    /// Name in messages.
     what: String,
     values: Bound<'py, PyAny>,
 }
 
-/// Reads {"task": one a frame}.
+/// Reads {"task": one value for each sample}.
 pub(super) fn of_tasks<'py>(
     options: &Bound<'py, PyDict>,
     name: &str,
@@ -59,7 +59,7 @@ impl Adds for ByFrame<'_, '_, '_> {
             let targets = read(&self.targets[k], &residual, self.frames)?;
             self.builder.follow(id, move |frame, residual: &mut R| {
                 if let Some(target) = targets.get(frame) {
-                    // Each was tried before.
+                    // Each target was validated when it was read.
                     let _ = residual.aim(target);
                 }
             });
@@ -68,7 +68,7 @@ impl Adds for ByFrame<'_, '_, '_> {
     }
 }
 
-/// One target a frame, each tried on the residual.
+/// Reads one target for each sample, and validates it on the residual.
 fn read<R: Target>(own: &OfTask<'_>, residual: &R, frames: usize) -> PyResult<Vec<R::Value>> {
     let what = &own.what;
     let given = own

@@ -1,4 +1,4 @@
-//! Whole motions: many frames solved as one.
+//! Trajectory optimisation: all samples of a motion in one problem.
 
 mod by_frame;
 mod solution;
@@ -20,19 +20,21 @@ use crate::pickling;
 use crate::problem::{self, ParameterMap, Stated, limits_of, raised};
 use crate::robot::Robot;
 
-/// Many frames of one model as one bounded least-squares problem.
+/// All samples of a trajectory of one model as one bounded least-squares problem.
 ///
-/// `frames` frames are `time_step` seconds apart. `tasks` are those of `kinopt.tasks` in every frame, `parameters`,
-/// `bounds` and `tolerance` as of a `Problem`. `targets` says where tasks are frame by frame: {"task": one target a frame}, by the
-/// tasks' names or numbers, and `weights` what multiplies their rows: {"task": (frames,)}; 0 asks nothing.
+/// `frames` samples are `time_step` seconds apart. `tasks` are those of `kinopt.tasks` in every sample; `parameters`,
+/// `bounds` and `tolerance` are as in `Problem`. `targets` sets the targets of tasks by sample: {"task": one target for
+/// each sample}, by the tasks' names or indices. `weights` are factors of their rows: {"task": (frames,)}; 0 disables
+/// the task.
 ///
-/// `velocity`, `acceleration` and `jerk` are what those cost, per rad/s or m/s and so on: a weight, or (weight, {"joint":
-/// factor}). `max_speeds` are hard limits from each frame to the next, {"joint": rad/s or m/s}; unset those of a robot's file, {} none.
-/// A ball's is of the angle that it turns by; a free joint has (m/s, rad/s), of the way that its place goes and of its turn.
-/// `contacts` are `kinopt.Contact`s: what stands still over a span. `first` and `last` fix those frames' configurations.
-/// A model's closed loops and its balls' cones hold in every frame.
+/// `velocity`, `acceleration` and `jerk` are costs of these rates, per rad/s or m/s and so on: a weight, or (weight,
+/// {"joint": factor}). `max_speeds` are hard limits between successive samples, {"joint": rad/s or m/s}; by default
+/// those of a robot's file, {} for none. For a ball it limits the rotation angle; a free joint has (m/s, rad/s), for
+/// its translation and its rotation. `contacts` are `kinopt.Contact`s: frames locked in place over a span. `first` and
+/// `last` fix the configurations of these samples. Closed loops of the model and cones of its balls hold in every
+/// sample.
 ///
-/// Raises `UnknownNameError` for names that do not exist, and `InvalidValueError` for what is out of range, with its name.
+/// Raises `UnknownNameError` for unknown names, and `InvalidValueError`, with the name, for values out of range.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionProblem {
     inner: Arc<clip::MotionProblem>,
@@ -41,7 +43,7 @@ pub(crate) struct MotionProblem {
     options: Py<PyDict>,
 }
 
-/// What is given by keywords.
+/// Names of the keywords.
 const OPTIONS: [&str; 12] = [
     "parameters",
     "bounds",
@@ -103,7 +105,7 @@ impl MotionProblem {
             first,
             last,
         ];
-        // What may be changed later by who made it is copied.
+        // Copies arguments that the caller may change later.
         let copy = py.import("copy")?;
         for (name, value) in OPTIONS.into_iter().zip(given) {
             if let Some(value) = value {
@@ -126,19 +128,19 @@ impl MotionProblem {
         })
     }
 
-    /// How many frames there are.
+    /// Number of samples.
     #[getter]
     fn frames(&self) -> usize {
         self.inner.frames()
     }
 
-    /// The time from a frame to the next, in seconds.
+    /// Time between two samples, in seconds.
     #[getter]
     fn time_step(&self) -> f64 {
         self.inner.time_step_s()
     }
 
-    /// The names of the tasks.
+    /// Names of the tasks.
     #[getter]
     fn task_names(&self) -> Vec<String> {
         let problem = self.inner.problem();
@@ -146,14 +148,16 @@ impl MotionProblem {
         names.map(str::to_owned).collect()
     }
 
-    /// Solves the motion from one configuration, shape (nq,), frame by frame first, or from a motion near it, shape (frames, nq),
-    /// which need not keep any limit.
+    /// Solves the trajectory from one configuration, shape (nq,), for which the samples are first solved one by one, or
+    /// from an initial trajectory, shape (frames, nq), which need not satisfy limits.
     ///
-    /// `tolerance` is the share of the cost that a step must promise; `slip` how far what stands may slip from a frame to the
-    /// next, metres; `curvature` whether frames bend as they do or as JᵀJ says, which is less exact far from targets and less
-    /// work. `windows` = (frames, ahead) solves a long motion window by window. Python's other threads run meanwhile.
+    /// `tolerance` is the smallest relative decrease of the cost that a step must predict; `slip` the largest drift of
+    /// a contact between samples, metres; `curvature` selects the exact curvature of the samples, or JᵀJ, which is less
+    /// accurate far from targets and cheaper. `windows` = (frames, ahead) solves a long trajectory window by window.
+    /// The GIL is released.
     ///
-    /// Raises `InvalidValueError` for starts that are not finite, options out of range, fixed frames that speed limits part.
+    /// Raises `InvalidValueError` for starts that are not finite, options out of range, and fixed samples that conflict
+    /// with speed limits.
     #[pyo3(signature = (start, *, tolerance = None, max_iterations = None, slip = None, curvature = true, windows = None))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn solve(
@@ -225,7 +229,7 @@ fn build(
 ) -> PyResult<clip::MotionProblem> {
     let py = whole.py();
     let own = model_of(whole)?;
-    // States one frame first: names, tasks and options are then known to be right.
+    // Compiles the problem of one sample first, which validates names, tasks and options.
     let of_frame = PyDict::new(py);
     for name in ["parameters", "bounds", "tolerance"] {
         if let Some(value) = options.get_item(name)? {
@@ -305,10 +309,10 @@ fn build(
     builder.build().or_raise()
 }
 
-/// A rate cost of a weight.
+/// Constructor of a rate cost from a weight.
 type OfWeight = fn(f64) -> RateCost;
 
-/// A weight, or a weight and factors by joint.
+/// Reads a weight, or a weight and factors by joint.
 fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: OfWeight) -> PyResult<RateCost> {
     if let Ok((weight, factors)) = value.extract::<(f64, Bound<'_, PyAny>)>() {
         let mut own = cost(weight);
@@ -321,7 +325,7 @@ fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: OfWeight) -> PyResult<R
     Ok(cost(arrays::number(value, name)?))
 }
 
-/// A `kinopt.Contact`.
+/// Reads a `kinopt.Contact`.
 fn contact(given: &Bound<'_, PyAny>, model: &kinopt::Model) -> PyResult<Contact> {
     let get = |name: &str| match given.getattr_opt(name)? {
         Some(value) => Ok(value),

@@ -1,4 +1,4 @@
-//! What came of a motion.
+//! Solutions of trajectory optimisation.
 
 use kinopt::motion::clip::{self, MotionBound, MotionTermination};
 use kinopt::solver::Side;
@@ -8,33 +8,33 @@ use pyo3::prelude::*;
 use crate::arrays;
 use crate::pickling;
 
-/// A goal that a frame of a motion misses beyond its tolerance.
+/// A required task whose error exceeds its tolerance in a sample.
 #[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct MissedFrame {
-    /// The number of the frame.
+    /// Index of the sample.
     frame: usize,
-    /// The task's name.
+    /// Name of the task.
     task: String,
-    /// Of what the error is: metres, radians, ….
+    /// Quantity of the error: metres, radians, ….
     quantity: String,
-    /// How large the error is.
+    /// Error, in the unit of the quantity.
     error: f64,
 }
 
-/// A limit that holds a motion back in a frame.
+/// An active limit of a trajectory in a sample.
 #[pyclass(frozen, get_all, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct ActiveMotionLimit {
-    /// The frame; of a speed the one that it leads to.
+    /// Index of the sample; for a speed limit, of the second of the two samples.
     frame: usize,
-    /// The name of the joint.
+    /// Name of the joint.
     joint: String,
     /// "position" or "speed".
     bound: String,
-    /// "lower" or "upper"; of a speed whether it falls or rises.
+    /// "lower" or "upper"; for a speed limit, the sign of the velocity.
     side: String,
-    /// How fast the cost would fall beyond it, per radian or metre.
+    /// Slope of the cost beyond the limit, per radian or metre.
     push: f64,
 }
 
@@ -67,38 +67,38 @@ parts!(ActiveMotionLimit(frame: usize, joint: String, bound: String, side: Strin
     format!("ActiveMotionLimit({}, {:?}, {} {})", own.frame, own.joint, own.side, own.bound)
 });
 
-/// A motion, and the truth about it.
+/// Solution of a trajectory problem, with its errors.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionSolution {
     q: Vec<f64>,
     width: usize,
     costs: Vec<f64>,
-    /// The names of the numbers of a configuration, the columns of `q`.
+    /// Names of the numbers of a configuration, the columns of `q`.
     #[pyo3(get)]
     names: Vec<String>,
     /// ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
     #[pyo3(get)]
     cost: f64,
-    /// What of the cost is of velocities, accelerations and jerks.
+    /// Part of the cost from velocities, accelerations and jerks.
     #[pyo3(get)]
     cost_of_rates: f64,
-    /// "stationary", "small step" or "iteration limit"; of windows that of the worst.
+    /// "stationary", "small step" or "iteration limit"; with windows that of the worst.
     #[pyo3(get)]
     termination: String,
     /// Iterations of all windows.
     #[pyo3(get)]
     iterations: usize,
-    /// How far what stands still is from where its contact began, at most, metres.
+    /// Largest drift of a contact from its initial position, metres.
     #[pyo3(get)]
     slip: f64,
-    /// How far a loop of the model is open in any frame, at most, in metres and radians: 0 without loops, and above 1e-9 those that
-    /// are open are among what is missed.
+    /// Largest closure error of a loop in any sample, metres and radians: 0 without loops. Loops with an error above
+    /// 1e-9 are in `missed`.
     #[pyo3(get)]
     loop_gap: f64,
-    /// What is missed in which frame, in order.
+    /// Missed tasks by sample, in order.
     #[pyo3(get)]
     missed: Vec<MissedFrame>,
-    /// Which limits of position and speed hold the motion back when, in order.
+    /// Active position and speed limits by sample, in order.
     #[pyo3(get)]
     active_limits: Vec<ActiveMotionLimit>,
 }
@@ -157,7 +157,7 @@ impl MotionSolution {
     }
 }
 
-/// What a solution is made again of.
+/// Data that rebuild a solution.
 type Parts = (
     (Vec<f64>, usize, Vec<f64>, Vec<String>),
     (f64, f64, String, usize, f64, f64),
@@ -167,19 +167,19 @@ type Parts = (
 
 #[pymethods]
 impl MotionSolution {
-    /// All configurations, shape (frames, nq), within all limits of position and speed.
+    /// All configurations, shape (frames, nq), within all position and speed limits.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         arrays::list(py, &self.q).reshape([self.costs.len(), self.width])
     }
 
-    /// ½ ‖w ∘ r‖² of each frame's tasks, shape (frames,).
+    /// Cost ½ ‖w ∘ r‖² of each sample's tasks, shape (frames,).
     #[getter]
     fn frame_costs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.costs)
     }
 
-    /// Whether every goal is within its tolerance in every frame.
+    /// True if every required task is within its tolerance in every sample.
     #[getter]
     fn reached(&self) -> bool {
         self.missed.is_empty()

@@ -1,4 +1,4 @@
-//! Tasks of whole bodies: balance, gaze, velocities, relations of joints.
+//! Tasks of whole bodies: balance, gaze, velocities, joint couplings.
 
 use kinopt::model::{Masses, PointMass};
 use kinopt::spatial::Vector3;
@@ -14,7 +14,7 @@ use crate::error::{OrRaise, invalid};
 use crate::masses::masses_of;
 use crate::placement;
 
-/// Reads the residual of a task of that kind.
+/// Reads the residual of a task of a kind.
 pub(super) fn residual<V: Visit>(
     given: &Given<'_, '_>,
     kind: &str,
@@ -97,7 +97,7 @@ pub(super) fn residual<V: Visit>(
     }
 }
 
-/// The masses that a task gives, or else those of what the problem is stated on.
+/// Returns the masses of the task, else those of the problem's robot or rig.
 fn masses(given: &Given<'_, '_>) -> PyResult<Masses> {
     let Some(own) = given.optional("masses")? else {
         return masses_of(given.whole);
@@ -120,7 +120,7 @@ fn points(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vector3<f64>>> {
     Ok(points.collect())
 }
 
-/// The items of a dict by name.
+/// Returns the items of a dict by name.
 fn named<'py>(value: &Bound<'py, PyAny>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
     let items = value.cast::<PyMapping>()?.items()?;
     items.iter().map(|item| item.extract()).collect()

@@ -1,4 +1,4 @@
-//! Cameras, for tasks that are stated in the image.
+//! Cameras, for tasks in image coordinates.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -35,10 +35,10 @@ impl Camera {
         Ok(Self { inner })
     }
 
-    /// A pinhole camera that stands at `world_from_camera` (4 x 4) and looks along its own +z, x to the
-    /// right and y down, with `focal_length` and `principal_point` in pixels, shape (2,) each.
+    /// A pinhole camera at `world_from_camera` (4 x 4), looking along its own +z, x to the right and y down, with
+    /// `focal_length` and `principal_point` in pixels, shape (2,) each.
     ///
-    /// Raises `InvalidValueError` for other shapes, for what is no rigid motion and for numbers that are not
+    /// Raises `InvalidValueError` for other shapes, for a placement that is not rigid and for numbers that are not
     /// finite.
     #[classmethod]
     fn pinhole(
@@ -59,15 +59,15 @@ impl Camera {
         }
     }
 
-    /// P by rows, shape (3, 4).
+    /// Matrix P, shape (3, 4).
     #[getter]
     fn pixel_from_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let numbers = self.inner.pixel_from_world;
         arrays::list(py, numbers.as_flattened()).reshape([3, 4])
     }
 
-    /// The pixel (u, v), shape (2,), at which a point of the world, shape (3,), metres, is seen; not finite
-    /// in the camera's own plane.
+    /// Projects a point of the world, shape (3,), metres, to its pixel (u, v), shape (2,); not finite in the focal
+    /// plane.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn project<'py>(
@@ -79,8 +79,8 @@ impl Camera {
         Ok(arrays::list(py, &self.inner.project(point.into())))
     }
 
-    /// The viewing ray through a pixel (u, v): the eye and the pixel unprojected to the point of depth one,
-    /// shape (2, 3), metres, as `tasks.Ray` takes them. None where the camera has no eye.
+    /// Viewing ray through a pixel (u, v): the camera centre and the pixel unprojected to the point of depth one, shape
+    /// (2, 3), metres, as for `tasks.Ray`. None for a camera without a centre.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn viewing_ray<'py>(

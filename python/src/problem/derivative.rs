@@ -1,4 +1,4 @@
-//! How a solution changes with what is asked.
+//! Derivatives of solutions with respect to problem parameters.
 
 use std::sync::{Arc, Mutex};
 
@@ -16,18 +16,18 @@ use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::pickling;
 
-/// The derivative of the solution `q` (shape (nq,), a configuration of the problem's model) by the targets,
-/// weights and link lengths of a problem, by the implicit function theorem at the limits that hold it.
+/// The derivative of the solution `q` (shape (nq,), a configuration of the problem's model) with respect to the
+/// targets, weights and link lengths of a problem, by the implicit function theorem with the active limits.
 ///
-/// `targets` are those that it was solved with, as in `Solver.solve`. Look at `existence` before the numbers are
-/// trusted: only where that is "unique" is the solution a smooth function of the parameters. Velocities are those
-/// of `Model.integrate`, shape (dof,). A pose's target has six numbers: along and about its own axes, metres then
-/// radians; a place has three, a posture one a joint and three a ball.
+/// `targets` are those of the solve, as in `Solver.solve`. Check `existence` first: only if it is "unique" is the
+/// solution a smooth function of the parameters. Velocities are those of `Model.integrate`, shape (dof,). A pose target
+/// has six numbers: along and about its own axes, metres then radians; a position has three, a posture one for each
+/// joint and three for each ball.
 ///
 /// Raises `InvalidValueError` and `UnknownNameError` as `Solver.solve` does for its start and targets.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct SolutionDerivative {
-    /// As it was when it was solved.
+    /// The problem at the time of the solve.
     problem: Py<Problem>,
     stated: Arc<Stated>,
     model: Arc<kinopt::Model>,
@@ -35,12 +35,12 @@ pub(crate) struct SolutionDerivative {
     given: Option<Py<PyAny>>,
     targets: Targets,
     existence: Existence,
-    /// The factored system, for all products.
+    /// Factored system, shared by all products.
     memory: Mutex<DerivativeWorkspace>,
 }
 
 impl SolutionDerivative {
-    /// Does something with the derivative, which is factored the first time.
+    /// Calls a function with the derivative, which is factored at the first call.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
@@ -48,7 +48,7 @@ impl SolutionDerivative {
     ) -> PyResult<T> {
         let question = self.stated.question(&self.targets)?;
         py.detach(|| {
-            // What a residual of the caller's has interrupted is begun anew.
+            // A residual of the caller interrupted the factorisation, so it starts again.
             let mut memory = self.memory.lock().unwrap_or_else(|poisoned| {
                 let mut memory = poisoned.into_inner();
                 *memory = DerivativeWorkspace::default();
@@ -64,7 +64,7 @@ impl SolutionDerivative {
         })
     }
 
-    /// A key of a task in dicts: its name, or its number where several have that name.
+    /// Key of a task in dicts: its name, or its index if several tasks have that name.
     fn key<'py>(&self, py: Python<'py>, task: usize) -> PyResult<Bound<'py, PyAny>> {
         let problem = &self.stated.inner;
         let name = problem.task_name(task).unwrap_or_default();
@@ -110,28 +110,28 @@ impl SolutionDerivative {
         Ok(derivative)
     }
 
-    /// Whether it exists: "unique"; "shortest_of_many", where other configurations answer as well and the
-    /// shortest change is told; or why there is none: "on_limit", "at_kink", "singular", "not_stationary",
+    /// Differentiability: "unique"; "shortest_of_many", if the solution is not isolated and the derivative is the
+    /// shortest change; or the reason why no derivative exists: "on_limit", "at_kink", "singular", "not_stationary",
     /// "not_finite".
     #[getter]
     fn existence(&self) -> &'static str {
         self.existence.name()
     }
 
-    /// Whether the solution is a smooth function of the parameters here.
+    /// True if the solution is a smooth function of the parameters here.
     #[getter]
     fn is_unique(&self) -> bool {
         self.existence.is_unique()
     }
 
-    /// Says whether it exists, and if not, why, in a sentence.
+    /// Sentence about `existence`.
     fn explain(&self) -> String {
         self.existence.to_string()
     }
 
-    /// The derivative by the target of a task (a name, or a number), shape (dof, numbers of the target).
+    /// Derivative with respect to the target of a task (a name, or an index), shape (dof, numbers of the target).
     ///
-    /// Raises `UnknownNameError` and `InvalidValueError` for a task that there is not.
+    /// Raises `UnknownNameError` and `InvalidValueError` for an unknown task.
     fn by_target<'py>(&self, task: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let py = task.py();
         let task = self.stated.task(task)?;
@@ -141,11 +141,11 @@ impl SolutionDerivative {
         arrays::list(py, numbers.as_slice()).reshape([rows, columns])
     }
 
-    /// The velocity of the solution, shape (dof,), for rates of the parameters: of `targets`, a dict by task; of
-    /// `weights`, shape (rows of `Solution.rows`,); of `joint_origins`, a dict by joint of three numbers, metres
-    /// in the parent's axes. What is not given stands still.
+    /// Velocity of the solution, shape (dof,), for rates of the parameters: of `targets`, a dict by task; of `weights`,
+    /// shape (rows of `Solution.rows`,); of `joint_origins`, a dict by joint of three numbers, metres in the parent's
+    /// axes. Parameters that are not given are constant.
     ///
-    /// Raises `UnknownNameError` for tasks and joints that there are not, and `InvalidValueError` for other shapes.
+    /// Raises `UnknownNameError` for unknown tasks and joints, and `InvalidValueError` for other shapes.
     #[pyo3(signature = (targets = None, *, weights = None, joint_origins = None))]
     fn velocity<'py>(
         &self,
@@ -184,14 +184,14 @@ impl SolutionDerivative {
         Ok(arrays::list(py, &v))
     }
 
-    /// The gradient by all parameters of a scalar, from its slope by the solution: all at once, by one reverse
+    /// Gradient of a scalar with respect to all parameters, from its slope with respect to the solution, by one reverse
     /// product.
     ///
-    /// `slope` is by the velocity, shape (dof,), or `by_q` by the numbers of q, shape (nq,), quaternions w, x, y, z
-    /// included. A dict: "targets" by task, "weights" of shape (rows of `Solution.rows`,), and "joint_origins"
-    /// by joint, shape (3,) each, per metre in the parent's axes.
+    /// `slope` is with respect to the velocity, shape (dof,); `by_q` with respect to the numbers of q, shape (nq,),
+    /// including quaternions w, x, y, z. The result is a dict: "targets" by task, "weights" of shape (rows of
+    /// `Solution.rows`,), and "joint_origins" by joint, shape (3,) each, per metre in the parent's axes.
     ///
-    /// Raises `InvalidValueError` for other shapes, and unless one of the two is given.
+    /// Raises `InvalidValueError` for other shapes, and unless exactly one of the two is given.
     #[pyo3(signature = (slope = None, *, by_q = None))]
     fn gradient<'py>(
         &self,

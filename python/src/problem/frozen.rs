@@ -1,12 +1,12 @@
-//! What tasks in Python keep: copies of what they are given, checked, that nobody can write to.
+//! Arguments of tasks: validated read-only copies.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays;
 
-/// A copy of `length` numbers (any number of them for None) that cannot be written to; `what` is its name in
-/// messages. Raises `InvalidValueError`.
+/// A read-only copy of `length` numbers (any number of them for None); `what` names it in messages. Raises
+/// `InvalidValueError`.
 #[pyfunction]
 #[pyo3(signature = (value, what, length = None))]
 pub(crate) fn numbers<'py>(
@@ -23,8 +23,7 @@ pub(crate) fn numbers<'py>(
     Ok(copy)
 }
 
-/// A copy of a placement, shape (4, 4), that cannot be written to; `what` is its name in messages. Raises
-/// `InvalidValueError`.
+/// A read-only copy of a placement, shape (4, 4); `what` names it in messages. Raises `InvalidValueError`.
 #[pyfunction]
 pub(crate) fn placement<'py>(
     value: &Bound<'py, PyAny>,
@@ -36,8 +35,7 @@ pub(crate) fn placement<'py>(
     Ok(copy)
 }
 
-/// A copy of axes in columns, shape (3, 3), that cannot be written to; `what` is its name in messages. Raises
-/// `InvalidValueError`.
+/// A read-only copy of axes in columns, shape (3, 3); `what` names it in messages. Raises `InvalidValueError`.
 #[pyfunction]
 pub(crate) fn rotation<'py>(
     value: &Bound<'py, PyAny>,

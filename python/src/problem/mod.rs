@@ -35,46 +35,46 @@ pub(crate) use stated::Stated;
 pub(crate) use target::Target;
 pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 
-/// A bounded nonlinear least-squares problem: what the frames of a model should do, and within which
-/// bounds.
+/// A bounded nonlinear least-squares problem: tasks on the frames and joints of a model, within bounds.
 ///
-/// `model` is a robot, a rig, a skeleton or a model; `tasks` are those of `kinopt.tasks`, and `add` takes more.
-/// Everything is checked where it is given. Many threads solve one problem, each with targets of
-/// its own (`Solver.solve(problem, start, targets={"name": target})`); solves and drags that have begun keep the
-/// tasks that they began with.
+/// `model` is a robot, a rig, a skeleton or a model; `tasks` are those of `kinopt.tasks`, and `add` appends more.
+/// Arguments are validated immediately. Several threads can solve one problem, each with its own targets
+/// (`Solver.solve(problem, start, targets={"name": target})`); running solves and drags keep the tasks from their
+/// start.
 ///
-/// `parameters` says which joints are free, locked or coupled; without it all are free but a robot's mimic
-/// joints, which follow. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or
-/// metres. `tolerance` is that of all tasks that set none: a number for metres and radians, or a dict by
-/// quantity; unset it is 1e-6 m, 1e-6 rad and 1e-3 px, and infinite for joint units and ratios.
-/// `derivatives` is "analytic", "dual", "forward_difference" or "central_difference". `preferences` act
-/// "within_goals", costing them nothing, or are "traded" off against them by their weights.
+/// `parameters` defines which joints are free, locked or coupled; by default all are free except a robot's mimic
+/// joints. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or metres. `tolerance` is the
+/// default tolerance of tasks: a number for metres and radians, or a dict by quantity; unset it is 1e-6 m, 1e-6 rad and
+/// 1e-3 px, and infinite for joint units and ratios. `derivatives` is "analytic", "dual", "forward_difference" or
+/// "central_difference". `preferences` (soft tasks) act "within_goals", at no cost to the required tasks, or are
+/// "traded": weighted against them.
 ///
-/// With a `world` (as it is now), a `margin` in metres or a `collision_model` the body keeps clear of the world's obstacles and of itself,
-/// each pair at least the margin apart, and a solution that is not says which pairs touch (`Solution.collisions`); a `Drag` slides along what
-/// is in its way. A robot has shapes, a rig with a skin gets capsules along its bones; anything else takes a `collision_model`.
+/// A `world` (copied at this moment), a `margin` in metres or a `collision_model` enables collision avoidance with the
+/// world's obstacles and within the body, with a distance of at least the margin for each pair. A solution in collision
+/// lists the pairs (`Solution.collisions`); a `Drag` slides along obstacles. A robot has shapes, and a rig with a skin
+/// gets capsules along its bones; any other model needs a `collision_model`.
 ///
-/// `weights`, shape (rows of `Solution.rows`,), take the place of those that the tasks say, and `joint_origins`,
-/// {"joint": (x, y, z)} in metres and the parent's axes, that of the model's: links of other lengths. A solution is
-/// differentiable by both.
+/// `weights`, shape (rows of `Solution.rows`,), replace those of the tasks. `joint_origins`, {"joint": (x, y, z)} in
+/// metres and the parent's axes, replace those of the model, for other link lengths. A solution is differentiable with
+/// respect to both.
 ///
-/// Raises `UnknownNameError` for frames and joints that do not exist, and `InvalidValueError`, with the
-/// task's name, for targets that are not finite, weights and tolerances below 0, bounds that leave nothing.
-/// What there is to solve raises `InvalidValueError` as long as there are no tasks.
+/// Raises `UnknownNameError` for unknown frames and joints, and `InvalidValueError`, with the task's name, for targets
+/// that are not finite, weights and tolerances below 0, and empty bounds. Solving a problem without tasks raises
+/// `InvalidValueError`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Problem {
     model: Py<PyAny>,
     options: Py<PyDict>,
-    /// What it keeps clear of, made once.
+    /// Collision checker, created once.
     checker: Option<Checker>,
-    /// Locked for moments only, never while anything is computed or Python is called.
+    /// Locked briefly, never during a computation or a call of Python.
     current: Mutex<Current>,
 }
 
-/// What a problem is made of now.
+/// Current tasks of a problem.
 struct Current {
     tasks: Py<PyTuple>,
-    /// Where there are no tasks, that in words.
+    /// Compiled tasks, or the message of a problem without tasks.
     stated: Result<Arc<Stated>, String>,
 }
 
@@ -104,7 +104,7 @@ impl Problem {
         let py = model.py();
         let options = PyDict::new(py);
         options.set_item("parameters", parameters)?;
-        // What may be changed later by who made it is copied.
+        // Copies arguments that the caller may change later.
         let given = [
             ("bounds", bounds),
             ("tolerance", tolerance),
@@ -144,11 +144,10 @@ impl Problem {
         })
     }
 
-    /// Adds a task, on a strict `level` and with a `weight` of its own where they are given, as those keywords of
-    /// the task say. Returns the task's number, by which `targets` and `Solution.tasks` know it, as by its name.
+    /// Adds a task, with the given strict priority `level` and `weight` if any, as the keywords of the task. Returns
+    /// the index of the task, which `targets` and `Solution.tasks` accept like its name.
     ///
-    /// Solves and drags that have begun go on without it. Raises as `Problem` does, and leaves the problem as it
-    /// was then.
+    /// Running solves and drags do not change. Raises as `Problem` does, and then leaves the problem unchanged.
     #[pyo3(signature = (task, level = None, weight = None))]
     fn add(
         &self,
@@ -179,31 +178,31 @@ impl Problem {
             let (model, options) = (self.model.bind(py), self.options.bind(py));
             let stated = Stated::new(model, &tasks, options, self.checker.as_ref())?;
             let mut current = self.lock();
-            // Another thread may have added one meanwhile.
+            // Another thread may have added a task in the meantime.
             if current.tasks.is(&before) {
                 let tasks = tasks.unbind();
                 let last = std::mem::replace(&mut *current, Current { tasks, stated });
                 drop(current);
-                // What was is freed by Python, where the lock is free again.
+                // Dropping it may call Python, so the lock is released first.
                 drop(last);
                 return Ok(number);
             }
         }
     }
 
-    /// What the problem was stated on.
+    /// The model, robot, skeleton or rig of the problem.
     #[getter]
     pub(crate) fn model(&self, py: Python<'_>) -> Py<PyAny> {
         self.model.clone_ref(py)
     }
 
-    /// The tasks, as they were given.
+    /// The tasks as given.
     #[getter]
     fn tasks<'py>(&self, py: Python<'py>) -> Bound<'py, PyList> {
         self.given(py).bind(py).to_list()
     }
 
-    /// The names of the tasks, by which targets are given and solutions report.
+    /// Names of the tasks, for targets and reports.
     #[getter]
     fn task_names(&self) -> Vec<String> {
         match self.stated() {
@@ -212,19 +211,19 @@ impl Problem {
         }
     }
 
-    /// How many solver variables there are.
+    /// Number of solver variables.
     #[getter]
     fn variables(&self) -> PyResult<usize> {
         Ok(self.stated()?.inner.variables())
     }
 
-    /// How many residual rows there are.
+    /// Number of residual rows.
     #[getter]
     fn rows(&self) -> PyResult<usize> {
         Ok(self.stated()?.inner.rows())
     }
 
-    /// How many numbers a configuration has.
+    /// Length of a configuration.
     #[getter]
     fn configuration_len(&self) -> PyResult<usize> {
         Ok(self.stated()?.inner.configuration_len())
@@ -242,13 +241,13 @@ impl Problem {
         Ok(arrays::list(py, self.stated()?.inner.upper()))
     }
 
-    /// The model's own length scale, metres.
+    /// Reach of the model, metres.
     #[getter]
     fn reach(&self) -> PyResult<f64> {
         Ok(self.stated()?.inner.reach())
     }
 
-    /// Which derivative route is taken.
+    /// Derivative mode.
     #[getter]
     fn derivatives(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         Ok(self
@@ -259,7 +258,7 @@ impl Problem {
             .unbind())
     }
 
-    /// What preferences may cost the goals.
+    /// Mode of soft tasks: "within_goals" or "traded".
     #[getter]
     fn preferences(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         Ok(self
@@ -270,22 +269,22 @@ impl Problem {
             .unbind())
     }
 
-    /// The same problem by another derivative route.
+    /// The problem with another derivative mode.
     ///
-    /// Raises `UnknownNameError` for another route.
+    /// Raises `UnknownNameError` for an unknown mode.
     fn with_derivatives(&self, py: Python<'_>, derivatives: &str) -> PyResult<Py<PyAny>> {
         let options = self.options.bind(py).copy()?;
         options.set_item("derivatives", derivatives)?;
         self.with_options(&options)
     }
 
-    /// What multiplies the rows, shape (rows of `Solution.rows`,), as the tasks' `weight` and `times` say.
+    /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `times` of the tasks.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(arrays::list(py, &self.stated()?.inner.weights()))
     }
 
-    /// The same problem with other `weights`, shape (rows of `Solution.rows`,).
+    /// The problem with other `weights`, shape (rows of `Solution.rows`,).
     ///
     /// Raises `InvalidValueError` for another shape, weights below 0 or not finite, and a problem in a world.
     fn with_weights(&self, py: Python<'_>, weights: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
@@ -294,11 +293,11 @@ impl Problem {
         self.with_options(&options)
     }
 
-    /// The same problem with the origins of some joints elsewhere on their parents, {"joint": (x, y, z)} in metres and
-    /// the parent's axes. Weights and limits stay.
+    /// The problem with other origins of some joints relative to their parents, {"joint": (x, y, z)} in metres and the
+    /// parent's axes. Weights and limits do not change.
     ///
-    /// Raises `UnknownNameError` for joints that do not exist, and `InvalidValueError` for places that are not finite
-    /// and a problem in a world.
+    /// Raises `UnknownNameError` for unknown joints, and `InvalidValueError` for positions that are not finite and for
+    /// a problem in a world.
     fn with_joint_origins(
         &self,
         py: Python<'_>,
@@ -318,7 +317,7 @@ impl Problem {
         self.with_options(&options)
     }
 
-    /// The same problem in another world, as it is now, with another margin in metres or the same.
+    /// The problem with another world, copied at this moment, and another margin in metres; None keeps the margin.
     ///
     /// Raises `InvalidValueError` as `Problem`.
     #[pyo3(signature = (world, margin = None))]
@@ -336,10 +335,10 @@ impl Problem {
         self.with_options(&options)
     }
 
-    /// The pairs that are nearer to each other than the margin at a configuration, the deepest first.
+    /// Pairs nearer to each other than the margin at a configuration, the deepest first.
     ///
-    /// Raises `InvalidValueError` for a problem that was made without `world` and without `margin`, of which it is not known what
-    /// touches, for another length and numbers that are not finite.
+    /// Raises `InvalidValueError` for a problem that was made without `world` and without `margin`, for another length
+    /// and numbers that are not finite.
     fn collisions(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
         let q = arrays::copied(q, "q")?;
         let Some(checker) = &self.checker else {
@@ -351,11 +350,11 @@ impl Problem {
         Ok(found.into_iter().map(Collision::from).collect())
     }
 
-    /// The weighted residual r at `x`, shape (rows,): at variables, shape (variables,), or at a configuration,
-    /// shape (nq,), such as a solution's `q`.
+    /// Weighted residual r at `x`, shape (rows,). `x` is the variables, shape (variables,), or a configuration, shape
+    /// (nq,), such as a solution's `q`.
     ///
-    /// Raises `InvalidValueError` for another length, for a configuration that the problem cannot have (beyond limits, or a locked
-    /// joint elsewhere), and as `Solver.solve` for `targets`; what a residual of yours raises comes out of here.
+    /// Raises `InvalidValueError` for another length, for a configuration outside the problem's limits or with another
+    /// value of a locked joint, and as `Solver.solve` for `targets`. Exceptions of a custom residual propagate.
     #[pyo3(signature = (x, targets = None))]
     fn residual<'py>(
         &self,
@@ -373,8 +372,8 @@ impl Problem {
         Ok(arrays::list(py, &r))
     }
 
-    /// The derivative of the weighted residual by the variables at `x`, as `residual` takes it, by the problem's route:
-    /// shape (rows, variables). A ball joint and the turn of a free base are three variables.
+    /// Jacobian of the weighted residual with respect to the variables at `x`, as for `residual`, by the problem's
+    /// derivative mode: shape (rows, variables). A ball joint and the rotation of a free base are three variables.
     ///
     /// Raises as `residual`.
     #[pyo3(signature = (x, targets = None))]
@@ -394,8 +393,8 @@ impl Problem {
             .reshape([stated.inner.rows(), stated.inner.variables()])
     }
 
-    /// The gradient of half the squared residual by the variables at `x`, as `residual` takes it, by reverse mode where
-    /// derivatives are analytic: shape (variables,).
+    /// Gradient of half the squared residual with respect to the variables at `x`, as for `residual`, by reverse mode
+    /// if derivatives are analytic: shape (variables,).
     ///
     /// Raises as `residual`.
     #[pyo3(signature = (x, targets = None))]
@@ -417,8 +416,8 @@ impl Problem {
         Ok(arrays::list(py, &gradient))
     }
 
-    /// How the solution `q` of this problem, shape (nq,), changes with its targets, weights and links: a
-    /// `SolutionDerivative`. `targets` are those that it was solved with.
+    /// Derivative of the solution `q` of this problem, shape (nq,), with respect to its targets, weights and links: a
+    /// `SolutionDerivative`. `targets` are those of the solve.
     ///
     /// Raises as `Solver.solve`.
     #[pyo3(signature = (q, targets = None))]
@@ -464,7 +463,7 @@ impl Problem {
         self.lock().tasks.clone_ref(py)
     }
 
-    /// A problem of its own with these tasks.
+    /// Independent problem with the current tasks.
     fn as_it_is(&self, py: Python<'_>) -> Self {
         let current = self.lock();
         Self {
@@ -478,7 +477,7 @@ impl Problem {
         }
     }
 
-    /// What there is to solve, as it is now. Raises `InvalidValueError` where there are no tasks.
+    /// Returns the compiled problem. Raises `InvalidValueError` without tasks.
     pub(crate) fn stated(&self) -> PyResult<Arc<Stated>> {
         let stated = self.lock().stated.clone();
         stated.map_err(invalid)
@@ -497,7 +496,7 @@ const PREFERENCES: [(&str, Preferences); 2] = [
     ("traded", Preferences::Traded),
 ];
 
-/// One of some values by its name.
+/// Returns a value by its name.
 pub(crate) fn named<T: Copy>(
     kind: &'static str,
     name: &str,

@@ -1,4 +1,4 @@
-//! Which joints are free, locked or coupled.
+//! Free, locked and coupled joints.
 
 use std::sync::Arc;
 
@@ -14,23 +14,21 @@ use crate::has_model::model_of;
 use crate::pickling;
 use crate::robot::Robot;
 
-/// The map from solver variables x to configurations q: which joints are free, locked, coupled or
-/// narrowed.
+/// The map from solver variables x to configurations q: free, locked, coupled and narrowed joints.
 ///
-/// A robot's mimic joints follow as its file says. Everything is given by joint names:
-/// `lock={"finger": 0.04}` holds joints at values (radians or metres; of a ball joint a quaternion w, x, y, z),
-/// `couple={"left": ("right", ratio, offset)}` lets a joint follow another (ratio * master + offset),
-/// `narrow={"elbow": (lower, upper)}` leaves only the values that these limits allow too, and
-/// `only=["a", "b"]` frees these joints alone: the others that were free are locked at their values in `at`
-/// (shape (nq,); without it the neutral configuration), clamped into their limits.
+/// A robot's mimic joints follow its file. Arguments are by joint name. `lock={"finger": 0.04}` locks joints at values
+/// (radians or metres; of a ball joint a quaternion w, x, y, z). `couple={"left": ("right", ratio, offset)}` makes a
+/// mimic joint (ratio * source + offset). `narrow={"elbow": (lower, upper)}` intersects a joint's limits with these.
+/// `only=["a", "b"]` frees only these joints. The other free joints are then locked at their values in `at` (shape
+/// (nq,); default the neutral configuration), clamped into their limits.
 ///
-/// Raises `UnknownNameError` for joints that do not exist, and `InvalidValueError` for one that is fixed,
-/// locked outside its limits, follows itself, or is left no value.
+/// Raises `UnknownNameError` for unknown joints, and `InvalidValueError` for a joint that is fixed, locked outside its
+/// limits, coupled to itself, or has an empty range.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ParameterMap {
     pub(crate) inner: kinopt::model::ParameterMap,
     model: Arc<kinopt::Model>,
-    /// What it was made from.
+    /// Robot or model of the map.
     of: Py<PyAny>,
     options: Py<PyDict>,
 }
@@ -109,13 +107,13 @@ impl ParameterMap {
         })
     }
 
-    /// How many solver variables there are.
+    /// Number of solver variables.
     #[getter]
     fn variables(&self) -> usize {
         self.inner.variables()
     }
 
-    /// The joint that each variable moves directly, by name.
+    /// Name of the joint that each variable moves directly.
     #[getter]
     fn variable_names(&self) -> Vec<&str> {
         let moving = self.model.moving_joints();
@@ -125,13 +123,13 @@ impl ParameterMap {
             .collect()
     }
 
-    /// Lower bounds of the variables, shape (variables,); those of followers included.
+    /// Lower bounds of the variables, shape (variables,), including those from mimic joints.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, self.inner.lower())
     }
 
-    /// Upper bounds of the variables, shape (variables,); those of followers included.
+    /// Upper bounds of the variables, shape (variables,), including those from mimic joints.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, self.inner.upper())
@@ -151,8 +149,8 @@ impl ParameterMap {
         Ok(arrays::list(py, &q))
     }
 
-    /// The variables, shape (variables,), of a configuration, shape (nq,), clamped into their bounds; the
-    /// values of locked and following joints are not looked at.
+    /// The variables, shape (variables,), of a configuration, shape (nq,), clamped into their bounds. Values of locked
+    /// and mimic joints are ignored.
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn reduce<'py>(
@@ -177,7 +175,7 @@ impl ParameterMap {
     }
 }
 
-/// Every joint free, but for those that follow others in a robot's file.
+/// Starts a map with all joints free, except a robot's mimic joints.
 pub(crate) fn parameters_of<'a>(
     given: &'a Bound<'_, PyAny>,
     model: &'a kinopt::Model,
@@ -188,7 +186,7 @@ pub(crate) fn parameters_of<'a>(
     }
 }
 
-/// A pair (lower, upper).
+/// Reads a pair (lower, upper).
 pub(crate) fn limits(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Limits> {
     let (lower, upper): (f64, f64) = value
         .extract()

@@ -1,4 +1,4 @@
-//! Residuals that are functions of Python.
+//! Residuals defined by Python functions.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -16,23 +16,23 @@ use crate::placement;
 use crate::solution::quantity;
 
 thread_local! {
-    /// What a function of Python's raised while the library was at work on this thread.
+    /// Exception of a Python function called by the library on this thread.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Keeps an exception until the library returns, which `raised` then hands out.
+/// Stores an exception until the library returns; `raised` then returns it.
 pub(crate) fn raise_later(error: PyErr) {
     RAISED.with_borrow_mut(|raised| {
         raised.get_or_insert(error);
     });
 }
 
-/// Whether an exception waits: nothing more is to be computed.
+/// True if an exception is stored: computation should stop.
 pub(crate) fn is_raised() -> bool {
     RAISED.with_borrow(Option::is_some)
 }
 
-/// The exception that waits, which is gone then.
+/// Takes the stored exception and returns it as an error.
 pub(crate) fn raised() -> PyResult<()> {
     match RAISED.take() {
         Some(error) => Err(error),
@@ -40,7 +40,7 @@ pub(crate) fn raised() -> PyResult<()> {
     }
 }
 
-/// A function of numpy arrays: where frames are and what joints read in, a residual out.
+/// A function of numpy arrays: from frame placements and joint values to a residual.
 #[derive(Clone)]
 pub(crate) struct PythonResidual {
     functions: Arc<Functions>,
@@ -60,7 +60,7 @@ impl PythonResidual {
         let frames = frames.iter().map(|name| model.frame(name));
         let joints = task.getattr("joints")?;
         let joints = match joints.extract::<String>() {
-            // "all": the class lets no other text through.
+            // "all": the class accepts no other text.
             Ok(_) => model.moving_joints().to_vec(),
             Err(_) => {
                 let joints: Vec<String> = joints.extract()?;
@@ -88,7 +88,7 @@ impl PythonResidual {
         })
     }
 
-    /// Another function of the same; its derivatives are taken by differences.
+    /// Residual with another function; its derivatives are finite differences.
     pub(super) fn with_function(&self, function: &Py<PyAny>) -> Self {
         let residual = Python::attach(|py| function.clone_ref(py));
         let jacobian = None;
@@ -98,7 +98,7 @@ impl PythonResidual {
         }
     }
 
-    /// Calls a function with what the residual reads: frames, joints, or both.
+    /// Calls a function with the inputs of the residual: frames, joints, or both.
     fn call<'py>(
         &self,
         py: Python<'py>,
@@ -197,7 +197,7 @@ impl NumericResidual for PythonResidual {
         joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        // Where an exception waits, zeros will do as well as anything.
+        // After an exception the values do not matter.
         if is_raised() {
             return true;
         }

@@ -1,4 +1,4 @@
-//! What there is to solve: tasks on a model that nothing changes any more.
+//! Immutable compiled problems.
 
 use std::sync::Arc;
 
@@ -19,10 +19,10 @@ use crate::has_model::model_of;
 use crate::pool::Pool;
 use crate::robot::Robot;
 
-/// Targets read from Python, by task.
+/// Targets read from Python, with task indices.
 pub(crate) type Moves = Vec<(usize, Move)>;
 
-/// A problem as it was when a solve began.
+/// Snapshot of a problem at the start of a solve.
 pub(crate) struct Stated {
     pub(crate) inner: kinopt::Problem,
     ids: Vec<Box<dyn AnyTask>>,
@@ -31,7 +31,8 @@ pub(crate) struct Stated {
 }
 
 impl Stated {
-    /// Checks and compiles these tasks, with the options of a `Problem` and what it keeps clear of; what the library says where there are none.
+    /// Validates and compiles the tasks, with the options and the collision checker of a `Problem`. Without tasks,
+    /// returns the error of the library.
     pub(crate) fn new(
         model: &Bound<'_, PyAny>,
         tasks: &Bound<'_, PyTuple>,
@@ -96,12 +97,12 @@ impl Stated {
         })))
     }
 
-    /// The tasks' names, in their order.
+    /// Names of the tasks, in their order.
     pub(super) fn task_names(&self) -> impl Iterator<Item = &str> {
         (0..self.inner.tasks()).filter_map(|task| self.inner.task_name(task))
     }
 
-    /// Which task a key of targets is: a name or a number.
+    /// Index of the task for a key of targets: a name or an index.
     pub(crate) fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
         if let Ok(index) = key.extract::<usize>() {
             return match index < self.ids.len() {
@@ -128,7 +129,7 @@ impl Stated {
         }
     }
 
-    /// The targets of a dict by their tasks' numbers, unread.
+    /// Targets of a dict with task indices, not yet converted.
     pub(crate) fn targets_by_task<'py>(
         &self,
         targets: Option<&Bound<'py, PyAny>>,
@@ -144,13 +145,13 @@ impl Stated {
         Ok(by_task)
     }
 
-    /// Reads a target of a task.
+    /// Converts a target of a task.
     pub(crate) fn read(&self, task: usize, value: &Bound<'_, PyAny>) -> PyResult<Move> {
         let name = self.inner.task_name(task).unwrap_or_default();
         self.ids[task].read(value, &format!("the target of {name}"))
     }
 
-    /// Reads a dict of targets.
+    /// Converts a dict of targets.
     pub(crate) fn moves(&self, targets: Option<&Bound<'_, PyAny>>) -> PyResult<Moves> {
         let targets = self.targets_by_task(targets)?.into_iter();
         targets
@@ -158,7 +159,7 @@ impl Stated {
             .collect()
     }
 
-    /// The problem's targets with some of them moved.
+    /// Targets of the problem with some of them moved.
     pub(crate) fn targets_with<'a>(
         &self,
         moves: impl IntoIterator<Item = &'a Move>,
@@ -170,13 +171,13 @@ impl Stated {
         Ok(targets)
     }
 
-    /// A question with these targets.
+    /// Problem instance with these targets.
     pub(crate) fn question<'a>(&'a self, targets: &'a Targets) -> PyResult<Question<'a>> {
         self.inner.with_targets(targets).or_raise()
     }
 
-    /// Variables as they are given: themselves, or the configuration that they stand for. Where both are of one
-    /// length they are the same: each variable less is a coordinate that is held, follows or is a quaternion's fourth.
+    /// Reads variables or a configuration. If both have the same length they are equal: every missing variable is a
+    /// locked or mimic coordinate, or the fourth number of a quaternion.
     fn variables_of(&self, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         let numbers = arrays::vector(given, "x")?;
         let (variables, own) = (self.inner.variables(), self.inner.configuration_len());
@@ -192,7 +193,7 @@ impl Stated {
         }
     }
 
-    /// The variables of a configuration, which has to be one that the problem can have.
+    /// Variables of a configuration; returns an error if the problem does not allow the configuration.
     fn reduced(&self, q: &[f64]) -> PyResult<Vec<f64>> {
         let map = self.inner.parameters();
         let (mut x, mut own) = (vec![0.0; map.variables()], vec![0.0; q.len()]);
@@ -201,7 +202,7 @@ impl Stated {
         map.reduce(&unit, &mut x).or_raise()?;
         map.expand(&x, &mut own).or_raise()?;
         for (at, &id) in self.model.moving_joints().iter().enumerate() {
-            // A quaternion and its negative are one rotation.
+            // A quaternion and its negative are equal rotations.
             let sign = match self.model.coordinate(id) {
                 Some(first) if self.model.joints()[id.index()].kind.is_ball() => {
                     let parts = unit[first..].iter().zip(&own[first..]).take(4);
@@ -221,7 +222,7 @@ impl Stated {
         Ok(x)
     }
 
-    /// Something of the problem at x.
+    /// Evaluates a quantity of the problem at x.
     pub(super) fn evaluate<T: Send>(
         &self,
         py: Python<'_>,
@@ -248,7 +249,7 @@ impl Stated {
     }
 }
 
-/// Where joints are to stand on their parents.
+/// Reads origins of joints relative to their parents.
 fn origins(
     given: Option<&Bound<'_, PyAny>>,
     model: &kinopt::Model,

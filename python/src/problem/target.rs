@@ -1,4 +1,4 @@
-//! The targets of tasks: what each kind takes for one, and how it is moved there.
+//! Targets of tasks: conversion from Python, and assignment to residuals.
 
 use kinopt::spatial::{Matrix3, Placement};
 use kinopt::task::{
@@ -13,19 +13,19 @@ use crate::arrays;
 use crate::error::invalid;
 use crate::placement;
 
-/// A residual whose target Python can move.
+/// A residual with a target that Python can move.
 pub(crate) trait Target: Residual {
-    /// The target, without Python.
+    /// Target in Rust form.
     type Value: Send + Sync;
 
-    /// Reads a target, of which messages speak as `what`.
+    /// Converts a target; `what` names it in messages.
     fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Self::Value>;
 
-    /// Moves the target, or says what is wrong in words that follow its name.
+    /// Sets the target. The error text continues a sentence that begins with the target's name.
     fn aim(&mut self, target: &Self::Value) -> Result<(), String>;
 }
 
-/// Targets that are read by one function and set by one method.
+/// Implements targets by a conversion function and a setter.
 macro_rules! targets {
     ($($residual:ty, $value:ty, $read:path, |$own:ident, $target:pat_param| $set:expr;)*) => {$(
         impl Target for $residual {
@@ -60,7 +60,7 @@ targets! {
     Manipulability, f64, arrays::number, |own, least| own.set_least(*least);
 }
 
-/// Numbers of another count than the joints' that a task reads.
+/// Error text for an array of another length than the task's joints.
 fn other_shape(error: kinopt::SizeMismatch) -> String {
     let (given, expected) = (error.given, error.expected);
     format!("has shape ({given},), expected ({expected},)")
@@ -90,7 +90,7 @@ impl Target for Smoothness {
     }
 }
 
-/// Residuals that are aimed at nothing.
+/// Implements residuals without a target.
 macro_rules! untargeted {
     ($($residual:ty, $what:literal;)*) => {$(
         impl Target for $residual {

@@ -1,4 +1,4 @@
-//! Tasks as Python states them, read into residuals of the library.
+//! Tasks of Python, converted to residuals of the library.
 
 use kinopt::Model;
 use kinopt::ik::Drag;
@@ -21,7 +21,7 @@ use crate::goal::Goal;
 use crate::placement;
 use crate::solution::quantity;
 
-/// What has targets to move.
+/// Object whose targets move.
 pub(crate) enum Aimed<'a> {
     Targets(&'a mut Targets),
     Drag(&'a mut Drag),
@@ -36,12 +36,12 @@ impl Aimed<'_> {
     }
 }
 
-/// A target on its way: read from Python, not yet where it belongs.
+/// A converted target, with the function that assigns it.
 pub(crate) type Move = Box<dyn Fn(&mut Aimed<'_>) -> PyResult<()> + Send + Sync>;
 
-/// A task of a problem, whatever its residual.
+/// A task of a problem, with any residual.
 pub(crate) trait AnyTask: Send + Sync {
-    /// Reads a target for it, of which messages speak as `what`.
+    /// Converts a target of the task; `what` names it in messages.
     fn read(&self, value: &Bound<'_, PyAny>, what: &str) -> PyResult<Move>;
 }
 
@@ -64,9 +64,9 @@ impl<R: Target> AnyTask for TaskId<R> {
     }
 }
 
-/// What tasks are added to.
+/// Object that accepts tasks.
 pub(crate) trait Adds {
-    /// Takes a task, and the residual that it is of.
+    /// Adds a task with the given residual.
     fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
@@ -76,7 +76,7 @@ impl Adds for ProblemBuilder<'_> {
     }
 }
 
-/// Adds a task of `kinopt.tasks` to a problem on `model`, which is that of `whole`.
+/// Adds a task of `kinopt.tasks` to a problem on `model`, the model of `whole`.
 pub(crate) fn add<B: Adds>(
     task: &Bound<'_, PyAny>,
     whole: &Bound<'_, PyAny>,
@@ -99,7 +99,7 @@ pub(crate) fn add<B: Adds>(
     }
 }
 
-/// The kind of what should be a task.
+/// Returns the kind of a task; an error for any other object.
 pub(super) fn check(task: &Bound<'_, PyAny>) -> PyResult<String> {
     match task.getattr_opt("_kind")? {
         Some(kind) => kind.extract(),
@@ -110,7 +110,7 @@ pub(super) fn check(task: &Bound<'_, PyAny>) -> PyResult<String> {
     }
 }
 
-/// Takes a residual of any type.
+/// Generic function of a residual.
 pub(super) trait Visit {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
@@ -140,7 +140,7 @@ impl<B: Adds> Visit for Room<'_, B> {
     }
 }
 
-/// Reads the residual of a task that is not itself around another one.
+/// Converts the residual of a task that wraps no other task.
 fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn AnyTask>> {
     let Given { task, model, .. } = *given;
     let kind: String = task.getattr("_kind")?.extract()?;
@@ -220,7 +220,7 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
             let smoothness = Smoothness::new(model, &previous, time_step_s);
             visitor.visit(match given.joint_weights(&smoothness.joints())? {
                 None => smoothness,
-                // The class of this one lets no other text through.
+                // The class accepts no other text.
                 Some(JointWeights::ByRange | JointWeights::Upright) => smoothness.by_range(model),
                 Some(JointWeights::Given(weights)) => smoothness.with_weights(weights),
             })
@@ -234,15 +234,15 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
     }
 }
 
-/// The attributes of a task, and the model that they speak of.
+/// Attributes of a task, with its model.
 pub(super) struct Given<'a, 'py> {
     pub(super) task: &'a Bound<'py, PyAny>,
-    /// What the problem is stated on.
+    /// Robot, rig, skeleton or model of the problem.
     pub(super) whole: &'a Bound<'py, PyAny>,
     pub(super) model: &'a Model,
 }
 
-/// How much each joint of a posture counts.
+/// Weights of the joints of a posture.
 enum JointWeights {
     ByRange,
     Upright,
@@ -275,13 +275,13 @@ impl<'py> Given<'_, 'py> {
         }
     }
 
-    /// One for each of these joints.
+    /// Reads one weight for each of these joints.
     fn joint_weights(&self, joints: &[JointId]) -> PyResult<Option<JointWeights>> {
         let Some(given) = self.optional("joint_weights")? else {
             return Ok(None);
         };
         if let Ok(word) = given.cast::<PyString>() {
-            // One of the two that the class lets through.
+            // The class accepts these two words only.
             return Ok(Some(match word.to_str()? {
                 "upright" => JointWeights::Upright,
                 _ => JointWeights::ByRange,
@@ -307,7 +307,7 @@ impl<'py> Given<'_, 'py> {
         Ok(Some(JointWeights::Given(weights)))
     }
 
-    /// Of all joints by an array, or of some by their names.
+    /// Reads a posture of all joints from an array, or of some by name.
     fn posture(&self) -> PyResult<Posture> {
         let reference = self.get("reference")?;
         if let Ok(values) = reference.cast::<PyMapping>() {
@@ -326,7 +326,7 @@ impl<'py> Given<'_, 'py> {
     }
 }
 
-/// What is said of a task besides its residual.
+/// Common options of a task.
 struct About {
     name: Option<String>,
     weight: Numbers,
@@ -336,7 +336,7 @@ struct About {
     level: usize,
 }
 
-/// One number for all quantities, or one each.
+/// One number for all quantities, or one for each.
 pub(super) enum Numbers {
     All(f64),
     Each(Vec<(Quantity, f64)>),
@@ -365,7 +365,7 @@ impl Numbers {
         Ok(Self::Each(each))
     }
 
-    /// By quantity, where one number stands for these.
+    /// Numbers by quantity; `all` are the quantities of a single number.
     pub(super) fn by(&self, all: impl Iterator<Item = Quantity>) -> Vec<(Quantity, f64)> {
         match self {
             Self::All(number) => all.map(|quantity| (quantity, *number)).collect(),
@@ -426,13 +426,13 @@ impl About {
     }
 }
 
-/// A tolerance of metres and radians, or one for each quantity.
+/// Reads a tolerance of metres and radians, or one for each quantity.
 pub(crate) fn tolerances(value: &Bound<'_, PyAny>) -> PyResult<Vec<(Quantity, f64)>> {
     let both = [Quantity::Metres, Quantity::Radians].into_iter();
     Ok(Numbers::of(value, "tolerance")?.by(both))
 }
 
-/// A dict, or none.
+/// Reads the items of a dict, empty for None.
 pub(crate) fn items<'py>(
     given: Option<&Bound<'py, PyAny>>,
     what: &str,

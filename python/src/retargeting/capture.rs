@@ -1,4 +1,4 @@
-//! Captured places of a person's joints.
+//! Motion capture by joint positions.
 
 use std::sync::Arc;
 
@@ -13,12 +13,13 @@ use crate::arrays::{self, Numbers};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 
-/// Places of named joints in frames a fixed time apart, in any unit of length.
+/// Positions of a subject's named joints in capture frames at a fixed rate, in any unit of length.
 ///
-/// `positions` of shape (T, J, 3) are of the joints that `joints` names in order, `fps` frames a second; `up` is the axis that
-/// points upward, "y" or "z". `bones` are pairs of joints' numbers, where they are known; they are for drawing.
+/// `positions` of shape (T, J, 3) are in the order of the names `joints`, at `fps` frames a second; `up` is the upward
+/// axis, "y" or "z". `bones` are optional pairs of joint indices, for drawing.
 ///
-/// Raises `InvalidValueError` for another shape, a name twice, and numbers that are not finite, whose frame and joint it names.
+/// Raises `InvalidValueError` for another shape, a duplicate name, and numbers that are not finite, with the frame and
+/// joint.
 #[pyclass(frozen, module = "kinopt.retargeting")]
 pub(crate) struct Capture {
     pub(super) inner: Arc<retarget::Capture>,
@@ -65,7 +66,7 @@ impl Capture {
         })
     }
 
-    /// What a clip's bones do, `fps` frames a second from its beginning to its end.
+    /// Positions of a clip's bones, at `fps` frames a second from its start to its end.
     ///
     /// Raises `InvalidValueError` for a rate that is not positive, and for a clip of a file without frames.
     #[staticmethod]
@@ -90,25 +91,25 @@ impl Capture {
         self.inner.names().to_vec()
     }
 
-    /// Frames a second.
+    /// Frame rate, in frames a second.
     #[getter]
     fn fps(&self) -> f64 {
         self.inner.frame_rate()
     }
 
-    /// The axis that points upward.
+    /// Upward axis.
     #[getter]
     fn up(&self) -> &'static str {
         axis_name(self.up)
     }
 
-    /// Pairs of joints' numbers that bones join; None where that is not known.
+    /// Pairs of joint indices that bones connect; None if unknown.
     #[getter]
     fn bones(&self) -> Option<Vec<(usize, usize)>> {
         self.bones.clone()
     }
 
-    /// Where the joints are, shape (T, J, 3).
+    /// Positions of the joints, shape (T, J, 3).
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let frames = (0..self.inner.frames()).filter_map(|frame| self.inner.frame(frame));

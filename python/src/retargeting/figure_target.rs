@@ -1,4 +1,4 @@
-//! Figures that movements are brought onto: rigs, scenes, captures.
+//! Skeletons as targets of retargeting: rigs, scenes, captures.
 
 use std::sync::Arc;
 
@@ -18,12 +18,12 @@ use crate::rig::Rig;
 use crate::scene::Scene;
 use crate::skeleton::Skeleton;
 
-/// The bones of a rig, a skeleton, a scene or a motion capture on a free base, upright whichever way up their file has them.
+/// The bones of a rig, a skeleton, a scene or a motion capture on a free base, rotated to an upright pose.
 ///
-/// `up` is the axis that points upward in the file: "y" of scenes and captures and "z" of rigs and skeletons unless given. Of a scene the
-/// joints of its skins turn, of a capture the bones with channels of rotation, all where there are none.
+/// `up` is the upward axis of the file: by default "y" for scenes and captures, "z" for rigs and skeletons. The joints
+/// of a scene's skins rotate, and the bones of a capture with rotation channels; without any, all bones rotate.
 ///
-/// Raises `InvalidValueError` for what is none of these, and for bones with children that scale by different numbers along their axes.
+/// Raises `InvalidValueError` for other objects, and for bones with children and a non-uniform scale.
 #[pyclass(frozen, module = "kinopt.retargeting")]
 pub(crate) struct FigureTarget {
     of: Py<PyAny>,
@@ -32,7 +32,7 @@ pub(crate) struct FigureTarget {
 }
 
 impl FigureTarget {
-    /// What is a figure, as one; none for a robot or a model.
+    /// Converts a rig, skeleton, scene or capture; `None` for a robot or a model.
     pub(super) fn of(target: &Bound<'_, PyAny>, up: Option<UpAxis>) -> PyResult<Option<Self>> {
         let made = |inner: Result<_, retarget::RetargetError>, armature: &Bones| {
             Ok(Some(Self {
@@ -85,26 +85,27 @@ impl FigureTarget {
         figure.ok_or_else(lacks)
     }
 
-    /// The model: a free base, then three angles a bone.
+    /// Model: a free base, then three angles for each bone.
     #[getter]
     fn model(&self) -> Model {
         let inner = Arc::new(self.inner.robot().model().clone());
         Model { inner }
     }
 
-    /// What clips are of: that of the scene or the capture, and of a rig that of its skeleton.
+    /// Armature of the clips: that of the scene or capture, or of a rig's skeleton.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
     }
 
-    /// The axis that points upward in the file.
+    /// Upward axis of the file.
     #[getter]
     fn up(&self) -> &'static str {
         axis_name(self.inner.up())
     }
 
-    /// A movement, configurations of shape (T, nq) and `fps` of them a second, as a clip of the armature, in the axes of the file.
+    /// A trajectory, configurations of shape (T, nq) at `fps` a second, as a clip of the armature, in the axes of the
+    /// file.
     ///
     /// Raises `InvalidValueError` for another shape, no frames, and a rate that is not positive.
     #[pyo3(signature = (q, fps, name = "retargeted"))]

@@ -1,4 +1,4 @@
-//! Folders of movements.
+//! Folders of motion capture files.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use super::question::{Options, foot_shapes_of, read_map, target_of};
 use super::up_axis;
 use crate::error::{Fault, OrRaise, raise};
 
-/// How movements are read, and whether each is solved as one.
+/// Options of reading files and of solving trajectories as a whole.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(super) struct Reading {
@@ -21,10 +21,10 @@ pub(super) struct Reading {
     whole: bool,
 }
 
-/// A movement's file, where it goes, and whether it was done before.
+/// Input file, output file, and true if it was done before.
 type Begun = (OsString, OsString, bool);
 
-/// The movements of a folder that go into another as `.npz`, which is begun or gone on with.
+/// Starts or continues a folder of `.npz` outputs for the capture files of another folder.
 #[pyfunction]
 pub(super) fn folder_begun(
     folders: (PathBuf, PathBuf),
@@ -66,7 +66,7 @@ pub(super) fn folder_begun(
     Ok(told.collect())
 }
 
-/// Where a file is written before it is whole.
+/// Temporary path of an output file during writing.
 #[pyfunction]
 pub(super) fn unfinished(out: PathBuf) -> PathBuf {
     folder::unfinished(&out)

@@ -1,4 +1,4 @@
-//! A movement live.
+//! Online retargeting.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -12,7 +12,7 @@ use super::question::{Options, Question, raised};
 use crate::arrays;
 use crate::error::OrRaise;
 
-/// A follower of frames as they come.
+/// Online retargeter of capture frames.
 #[pyclass(frozen, module = "kinopt.retargeting")]
 pub(crate) struct Live {
     follower: Mutex<LiveFollower>,
@@ -39,14 +39,14 @@ impl Live {
         })
     }
 
-    /// Where the body is, shape (nq,).
+    /// Current configuration, shape (nq,).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);
         arrays::list(py, follower.q())
     }
 
-    /// Goes on to the next frame, shape (J, 3).
+    /// Processes the next capture frame, shape (J, 3).
     fn step<'py>(
         &self,
         py: Python<'py>,

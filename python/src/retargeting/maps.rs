@@ -1,4 +1,4 @@
-//! Maps that names tell of.
+//! Maps guessed from joint names.
 
 use kinopt::motion::retarget::{BodyMap, KnownSkeleton, MapGuess, UpAxis};
 use pyo3::prelude::*;
@@ -25,7 +25,7 @@ fn guessed(mut guess: MapGuess, up: UpAxis) -> Guessed {
     (guess.map.to_json(), guess.skeleton, guess.body, guess.notes)
 }
 
-/// The map that names tell of.
+/// Guesses a map from joint names.
 #[pyfunction]
 pub(super) fn map_guessed(
     capture: &Bound<'_, Capture>,
@@ -53,7 +53,7 @@ pub(super) fn map_of_skeleton(
         .map(|guess| guessed(guess, capture.get().up))
 }
 
-/// A map given in JSON: the same with drives by names, where it has none of the target, and notes.
+/// Completes a map given in JSON: adds drives by name if it has none for the target, and returns notes.
 #[pyfunction]
 pub(super) fn map_completed(
     map: &str,
@@ -70,13 +70,13 @@ pub(super) fn map_completed(
     Ok((lacks.then_some(map), notes))
 }
 
-/// The names of the known skeletons.
+/// Names of the known skeletons.
 #[pyfunction]
 pub(super) fn skeleton_names() -> Vec<&'static str> {
     KnownSkeleton::names().collect()
 }
 
-/// The names of the first joints of a known skeleton; None where an array of so many is not of it.
+/// Names of the first joints of a known skeleton; None if it does not fit an array of `joints` joints.
 #[pyfunction]
 pub(super) fn skeleton_joints(skeleton: &str, joints: usize) -> PyResult<Option<Vec<String>>> {
     let known = KnownSkeleton::named(skeleton).or_raise()?;

@@ -1,4 +1,4 @@
-//! People's movements on robots and rigs: what `kinopt.retargeting` is made of.
+//! Motion capture retargeted to robots and rigs: the compiled part of `kinopt.retargeting`.
 
 mod capture;
 mod figure_target;
@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 
 use crate::error::invalid;
 
-/// People's movements on robots and rigs: the compiled part.
+/// Motion capture retargeted to robots and rigs: the compiled part.
 #[pymodule(submodule)]
 pub(crate) mod retargeting {
     #[pymodule_export]

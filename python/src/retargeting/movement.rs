@@ -1,4 +1,4 @@
-//! A whole movement, and the truth about it.
+//! Retargeting of a whole motion.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -16,7 +16,7 @@ use super::question::{Options, Question, raised};
 use crate::arrays;
 use crate::error::invalid;
 
-/// What `kinopt.Retargeted` is made of: numbers and names in the order of its fields.
+/// Fields of `kinopt.Retargeted` in their order.
 type MovementParts<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
@@ -31,17 +31,17 @@ type MovementParts<'py> = (
     (Option<&'static str>, bool),
 );
 
-/// Time between two looks at signals.
+/// Time between two checks for signals.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// The frames that are done, and all frames.
+/// Number of finished frames, and of all frames.
 #[derive(Default)]
 struct Progress {
     done: AtomicUsize,
     frames: AtomicUsize,
 }
 
-/// Computes on another thread; meanwhile calls `progress` with (done, total) and reacts to Ctrl-C.
+/// Computes on another thread; meanwhile calls `progress` with (done, total) and handles Ctrl-C.
 fn while_listening<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -92,7 +92,7 @@ fn while_listening<T: Send>(
     })
 }
 
-/// A capture on a target by a map (JSON).
+/// Retargets a capture to a target by a map (JSON).
 #[pyfunction]
 pub(super) fn capture_retargeted<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! What is brought onto what, and how.
+//! Retargeting problems: capture, target, map and options.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::has_model::model_of;
 use crate::model::Model;
 use crate::world::World;
 
-/// What a movement is brought onto, as a robot: figures are put on a free base.
+/// Target of retargeting as a robot: a skeleton is put on a free base.
 pub(super) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     if let Ok(robot) = target.cast::<crate::robot::Robot>() {
         return Ok(Arc::clone(&robot.get().inner));
@@ -32,7 +32,7 @@ pub(super) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     Ok(Arc::new(robot))
 }
 
-/// How it is brought there.
+/// Options of retargeting.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(super) struct Options {
@@ -45,7 +45,7 @@ pub(super) struct Options {
 }
 
 impl Options {
-    /// By how many metres all is kept apart, if anything is; `margin` and `keep_clear` say the same.
+    /// Margin of collision avoidance, metres; `None` disables it. `keep_clear` is another name of `margin`.
     pub(super) fn margin(&self) -> PyResult<Option<f64>> {
         match (self.keep_clear, self.margin) {
             (Some(_), Some(_)) => Err(invalid(
@@ -55,7 +55,7 @@ impl Options {
         }
     }
 
-    /// The obstacles that are kept clear of, as they stand now.
+    /// Obstacles, copied at this moment.
     pub(super) fn world(&self, py: Python<'_>) -> PyResult<Option<collision::World>> {
         let Some(given) = &self.world else {
             return Ok(None);
@@ -79,7 +79,7 @@ impl Options {
     }
 }
 
-/// What keeps a robot's links apart from each other and from obstacles by so many metres, where they are to be.
+/// Collision checker of a robot with the given margin; `None` without collision avoidance.
 fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<Checker>> {
     let Some(margin) = options.margin()? else {
         return Ok(None);
@@ -93,32 +93,32 @@ fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<C
     Ok(Some(checker.with_margin(margin).or_raise()?))
 }
 
-/// The shapes of a robot's feet, its meshes among them.
+/// Shapes of a robot's feet, including meshes.
 pub(super) fn foot_shapes_of(target: &Bound<'_, PyAny>) -> Option<FootShapes> {
     let robot = target.cast::<crate::robot::Robot>().ok()?;
     Some(robot.get().foot_shapes())
 }
 
-/// A map in JSON; one of several robots has a robot's drives under its file's name.
+/// Reads a map in JSON; a map of several robots has the drives of each under the name of its file.
 pub(super) fn read_map(map: &str, robot: &Robot) -> PyResult<BodyMap> {
     let file = robot.file().and_then(std::path::Path::file_name);
     let file = file.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     BodyMap::from_json(map, &file).map_err(raised)
 }
 
-/// The exception of an error. One that is about the map says so by `_of_map`, for those who know the map's file.
+/// Exception of an error. An error about the map sets `_of_map`, for callers that know the map's file.
 pub(super) fn raised(error: RetargetError) -> PyErr {
     let raised = raise(error.kind(), error.to_string());
     if error.is_of_map() {
         Python::attach(|py| {
-            // Without it the message lacks the file's name.
+            // If it fails, the message only lacks the name of the file.
             let _ = raised.value(py).setattr("_of_map", true);
         });
     }
     raised
 }
 
-/// A capture, a target, the map between them and how it is done.
+/// A capture, a target, the map between them and the options.
 pub(super) struct Question {
     pub(super) capture: Arc<retarget::Capture>,
     robot: Arc<Robot>,
@@ -128,7 +128,7 @@ pub(super) struct Question {
 }
 
 impl Question {
-    /// By a map in JSON.
+    /// Reads a problem with a map in JSON.
     pub(super) fn read(
         capture: &Bound<'_, Capture>,
         target: &Bound<'_, PyAny>,
@@ -147,7 +147,7 @@ impl Question {
         })
     }
 
-    /// The capture fitted to the target, which keeps clear of itself where it is to.
+    /// Fits the capture to the target, with collision avoidance if enabled.
     pub(super) fn fitted(&self) -> Result<Retargeting<'_>, RetargetError> {
         let options = self.options.clone();
         let fitted = Retargeting::new(&self.robot, &self.map, &self.capture, options)?;

@@ -1,4 +1,4 @@
-//! Rigs: a skeleton with the mesh it moves, its keyframes and its pinned tips.
+//! Rigs: a skeleton with its mesh, keyframes and pinned tips.
 
 mod posing;
 
@@ -21,13 +21,12 @@ use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
-/// A skeleton with the mesh it moves, its keyframes and its pinned tips, in a unit of the rig's own.
+/// A skeleton with its mesh, keyframes and pinned tips, in a length unit of its own.
 ///
-/// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the
-/// skeleton's; `clip` is of this skeleton; `constrained` are the names of bones whose tips are pinned.
+/// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the skeleton's; `clip` is
+/// of this skeleton; `constrained` are the names of bones with pinned tips.
 ///
-/// Raises `InvalidValueError` where parts do not go together, `UnknownNameError` for a bone that does
-/// not exist.
+/// Raises `InvalidValueError` for parts that do not match, `UnknownNameError` for an unknown bone.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Rig {
     pub(crate) inner: Arc<kinopt::io::rig::Rig>,
@@ -35,12 +34,12 @@ pub(crate) struct Rig {
     mesh: Option<Py<TriangleMesh>>,
     weights: Option<Py<SkinWeights>>,
     clip: Py<EulerClip>,
-    /// Capsules along its bones and the spheres that cover them, made when a world is first kept clear of.
+    /// Collision checker of the capsules along its bones, created at the first use.
     checker: OnceLock<Checker>,
 }
 
 impl Rig {
-    /// What keeps the capsules along its bones apart, in a world without obstacles; made once.
+    /// Returns the collision checker of the capsules along its bones, in a world without obstacles; created once.
     pub(crate) fn checker(&self) -> PyResult<Checker> {
         if let Some(known) = self.checker.get() {
             return Ok(known.clone());
@@ -121,13 +120,13 @@ impl Rig {
         Self::of(py, rig)
     }
 
-    /// Reads a rig's JSON file and the mesh (PLY) and weights (DMAT) that it names.
+    /// Reads the JSON file of a rig, with its mesh (PLY) and weights (DMAT).
     ///
-    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
-    /// `max_bytes` is read.
+    /// Referenced files are opened only below its folder and below `folders`, with symbolic links resolved. Files above
+    /// `max_bytes` are not read.
     ///
-    /// Raises `FileError` where a file cannot be opened, `InvalidFileError` naming the file and the place
-    /// in it for what it says.
+    /// Raises `FileError` if a file cannot be opened, `InvalidFileError` with the file and the position in it if its
+    /// content is invalid.
     #[classmethod]
     #[pyo3(
         signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
@@ -145,13 +144,13 @@ impl Rig {
         Self::of(py, rig)
     }
 
-    /// Reads a rig from its JSON, a text or bytes; `name` is what messages call it.
+    /// Reads a rig from its JSON, a text or bytes; `name` is its name in messages.
     ///
-    /// `open` is called with the names of the mesh's and weights' files, as the JSON has them, and gives
-    /// their bytes: `dict.__getitem__` of a dictionary will do. Without it there may be none.
+    /// `open` is called with the file names of the mesh and weights in the JSON, and returns their bytes: for example
+    /// `dict.__getitem__` of a dictionary. Without `open`, the rig has no such files.
     ///
-    /// Raises `InvalidFileError` naming the place in the JSON, and whatever `open` raises; a
-    /// `FileNotFoundError` or `KeyError` of it is a file that does not exist.
+    /// Raises `InvalidFileError` with the position in the JSON. Exceptions of `open` propagate; its `FileNotFoundError`
+    /// or `KeyError` is a missing file.
     #[classmethod]
     #[pyo3(signature = (json, name = "rig.json", open = None))]
     fn parse(
@@ -165,54 +164,53 @@ impl Rig {
         Self::of(class.py(), rig)
     }
 
-    /// Writes the rig to `path`, a JSON file, and its mesh and weights beside it under the same name with
-    /// the extensions ply and dmat. Reading it again gives the same rig to the bit, except for angles that
-    /// no number of degrees converts to.
+    /// Writes the rig to `path`, a JSON file, and its mesh and weights next to it under its name with the extensions
+    /// ply and dmat. It reads back exactly, except for angles without an exact conversion to degrees.
     ///
-    /// Raises `FileError`, and `InvalidValueError` for a name that the format cannot hold.
+    /// Raises `FileError`, and `InvalidValueError` for a name that the format cannot represent.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         py.detach(|| self.inner.write(&path)).or_raise()
     }
 
-    /// The rig's JSON, which names its mesh's and its weights' files so.
+    /// The JSON of the rig, with these names of the mesh file and the weights file.
     ///
-    /// Raises `InvalidValueError` for a name that the format cannot hold.
+    /// Raises `InvalidValueError` for a name that the format cannot represent.
     #[pyo3(signature = (model_file = "rig.ply", weights_file = "rig.dmat"))]
     fn to_json(&self, model_file: &str, weights_file: &str) -> String {
         self.inner.to_json(model_file, weights_file)
     }
 
-    /// The bones of the rig.
+    /// Bones of the rig.
     #[getter]
     fn skeleton(&self, py: Python<'_>) -> Py<Skeleton> {
         self.skeleton.clone_ref(py)
     }
 
-    /// The model that the bones compile to; it is what problems are stated on.
+    /// Compiled model of the bones; problems use it.
     #[getter]
     fn model(&self) -> Model {
         self.skeleton.get().model()
     }
 
-    /// The mesh at rest; None for bones alone.
+    /// Mesh at rest; None for bones alone.
     #[getter]
     fn mesh(&self, py: Python<'_>) -> Option<Py<TriangleMesh>> {
         self.mesh.as_ref().map(|mesh| mesh.clone_ref(py))
     }
 
-    /// How strongly each bone moves each vertex; None where the file has no weights.
+    /// Skin weights; None if the file has none.
     #[getter]
     fn weights(&self, py: Python<'_>) -> Option<Py<SkinWeights>> {
         self.weights.as_ref().map(|weights| weights.clone_ref(py))
     }
 
-    /// The keyframes; empty where the file has none.
+    /// Keyframes; empty if the file has none.
     #[getter]
     fn clip(&self, py: Python<'_>) -> Py<EulerClip> {
         self.clip.clone_ref(py)
     }
 
-    /// Names of the bones whose tips are pinned.
+    /// Names of the bones with pinned tips.
     #[getter]
     fn constrained(&self) -> Vec<&str> {
         let bones = self.inner.skeleton.bones();
@@ -220,25 +218,25 @@ impl Rig {
         ids.map(|id| bones[id.index()].name.as_str()).collect()
     }
 
-    /// What reading did without, one text each.
+    /// Omissions and repairs of the reader, one text each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.inner.notes.iter().map(ToString::to_string).collect()
     }
 
-    /// Memory for posing the mesh again and again by `method`: "lbs" (linear blend) or "dqs" (dual
-    /// quaternions). A mesh without weights gets some from the bones next to each vertex.
+    /// Workspace for repeated poses of the mesh by `method`: "lbs" (linear blend) or "dqs" (dual quaternions). A mesh
+    /// without weights gets automatic weights by distance.
     ///
-    /// Raises `InvalidValueError` where there is no mesh.
+    /// Raises `InvalidValueError` without a mesh.
     #[pyo3(signature = (method = "lbs"))]
     fn posing(slf: &Bound<'_, Self>, method: &str) -> PyResult<RigPosing> {
         RigPosing::make(slf, crate::skinning::method(method)?)
     }
 
-    /// The mesh in the pose of the stacked angles `q`, shape (3 * bones,), radians. `posing` does the same
-    /// for many poses, in the caller's memory.
+    /// The mesh in the pose of the stacked angles `q`, shape (3 * bones,), radians. For several poses or an output
+    /// array, use `posing`.
     ///
-    /// Raises `InvalidValueError` where there is no mesh or `q` has another size or is not finite.
+    /// Raises `InvalidValueError` without a mesh, for another size of `q`, and for angles that are not finite.
     #[pyo3(signature = (q, method = "lbs"))]
     fn posed_mesh(
         &self,
@@ -254,8 +252,9 @@ impl Rig {
             .map(TriangleMesh::from)
     }
 
-    /// What goes with each bone by the volume of the mesh, at 1000 kg a cubic metre: {"frame": (kg, (x, y, z))}, the place in the
-    /// frame's coordinates. So tasks of the same bones on ball joints have them: `masses=rig.masses`.
+    /// Mass of each bone by the volume of the mesh, at 1000 kg a cubic metre: {"frame": (kg, (x, y, z))}, with the
+    /// centre in the frame's coordinates. Tasks of a skeleton of these bones on ball joints can use it:
+    /// `masses=rig.masses`.
     ///
     /// Raises `InvalidValueError` as `center_of_mass`.
     #[getter]
@@ -269,11 +268,10 @@ impl Rig {
         Ok(by_frame)
     }
 
-    /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); in the rig's
-    /// own unit.
+    /// Centre of mass: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); in the rig's unit.
     ///
-    /// Each bone has the volume of the mesh that goes with it, all of one density. Raises `InvalidValueError`
-    /// where there is no mesh or it does not close around a volume, and for other shapes.
+    /// Each bone has the volume of its part of the mesh, with uniform density. Raises `InvalidValueError` without a
+    /// mesh, for a mesh that encloses no volume, and for other shapes.
     fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let masses = q.py().detach(|| self.inner.masses(DENSITY)).or_raise()?;
         centres(q, self.inner.skeleton.model(), &masses)

@@ -1,4 +1,4 @@
-//! A rig's mesh in many poses.
+//! Repeated poses of a rig's mesh.
 
 use std::sync::Arc;
 
@@ -14,12 +14,12 @@ use crate::pickling;
 use crate::pool::Pool;
 use crate::vertices::Part;
 
-/// Poses that are computed between two looks at signals.
+/// Number of poses between two checks for signals.
 const POSES_AT_A_TIME: usize = 16;
 
-/// Poses the mesh of a rig again and again: its weights made ready once, and room for transforms.
+/// Poses the mesh of a rig repeatedly, with prepared weights and a workspace for transforms.
 ///
-/// Made by `Rig.posing`; asked as often as wanted, from any number of threads.
+/// Created by `Rig.posing`; usable from any number of threads.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct RigPosing {
     rig: Py<Rig>,
@@ -64,26 +64,26 @@ impl RigPosing {
 
 #[pymethods]
 impl RigPosing {
-    /// The rig whose mesh is posed.
+    /// The rig of the mesh.
     #[getter]
     fn rig(&self, py: Python<'_>) -> Py<Rig> {
         self.rig.clone_ref(py)
     }
 
-    /// The way the skin moves: "lbs" or "dqs".
+    /// Skinning method: "lbs" or "dqs".
     #[getter]
     fn method(&self) -> &'static str {
         self.method.name()
     }
 
-    /// Whether the rig has no weights of its own, so that vertices follow the bones next to them.
+    /// True if the rig has no weights of its own, so automatic weights by distance apply.
     #[getter]
     fn has_automatic_weights(&self) -> bool {
         self.rig.get().inner.weights.is_none()
     }
 
-    /// The vertices' positions, float32, shape (V, 3) for `q` of shape (3 * bones,), radians, and (N, V, 3)
-    /// for (N, 3 * bones); in the rig's own unit. `out`, a float32 array of that shape, takes the result.
+    /// Positions of the vertices in the unit of the rig, float32: shape (V, 3) for `q` of shape (3 * bones,), radians,
+    /// and (N, V, 3) for `q` of shape (N, 3 * bones). `out`, a float32 array of that shape, receives the result.
     ///
     /// Raises `InvalidValueError` for another number of angles or one that is not finite.
     #[pyo3(signature = (q, *, out = None))]
@@ -96,7 +96,7 @@ impl RigPosing {
         self.each_pose(py, q, out, Part::Positions)
     }
 
-    /// The vertices' unit normals, float32, as `positions` has it; of shape (0, 3) where the mesh has none.
+    /// Unit normals of the vertices, float32, with the shapes of `positions`; (0, 3) for a mesh without normals.
     ///
     /// Raises as `positions`.
     #[pyo3(signature = (q, *, out = None))]
@@ -109,7 +109,7 @@ impl RigPosing {
         self.each_pose(py, q, out, Part::Normals)
     }
 
-    /// The mesh for `q`, shape (3 * bones,), radians: positions, and normals where the mesh has them.
+    /// The mesh for `q`, shape (3 * bones,), radians: positions, and normals if the mesh has them.
     ///
     /// Raises `InvalidValueError` for another number of angles or one that is not finite.
     fn mesh(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<TriangleMesh> {

@@ -1,29 +1,29 @@
-//! Configurations in the order of other libraries.
+//! Conversion of configurations to the coordinate orders of other libraries.
 
 use kinopt::Model;
 use kinopt::model::{JointId, JointKind};
 
-/// Consecutive numbers of another library's configuration, by the first coordinate here.
+/// Consecutive numbers of another library's configuration, with the first coordinate in kinopt's order.
 #[derive(Clone, Copy)]
 enum Part {
-    /// One number, the same in both.
+    /// One number, equal in both orders.
     Value(usize),
-    /// Cosine and sine of an angle here.
+    /// Cosine and sine of an angle of kinopt.
     Angle(usize),
-    /// A quaternion x, y, z, w, which is w, x, y, z here.
+    /// A quaternion x, y, z, w; in kinopt w, x, y, z.
     Quaternion(usize),
 }
 
-/// The order of another library's configuration.
+/// Coordinate order of another library's configuration.
 pub(super) struct CoordinateOrder(Vec<Part>);
 
 impl CoordinateOrder {
-    /// The order of the model.
+    /// Order of the model.
     pub(super) fn same(model: &Model) -> Self {
         Self((0..model.configuration_len()).map(Part::Value).collect())
     }
 
-    /// Pinocchio's: depth first, siblings by name.
+    /// Order of Pinocchio: depth first, siblings by name.
     pub(super) fn of_pinocchio(model: &Model, is_continuous: impl Fn(&str) -> bool) -> Self {
         let mut parts = Vec::new();
         for id in depth_first(model, true) {
@@ -40,7 +40,7 @@ impl CoordinateOrder {
         Self(parts)
     }
 
-    /// MuJoCo's: depth first, siblings in the order of the file.
+    /// Order of MuJoCo: depth first, siblings in the order of the file.
     pub(super) fn of_mujoco(model: &Model) -> Self {
         let joints = depth_first(model, false).into_iter();
         let coordinates = joints.filter_map(|id| {
@@ -50,7 +50,7 @@ impl CoordinateOrder {
         Self(coordinates.flatten().map(Part::Value).collect())
     }
 
-    /// How many numbers the other library's configuration has.
+    /// Length of the other library's configuration.
     pub(super) fn len(&self) -> usize {
         let lengths = self.0.iter().map(|part| match part {
             Part::Value(_) => 1,
@@ -60,7 +60,7 @@ impl CoordinateOrder {
         lengths.sum()
     }
 
-    /// Writes a configuration of the model in the other library's order. Lengths are known to be right.
+    /// Converts a configuration of the model to the other library's order. The caller checks the lengths.
     pub(super) fn write(&self, q: &[f64], other: &mut [f64]) {
         let mut next = 0;
         let mut push = |value: f64| {
@@ -82,7 +82,7 @@ impl CoordinateOrder {
         }
     }
 
-    /// Writes a configuration of the other library in the model's order. Lengths are known to be right.
+    /// Converts a configuration of the other library to the model's order. The caller checks the lengths.
     pub(super) fn read(&self, other: &[f64], q: &mut [f64]) {
         let mut next = 0;
         let mut pull = || {
@@ -105,7 +105,7 @@ impl CoordinateOrder {
     }
 }
 
-/// All joints, each before those that it carries, siblings by name or in the order of the file.
+/// All joints, parents before children, siblings by name or in the order of the file.
 fn depth_first(model: &Model, by_name: bool) -> Vec<JointId> {
     let joints = model.joints();
     let mut children: Vec<Vec<JointId>> = vec![Vec::new(); joints.len() + 1];
@@ -127,12 +127,12 @@ fn depth_first(model: &Model, by_name: bool) -> Vec<JointId> {
     order
 }
 
-/// The name in the file of a joint, of a free or planar one the name without the part that its first slide is.
+/// Name of a joint in the file; for a free or planar joint, the name of its first prismatic joint without the suffix.
 fn file_name(name: &str) -> &str {
     name.strip_suffix("/x").unwrap_or(name)
 }
 
-/// Whether a joint is the last of the chain that stands for a planar joint.
+/// True if a joint is the last of the chain that represents a planar joint.
 fn is_yaw_of_planar(model: &Model, id: JointId) -> bool {
     let joints = model.joints();
     let own = &joints[id.index()];

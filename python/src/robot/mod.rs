@@ -35,16 +35,16 @@ use crate::placement;
 use crate::pool::Pool;
 use crate::srdf::Srdf;
 
-/// A robot: a model with its joints that follow others, its speeds, shapes and masses.
+/// A robot: a model with mimic joints, velocity limits, shapes and masses.
 ///
-/// Every link is a frame under the link's name; the root link stands in the world. A configuration lists
-/// the joints that move in the order of the file.
+/// Every link is a frame of the link's name; the root link is fixed in the world. A configuration lists the moving
+/// joints in the order of the file.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Robot {
     pub(crate) inner: Arc<kinopt::robot::Robot>,
     pub(crate) model: Arc<kinopt::Model>,
     source: Source,
-    /// Its shapes and the spheres that cover them, made when a world is first kept clear of.
+    /// Collision checker of its shapes and their spheres, created at the first use.
     checker: OnceLock<Checker>,
     foot_shapes: OnceLock<FootShapes>,
 }
@@ -61,7 +61,7 @@ impl Robot {
         })
     }
 
-    /// What keeps its shapes apart, in a world without obstacles.
+    /// Returns the collision checker of its shapes, in a world without obstacles.
     pub(crate) fn checker(&self) -> PyResult<Checker> {
         if let Some(known) = self.checker.get() {
             return Ok(known.clone());
@@ -70,7 +70,7 @@ impl Robot {
         Ok(self.checker.get_or_init(|| made).clone())
     }
 
-    /// The shapes that its feet stand on, found once.
+    /// Returns the collision shapes of its feet, computed once.
     pub(crate) fn foot_shapes(&self) -> FootShapes {
         let found = || FootShapes::of_files(&self.inner);
         self.foot_shapes.get_or_init(found).clone()
@@ -82,7 +82,7 @@ impl Robot {
                 "the order of Pinocchio is known for robots from URDF, not from MJCF: use to_mujoco",
             ));
         }
-        // Limits that were added make a continuous joint one with limits, but not in Pinocchio.
+        // Added limits make a continuous joint a revolute one here, but not in Pinocchio.
         let stated = self.source.stated()?;
         let kind = |joint: &str| {
             let id = stated.joint(joint).ok()?;
@@ -114,23 +114,22 @@ impl Robot {
 impl Robot {
     /// Reads a URDF file.
     ///
-    /// With `base_joint` the robot moves as a whole: "free" any way (a configuration begins with x, y, z and
-    /// the quaternion w, x, y, z), "planar" over the ground (x, y and a turn about z), "slide-x", "slide-y" or
-    /// "slide-z" along an axis; "fixed", as without, not at all. `base_room` says where it may stand: a dict of
-    /// (lower, upper) for "x", "y" and "z" in metres and, of a planar base, "yaw" in radians. A robot that moves
-    /// freely by a joint of its own has that one as its free base.
+    /// `base_joint` connects the root to the world: "free" (a configuration begins with x, y, z and the quaternion w,
+    /// x, y, z), "planar" (x, y and a rotation about z), "slide-x", "slide-y" or "slide-z" (translation along an axis),
+    /// or "fixed", the default. `base_room` limits its position: a dict of (lower, upper) for "x", "y" and "z" in
+    /// metres and, for a planar base, "yaw" in radians. A free joint of the file at the root serves as the free base.
     ///
-    /// With `lenient` what can be mended in one way only is mended, and listed in `repairs`. With
-    /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
-    /// opened here. With `confine` they are opened only below the folder of `path` and below the `packages` of
-    /// `collision_model`, for files that are not trusted.
+    /// With `lenient`, defects that have a unique repair are repaired, and listed in `repairs`. With `soft_limits`,
+    /// every joint also stays within its safety controller's limits. Mesh files are not opened here. With `confine`
+    /// they are opened only below the folder of `path` and below the `packages` of `collision_model`, for files that
+    /// are not trusted.
     ///
-    /// `mimic_limits`: the limits that restrict a joint which mimic joints follow. "source": its own. If they move a mimic joint
-    /// out of its range, `repairs` notes both joints, and the limits of the mimic joint contain the values. "both": also the
-    /// ranges of its mimic joints.
+    /// `mimic_limits`: the limits that restrict the source joint of mimic joints. "source": its own. If they move a
+    /// mimic joint out of its range, `repairs` notes both joints, and the limits of the mimic joint contain the values.
+    /// "both": also the ranges of its mimic joints.
     ///
-    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
-    /// wrong in it.
+    /// Raises `FileError` if the file cannot be read, `InvalidFileError`, which names the element, if its content is
+    /// invalid.
     #[classmethod]
     #[pyo3(signature = (
         path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false, mimic_limits = "source", confine = false
@@ -161,17 +160,17 @@ impl Robot {
         })
     }
 
-    /// Reads an MJCF file, as MuJoCo's models are written in, with the files that it includes.
+    /// Reads an MJCF file (MuJoCo), with the files that it includes.
     ///
-    /// Bodies and sites are frames under their names (unnamed ones: `body/ID`, `BODY/site`; the world's is
-    /// `world`), and a configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a
-    /// ball's quaternion, `ref` counted in. Joints that a linear `equality` couples follow; `connect` and `weld`
-    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened here. `base_joint`,
-    /// `base_room` and `mimic_limits` are as of `from_urdf`. With `confine` files are included, and meshes opened later, only
-    /// below the folder of `path`, for files that are not trusted.
+    /// Bodies and sites are frames of their names (unnamed ones: `body/ID`, `BODY/site`; the world is `world`), and a
+    /// configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a ball's quaternion,
+    /// including `ref`. A joint `equality` of degree one makes a mimic joint; `connect` and `weld` are `loops`. Ignored
+    /// elements are in `repairs`. Mesh files are not opened here. `base_joint`, `base_room` and `mimic_limits` are as
+    /// in `from_urdf`. With `confine`, files are included, and meshes opened later, only below the folder of `path`,
+    /// for files that are not trusted.
     ///
-    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
-    /// wrong in it.
+    /// Raises `FileError` if the file cannot be read, `InvalidFileError`, which names the element, if its content is
+    /// invalid.
     #[classmethod]
     #[pyo3(signature = (path, *, base_joint = None, base_room = None, mimic_limits = "source", confine = false))]
     fn from_mjcf(
@@ -182,7 +181,7 @@ impl Robot {
         mimic_limits: &str,
         confine: bool,
     ) -> PyResult<Self> {
-        // Faults are told by the lines of the file, which the text of all files together has not.
+        // Reads the file first, for errors with its line numbers: the merged text has others.
         let text = match confine {
             true => {
                 kinopt::robot::Robot::read_mjcf_confined(&path).or_raise()?;
@@ -207,9 +206,9 @@ impl Robot {
         })
     }
 
-    /// Reads a URDF document from a string; `name` is what messages call it, the rest is as of `from_urdf`.
+    /// Reads a URDF document from a string; `name` is its name in messages. Other arguments are as in `from_urdf`.
     ///
-    /// Raises `InvalidFileError`, which names the element, for what is wrong in it.
+    /// Raises `InvalidFileError`, which names the element, if its content is invalid.
     #[classmethod]
     #[pyo3(signature = (
         text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false,
@@ -241,16 +240,17 @@ impl Robot {
         })
     }
 
-    /// Whether meshes are opened only below the folder of the robot's file: see `confine` of `from_urdf`.
+    /// True if meshes are opened only below the folder of the robot's file: see `confine` of `from_urdf`.
     #[getter]
     fn confined(&self) -> bool {
         self.inner.is_confined()
     }
 
-    /// The same robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, `max_jerk`, and `min_position` and
-    /// `max_position`, which narrow what the robot's file says.
+    /// The robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, `max_jerk`, and
+    /// `min_position` and `max_position`, which narrow the position limits.
     ///
-    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the line, for what is wrong in it.
+    /// Raises `FileError` if the file cannot be read, `InvalidFileError`, which names the line, if its content is
+    /// invalid.
     fn with_joint_limits(&self, path: PathBuf) -> PyResult<Self> {
         let (text, file) = text_of(&path)?;
         let mut source = self.source.clone();
@@ -258,11 +258,10 @@ impl Robot {
         Self::build(source)
     }
 
-    /// The same robot with one more frame, `name`, which stands `link_from_tool` (4 x 4, metres) away from
-    /// the frame `link`.
+    /// The robot with an additional frame `name` at `link_from_tool` (4 x 4, metres) relative to the frame `link`.
     ///
-    /// Raises `UnknownNameError` for a link that there is not, `InvalidValueError` for a name that is taken
-    /// and for what is no rigid motion.
+    /// Raises `UnknownNameError` for an unknown link, `InvalidValueError` for a name that exists and for a placement
+    /// that is not rigid.
     fn with_tool(
         &self,
         name: String,
@@ -275,14 +274,14 @@ impl Robot {
         Self::build(source)
     }
 
-    /// Its joints, frames and limits.
+    /// Joints, frames and limits of the robot.
     #[getter]
     fn model(&self) -> Model {
         let inner = Arc::clone(&self.model);
         Model { inner }
     }
 
-    /// The robot's name.
+    /// Name of the robot.
     #[getter]
     fn name(&self) -> &str {
         self.model.name()
@@ -298,7 +297,7 @@ impl Robot {
             .collect()
     }
 
-    /// Names of all frames: the links, and tools that were added.
+    /// Names of all frames: the links and added tools.
     #[getter]
     fn frame_names(&self) -> Vec<String> {
         self.model()
@@ -308,13 +307,13 @@ impl Robot {
             .collect()
     }
 
-    /// How many numbers a configuration has, nq: four for a ball joint, one for any other.
+    /// Length of a configuration, nq: four for a ball joint, one for any other.
     #[getter]
     fn configuration_len(&self) -> usize {
         self.model.configuration_len()
     }
 
-    /// How many numbers a velocity has, nv: three for a ball joint, one for any other.
+    /// Length of a velocity, nv: three for a ball joint, one for any other.
     #[getter]
     fn degrees_of_freedom(&self) -> usize {
         self.model.degrees_of_freedom()
@@ -338,7 +337,7 @@ impl Robot {
         self.model().upper(py)
     }
 
-    /// Highest speeds in configuration order, shape (nq,), rad/s or m/s; inf for none.
+    /// Velocity limits in configuration order, shape (nq,), rad/s or m/s; inf for none.
     #[getter]
     fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
@@ -358,13 +357,13 @@ impl Robot {
         self.per_joint(py, |id| self.inner.jerk_limit(id))
     }
 
-    /// Strongest torques and forces in configuration order, shape (nq,), N m or N; inf for none.
+    /// Effort limits in configuration order, shape (nq,), N m or N; inf for none.
     #[getter]
     fn effort_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.effort_limit(id))
     }
 
-    /// Names of the frames on which nothing hangs: hands, tools, feet.
+    /// Names of the frames without children: hands, tools, feet.
     #[getter]
     fn tips(&self) -> Vec<String> {
         let frames = self.inner.tips();
@@ -374,7 +373,7 @@ impl Robot {
             .collect()
     }
 
-    /// What the file leaves to defaults or gets wrong and what was taken instead, one text each.
+    /// Defaults and repairs of the file's content, one text each.
     #[getter]
     fn repairs(&self) -> Vec<String> {
         self.inner
@@ -384,7 +383,7 @@ impl Robot {
             .collect()
     }
 
-    /// The joints that follow others: {joint: (master, ratio, offset)}, value = ratio * master + offset.
+    /// Mimic joints: {joint: (source, ratio, offset)}, value = ratio * source + offset.
     #[getter]
     fn mimics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let name = |id: kinopt::model::JointId| self.model.joints()[id.index()].name.as_str();
@@ -396,14 +395,14 @@ impl Robot {
         Ok(mimics)
     }
 
-    /// Loops of the model, of an MJCF file its `connect` and `weld`: see `Model.loops`.
+    /// Loops of the model, for an MJCF file its `connect` and `weld`: see `Model.loops`.
     #[getter]
     fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
         loops::loop_parts(py, &self.model)
     }
 
-    /// Names of the joints that nothing drives: of an MJCF file with actuators those that none of them moves, by
-    /// itself or through a fixed tendon, and that follow no other; else those that were said to be.
+    /// Names of the passive joints. In an MJCF file with actuators: those that no actuator moves, directly or through a
+    /// fixed tendon, and that are no mimic joints. Otherwise those of `with_passive_joints`.
     #[getter]
     fn passive_joints(&self) -> Vec<&str> {
         let joints = self.inner.passive_joints().iter();
@@ -412,12 +411,12 @@ impl Robot {
             .collect()
     }
 
-    /// The same robot with a loop that its file does not know of, as URDF has none: the origins of two `frames` fall
-    /// together ("connect"), or origins and axes ("weld"); with `places`, a pair of 4 x 4 placements, not the frames
-    /// themselves but those places on them. Every problem on the robot keeps it closed.
+    /// The robot with an additional loop, as URDF has none: the origins of two `frames` coincide ("connect"), or
+    /// origins and axes ("weld"). `places`, a pair of 4 x 4 placements, are relative to the frames; default the
+    /// identity. Every problem on the robot closes it.
     ///
-    /// Raises `UnknownNameError` for a kind or a frame that there is not, `InvalidValueError` for a name that is
-    /// taken, what is no rigid motion, and a loop that no configuration closes.
+    /// Raises `UnknownNameError` for an unknown kind or frame, `InvalidValueError` for a name that exists, a placement
+    /// that is not rigid, and a loop that no configuration closes.
     #[pyo3(signature = (name, frames, kind = "connect", places = None))]
     fn with_loop(
         &self,
@@ -432,7 +431,7 @@ impl Robot {
         Self::build(source)
     }
 
-    /// The same robot without loops, for a file whose loops contradict each other or are not meant.
+    /// The robot without loops, for a file with contradictory or unwanted loops.
     fn without_loops(&self) -> PyResult<Self> {
         let mut source = self.source.clone();
         source.loops.added.clear();
@@ -440,9 +439,9 @@ impl Robot {
         Self::build(source)
     }
 
-    /// The same robot with these as its `passive_joints`, as an SRDF file names them.
+    /// The robot with these `passive_joints`, as an SRDF file names them.
     ///
-    /// Raises `UnknownNameError` for a joint that there is not.
+    /// Raises `UnknownNameError` for an unknown joint.
     fn with_passive_joints(&self, names: Vec<String>) -> PyResult<Self> {
         let mut source = self.source.clone();
         source.loops.passive = Some(names);
@@ -451,7 +450,7 @@ impl Robot {
 
     /// Names of the moving joints between two frames, from base to tip.
     ///
-    /// Raises `UnknownNameError` for a frame that there is not.
+    /// Raises `UnknownNameError` for an unknown frame.
     fn chain(&self, base: &str, tip: &str) -> PyResult<Vec<String>> {
         let ids = self.inner.chain(base, tip).or_raise()?;
         Ok(ids
@@ -460,11 +459,12 @@ impl Robot {
             .collect())
     }
 
-    /// The configuration `q`, shape (n,), with a free base a fifteenth of its height lower, the frames `feet` where they
-    /// are and the rest near `q`: knees bent a little, so that a hand that is dragged down bends them more. `up` is
-    /// the way up, shape (3,). A robot without a free base, and one whose feet cannot stay, keeps `q`.
+    /// Crouched configuration: `q`, shape (n,), with a free base lower by a fifteenth of its height, the frames `feet`
+    /// at their poses and the other joints near `q`. The slightly bent knees avoid the singularity of straight legs.
+    /// `up` is the upward direction, shape (3,). Returns `q` for a robot without a free base, and if the feet cannot
+    /// stay.
     ///
-    /// Raises `UnknownNameError` for a frame that there is not, `InvalidValueError` for another shape.
+    /// Raises `UnknownNameError` for an unknown frame, `InvalidValueError` for another shape.
     #[pyo3(signature = (feet, q, *, up = None))]
     fn bent_stance<'py>(
         &self,
@@ -485,9 +485,10 @@ impl Robot {
         Ok(arrays::list(py, &stance.or_raise()?))
     }
 
-    /// What a link looks like: a list of `Shape`; empty for frames that are no links.
+    /// Visual shapes of a link, or with `collision` its collision shapes: a list of `Shape`; empty for frames that are
+    /// no links.
     ///
-    /// Raises `UnknownNameError` for a frame that there is not.
+    /// Raises `UnknownNameError` for an unknown frame.
     #[pyo3(signature = (link, *, collision = false))]
     fn shapes(&self, link: &str, collision: bool) -> PyResult<Vec<Shape>> {
         let frame = self.model.frame(link).or_raise()?;
@@ -502,50 +503,49 @@ impl Robot {
         Ok(shapes.iter().map(Shape::of).collect())
     }
 
-    /// Points that a foot stands on, in its frame, shape (N, 3), metres: where the links begin that are fixed to it, its own
-    /// first, and the corners of their collision shapes. `tasks.SupportPolygon(on={foot: robot.sole(foot)})` balances over it.
-    /// Meshes' files are not opened: they add none.
+    /// Contact points of a foot, in its frame, shape (N, 3), metres: the origins of its link and of the links fixed to
+    /// it, and the corners of their collision shapes. `tasks.SupportPolygon(on={foot: robot.sole(foot)})` balances over
+    /// it. Mesh files are not opened, so meshes add no points.
     ///
-    /// Raises `UnknownNameError` for a frame that there is not.
+    /// Raises `UnknownNameError` for an unknown frame.
     fn sole<'py>(&self, py: Python<'py>, foot: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = self.inner.sole(self.model.frame(foot).or_raise()?);
         let numbers: Vec<f64> = points.iter().flat_map(|point| point.to_array()).collect();
         arrays::list(py, &numbers).reshape([points.len(), 3])
     }
 
-    /// The mass of all links that joints move, kg. Raises `InvalidValueError` where the file states none, or leaves one to
-    /// the volume of a mesh, as MJCF without `inertial` does: the mesh's file is not opened.
+    /// Total mass of all links that joints move, kg. Raises `InvalidValueError` if the file states no masses, or if a
+    /// mass depends on the volume of a mesh (MJCF without `inertial`), because mesh files are not opened.
     #[getter]
     fn mass(&self) -> PyResult<f64> {
         self.inner.total_mass().or_raise()
     }
 
-    /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); metres, in
-    /// the world.
+    /// Centre of mass in the world: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); metres.
     ///
-    /// Masses are those of the file's links (`<inertial>`); what stands in the world counts for nothing, as in
-    /// Pinocchio. Raises `InvalidValueError` where the file states none, or a negative one, or leaves one or its centre to a
-    /// mesh (MJCF), and for other shapes.
+    /// Masses are those of the file's links (`<inertial>`); links fixed in the world do not count, as in Pinocchio.
+    /// Raises `InvalidValueError` if the file states no masses, or a negative one, or if a mass or its centre depends
+    /// on a mesh (MJCF), and for other shapes.
     fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         centres(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
-    /// How the centre of mass moves: its Jacobian, three rows in m/s in world axes, a column for each number of a
-    /// velocity; shape (3, nv) for a configuration `q` of shape (nq,), (N, 3, nv) for (N, nq).
+    /// Jacobian of the centre of mass: three rows in m/s in world axes, a column for each number of a velocity; shape
+    /// (3, nv) for a configuration `q` of shape (nq,), (N, 3, nv) for (N, nq).
     ///
     /// Raises `InvalidValueError` as `center_of_mass`.
     fn center_of_mass_jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         centres_jacobians(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
-    /// The configuration closest to all zeros within the limits, shape (nq,), radians and metres, quaternions w, x, y, z. Mimic joints
-    /// have the values that their source joints give them.
+    /// The configuration closest to all zeros within the limits, shape (nq,), radians and metres, quaternions w, x, y,
+    /// z. Mimic joints follow their source joints.
     fn neutral<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.inner.neutral())
     }
 
-    /// Configurations sampled uniformly within the limits, shape (nq,) or (n, nq): see `Model.random_configuration`. Mimic joints
-    /// have the values that their source joints give them.
+    /// Configurations sampled uniformly within the limits, shape (nq,) or (n, nq): see `Model.random_configuration`.
+    /// Mimic joints follow their source joints.
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.
     #[pyo3(signature = (seed = None, n = None))]
@@ -559,10 +559,10 @@ impl Robot {
         random_configurations(py, seed, n, nq, |seed| robot.random_configuration(seed))
     }
 
-    /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
-    /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or
-    /// one for all of the other; radians and metres, a ball's and a free joint's in their own moved axes, linear first.
-    /// Quaternions of `q` are w, x, y, z.
+    /// Integrates a velocity over a unit of time from a configuration, without limits, as Pinocchio's `integrate`: q +
+    /// v for joints of one number, exp for balls and free joints. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or one
+    /// row for all of the other; radians and metres. Velocities of balls and free joints are in their own moving axes,
+    /// linear first. Quaternions of `q` are w, x, y, z.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
     fn integrate<'py>(
@@ -573,8 +573,8 @@ impl Robot {
         self.model().integrate(q, v)
     }
 
-    /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes
-    /// (nq,) twice, (N, nq) twice, or one for all of the other.
+    /// The velocity that leads from `q0` to `q1` in a unit of time, as Pinocchio's `difference`. Shapes (nq,) twice,
+    /// (N, nq) twice, or one row for all of the other.
     ///
     /// Raises `InvalidValueError` as `integrate`.
     fn difference<'py>(
@@ -585,7 +585,7 @@ impl Robot {
         self.model().difference(q0, q1)
     }
 
-    /// The configuration at a share of the way from `q0` to `q1`. Shapes as of `difference`.
+    /// Interpolates from `q0` (`share` 0) to `q1` (`share` 1). Shapes are as in `difference`.
     ///
     /// Raises `InvalidValueError` as `integrate`, and for a share that is not finite.
     fn interpolate<'py>(
@@ -604,8 +604,8 @@ impl Robot {
         self.model().normalise(q)
     }
 
-    /// Whether a configuration, shape (nq,), is within all limits, cones included, and has every mimic joint at the value that its
-    /// source joint gives it, up to 1e-9 rad or m.
+    /// True if a configuration, shape (nq,), is within all limits, including cones, and every mimic joint has the value
+    /// of its source joint's relation, up to 1e-9 rad or m.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -613,8 +613,8 @@ impl Robot {
         Ok(self.inner.is_within_limits(&q))
     }
 
-    /// The configuration with mimic joints at the values that their source joints in it give them. Shape (nq,) for `q` of shape (nq,),
-    /// (N, nq) for (N, nq), radians and metres. Forward kinematics takes a configuration as it is.
+    /// The configuration with mimic joints computed from their source joints. Shape (nq,) for `q` of shape (nq,), (N,
+    /// nq) for (N, nq), radians and metres. Forward kinematics does not apply mimic relations.
     ///
     /// Raises `InvalidValueError` for other shapes and for numbers that are not finite.
     fn apply_mimics<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -625,9 +625,10 @@ impl Robot {
         })
     }
 
-    /// The configuration as Pinocchio's `buildModelFromUrdf` has it for the robot's URDF, with a root joint for `base_joint`: joints
-    /// depth first, siblings by name; quaternions x, y, z, w (here w, x, y, z); the cosine and sine of a continuous joint (here
-    /// its angle). Shape (n,) for `q` of shape (nq,), (N, n) for (N, nq), radians and metres.
+    /// Converts a configuration to the order of Pinocchio's `buildModelFromUrdf` for the robot's URDF, with a root
+    /// joint for `base_joint`: joints depth first, siblings by name; quaternions x, y, z, w (here w, x, y, z); the
+    /// cosine and sine of a continuous joint (here its angle). Shape (n,) for `q` of shape (nq,), (N, n) for (N, nq),
+    /// radians and metres.
     ///
     /// Raises `InvalidValueError` for other shapes and for a robot from MJCF.
     fn to_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -639,8 +640,8 @@ impl Robot {
         })
     }
 
-    /// The configuration of a `q` in the order of Pinocchio, shape (n,) or (N, n): the inverse of `to_pinocchio`. Continuous joints are
-    /// from -pi to pi.
+    /// Converts a configuration `q` in the order of Pinocchio, shape (n,) or (N, n): the inverse of `to_pinocchio`.
+    /// Continuous joints are from -pi to pi.
     ///
     /// Raises `InvalidValueError` as `to_pinocchio`.
     #[allow(
@@ -656,9 +657,9 @@ impl Robot {
         })
     }
 
-    /// The configuration as MuJoCo's `qpos` for the robot's file: joints depth first, siblings in the order of the file, quaternions
-    /// w, x, y, z as here. For a robot from MJCF it is `q` itself. Shape (nq,) for `q` of shape (nq,), (N, nq) for (N, nq),
-    /// radians and metres.
+    /// Converts a configuration to MuJoCo's `qpos` for the robot's file: joints depth first, siblings in the order of
+    /// the file, quaternions w, x, y, z. For a robot from MJCF it is `q` itself. Shape (nq,) for `q` of shape (nq,),
+    /// (N, nq) for (N, nq), radians and metres.
     ///
     /// Raises `InvalidValueError` for other shapes.
     fn to_mujoco<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -670,7 +671,7 @@ impl Robot {
         })
     }
 
-    /// The configuration of MuJoCo's `qpos`, shape (nq,) or (N, nq): the inverse of `to_mujoco`.
+    /// Converts MuJoCo's `qpos`, shape (nq,) or (N, nq): the inverse of `to_mujoco`.
     ///
     /// Raises `InvalidValueError` as `to_mujoco`.
     #[allow(
@@ -687,10 +688,10 @@ impl Robot {
     }
 
     /// The Jacobian of a frame, shape (6, nv) for a configuration `q` of shape (nq,), (N, 6, nv) for (N, nq): the
-    /// velocity of its origin (m/s), then its angular velocity (rad/s), in world axes, for velocities as of `integrate`:
-    /// Pinocchio's `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` does the same for several frames.
+    /// velocity of its origin (m/s), then its angular velocity (rad/s), in world axes, for velocities as in
+    /// `integrate`: Pinocchio's `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` computes several frames.
     ///
-    /// Raises `UnknownNameError` for a frame that there is not, `InvalidValueError` as `integrate`.
+    /// Raises `UnknownNameError` for an unknown frame, `InvalidValueError` as `integrate`.
     fn frame_jacobian<'py>(
         &self,
         q: &Bound<'py, PyAny>,
@@ -703,13 +704,13 @@ impl Robot {
 
     /// The collision shapes of its links.
     ///
-    /// Meshes are looked for beside the robot's file and, at `package://`, in the folders above it and in `packages`;
-    /// they count as their convex hulls, with `meshes="parts"` as the hulls of their connected parts, with "pieces" as up
-    /// to 16 convex pieces that hold them, with "triangles" as they are. One that is not found is an error, or with `leave_out_missing` left out with a note. An `srdf` says
-    /// which links may touch.
+    /// Mesh files are searched next to the robot's file and, for `package://`, in the folders above it and in
+    /// `packages`. `meshes` selects their shape: "hull" (convex hull), "parts" (convex hulls of connected parts),
+    /// "pieces" (up to 16 convex pieces that contain the mesh) or "triangles" (the mesh itself). A missing mesh is an
+    /// error, or with `leave_out_missing` a note. An `srdf` disables collision pairs.
     ///
-    /// Raises `FileError` for a mesh that is not there, `InvalidFileError` for one that is damaged, `InvalidValueError`
-    /// for a shape that is none.
+    /// Raises `FileError` for a missing mesh, `InvalidFileError` for a malformed one, `InvalidValueError` for an
+    /// invalid shape.
     #[pyo3(
         signature = (*, packages = Vec::new(), meshes = "hull", leave_out_missing = false, srdf = None),
         text_signature = "(self, *, packages=[], meshes=\"hull\", leave_out_missing=False, srdf=None)"

@@ -1,4 +1,4 @@
-//! Bodies of links, to read.
+//! Read-only shapes of links.
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::placement;
 
-/// A body of a link: a box, cylinder, capsule, sphere or mesh; lengths in metres.
+/// A shape of a link: a box, cylinder, capsule, sphere, ellipsoid or mesh; lengths in metres.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Shape {
     inner: kinopt::robot::Shape,
@@ -21,13 +21,13 @@ impl Shape {
 
 #[pymethods]
 impl Shape {
-    /// Its name, which few have.
+    /// Name of the shape; None without one.
     #[getter]
     fn name(&self) -> Option<&str> {
         self.inner.name.as_deref()
     }
 
-    /// Where it stands in the link's frame, shape (4, 4).
+    /// Placement of the shape relative to the link, shape (4, 4).
     #[getter]
     fn link_from_shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         placement::to_array(py, &self.inner.link_from_shape)
@@ -48,9 +48,9 @@ impl Shape {
         }
     }
 
-    /// Its measures by name: a box has `size` (whole lengths along x, y, z), a cylinder and a capsule
-    /// `radius` and `length` (along z; a capsule's without its caps), a sphere `radius`, an ellipsoid `radii`, a mesh `file`
-    /// (as it stands in the robot's file) and `scale`.
+    /// Dimensions by name: a box has `size` (full lengths along x, y, z), a cylinder and a capsule `radius` and
+    /// `length` (along z; for a capsule without its caps), a sphere `radius`, an ellipsoid `radii`, a mesh `file` (as
+    /// written in the robot's file) and `scale`.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         use kinopt::robot::Geometry;

@@ -1,4 +1,4 @@
-//! What a robot of Python is made from, kept so that it can be made again, in another process too.
+//! Data that rebuild a robot, in another process too.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,25 +16,25 @@ use crate::error::{Kind, OrRaise, invalid, raise};
 use crate::loops::{LoopParts, NamedLoop};
 use crate::placement;
 
-/// What a robot is read from, and what was changed since.
+/// Content of a robot's file, and the later changes.
 #[derive(Clone)]
 pub(super) struct Source {
     pub(super) text: Arc<str>,
     pub(super) file: String,
     pub(super) lenient: bool,
-    /// Whether the files it names are opened only below its folder.
+    /// True if referenced files are opened only below its folder.
     pub(super) confine: bool,
     pub(super) soft_limits: bool,
-    /// Whether mimic joints restrict their source joints.
+    /// True if mimic joints restrict their source joints.
     pub(super) mimic_limits: bool,
-    /// Texts of joint_limits.yaml and their names.
+    /// Texts of joint_limits.yaml, with file names.
     pub(super) joint_limits: Vec<(Arc<str>, String)>,
     pub(super) base: Base,
     pub(super) tools: Vec<(String, String, Placement<f64>)>,
     pub(super) loops: Loops,
 }
 
-/// What of its loops is not the file's.
+/// Changes to the loops of the file.
 #[derive(Clone, Default)]
 pub(super) struct Loops {
     pub(super) without: bool,
@@ -42,30 +42,30 @@ pub(super) struct Loops {
     pub(super) passive: Option<Vec<String>>,
 }
 
-/// What its root moves on: a name, and ranges by axis.
+/// Joint between world and root: its name, and bounds by axis.
 #[derive(Clone, Default)]
 pub(super) struct Base {
     pub(super) joint: Option<String>,
     pub(super) room: Vec<(String, (f64, f64))>,
 }
 
-/// Soft limits, mimic limits, and texts of joint_limits.yaml with their names, as they are pickled.
+/// Pickled form of soft limits, mimic limits, and texts of joint_limits.yaml with file names.
 pub(super) type PickledLimits = (bool, bool, Vec<(String, String)>);
 
-/// What a root moves on, as it is pickled.
+/// Pickled form of [`Base`].
 pub(super) type PickledBase<'py> = (Option<Bound<'py, PyAny>>, Option<Bound<'py, PyDict>>);
 
-/// A tool as it is pickled.
+/// Pickled form of a tool.
 pub(super) type PickledTool<'py> = (String, String, Bound<'py, PyAny>);
 
-/// Loops as they are pickled: whether the file's are gone, the added ones, passive joints.
+/// Pickled form of [`Loops`]: true if the loops of the file are removed, added loops, passive joints.
 pub(super) type PickledLoops<'py> = (bool, Vec<PickledLoop<'py>>, Option<Vec<String>>);
 type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
 
-/// The values of `mimic_limits`.
+/// Values of `mimic_limits`.
 const MIMIC_LIMITS: [&str; 2] = ["source", "both"];
 
-/// Reads `mimic_limits`: whether mimic joints restrict their source joints.
+/// Reads `mimic_limits`; true if mimic joints restrict their source joints.
 pub(super) fn restricts_sources(mimic_limits: &str) -> PyResult<bool> {
     match mimic_limits {
         "source" => Ok(false),
@@ -75,7 +75,7 @@ pub(super) fn restricts_sources(mimic_limits: &str) -> PyResult<bool> {
 }
 
 impl Source {
-    /// The robot that it tells of.
+    /// Builds the robot.
     pub(super) fn read(&self) -> PyResult<Robot> {
         let reader = match self.lenient {
             true => Robot::reader().lenient(),
@@ -86,7 +86,7 @@ impl Source {
             false => reader,
         };
         let robot = reader.parse(&self.text, &self.file).or_raise()?;
-        // Whose folder meshes are looked for in.
+        // Meshes are searched in the folder of the file.
         let mut robot = robot.with_file(&self.file);
         if self.soft_limits {
             robot = robot.with_soft_limits().or_raise()?;
@@ -118,12 +118,12 @@ impl Source {
         Ok(robot)
     }
 
-    /// Whether the file is MJCF.
+    /// True if the file is MJCF.
     pub(super) fn is_mjcf(&self) -> bool {
         self.text.contains("<mujoco") && !self.text.contains("<robot")
     }
 
-    /// The model as the file alone states it.
+    /// Model of the file without changes.
     pub(super) fn stated(&self) -> PyResult<kinopt::Model> {
         let reader = match self.lenient {
             true => Robot::reader().lenient(),
@@ -133,7 +133,7 @@ impl Source {
         Ok(robot.model().clone())
     }
 
-    /// What [`unpickled`](Self::unpickled) takes.
+    /// Arguments of [`unpickled`](Self::unpickled).
     #[allow(clippy::type_complexity, reason = "it is read once")]
     pub(super) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<impl IntoPyObject<'py>> {
         let tools = self.tools.iter().map(|(name, link, tool)| {
@@ -161,7 +161,7 @@ impl Source {
         ))
     }
 
-    /// What [`pickled`](Self::pickled) gave.
+    /// Rebuilds from the data of [`pickled`](Self::pickled).
     pub(super) fn unpickled(
         text: &str,
         file: String,
@@ -232,7 +232,7 @@ impl Base {
     }
 }
 
-/// What a file holds, and its name in messages.
+/// Returns the text of a file, and its name in messages.
 pub(crate) fn text_of(path: &Path) -> PyResult<(String, String)> {
     let file = path.display().to_string();
     let bytes = FileAccess::new().read(path).or_raise()?;

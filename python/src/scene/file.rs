@@ -1,4 +1,4 @@
-//! A file of a scene that keeps what it holds.
+//! glTF files with lossless editing.
 
 use std::path::PathBuf;
 
@@ -12,10 +12,10 @@ use crate::contents::{parsed, text_or_bytes};
 use crate::error::OrRaise;
 use crate::file_access::access;
 
-/// A .glb or .gltf file as it was read, with the scene in it.
+/// A .glb or .gltf file, with its scene.
 ///
-/// Clips are added to it and its nodes posed; everything else, also what nothing here understands (materials, textures, images, texture
-/// coordinates, colours, cameras, extras, extensions), stays the text and the bytes that were read.
+/// Clips can be added and nodes posed. All other content (materials, textures, images, texture coordinates, colours,
+/// cameras, extras, extensions) keeps its text and bytes.
 #[pyclass(module = "kinopt")]
 pub(crate) struct SceneFile {
     inner: gltf::SceneFile,
@@ -23,10 +23,10 @@ pub(crate) struct SceneFile {
 
 #[pymethods]
 impl SceneFile {
-    /// Reads a .glb or .gltf file and its buffers. `write` opens images by the same `folders`.
+    /// Reads a .glb or .gltf file and its buffers. `write` reads images from these `folders` too.
     ///
-    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
-    /// `max_bytes` is read.
+    /// Referenced files are opened only below its folder and below `folders`, with symbolic links resolved. Files above
+    /// `max_bytes` are not read.
     ///
     /// Raises as `Scene.read`.
     #[classmethod]
@@ -46,8 +46,8 @@ impl SceneFile {
         Ok(Self { inner })
     }
 
-    /// Reads the bytes of a .glb or .gltf file, or the text of a .gltf; `name` is what messages call it. `open` is called with the names of
-    /// buffers beside the file and gives their bytes.
+    /// Reads the bytes of a .glb or .gltf file, or the text of a .gltf; `name` is its name in messages. `open` is
+    /// called with the names of buffer files and returns their bytes.
     ///
     /// Raises as `Scene.from_bytes`.
     #[classmethod]
@@ -63,15 +63,15 @@ impl SceneFile {
         Ok(Self { inner })
     }
 
-    /// What in it can be posed, with the clips that were added.
+    /// Scene of the file, with the added clips.
     #[getter]
     fn scene(&self) -> Scene {
         self.inner.scene().clone().into()
     }
 
-    /// Adds a clip behind those that are there. Curves that glTF does not have become `keys_per_second` keys.
+    /// Appends a clip. Curves without a glTF equivalent become `keys_per_second` keys.
     ///
-    /// Raises `InvalidValueError` for a clip of another armature and for a name that one of the file's clips has.
+    /// Raises `InvalidValueError` for a clip of another armature and for a name that another clip of the file has.
     #[pyo3(signature = (clip, keys_per_second = 30.0))]
     fn add_clip(&mut self, clip: &Bound<'_, Clip>, keys_per_second: f32) -> PyResult<()> {
         let added = self.inner.add_clip(
@@ -81,24 +81,24 @@ impl SceneFile {
         added.or_raise()
     }
 
-    /// Makes a pose the one that the nodes have where no clip moves them.
+    /// Sets the rest pose of the nodes.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn set_rest(&mut self, pose: &Bound<'_, Pose>) -> PyResult<()> {
         self.inner.set_rest(&pose.get().now()).or_raise()
     }
 
-    /// Writes it to a .glb or .gltf file. In another folder than it was read from, the files beside it that it names (images, buffers) are
-    /// put into it; one that does not exist stays named.
+    /// Writes a .glb or .gltf file. In another folder than that of the original, referenced files (images, buffers) are
+    /// embedded; a missing one stays a reference.
     ///
     /// Raises `FileError`.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         py.detach(|| self.inner.write(&path)).or_raise()
     }
 
-    /// Its bytes: .glb where that was read, else the text of a .gltf. Other files that it names are still named.
+    /// Bytes of the file: .glb if the original is, else the text of a .gltf. Other files stay references.
     ///
-    /// Raises `InvalidValueError` beyond 4 GiB, which .glb cannot have.
+    /// Raises `InvalidValueError` beyond 4 GiB, the limit of .glb.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| self.inner.to_bytes()).or_raise()?;
         Ok(PyBytes::new(py, &bytes))

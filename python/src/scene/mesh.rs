@@ -1,4 +1,4 @@
-//! A mesh on a bone, and how it follows joints.
+//! Meshes and skins of a scene.
 
 use std::sync::Arc;
 
@@ -17,12 +17,11 @@ use crate::vertices::to_array;
 
 /// A mesh on a bone of a scene.
 ///
-/// A mesh on a bone of `armature`: one without a skin moves with the bone, one with a skin with the skin's
-/// joints alone. `tangents` has shape (V, 4); the weights of its morph targets are those of the armature
-/// from number `first_morph_weight` on.
+/// A mesh on a bone of `armature`: without a skin it moves with the bone, with a skin it follows the skin's joints
+/// only. `tangents` has shape (V, 4); the weights of its morph targets are those of the armature from index
+/// `first_morph_weight`.
 ///
-/// Raises `UnknownNameError` for a bone; what does not go together is said when a scene of it is posed or
-/// written.
+/// Raises `UnknownNameError` for a bone. Posing or writing a scene raises errors of parts that do not match.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct SceneMesh {
     pub(super) inner: gltf::SceneMesh,
@@ -76,25 +75,25 @@ impl SceneMesh {
         Ok(Self::of(armature, inner))
     }
 
-    /// Its name; need not be unique.
+    /// Name of the mesh, not necessarily unique.
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
     }
 
-    /// The name of the bone it hangs on.
+    /// Name of its bone.
     #[getter]
     fn bone(&self) -> &str {
         &self.armature.names()[self.inner.bone.index()]
     }
 
-    /// The mesh as modelled.
+    /// Mesh at rest.
     #[getter]
     fn mesh(&self) -> TriangleMesh {
         self.inner.mesh.clone().into()
     }
 
-    /// x, y, z and the bitangent's sign of each vertex, shape (V, 4), float32; None where there are none.
+    /// Tangents, x, y, z and the sign of the bitangent, shape (V, 4), float32; None without tangents.
     #[getter]
     fn tangents<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         let tangents = &self.inner.tangents;
@@ -102,19 +101,19 @@ impl SceneMesh {
         there.transpose()
     }
 
-    /// Its morph targets; none for most meshes.
+    /// Morph targets; often empty.
     #[getter]
     fn morph_targets(&self) -> MorphTargets {
         self.inner.morph_targets.clone().into()
     }
 
-    /// Where the weights of its morph targets start in those of the armature.
+    /// Index of its first morph target weight in those of the armature.
     #[getter]
     fn first_morph_weight(&self) -> usize {
         self.inner.first_morph_weight
     }
 
-    /// How it follows joints; None where it moves with its bone.
+    /// Skin; None for a mesh that moves with its bone.
     #[getter]
     fn skin(&self) -> Option<Skin> {
         let skin = self.inner.skin.as_ref();
@@ -170,10 +169,10 @@ impl SceneMesh {
     }
 }
 
-/// How a mesh follows joints.
+/// A skin: the binding of a mesh to joints.
 ///
-/// A skin on bones of `armature`: `joints` are their names in the order of the weights' bones,
-/// `joint_from_mesh`, shape (joints, 4, 4), the inverse bind matrices.
+/// A skin on bones of `armature`: `joints` are their names in the order of the weights' bones, `joint_from_mesh`, shape
+/// (joints, 4, 4), the inverse bind matrices.
 ///
 /// Raises `UnknownNameError` for a bone.
 #[pyclass(frozen, module = "kinopt")]
@@ -210,13 +209,13 @@ impl Skin {
         Ok(Self::of(armature, inner))
     }
 
-    /// Its name; may be empty.
+    /// Name of the skin, possibly empty.
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
     }
 
-    /// The names of the bones that are its joints, in the order of the weights' bones.
+    /// Names of the bones that are its joints, in the order of the weights' bones.
     #[getter]
     fn joints(&self) -> Vec<&str> {
         let names = self.armature.names();
@@ -224,14 +223,14 @@ impl Skin {
         joints.map(|joint| names[joint.index()].as_str()).collect()
     }
 
-    /// For each joint the inverse bind matrix, shape (joints, 4, 4), float32. A vertex follows the sum over
+    /// Inverse bind matrices of the joints, shape (joints, 4, 4), float32. A vertex is transformed by the sum over
     /// joints of weight * model_from_joint @ joint_from_mesh.
     #[getter]
     fn joint_from_mesh<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         transforms::to_array(py, &self.inner.joint_from_mesh)
     }
 
-    /// How strongly each joint moves each vertex.
+    /// Skin weights by joint.
     #[getter]
     fn weights(&self) -> SkinWeights {
         self.inner.weights.clone().into()

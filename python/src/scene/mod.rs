@@ -1,4 +1,4 @@
-//! Scenes of glTF: an armature with the meshes that hang on it and the clips that move it.
+//! glTF scenes: an armature with its meshes and clips.
 
 mod file;
 mod mesh;
@@ -24,14 +24,13 @@ use crate::pickling;
 use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
-/// What a glTF file holds that can be posed: an armature, the meshes that hang on it and the clips that move
-/// it.
+/// Scene of a glTF file: an armature, its meshes and its clips.
 ///
-/// Every node of the file is a bone. Lengths are in the file's unit, which glTF says are metres.
+/// Every node of the file is a bone. Lengths are in the file's unit, metres according to glTF.
 ///
 /// A scene of an armature, of meshes on its bones and of clips for it.
 ///
-/// What does not go together raises `InvalidValueError` when the scene is posed or written.
+/// Parts that do not match raise `InvalidValueError` when the scene is posed or written.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<gltf::Scene>,
@@ -79,11 +78,11 @@ impl Scene {
 
     /// Reads a .glb or .gltf file and its buffers.
     ///
-    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
-    /// `max_bytes` is read.
+    /// Referenced files are opened only below its folder and below `folders`, with symbolic links resolved. Files above
+    /// `max_bytes` are not read.
     ///
-    /// Raises `FileError` where a file cannot be opened, `InvalidFileError` naming the file, a path in it such
-    /// as `animations[1].samplers[0]`, and the node, mesh or animation.
+    /// Raises `FileError` if a file cannot be opened, `InvalidFileError` with the file, a path in it such as
+    /// `animations[1].samplers[0]`, and the node, mesh or animation.
     #[classmethod]
     #[pyo3(
         signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
@@ -100,14 +99,14 @@ impl Scene {
         scene.or_raise().map(Self::from)
     }
 
-    /// Reads a scene from the bytes of a .glb or .gltf file, or from the text of a .gltf; `name` is what
-    /// messages call it.
+    /// Reads a scene from the bytes of a .glb or .gltf file, or from the text of a .gltf; `name` is its name in
+    /// messages.
     ///
-    /// `open` is called with the names of buffers below the file's folder and gives their bytes:
-    /// `dict.__getitem__` of a dictionary will do. Names that lead elsewhere raise `InvalidFileError`.
+    /// `open` is called with the names of buffers below the file's folder and returns their bytes: for example
+    /// `dict.__getitem__` of a dictionary. Names outside that folder raise `InvalidFileError`.
     ///
-    /// Raises `InvalidFileError`, and whatever `open` raises; a `FileNotFoundError` or `KeyError` of it is a
-    /// file that does not exist.
+    /// Raises `InvalidFileError`. Exceptions of `open` propagate; its `FileNotFoundError` or `KeyError` is a missing
+    /// file.
     #[classmethod]
     #[pyo3(signature = (data, name = "scene.gltf", open = None))]
     fn from_bytes(
@@ -121,10 +120,10 @@ impl Scene {
         Ok(scene.into())
     }
 
-    /// A skeleton as a scene, and its `mesh` where there is one, skinned by `weights` whose columns are the bones. Bones keep their
-    /// names and order; the mesh hangs on a bone of its own behind them. `clips` are for an armature of these bones.
+    /// A scene of a skeleton, optionally with a `mesh` skinned by `weights`, whose columns are the bones. Bones keep
+    /// their names and order; the mesh is on an additional bone after them. `clips` are for an armature of these bones.
     ///
-    /// Raises `InvalidValueError` for a mesh without weights or weights that do not fit.
+    /// Raises `InvalidValueError` for a mesh without weights or weights that do not match.
     #[staticmethod]
     #[pyo3(signature = (skeleton, mesh = None, weights = None))]
     fn of_skeleton(
@@ -141,12 +140,12 @@ impl Scene {
         scene.or_raise().map(Self::from)
     }
 
-    /// Writes the scene to a file, which should end in .glb. Curves that glTF does not have become
-    /// `keys_per_second` keys.
+    /// Writes the scene to a file, which should end in .glb. Curves without a glTF equivalent become `keys_per_second`
+    /// keys.
     ///
-    /// `up` is the scene's axis up: where that is not y, glTF's, a node above all bones stands them up.
+    /// `up` is the upward axis of the scene. If it is not glTF's y, an additional root node rotates the scene.
     ///
-    /// Raises `FileError`, and `InvalidValueError` for parts that do not go together and an `up` without direction.
+    /// Raises `FileError`, and `InvalidValueError` for parts that do not match and for an `up` of zero length.
     #[pyo3(signature = (path, keys_per_second = 30.0, *, up = [0.0, 1.0, 0.0]))]
     fn write(
         &self,
@@ -160,9 +159,9 @@ impl Scene {
             .or_raise()
     }
 
-    /// The bytes of a .glb file of the scene, as `write` has it.
+    /// The bytes of a .glb file of the scene, with the arguments of `write`.
     ///
-    /// Raises `InvalidValueError` for parts that do not go together.
+    /// Raises `InvalidValueError` for parts that do not match.
     #[pyo3(signature = (keys_per_second = 30.0, *, up = [0.0, 1.0, 0.0]))]
     fn to_bytes<'py>(
         &self,
@@ -177,20 +176,20 @@ impl Scene {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Every node of the file as a bone, and the morph targets of all meshes.
+    /// Armature: every node of the file is a bone; with the morph targets of all meshes.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
     }
 
-    /// The meshes, by the bone they hang on.
+    /// Meshes, with their bones.
     #[getter]
     fn meshes(&self) -> Vec<SceneMesh> {
         let of = |mesh: &gltf::SceneMesh| SceneMesh::of(&self.armature, mesh.clone());
         self.inner.meshes.iter().map(of).collect()
     }
 
-    /// The animations.
+    /// Animation clips.
     #[getter]
     fn clips(&self) -> Vec<Clip> {
         let clips = self.inner.clips.iter();
@@ -199,23 +198,23 @@ impl Scene {
             .collect()
     }
 
-    /// A clip by its name, or by the end of its name: "Walk" means "Armature|Walk".
+    /// Returns a clip by its name, or by the end of its name: "Walk" finds "Armature|Walk".
     ///
-    /// Raises `UnknownNameError`, `InvalidValueError` where several may be meant.
+    /// Raises `UnknownNameError`, and `InvalidValueError` if several clips match.
     fn clip(&self, name: &str) -> PyResult<Clip> {
         let clip = self.inner.clip(name).or_raise()?;
         Ok(Clip::of(&self.armature, Arc::new(clip.clone())))
     }
 
-    /// What reading changed or left out, one text each.
+    /// Changes and omissions of the reader, one text each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// Memory for posing the meshes again and again; skins move by `method`, "lbs" or "dqs".
+    /// Workspace for repeated poses of the meshes, with the skinning `method` "lbs" or "dqs".
     ///
-    /// Raises `InvalidValueError` for parts of a mesh that do not go together.
+    /// Raises `InvalidValueError` for parts of a mesh that do not match.
     #[pyo3(signature = (method = "lbs"))]
     fn posing(slf: &Bound<'_, Self>, method: &str) -> PyResult<ScenePosing> {
         ScenePosing::make(slf, crate::skinning::method(method)?)

@@ -1,4 +1,4 @@
-//! A scene's meshes in many poses.
+//! Repeated poses of a scene's meshes.
 
 use std::sync::Arc;
 
@@ -16,9 +16,9 @@ use crate::pickling;
 use crate::pool::Pool;
 use crate::vertices::Part;
 
-/// Poses the meshes of one scene again and again: their weights made ready once, and memory.
+/// Poses the meshes of a scene repeatedly, with prepared weights and a workspace.
 ///
-/// Made by `Scene.posing`; asked as often as wanted, from any number of threads.
+/// Created by `Scene.posing`; usable from any number of threads.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ScenePosing {
     scene: Py<Scene>,
@@ -66,19 +66,19 @@ impl ScenePosing {
 
 #[pymethods]
 impl ScenePosing {
-    /// The scene whose meshes are posed.
+    /// The scene of the meshes.
     #[getter]
     fn scene(&self, py: Python<'_>) -> Py<Scene> {
         self.scene.clone_ref(py)
     }
 
-    /// The way skins move: "lbs" or "dqs".
+    /// Skinning method: "lbs" or "dqs".
     #[getter]
     fn method(&self) -> &'static str {
         self.method.name()
     }
 
-    /// The triangles over the vertices of all meshes in their order, shape (F, 3), uint32.
+    /// Triangles over the vertices of all meshes in their order, shape (F, 3), uint32.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let mut first = 0;
@@ -92,9 +92,9 @@ impl ScenePosing {
         numpy::PyArray1::from_vec(py, corners).reshape([count, 3])
     }
 
-    /// The positions of the vertices of all meshes in their order, in the scene's coordinates: float32, shape
-    /// (V, 3) for a `Pose` of the scene's armature, (N, V, 3) for `Poses`. `out`, a float32 array of that
-    /// shape, takes the result.
+    /// Positions of the vertices of all meshes in their order, in the scene's coordinates: float32, shape (V, 3) for a
+    /// `Pose` of the scene's armature, (N, V, 3) for `Poses`. `out`, a float32 array of that shape, receives the
+    /// result.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     #[pyo3(signature = (pose, *, out = None))]
@@ -107,7 +107,7 @@ impl ScenePosing {
         self.each_pose(py, pose, out, Part::Positions)
     }
 
-    /// The unit normals of the meshes that have normals, as `positions` has it.
+    /// Unit normals of the meshes with normals, with the shapes of `positions`.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     #[pyo3(signature = (pose, *, out = None))]
@@ -133,7 +133,7 @@ impl ScenePosing {
             .collect())
     }
 
-    /// As `meshes`, joined to one; it has normals where all of them have.
+    /// The meshes in a pose, merged into one; it has normals if all of them do.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn mesh(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<TriangleMesh> {

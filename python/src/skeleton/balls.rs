@@ -22,20 +22,21 @@ use crate::model::Model;
 use crate::pickling;
 use crate::pool::Pool;
 
-/// The bones of a skeleton on ball joints within cones: a unit quaternion w, x, y, z a bone.
+/// Skeleton on ball joints with cone limits: a unit quaternion w, x, y, z for each bone.
 ///
-/// A configuration `q` has w, x, y, z for each bone that turns, in their order: how it is turned from rest in its own
-/// axes. The root's, with `root="free"`, has x, y, z before it: how far it is from rest along the model's axes,
-/// within `room`, a dict of (lower, upper) by axis, and turned in those. The model's frames are those of the skeleton, its joints are called as the bones are.
+/// A configuration `q` has w, x, y, z for each moving bone, in their order: its rotation from rest in its own axes.
+/// With `root="free"`, x, y, z come before the root's quaternion: its displacement from rest along the model's axes,
+/// within `room`, a dict of (lower, upper) by axis; its rotation is in those axes too. The model's frames are those of
+/// the skeleton; its joints have the names of the bones.
 ///
-/// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians: "swing", how far
-/// the bone's axis may tip, a number or two; "twist", (lower, upper) about its axis; "angle", how far it may turn in all,
-/// about whatever axis, at most pi; and where wanted "axis", shape
-/// (3,), what it twists about in its own axes, along the bone unless given, and "about", the axis of the first of two swings.
-/// Bones that are not named turn any way. `armature`, of the same bones, is what poses are of.
+/// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians. "swing" is the
+/// largest tilt of the bone's axis, a number or two. "twist" is the range (lower, upper) about its axis. "angle" is the
+/// largest rotation about any axis, at most pi. The optional "axis", shape (3,), is the twist axis in its own axes, by
+/// default along the bone. The optional "about" is the axis of the first of two swings. Bones without a cone are
+/// unlimited. `armature`, with the bones of the skeleton, is the armature of poses.
 ///
-/// Raises `UnknownNameError` for a bone that there is not, `InvalidValueError` for a cone that leaves nothing and for one
-/// of a bone that does not turn, `InvalidFileError` and `FileError` for a side file.
+/// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for an empty cone and for a cone of a bone that
+/// does not rotate, `InvalidFileError` and `FileError` for a side file.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct BallSkeleton {
     inner: Balls,
@@ -43,12 +44,12 @@ pub(crate) struct BallSkeleton {
     armature: Arc<Bones>,
     bridge: PoseTurns,
     posings: Pool<Posing>,
-    /// What it was made with.
+    /// Arguments of the constructor.
     cones: Cones,
     root: Root,
 }
 
-/// How the root stands.
+/// Motion of the root.
 #[derive(Clone)]
 struct Root {
     kind: String,
@@ -58,7 +59,7 @@ struct Root {
 impl Root {
     const KINDS: [&'static str; 2] = ["fixed", "free"];
 
-    /// As it is given; without a word it does not move.
+    /// Reads the arguments; the default root is fixed.
     fn new(kind: Option<&Bound<'_, PyAny>>, room: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let kind = match kind {
             Some(kind) => arrays::word(kind, "root", &Self::KINDS)?,
@@ -166,11 +167,11 @@ impl BallSkeleton {
         Self::make(skeleton, armature, cones_of(cones)?, Root::new(root, room)?)
     }
 
-    /// Reads the bones of a .glb, .gltf or .bvh file: of a scene the joints of its skins turn, of a capture those with
-    /// channels of rotation, all where there are none. Arguments are as for the class.
+    /// Reads the bones of a .glb, .gltf or .bvh file. The joints of a scene's skins rotate, and the bones of a capture
+    /// with rotation channels; without any, all bones rotate. Arguments are as for the class.
     ///
-    /// Raises as the class does, `FileError` where the file cannot be opened and `InvalidFileError` for what is wrong in it
-    /// or is no such file.
+    /// Raises as the class does, `FileError` if the file cannot be opened and `InvalidFileError` if its content or
+    /// format is invalid.
     #[classmethod]
     #[pyo3(signature = (path, *, cones = None, root = None, room = None))]
     fn read(
@@ -202,20 +203,20 @@ impl BallSkeleton {
         Self::make(skeleton, Arc::new(armature), cones, root)
     }
 
-    /// The model with a ball a bone; it is what problems are stated on.
+    /// The model with one ball for each bone; problems use it.
     #[getter]
     fn model(&self) -> Model {
         let inner = Arc::clone(&self.model);
         Model { inner }
     }
 
-    /// The bones at rest; its own model has them on hinges.
+    /// The bones at rest; the model of this skeleton has revolute joints.
     #[getter]
     fn skeleton(&self) -> Skeleton {
         self.inner.skeleton().clone().into()
     }
 
-    /// What poses are of.
+    /// Armature of the poses.
     #[getter]
     fn armature(&self) -> Armature {
         Arc::clone(&self.armature).into()
@@ -227,9 +228,9 @@ impl BallSkeleton {
         self.armature.names().iter().map(String::as_str).collect()
     }
 
-    /// Names of the joints that move a bone, a free root's slides before its ball; none for one that does not turn.
+    /// Names of the joints of a bone, prismatic joints of a free root before its ball; empty for a fixed bone.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn joints(&self, bone: &str) -> PyResult<Vec<&str>> {
         let joints = self.inner.joints(self.inner.bone(bone).or_raise()?);
         let joints = joints.into_iter();
@@ -238,27 +239,27 @@ impl BallSkeleton {
             .collect())
     }
 
-    /// The name of the model's frame at a bone's tail, with the bone's axes.
+    /// Name of the model's frame at a bone's tail, with the bone's axes.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn tail(&self, bone: &str) -> PyResult<&str> {
         let frame = self.inner.tail(self.inner.bone(bone).or_raise()?);
         Ok(&self.model.frames()[frame.index()].name)
     }
 
-    /// The name of the model's frame at a bone's tip, with the bone's axes.
+    /// Name of the model's frame at a bone's tip, with the bone's axes.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn tip(&self, bone: &str) -> PyResult<&str> {
         let frame = self.inner.tip(self.inner.bone(bone).or_raise()?);
         Ok(&self.model.frames()[frame.index()].name)
     }
 
-    /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (n,), and (N, bones, 4, 4) for
-    /// (N, n), in the file's unit. `out` takes the result.
+    /// Poses of the bones: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (n,), and (N, bones, 4, 4) for (N,
+    /// n), in the file's unit. `out` receives the result.
     ///
-    /// Raises `InvalidValueError` for another shape, for numbers that are not finite, for a quaternion without length
-    /// and for an `out` that does not fit.
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite, for a quaternion of length zero
+    /// and for an `out` of another shape or type.
     #[pyo3(signature = (q, *, out = None))]
     fn pose<'py>(
         &self,
@@ -271,7 +272,7 @@ impl BallSkeleton {
         })
     }
 
-    /// The transforms that carry skin along, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), as `pose` has it.
+    /// Skinning transforms, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), for `q` as in `pose`.
     ///
     /// Raises as `pose` does.
     #[pyo3(signature = (q, *, out = None))]
@@ -286,8 +287,8 @@ impl BallSkeleton {
         })
     }
 
-    /// The configuration of a pose of the armature, shape (n,), whatever the cones say; what bones are moved by and
-    /// scaled does not count, but for where a free root is.
+    /// Configuration of a pose of the armature, shape (n,), without regard to the cones. Translations and scales of
+    /// bones are ignored, except for the position of a free root.
     ///
     /// Raises `InvalidValueError` for a pose of other bones.
     fn configuration<'py>(
@@ -308,7 +309,7 @@ impl BallSkeleton {
         Ok(arrays::list(py, &q))
     }
 
-    /// The pose of the armature, at rest but for what turns, of a configuration of shape (n,).
+    /// Pose of the armature for a configuration of shape (n,); bones that do not move are at rest.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn to_pose(&self, q: &Bound<'_, PyAny>) -> PyResult<Pose> {
@@ -370,7 +371,7 @@ impl BallSkeleton {
     }
 }
 
-/// Cones of a side file, or of a dict in radians.
+/// Reads cones of a side file, or of a dict in radians.
 fn cones_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
     let Some(given) = given else {
         return Ok(Cones::new());
@@ -435,7 +436,7 @@ fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
     let angle = said.get_item("angle")?.filter(|value| !value.is_none());
     if let Some(angle) = angle {
         let angle = arrays::number(&angle, &format!("angle of {bone}"))?;
-        // As the side file has it.
+        // Range of the side file.
         if !(angle > 0.0 && angle <= std::f64::consts::PI) {
             return Err(invalid(format!(
                 "angle of {bone} is {angle}, expected above 0 and at most pi"

@@ -1,4 +1,4 @@
-//! Bones, and the builder that collects them.
+//! Bones and their builder.
 
 use kinopt::model::{Limits, UnknownName};
 use kinopt::skeleton::BoneId;
@@ -12,26 +12,26 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::placement;
 
-/// A bone at rest and how far it may turn.
+/// A bone at rest and its joint limits.
 ///
-/// It lies along x of its own frame, from its tail at the origin to its tip at (length, 0, 0). Its three
-/// angles turn it: the first twist about x, the bend about z, the second twist about x.
+/// It lies along x of its own frame, from its tail at the origin to its tip at (length, 0, 0). Its three angles are
+/// rotations: the first twist about x, the bend about z, the second twist about x.
 ///
-/// A bone: its name, its parent's name (None: a root), its length, `model_from_rest`, a 4 x 4 placement
-/// of the bone at rest in the model, in the rig's own unit (None: the identity), and `limits`, shape
-/// (3, 2), the lowest and highest first twist, bend and second twist in radians (None: no limits).
+/// A bone: its name, its parent's name (None: a root), its length, `model_from_rest`, a 4 x 4 placement of the bone at
+/// rest in the model, in the rig's unit (None: the identity), and `limits`, shape (3, 2), the lowest and highest first
+/// twist, bend and second twist in radians (None: no limits).
 ///
-/// Raises `InvalidValueError` for other shapes; what else is wrong with a bone is said when the skeleton is made.
+/// Raises `InvalidValueError` for other shapes. The builder of the skeleton raises other errors of a bone.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Bone {
-    /// Unique within the skeleton.
+    /// Unique name within the skeleton.
     #[pyo3(get)]
     name: String,
-    /// The bone it turns with; None for a root.
+    /// Parent bone; None for a root.
     #[pyo3(get)]
     parent: Option<String>,
-    /// From tail to tip, in the rig's own unit; zero is allowed.
+    /// Length from tail to tip, in the rig's unit; zero is allowed.
     #[pyo3(get)]
     length: f64,
     model_from_rest: Placement<f64>,
@@ -116,13 +116,13 @@ impl Bone {
         arrays::list(py, &ends).reshape([3, 2])
     }
 
-    /// The tail at rest in the model, shape (3,), in the rig's own unit.
+    /// Tail at rest in the model, shape (3,), in the rig's unit.
     #[getter]
     fn rest_tail<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.of_parent(None).rest_tail().to_array())
     }
 
-    /// The tip at rest in the model, shape (3,), in the rig's own unit.
+    /// Tip at rest in the model, shape (3,), in the rig's unit.
     #[getter]
     fn rest_tip<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.of_parent(None).rest_tip().to_array())
@@ -161,7 +161,7 @@ impl Bone {
     }
 }
 
-/// Collects the bones of a skeleton, which is called `name`, parents before children.
+/// Collects the bones of a skeleton called `name`, parents before children.
 #[pyclass(module = "kinopt")]
 pub(crate) struct SkeletonBuilder {
     name: String,
@@ -178,8 +178,8 @@ impl SkeletonBuilder {
 
     /// Adds a bone; arguments are as for `Bone`. `limits` is in radians.
     ///
-    /// Raises `UnknownNameError` for a parent that was not added before, `InvalidValueError` for a rest
-    /// placement or limits that cannot be.
+    /// Raises `UnknownNameError` for a parent that was not added before, `InvalidValueError` for an invalid rest
+    /// placement or limits.
     #[pyo3(signature = (name, parent = None, *, length = 0.0, model_from_rest = None, limits = None))]
     fn add(
         &mut self,
@@ -194,16 +194,16 @@ impl SkeletonBuilder {
         Ok(())
     }
 
-    /// The bones so far.
+    /// Bones added so far.
     #[getter]
     fn bones(&self) -> Vec<Bone> {
         self.bones.clone()
     }
 
-    /// Checks the bones and makes the skeleton.
+    /// Validates the bones and creates the skeleton.
     ///
-    /// Raises `InvalidValueError` naming the first bone that is wrong, `UnknownNameError` for a parent that
-    /// does not come before its child.
+    /// Raises `InvalidValueError` with the first invalid bone, `UnknownNameError` for a parent that does not precede
+    /// its child.
     fn build(&self) -> PyResult<Skeleton> {
         skeleton(&self.name, &self.bones)
     }
@@ -217,7 +217,7 @@ impl SkeletonBuilder {
     }
 }
 
-/// A skeleton of bones that know their parents by name.
+/// Builds a skeleton of bones with parents by name.
 pub(super) fn skeleton(name: &str, bones: &[Bone]) -> PyResult<Skeleton> {
     let mut builder = kinopt::Skeleton::builder(name);
     let mut ids = Vec::with_capacity(bones.len());

@@ -1,4 +1,4 @@
-//! Skeletons: bones, the model they compile to, and where they stand in a pose.
+//! Skeletons: bones, their compiled model, and poses.
 
 mod balls;
 mod bone;
@@ -21,19 +21,19 @@ use crate::pickling;
 use crate::placement;
 use crate::pool::Pool;
 
-/// Poses that are computed between two looks at signals.
+/// Number of poses between two checks for signals.
 const POSES_AT_A_TIME: usize = 256;
 
-/// A checked tree of bones, parents before children, and the model it compiles to.
+/// A validated tree of bones, parents before children, and its compiled model.
 ///
-/// A configuration `q` stacks three angles a bone, shape (3 * bones,), radians: first twist, bend and second
-/// twist of the first bone, of the second, ... The model's frames are a bone's name (its own frame, origin
-/// at its tail) and `NAME/tip`; its joints `NAME/twist2`, `NAME/bend` and `NAME/twist1`.
+/// A configuration `q` stacks three angles for each bone, shape (3 * bones,), radians: first twist, bend and second
+/// twist of the first bone, of the second, ... The model's frames are a bone's name (its own frame, origin at its tail)
+/// and `NAME/tip`; its joints `NAME/twist2`, `NAME/bend` and `NAME/twist1`.
 ///
 /// A skeleton of bones, parents before children.
 ///
-/// Raises `InvalidValueError` naming the first bone that is wrong, `UnknownNameError` for a parent that
-/// does not come before its child.
+/// Raises `InvalidValueError` with the first invalid bone, `UnknownNameError` for a parent that does not precede its
+/// child.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Skeleton {
     pub(crate) inner: Arc<kinopt::Skeleton>,
@@ -62,14 +62,14 @@ impl Skeleton {
         self.model.frames()[frame.index()].name.clone()
     }
 
-    /// The bones on which no other bone stands.
+    /// Bones without children.
     fn last(&self) -> impl Iterator<Item = kinopt::skeleton::BoneId> + '_ {
         let bones = self.inner.bones();
         let stands = |id: &kinopt::skeleton::BoneId| bones.iter().any(|b| b.parent == Some(*id));
         self.inner.bone_ids().filter(move |id| !stands(id))
     }
 
-    /// Calls `write` with each pose and the room for it; the GIL is free meanwhile.
+    /// Calls `write` with each pose and its part of the output, without the GIL.
     fn each_pose<'py>(
         &self,
         py: Python<'py>,
@@ -100,20 +100,20 @@ impl Skeleton {
         bone::skeleton(name, &bones)
     }
 
-    /// Starts an empty skeleton.
+    /// Returns the builder of a skeleton.
     #[classmethod]
     fn builder(_class: &Bound<'_, PyType>, name: String) -> SkeletonBuilder {
         SkeletonBuilder::new(name)
     }
 
-    /// The model that the bones compile to; it is what problems are stated on.
+    /// Compiled model of the bones; problems use it.
     #[getter]
     pub(crate) fn model(&self) -> Model {
         let inner = Arc::clone(&self.model);
         Model { inner }
     }
 
-    /// The skeleton's name.
+    /// Name of the skeleton.
     #[getter]
     fn name(&self) -> &str {
         self.model.name()
@@ -133,24 +133,24 @@ impl Skeleton {
         bones.map(|bone| bone.name.as_str()).collect()
     }
 
-    /// Each bone's parent as its place in `bones`, shape (bones,), int64; -1 for roots.
+    /// Index of each bone's parent in `bones`, shape (bones,), int64; -1 for roots.
     #[getter]
     fn parents<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let parent = |bone: &kinopt::skeleton::Bone| bone.parent.map_or(-1, |p| p.index() as i64);
         PyArray1::from_iter(py, self.inner.bones().iter().map(parent))
     }
 
-    /// Names of the model's frames at the tips of bones on which no other bone stands: hands, feet, a head.
+    /// Names of the model's frames at the tips of bones without children: hands, feet, a head.
     ///
-    /// These are frames, for tasks and kinematics ("hand/tip" at the end of the bone "hand", whose own frame,
-    /// "hand", is where it begins); `ends` are the same bones by their own names.
+    /// These are frames, for tasks and kinematics ("hand/tip" at the end of the bone "hand", whose own frame, "hand",
+    /// is at its tail); `ends` are these bones by their own names.
     #[getter]
     fn tips(&self) -> Vec<String> {
         let tips = self.last().map(|id| self.frame_name(self.inner.tip(id)));
         tips.collect()
     }
 
-    /// Names of the bones on which no other bone stands, in the order of `tips`.
+    /// Names of the bones without children, in the order of `tips`.
     #[getter]
     fn ends(&self) -> Vec<&str> {
         let bones = self.inner.bones();
@@ -158,7 +158,7 @@ impl Skeleton {
         ends.collect()
     }
 
-    /// How many angles a configuration has: three for each bone.
+    /// Length of a configuration: three angles for each bone.
     #[getter]
     fn angles(&self) -> usize {
         self.inner.angles()
@@ -175,14 +175,13 @@ impl Skeleton {
         Ok(array.to_dyn().clone())
     }
 
-    /// The diagonal of the box around all tails and tips at rest, in the rig's own unit. Tolerances scale
-    /// with it.
+    /// Diagonal of the bounding box of all tails and tips at rest, in the rig's unit. Tolerances scale with it.
     #[getter]
     fn size(&self) -> f64 {
         self.inner.size()
     }
 
-    /// A bone by its name.
+    /// Returns a bone by its name.
     ///
     /// Raises `UnknownNameError`, which lists the bones.
     fn bone(&self, name: &str) -> PyResult<Bone> {
@@ -191,25 +190,25 @@ impl Skeleton {
         Ok(Bone::of(bones, &bones[id.index()]))
     }
 
-    /// The name of the model's frame at a bone's tail, with the bone's axes.
+    /// Name of the model's frame at a bone's tail, with the bone's axes.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn tail(&self, bone: &str) -> PyResult<String> {
         let id = self.inner.bone(bone).or_raise()?;
         Ok(self.frame_name(self.inner.tail(id)))
     }
 
-    /// The name of the model's frame at a bone's tip, with the bone's axes.
+    /// Name of the model's frame at a bone's tip, with the bone's axes.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn tip(&self, bone: &str) -> PyResult<String> {
         let id = self.inner.bone(bone).or_raise()?;
         Ok(self.frame_name(self.inner.tip(id)))
     }
 
-    /// The names of a bone's joints in the order of its angles: first twist, bend, second twist.
+    /// Names of a bone's joints in the order of its angles: first twist, bend, second twist.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn joints(&self, bone: &str) -> PyResult<Vec<String>> {
         let id = self.inner.bone(bone).or_raise()?;
         let joints = self.inner.joints(id).into_iter();
@@ -218,9 +217,9 @@ impl Skeleton {
             .collect())
     }
 
-    /// The bone that a frame of the model belongs to, and whether the frame is its tip.
+    /// The bone of a model's frame, and true if the frame is its tip.
     ///
-    /// Raises `UnknownNameError` for a frame that there is not.
+    /// Raises `UnknownNameError` for an unknown frame.
     fn bone_of_frame(&self, frame: &str) -> PyResult<(&str, bool)> {
         let id = self.model.frame(frame).or_raise()?;
         let (bone, is_tip) = self
@@ -234,21 +233,21 @@ impl Skeleton {
         Ok((&self.inner.bones()[bone.index()].name, is_tip))
     }
 
-    /// The same bones with the root placed generally in a larger scene by a 4 x 4 placement, in the rig's
-    /// own unit. Angles and limits mean what they did.
+    /// The skeleton with its root at a 4 x 4 placement in a larger scene, in the rig's unit. Angles and limits keep
+    /// their meaning.
     ///
-    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` that
-    /// does not fit.
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for a placement that is not
+    /// rigid.
     fn placed(&self, scene_from_model: &Bound<'_, PyAny>) -> PyResult<Self> {
         let placement = placement::placement(scene_from_model, "scene_from_model")?;
         self.inner.placed(placement).or_raise().map(Self::from)
     }
 
-    /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and
-    /// (N, bones, 4, 4) for (N, 3 * bones); radians in, the rig's own unit out. `out` takes the result.
+    /// Poses of the bones: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and (N, bones, 4, 4)
+    /// for (N, 3 * bones); radians in, the rig's unit out. `out` receives the result.
     ///
-    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` that
-    /// does not fit.
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` of another shape
+    /// or type.
     #[pyo3(signature = (q, *, out = None))]
     fn pose<'py>(
         &self,
@@ -261,11 +260,10 @@ impl Skeleton {
         })
     }
 
-    /// The transforms that carry skin along, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), as
-    /// `pose` has it.
+    /// Skinning transforms, rest -> posed, shape (bones, 4, 4) or (N, bones, 4, 4), for `q` as in `pose`.
     ///
-    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` that
-    /// does not fit.
+    /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` of another shape
+    /// or type.
     #[pyo3(signature = (q, *, out = None))]
     fn skinning_transforms<'py>(
         &self,
@@ -278,10 +276,10 @@ impl Skeleton {
         })
     }
 
-    /// The names of what should stay where it is while the tips of the `dragged` bones are: {"trunk": the
-    /// bones that do not turn, "back": those that hardly bend, "ends": those whose tips stay}.
+    /// Bones to hold during a drag of the tips of the `dragged` bones: {"trunk": bones locked in rotation, "back":
+    /// bones that hardly bend, "ends": bones whose tips stay}.
     ///
-    /// Raises `UnknownNameError` for a bone that there is not.
+    /// Raises `UnknownNameError` for an unknown bone.
     fn holds(&self, dragged: Vec<String>) -> PyResult<std::collections::BTreeMap<&str, Vec<&str>>> {
         let ids = dragged.iter().map(|name| self.inner.bone(name).or_raise());
         let holds = self.inner.holds(&ids.collect::<PyResult<Vec<_>>>()?);
@@ -299,14 +297,14 @@ impl Skeleton {
         .into())
     }
 
-    /// The same skeleton as JSON, which `Skeleton.from_json` reads.
+    /// The skeleton as JSON, which `Skeleton.from_json` reads.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(&*self.inner).or_raise()
     }
 
-    /// A skeleton from what `to_json` wrote; it is checked anew.
+    /// Creates a skeleton from the JSON of `to_json`, and validates it.
     ///
-    /// Raises `InvalidValueError` for a text that is no skeleton.
+    /// Raises `InvalidValueError` for a text that is not a skeleton.
     #[classmethod]
     fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         let skeleton = serde_json::from_str::<kinopt::Skeleton>(text);
@@ -327,7 +325,7 @@ impl Skeleton {
     }
 }
 
-/// Placements as sixteen numbers each.
+/// Writes placements as sixteen numbers each.
 fn write_all(placements: impl Iterator<Item = Placement<f64>>, room: &mut [f64]) {
     for (placement, room) in placements.zip(room.chunks_exact_mut(16)) {
         room.copy_from_slice(&placement::to_numbers(&placement));

@@ -1,4 +1,4 @@
-//! Weights that are made up: by distance, and by heat on the surface.
+//! Automatic skin weights: by distance, and by bone heat.
 
 use kinopt::glam::DVec3;
 use kinopt::skinning::{
@@ -14,33 +14,30 @@ use crate::mesh::TriangleMesh;
 use crate::pickling;
 use crate::skeleton::Skeleton;
 
-/// Weights by distance: bones pull at what is near, evened out over the surface. Distances are straight, also
-/// through gaps; weights by heat are not.
+/// Weights by distance: the influence of a bone decreases with distance and is smoothed over the surface. Distances are
+/// straight lines, also across gaps; `HeatWeights` follow the surface.
 ///
-/// `falloff` is how fast a bone's pull falls with distance, above 0; `smoothing_steps` how often weights are
-/// evened out over the mesh's edges; `most` the most influences a vertex keeps, at least 1.
+/// `falloff` is the exponent of the decrease with distance, above 0; `smoothing_steps` the number of smoothing steps
+/// over the mesh's edges; `most` the largest number of influences of a vertex, at least 1.
 ///
-/// Raises `InvalidValueError` for counts below 0; other options out of range are refused when weights are
-/// made.
+/// Raises `InvalidValueError` for counts below 0; other options out of range raise when weights are computed.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct AutomaticWeights {
     inner: ByDistance,
 }
 
-/// Weights by heat on the surface: they pass smoothly from bone to bone along the skin, and never through the
-/// air.
+/// Bone heat weights: they blend smoothly from bone to bone along the surface, never across gaps.
 ///
-/// `heat` is how much heat bones give, above 0; larger is stiffer. `most` is the most influences a vertex
-/// keeps, at least 1.
+/// `heat` is the heat of bones, above 0; larger values are stiffer. `most` is the largest number of influences of a
+/// vertex, at least 1.
 ///
-/// Raises `InvalidValueError` for a `most` below 0; other options out of range are refused when weights are
-/// made.
+/// Raises `InvalidValueError` for a `most` below 0; other options out of range raise when weights are computed.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct HeatWeights {
     inner: ByHeat,
 }
 
-/// Bones as [tail, tip].
+/// Reads bones as [tail, tip].
 fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
     let numbers: Numbers<'_, Ix3> = arrays::numbers(value, "segments", "(bones, 2, 3)")?;
     if numbers.shape()[1..] != [2, 3] {
@@ -55,7 +52,7 @@ fn segments(value: &Bound<'_, PyAny>) -> PyResult<Vec<[DVec3; 2]>> {
         .collect())
 }
 
-/// Makes weights without the GIL.
+/// Computes weights without the GIL.
 fn made(
     py: Python<'_>,
     make: impl FnOnce() -> Result<kinopt::skinning::SkinWeights, AutomaticWeightsError> + Send,
@@ -79,7 +76,7 @@ impl AutomaticWeights {
         Self { inner }
     }
 
-    /// Weights of a mesh for a skeleton's bones at rest, in one frame and unit.
+    /// Computes weights of a mesh for the bones of a skeleton at rest, in one frame and unit.
     ///
     /// Raises `InvalidValueError` for a skeleton without bones and for options out of range.
     fn for_skeleton(
@@ -92,9 +89,9 @@ impl AutomaticWeights {
         made(py, || self.inner.for_skeleton(mesh, skeleton))
     }
 
-    /// Weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
+    /// Computes weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
     ///
-    /// Raises `InvalidValueError` where there are none, an end is not finite, or options are out of range.
+    /// Raises `InvalidValueError` without bones, for an end that is not finite, and for options out of range.
     fn for_segments(
         &self,
         py: Python<'_>,
@@ -140,7 +137,7 @@ impl HeatWeights {
         Self { inner }
     }
 
-    /// Weights of a mesh for a skeleton's bones at rest, in one frame and unit.
+    /// Computes weights of a mesh for the bones of a skeleton at rest, in one frame and unit.
     ///
     /// Raises `InvalidValueError` for a skeleton without bones and for options out of range.
     fn for_skeleton(
@@ -153,10 +150,10 @@ impl HeatWeights {
         made(py, || self.inner.for_skeleton(mesh, skeleton))
     }
 
-    /// Weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
+    /// Computes weights of a mesh for bones given as tail and tip, shape (bones, 2, 3).
     ///
-    /// Raises `InvalidValueError` where there are none, an end is not finite, options are out of range, or the
-    /// surface's equations cannot be solved in double precision.
+    /// Raises `InvalidValueError` without bones, for an end that is not finite, for options out of range, or if the
+    /// heat equations cannot be solved in double precision.
     fn for_segments(
         &self,
         py: Python<'_>,

@@ -1,4 +1,4 @@
-//! What else moves a mesh: points, cages; and boxes around what bones move.
+//! Point handles, cages, and bounding boxes of skinned meshes.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use crate::pickling;
 use crate::transforms::{self, one_to_array, shaped, vector};
 use crate::vertices::{self, to_array, vectors};
 
-/// A point that is dragged, turned and stretched, and takes the vertices near it along.
+/// A point handle that translates and linearly deforms the vertices near it.
 ///
-/// Handles move vertices exactly as bones do: their weights are `SkinWeights` with a handle for each bone, and
-/// their `transform` goes to `MeshWeights.positions("lbs", ...)`.
+/// Handles move vertices exactly as bones do: their weights are `SkinWeights` with a handle for each bone, and their
+/// `transform` is an argument of `MeshWeights.positions("lbs", ...)`.
 ///
 /// A handle at `rest`, dragged to `posed` (None: at rest), both of shape (3,), with a linear map about itself,
 /// shape (3, 3): rotation, scale, shear.
@@ -62,19 +62,19 @@ impl PointHandle {
         }
     }
 
-    /// Where it is at rest, shape (3,), float32.
+    /// Position at rest, shape (3,), float32.
     #[getter]
     fn rest<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         shaped(py, self.inner.rest.to_array().to_vec(), &[3])
     }
 
-    /// Where it is now, shape (3,), float32.
+    /// Current position, shape (3,), float32.
     #[getter]
     fn posed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         shaped(py, self.inner.posed.to_array().to_vec(), &[3])
     }
 
-    /// What it does to its surroundings, shape (3, 3), float32.
+    /// Linear map about the handle, shape (3, 3), float32.
     #[getter]
     fn linear<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let rows = self.inner.linear.transpose().to_cols_array();
@@ -87,9 +87,9 @@ impl PointHandle {
         one_to_array(py, &self.inner.transform())
     }
 
-    /// The transforms of many handles, shape (N, 4, 4), float32.
+    /// Transforms of several handles, shape (N, 4, 4), float32.
     ///
-    /// Raises `TypeError` for what are no handles.
+    /// Raises `TypeError` for other objects.
     #[staticmethod]
     fn transforms<'py>(
         py: Python<'py>,
@@ -109,13 +109,13 @@ impl PointHandle {
     }
 }
 
-/// Points bound to a closed triangle cage by mean-value coordinates: affine motions of the whole cage move them
-/// exactly.
+/// Points bound to a closed triangle cage by mean-value coordinates, which are exact for affine motions of the whole
+/// cage.
 ///
 /// Binds `points`, shape (N, 3), to a cage at rest, both in one unit.
 ///
-/// Raises `InvalidValueError` where the cage is not closed or has a triangle without area, or where a point
-/// is not finite or has no coordinates.
+/// Raises `InvalidValueError` for a cage that is not closed or has a triangle of zero area, and for a point that is not
+/// finite or has no coordinates.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct CageBinding {
     inner: Binding,
@@ -141,13 +141,13 @@ impl CageBinding {
         })
     }
 
-    /// How many points are bound.
+    /// Number of bound points.
     #[getter]
     fn point_count(&self) -> usize {
         self.inner.point_count()
     }
 
-    /// One point's coordinates, a number per corner of the cage, shape (corners,), float32.
+    /// Coordinates of one point, a number for each corner of the cage, shape (corners,), float32.
     ///
     /// Raises `IndexError`.
     fn coordinates<'py>(
@@ -160,8 +160,8 @@ impl CageBinding {
         shaped(py, row.to_vec(), &[row.len()])
     }
 
-    /// Where the points go when the cage's corners are at `cage`, shape (corners, 3): float32, shape (N, 3).
-    /// `out` takes the result.
+    /// Positions of the points for the cage's corners at `cage`, shape (corners, 3): float32, shape (N, 3). `out`
+    /// receives the result.
     ///
     /// Raises `InvalidValueError` for another number of corners.
     #[pyo3(signature = (cage, *, out = None))]
@@ -195,8 +195,7 @@ impl CageBinding {
     }
 }
 
-/// For each bone the box at rest of the vertices that it moves: boxes around skinned meshes that need no
-/// skinning.
+/// Bounding boxes at rest of the vertices of each bone, to bound a skinned mesh without skinning it.
 ///
 /// The boxes of a mesh's positions at `rest`, shape (V, 3).
 ///
@@ -222,9 +221,9 @@ impl BoneBoxes {
         })
     }
 
-    /// A box that holds every vertex skinned by linear blend with these transforms, rest -> posed, shape
-    /// (bones, 4, 4): the lowest and the highest corner, shape (2, 3), float32; None without vertices. Dual
-    /// quaternions may leave it.
+    /// A box that contains every vertex skinned by linear blend with these transforms, rest -> posed, shape (bones, 4,
+    /// 4): the lowest and the highest corner, shape (2, 3), float32; None without vertices. Not valid for dual
+    /// quaternions.
     ///
     /// Raises `InvalidValueError` for transforms of another shape or another number of bones.
     fn linear_blend<'py>(

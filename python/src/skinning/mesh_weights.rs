@@ -1,4 +1,4 @@
-//! Weights made ready for many poses, and what moves vertices with them.
+//! Prepared skin weights, and skinning.
 
 use std::sync::Arc;
 
@@ -17,15 +17,15 @@ use crate::pickling;
 use crate::transforms;
 use crate::vertices::{tangents, to_array, vectors};
 
-/// Skin weights made ready once for many poses: packed where no vertex follows more than four bones, as they
-/// are otherwise. Both give the same vertices to rounding.
+/// Skin weights prepared for several poses. If no vertex has more than four influences, they are packed. Both forms
+/// give equal vertices up to rounding.
 ///
-/// Weights made ready. `packed` True asks for the fast form, False for the other one (None: what suits).
+/// `packed` True requires the packed form, which is faster, False the other one (None: automatic).
 ///
-/// With `pivots`, shape (bones, 3), the bones' tails at rest, dual quaternions take transforms that scale:
-/// each bone stretches about its pivot.
+/// With `pivots`, shape (bones, 3), the bones' tails at rest, dual quaternions accept transforms with scale: each bone
+/// scales about its pivot.
 ///
-/// Raises `InvalidValueError` where packing is asked for and a vertex follows more than four bones.
+/// Raises `InvalidValueError` if packing is required and a vertex has more than four influences.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct MeshWeights {
     inner: Ready,
@@ -35,7 +35,7 @@ pub(crate) struct MeshWeights {
 }
 
 impl MeshWeights {
-    /// The transforms of poses, and how many, where it is not one alone.
+    /// Reads the transforms of poses, with the number of poses; `None` for a single one.
     fn poses(&self, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Affine3A>, Option<usize>)> {
         let (transforms, before) = transforms::read(value, "transforms")?;
         let bones = self.weights.bone_count();
@@ -49,7 +49,7 @@ impl MeshWeights {
         }
     }
 
-    /// Calls `deform` with each pose's transforms and its part of the room.
+    /// Calls `deform` with each pose's transforms and its part of the output.
     fn each_pose<'py>(
         &self,
         py: Python<'py>,
@@ -75,7 +75,7 @@ impl MeshWeights {
         Ok(array)
     }
 
-    /// Moves one vector a vertex with each pose; `vertices` says which of a vertex's they are.
+    /// Deforms one vector of each vertex for each pose; `vertices` selects the vertex attribute.
     fn each_vector<'py>(
         &self,
         py: Python<'py>,
@@ -109,7 +109,7 @@ impl MeshWeights {
             _ => Ready::from(Weights::clone(&weights)),
         };
         if packed == Some(true) {
-            // It says which vertex has too many influences.
+            // Its error names the vertex with too many influences.
             kinopt::skinning::PackedWeights::new(&weights).or_raise()?;
         }
         let pivots = match pivots {
@@ -128,31 +128,31 @@ impl MeshWeights {
         })
     }
 
-    /// Whether the four packed influences of the fast path are enough.
+    /// True if the packed form with four influences is used.
     #[getter]
     fn is_packed(&self) -> bool {
         self.packed
     }
 
-    /// The weights.
+    /// Skin weights.
     #[getter]
     fn weights(&self) -> SkinWeights {
         Arc::clone(&self.weights).into()
     }
 
-    /// The bones' tails at rest, shape (bones, 3), float32; None without.
+    /// Tails of the bones at rest, shape (bones, 3), float32; None without pivots.
     #[getter]
     fn pivots<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         let pivots = self.pivots.as_ref();
         pivots.map(|pivots| to_array(py, pivots, 3)).transpose()
     }
 
-    /// Moves positions at `rest`, shape (V, 3), by the bones' `transforms`, rest -> posed: float32, shape
-    /// (V, 3) for transforms of shape (bones, 4, 4), (N, V, 3) for (N, bones, 4, 4). `method` is "lbs" (linear
-    /// blend) or "dqs" (dual quaternions); `out` takes the result.
+    /// Skins positions at `rest`, shape (V, 3), by the bones' `transforms`, rest -> posed: float32, shape (V, 3) for
+    /// transforms of shape (bones, 4, 4), (N, V, 3) for (N, bones, 4, 4). `method` is "lbs" (linear blend) or "dqs"
+    /// (dual quaternions); `out` receives the result.
     ///
-    /// Raises `InvalidValueError` for other shapes, numbers that are not finite, and transforms that are not
-    /// rigid where they must be: with dual quaternions and without pivots.
+    /// Raises `InvalidValueError` for other shapes, numbers that are not finite, and transforms that are not rigid with
+    /// dual quaternions and without pivots.
     #[pyo3(signature = (method, transforms, rest, *, out = None))]
     fn positions<'py>(
         &self,
@@ -175,7 +175,7 @@ impl MeshWeights {
         })
     }
 
-    /// Turns normals at `rest`, shape (V, 3), as `positions` moves positions; they come out with unit length.
+    /// Skins normals at `rest`, shape (V, 3), with the arguments of `positions`; the results have unit length.
     ///
     /// Raises as `positions`.
     #[pyo3(signature = (method, transforms, rest, *, out = None))]
@@ -200,7 +200,7 @@ impl MeshWeights {
         })
     }
 
-    /// Turns tangents at `rest`, shape (V, 4), the bitangent's sign last, as `positions` moves positions.
+    /// Skins tangents at `rest`, shape (V, 4), the sign of the bitangent last, with the arguments of `positions`.
     ///
     /// Raises as `positions`.
     #[pyo3(signature = (method, transforms, rest, *, out = None))]
@@ -232,7 +232,7 @@ impl MeshWeights {
         })
     }
 
-    /// The posed mesh: positions, and normals where the mesh has them; `transforms` have shape (bones, 4, 4).
+    /// The posed mesh: positions, and normals if the mesh has them; `transforms` have shape (bones, 4, 4).
     ///
     /// Raises as `positions`.
     fn mesh(

@@ -1,4 +1,4 @@
-//! Skinning: moving a mesh with the handles it is bound to.
+//! Skinning: deformation of a mesh by bones and handles.
 
 mod automatic;
 mod handles;
@@ -13,12 +13,12 @@ pub(crate) use self::morph::MorphTargets;
 pub(crate) use self::weights::SkinWeights;
 use crate::error::OrRaise;
 
-/// A way to move skin by its name.
+/// Returns a skinning method by its name.
 pub(crate) fn method(name: &str) -> PyResult<SkinningMethod> {
     name.parse::<SkinningMethod>().or_raise()
 }
 
-/// Moving a mesh with the handles it is bound to.
+/// Deformation of a mesh by bones and handles.
 #[pymodule(submodule)]
 pub(crate) mod skinning {
     #[pymodule_export]

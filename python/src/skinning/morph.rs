@@ -1,4 +1,4 @@
-//! Morph targets and blend shapes: shapes mixed into the mesh at rest.
+//! Morph targets and blend shapes.
 
 use std::sync::Arc;
 
@@ -16,14 +16,13 @@ use crate::pickling;
 use crate::transforms::numbers;
 use crate::vertices::{self, to_array, vectors, whole};
 
-/// The differences of one shape from the rest, at the vertices where there are any; float32, in the model's
-/// unit.
+/// Sparse differences of one shape from the mesh at rest; float32, in the model's unit.
 ///
-/// A target of sparse deltas: `vertices`, shape (N,), rising, and for each of them `position_deltas`,
-/// shape (N, 3); `normal_deltas` and `tangent_deltas`, (N, 3), where there are any.
+/// A target of sparse deltas: `vertices`, shape (N,), ascending, and for each of them `position_deltas`, shape (N, 3);
+/// optionally `normal_deltas` and `tangent_deltas`, (N, 3).
 ///
-/// Raises `InvalidValueError` for lists of different lengths, vertices that do not rise and numbers that
-/// are not finite.
+/// Raises `InvalidValueError` for lists of different lengths, vertices that do not ascend and numbers that are not
+/// finite.
 #[pyclass(frozen, module = "kinopt.skinning")]
 #[derive(Clone)]
 pub(crate) struct MorphTarget {
@@ -61,8 +60,8 @@ impl MorphTarget {
         Ok(Self { inner })
     }
 
-    /// The target whose full weight turns the mesh `rest` into `shape`. Vertices that move by no more than
-    /// `threshold` (in the model's unit) and whose normal keeps to it as well are left out.
+    /// The target that changes the mesh `rest` into `shape` at weight 1. Vertices whose position and normal change by
+    /// at most `threshold` (positions in the model's unit) are omitted.
     ///
     /// Raises `InvalidValueError` for meshes of different numbers of vertices and for a threshold below 0.
     #[classmethod]
@@ -79,31 +78,31 @@ impl MorphTarget {
         Ok(Self { inner })
     }
 
-    /// The name that clips and files know it by.
+    /// Name in clips and files.
     #[getter]
     fn name(&self) -> &str {
         self.inner.name()
     }
 
-    /// The vertices it moves, rising, shape (N,), uint32.
+    /// Indices of its vertices, ascending, shape (N,), uint32.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         PyArray1::from_slice(py, self.inner.vertices())
     }
 
-    /// How far it moves each of those vertices, shape (N, 3).
+    /// Displacements of these vertices, shape (N, 3).
     #[getter]
     fn position_deltas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         to_array(py, self.inner.position_deltas(), 3)
     }
 
-    /// What it adds to their normals, shape (N, 3); None where it leaves normals alone.
+    /// Changes of their normals, shape (N, 3); None if it does not change normals.
     #[getter]
     fn normal_deltas<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         some(py, self.inner.normal_deltas())
     }
 
-    /// What it adds to their tangents, shape (N, 3); None where it leaves tangents alone.
+    /// Changes of their tangents, shape (N, 3); None if it does not change tangents.
     #[getter]
     fn tangent_deltas<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         some(py, self.inner.tangent_deltas())
@@ -134,11 +133,11 @@ fn some<'py>(py: Python<'py>, deltas: &[Vec3]) -> PyResult<Option<Bound<'py, PyA
     there.transpose()
 }
 
-/// The morph targets of one mesh; nothing changes them.
+/// Immutable list of the morph targets of one mesh.
 ///
-/// Targets for a mesh of so many vertices.
+/// Targets for a mesh of `vertex_count` vertices.
 ///
-/// Raises `InvalidValueError` where one names a vertex that does not exist.
+/// Raises `InvalidValueError` if a target has a vertex that does not exist.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct MorphTargets {
     pub(crate) inner: Arc<Targets>,
@@ -163,7 +162,7 @@ impl MorphTargets {
         targets.or_raise().map(Self::from)
     }
 
-    /// The targets, in the order of the weights.
+    /// Targets, in the order of the weights.
     #[getter]
     fn targets(&self) -> Vec<MorphTarget> {
         let targets = self.inner.targets().iter();
@@ -174,24 +173,23 @@ impl MorphTargets {
             .collect()
     }
 
-    /// Their names.
+    /// Names of the targets.
     #[getter]
     fn names(&self) -> Vec<&str> {
         self.inner.targets().iter().map(Target::name).collect()
     }
 
-    /// How many vertices the mesh has.
+    /// Number of vertices of the mesh.
     #[getter]
     fn vertex_count(&self) -> usize {
         self.inner.vertex_count()
     }
 
-    /// Adds the sum of the targets by their `weights`, shape (targets,), to vertices at rest, in place:
-    /// `positions` (V, 3), `normals` (V, 3) and `tangents` (V, 4) are float32 arrays in C order that are
-    /// written to. Normals and tangents that a target touches come out with unit length.
+    /// Adds the sum of the targets, by their `weights`, shape (targets,), to vertices at rest, in place: `positions`
+    /// (V, 3), `normals` (V, 3) and `tangents` (V, 4) are float32 arrays in C order. Changed normals and tangents are
+    /// normalised.
     ///
-    /// Raises `InvalidValueError` for other shapes and for weights that are not finite; nothing is changed
-    /// then.
+    /// Raises `InvalidValueError` for other shapes and for weights that are not finite; the arrays then do not change.
     #[pyo3(signature = (weights, positions = None, normals = None, tangents = None))]
     fn apply(
         &self,
@@ -203,7 +201,7 @@ impl MorphTargets {
     ) -> PyResult<()> {
         let weights = numbers(weights, "weights", None)?;
         let vertices = self.inner.vertex_count();
-        // What is not there has no vertices.
+        // A missing buffer has no vertices.
         let room = |buffer: Option<&Bound<'_, PyAny>>, columns: usize| {
             let rows = if buffer.is_some() { vertices } else { 0 };
             arrays::room_of::<f32>(py, buffer, &[rows, columns]).map(Bound::unbind)
@@ -239,15 +237,15 @@ impl MorphTargets {
     }
 }
 
-/// Key shapes of one mesh, each with a place for every vertex: a mesh is their weighted mean.
+/// Key shapes of one mesh, each with a position for every vertex: a mesh is their weighted mean.
 ///
-/// Key shapes: {name: positions}, each of shape (V, 3), in the model's own unit.
+/// Key shapes: {name: positions}, each of shape (V, 3), in the model's unit.
 ///
-/// Raises `InvalidValueError` where there is none, counts differ or a position is not finite.
+/// Raises `InvalidValueError` without a shape, for different counts, and for positions that are not finite.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct BlendShapes {
     inner: Shapes,
-    /// The positions, by shape, for pickling.
+    /// Positions by shape, for pickling.
     shapes: Vec<(String, Vec<Vec3>)>,
 }
 
@@ -268,20 +266,20 @@ impl BlendShapes {
         })
     }
 
-    /// The shapes' names, in the order of the weights.
+    /// Names of the shapes, in the order of the weights.
     #[getter]
     fn names(&self) -> Vec<String> {
         self.inner.names().to_vec()
     }
 
-    /// How many vertices each shape has.
+    /// Number of vertices of each shape.
     #[getter]
     fn vertex_count(&self) -> usize {
         self.inner.vertex_count()
     }
 
-    /// The weighted mean of the shapes, shape (V, 3), float32. `weights`, shape (shapes,), must sum to 1
-    /// within 1e-5; negative ones exaggerate. `out` takes the result.
+    /// Weighted mean of the shapes, shape (V, 3), float32. `weights`, shape (shapes,), must sum to 1 within 1e-5;
+    /// negative ones exaggerate. `out` receives the result.
     ///
     /// Raises `InvalidValueError` for other weights.
     #[pyo3(signature = (weights, *, out = None))]

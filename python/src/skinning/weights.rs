@@ -1,4 +1,4 @@
-//! How strongly each bone moves each vertex.
+//! Sparse skin weights.
 
 use std::sync::Arc;
 
@@ -13,16 +13,15 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::vertices::whole;
 
-/// Sparse skin weights: for each vertex the bones that move it, any number of them, sorted by bone.
+/// Sparse skin weights: any number of influences for each vertex, sorted by bone.
 ///
-/// Each vertex's weights sum to 1; they are kept exactly as given.
+/// The weights of each vertex sum to 1; they are stored exactly as given.
 ///
-/// Weights in coordinates: vertex `vertices[i]` follows bone `bones[i]` by `weights[i]`, in any order;
+/// Weights in coordinate form: vertex `vertices[i]` has the influence `weights[i]` of bone `bones[i]`, in any order;
 /// three lists of one length.
 ///
-/// Raises `InvalidValueError` naming the vertex and bone where a weight is not finite or below zero by
-/// more than 1e-2, an index is out of range, a pair occurs twice or a vertex's weights do not sum to 1
-/// within 1e-5.
+/// Raises `InvalidValueError` with the vertex and bone for a weight that is not finite or is below -1e-2, an index out
+/// of range, a duplicate pair, and vertex weights that do not sum to 1 within 1e-5.
 #[pyclass(frozen, module = "kinopt.skinning")]
 pub(crate) struct SkinWeights {
     pub(crate) inner: Arc<Weights>,
@@ -46,10 +45,10 @@ impl SkinWeights {
     }
 }
 
-/// More bones than any skeleton has: memory that grows with their number is not asked for beyond it.
+/// Limit on the number of bones, far above real skeletons: it bounds the memory for invalid input.
 const BONES: usize = 1 << 20;
 
-/// Vertices, bones and weights of three arrays, collected.
+/// Reads vertices, bones and weights from three arrays.
 fn collected(
     [vertices, bones]: [&Bound<'_, PyAny>; 2],
     weights: &Bound<'_, PyAny>,
@@ -99,14 +98,14 @@ impl SkinWeights {
         builder.build().or_raise().map(Self::from)
     }
 
-    /// As the constructor, but repaired where that has one meaning: weights below zero become zero, and
-    /// weights that do not sum to 1 are divided by their sum.
+    /// As the constructor, but with repairs: negative weights become zero, and weights that do not sum to 1 are divided
+    /// by their sum.
     ///
-    /// Gives the weights and what was done: {"negative": how many became zero, "rescaled": at how many
-    /// vertices, "worst": (vertex, sum) furthest from 1, or None}.
+    /// Returns the weights and a report: {"negative": number of weights set to zero, "rescaled": number of rescaled
+    /// vertices, "worst": (vertex, sum) with the sum farthest from 1, or None}.
     ///
-    /// Raises `InvalidValueError` for what cannot be repaired: an index out of range, a pair that occurs
-    /// twice, a vertex without any weight.
+    /// Raises `InvalidValueError` for other defects: an index out of range, a duplicate pair, a vertex without any
+    /// weight.
     #[classmethod]
     fn repaired<'py>(
         class: &Bound<'py, PyType>,
@@ -125,7 +124,7 @@ impl SkinWeights {
         Ok((weights.into(), done))
     }
 
-    /// Weights of a table with a row a vertex and a column a bone, shape (V, bones); zeros are left out.
+    /// Weights of a table with a row for each vertex and a column for each bone, shape (V, bones); zeros are omitted.
     ///
     /// Raises `InvalidValueError` as the constructor does.
     #[classmethod]
@@ -145,7 +144,7 @@ impl SkinWeights {
 
     /// The table that `from_table` reads, shape (V, bones), float64.
     ///
-    /// Raises `MemoryError` where the table does not fit in memory.
+    /// Raises `MemoryError` if the table does not fit in memory.
     fn to_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (vertices, bones) = (self.inner.vertex_count(), self.inner.bone_count());
         let table = arrays::numpy(py)?.call_method1("zeros", ((vertices, bones),))?;
@@ -161,26 +160,26 @@ impl SkinWeights {
         Ok(table)
     }
 
-    /// How many vertices have weights.
+    /// Number of vertices.
     #[getter]
     fn vertex_count(&self) -> usize {
         self.inner.vertex_count()
     }
 
-    /// How many bones the skeleton has.
+    /// Number of bones of the skeleton.
     #[getter]
     fn bone_count(&self) -> usize {
         self.inner.bone_count()
     }
 
-    /// The largest number of influences on one vertex.
+    /// Largest number of influences on one vertex.
     #[getter]
     fn max_influences(&self) -> usize {
         self.inner.max_influences()
     }
 
-    /// Where each vertex's influences start in `bones` and `weights`, and one past the last: shape (V + 1,),
-    /// int64, as in scipy's compressed sparse rows.
+    /// Index of each vertex's first influence in `bones` and `weights`, and one past the last: shape (V + 1,), int64,
+    /// as in scipy's compressed sparse rows.
     #[getter]
     fn starts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let mut starts = vec![0];
@@ -192,19 +191,19 @@ impl SkinWeights {
         PyArray1::from_vec(py, starts)
     }
 
-    /// The bones of all influences, vertex by vertex, shape (influences,), int64.
+    /// Bones of all influences, vertex by vertex, shape (influences,), int64.
     #[getter]
     fn bones<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         PyArray1::from_iter(py, self.all().map(|influence| i64::from(influence.bone)))
     }
 
-    /// The weights of all influences, vertex by vertex, shape (influences,), float64.
+    /// Weights of all influences, vertex by vertex, shape (influences,), float64.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.all().map(|influence| influence.weight))
     }
 
-    /// One vertex's influences, sorted by bone: [(bone, weight), ...]; empty where there is no such vertex.
+    /// Influences of one vertex, sorted by bone: [(bone, weight), ...]; empty for an unknown vertex.
     ///
     /// Raises `InvalidValueError` for a number below 0.
     fn influences(
@@ -215,9 +214,9 @@ impl SkinWeights {
         influences.map(|i| (i.bone, i.weight)).collect()
     }
 
-    /// The `most` influences of each vertex with the largest weights, divided by their sum, and what was
-    /// lost: {"vertices": how many lost any, "largest_lost": weight that one vertex lost at most,
-    /// "mean_lost": over all vertices}.
+    /// The `most` largest influences of each vertex, divided by their sum, and the loss: {"vertices": number of
+    /// vertices that lost influences, "largest_lost": largest weight lost by a vertex, "mean_lost": mean over all
+    /// vertices}.
     ///
     /// Raises `InvalidValueError` for a `most` of 0.
     fn pruned<'py>(

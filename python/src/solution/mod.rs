@@ -1,4 +1,4 @@
-//! What came out of a solve.
+//! Results of a solve.
 
 mod reports;
 
@@ -13,11 +13,11 @@ use crate::error::OrRaise;
 use crate::pickling;
 pub(crate) use reports::{ActiveLimit, Collision, Counts, RowsReport, TaskReport};
 
-/// The result of a solve, reached or not: the best configuration found and the truth about it.
+/// The result of a solve, reached or not: the best configuration found, with its errors.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Solution {
     inner: kinopt::Solution,
-    /// Made when it is first read, and then the same array every time.
+    /// Created at the first access, then shared.
     q: PyOnceLock<Py<PyArray1<f64>>>,
 }
 
@@ -32,9 +32,9 @@ impl From<kinopt::Solution> for Solution {
 
 #[pymethods]
 impl Solution {
-    /// The configuration, shape (nq,), radians and metres, within all limits to the bit.
+    /// The configuration, shape (nq,), radians and metres, exactly within all limits.
     ///
-    /// Always the same array, which cannot be written to: take a copy to change it.
+    /// Always the same read-only array: copy it before changing it.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let array = self.q.get_or_try_init(py, || {
@@ -45,61 +45,59 @@ impl Solution {
         Ok(array.bind(py).clone())
     }
 
-    /// Whether every goal is within its tolerances at `q`, and nothing touches (`collisions`).
+    /// True if every required task is within its tolerances at `q`, and `q` is collision-free (`collisions`).
     #[getter]
     fn reached(&self) -> bool {
         self.inner.reached
     }
 
-    /// The largest error of any goal in metres (a rig's own unit for rigs); None where no goal measures
-    /// any.
+    /// Largest position error of a required task in metres (for rigs, the rig's unit); None if no required task
+    /// measures it.
     #[getter]
     fn position_error(&self) -> Option<f64> {
         self.inner.position_error()
     }
 
-    /// The largest error of any goal in radians; None where no goal measures any.
+    /// Largest orientation error of a required task in radians; None if no required task measures it.
     #[getter]
     fn orientation_error(&self) -> Option<f64> {
         self.inner.orientation_error()
     }
 
-    /// Which test ended the attempt that is returned, or what ended the whole search early: "reached",
-    /// "stationary", "small_step", "stalled", "iteration_limit", "time_limit", "cannot_continue",
-    /// "cancelled" or "non_finite".
+    /// Test that ended the returned attempt, or that ended the whole search early: "reached", "stationary",
+    /// "small_step", "stalled", "iteration_limit", "time_limit", "cannot_continue", "cancelled" or "non_finite".
     #[getter]
     fn termination(&self) -> &'static str {
         self.inner.termination.name()
     }
 
-    /// Half the sum of the squared weighted residuals at `q`, of goals and preferences.
+    /// Half the sum of the squared weighted residuals at `q`, of required and soft tasks.
     #[getter]
     fn cost(&self) -> f64 {
         self.inner.cost
     }
 
-    /// How steep the cost still is along the steepest free variable at `q`; None where the goals were
-    /// reached first.
+    /// Largest slope of the cost along a free variable at `q`; None if the required tasks were reached first.
     #[getter]
     fn projected_gradient(&self) -> Option<f64> {
         self.inner.projected_gradient
     }
 
-    /// Steps of all attempts together.
+    /// Iterations of all attempts together.
     #[getter]
     fn iterations(&self) -> usize {
         self.inner.iterations
     }
 
-    /// Attempts made, the caller's start included.
+    /// Number of attempts, including the one from the given start.
     #[getter]
     fn attempts(&self) -> usize {
         self.inner.attempts
     }
 
-    /// How many of the attempts stopped as near as this solution; 0 where it is reached, where it was cut
-    /// short, or where attempts are not compared. Many that agree are no proof that a target is out of
-    /// reach, but most often it is.
+    /// Number of attempts that stopped at an equally low cost; 0 if the solution is reached, if the search was
+    /// interrupted, or if attempts are not compared. A large number suggests that a target is unreachable, but does not
+    /// prove it.
     #[getter]
     fn agreeing(&self) -> usize {
         self.inner.agreeing
@@ -111,63 +109,62 @@ impl Solution {
         self.inner.counts.into()
     }
 
-    /// How every task came out, in the order in which the tasks were given, then the model's loops.
+    /// Report of each task, in the order of the problem, then of the model's loops.
     #[getter]
     fn tasks(&self) -> Vec<TaskReport> {
         self.inner.tasks().map(TaskReport::from).collect()
     }
 
-    /// The limits that hold the solution back; empty when it is reached.
+    /// Active limits of the solution; empty when it is reached.
     #[getter]
     fn active_limits(&self) -> Vec<ActiveLimit> {
         self.inner.active_limits().map(ActiveLimit::from).collect()
     }
 
-    /// What is in the way: the pairs that are nearer to each other at `q` than the margin asked for, the deepest first; or where there are
-    /// none and the step to a better place is not surely free, the pair that it would come to (`on_the_way`). A solution that is
-    /// reached has none; none are known where no world was given.
+    /// Pairs nearer to each other at `q` than the margin, the deepest first. Without any, if the step to a better
+    /// configuration is not proven collision-free, the pair that blocks it (`on_the_way`). Empty for a reached solution
+    /// and without a world or margin.
     #[getter]
     fn collisions(&self) -> Vec<Collision> {
         let pairs = self.inner.collisions().iter().cloned();
         pairs.map(Collision::from).collect()
     }
 
-    /// Whether every goal is within its tolerances at `q`, though something may be touched.
+    /// True if every required task is within its tolerances at `q`, even if a pair is in collision.
     #[getter]
     fn goals_reached(&self) -> bool {
         self.inner.goals_reached()
     }
 
-    /// Whether every loop of the model is closed at `q`, to 1e-9 m and rad; True where it has none. A solution that
-    /// is reached has closed them all.
+    /// True if every loop of the model is closed at `q`, to 1e-9 m and rad, and for a model without loops. A reached
+    /// solution closes all loops.
     #[getter]
     fn loops_closed(&self) -> bool {
         self.inner.loops_closed()
     }
 
-    /// The loops that are open at `q`: tuples of the name, the gap in metres, and the angle in radians, 0 for a
-    /// "connect".
+    /// Open loops at `q`: tuples of the name, the closure error in metres, and the angle in radians, 0 for a "connect".
     #[getter]
     fn open_loops(&self) -> Vec<(&str, f64, f64)> {
         let open = self.inner.open_loops();
         open.map(|open| (open.name, open.gap, open.angle)).collect()
     }
 
-    /// Whether a missed goal is certainly out of reach: its place is farther from where the chain begins
-    /// than the chain is long. False where that is not known.
+    /// True if a missed target is proven unreachable: its distance from the start of the chain exceeds the length of
+    /// the chain. False if unknown.
     #[getter]
     fn is_out_of_reach(&self) -> bool {
         self.inner.is_out_of_reach()
     }
 
-    /// Names of the preferences that keep a missed goal from coming nearer, the strongest first. Only
-    /// where preferences are "traded" off against goals can there be any.
+    /// Names of the soft tasks that prevent a missed required task from coming nearer, the strongest first. Only
+    /// "traded" preferences can do so.
     #[getter]
     fn pulling_preferences(&self) -> Vec<&str> {
         self.inner.pulling_preferences().collect()
     }
 
-    /// Says which task missed by how much, which limits hold it, and why the search ended.
+    /// Text with the missed tasks and their errors, the active limits, and the reason for the end of the search.
     fn explain(&self) -> String {
         self.inner.explain()
     }
@@ -206,8 +203,7 @@ impl Solution {
     }
 }
 
-/// The quantities that errors, weights and tolerances are in, under the names that the library's messages
-/// have for them.
+/// Quantities of errors, weights and tolerances, under their names in the library's messages.
 const QUANTITIES: [Quantity; 8] = [
     Quantity::Metres,
     Quantity::Radians,
@@ -219,7 +215,7 @@ const QUANTITIES: [Quantity; 8] = [
     Quantity::Ratio,
 ];
 
-/// A quantity by its name.
+/// Returns a quantity by its name.
 pub(crate) fn quantity(name: &str) -> PyResult<Quantity> {
     let known = QUANTITIES.into_iter().find(|q| q.to_string() == name);
     let names = QUANTITIES.map(|quantity| quantity.to_string());

@@ -1,4 +1,4 @@
-//! The parts of a solution: what became of each task, and what stood in the way.
+//! Parts of a solution: reports of tasks, active limits and collisions.
 
 use kinopt::ik::{BodyKind, BoundKind, Side};
 use kinopt::task::{Quantity, Role};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use super::quantity;
 use crate::pickling;
 
-/// How many times a search looked at the problem.
+/// Number of evaluations of a search.
 #[pyclass(frozen, eq, module = "kinopt", get_all)]
 #[derive(PartialEq)]
 pub(crate) struct Counts {
@@ -39,7 +39,7 @@ impl Counts {
     }
 }
 
-/// Two things that are nearer to each other than they should be, or that end a way. Its text says what each of them is.
+/// A pair that is nearer than the margin, or that blocks a motion. Its text names both and their kinds.
 #[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Collision(kinopt::ik::Collision);
@@ -64,32 +64,33 @@ impl Collision {
         &self.0.second
     }
 
-    /// What the first is: "link" or "obstacle".
+    /// Kind of the first: "link" or "obstacle".
     #[getter]
     fn first_kind(&self) -> &'static str {
         self.0.first_kind.name()
     }
 
-    /// What the second is: "link" or "obstacle".
+    /// Kind of the second: "link" or "obstacle".
     #[getter]
     fn second_kind(&self) -> &'static str {
         self.0.second_kind.name()
     }
 
-    /// How far they are apart, metres; negative where one is in the other.
+    /// Distance, metres; negative for penetration.
     #[getter]
     fn distance(&self) -> f64 {
         self.0.distance
     }
 
-    /// How deep one is in the other, metres; 0 where they are apart.
+    /// Penetration depth, metres; 0 without contact.
     #[getter]
     fn depth(&self) -> f64 {
         self.0.depth()
     }
 
-    /// Whether they are met on the way to a place, not at it: the step of a path or of a drag, or a part of it, was not made, as it is
-    /// not surely free. `distance` is then that where the way ends, and may be up to a micrometre more than the margin.
+    /// True if the pair blocks the motion to a configuration: a step of a path or of a drag, or a part of it, was not
+    /// made, because it is not proven collision-free. `distance` is that at the end of the motion, up to a micrometre
+    /// more than the margin.
     #[getter]
     fn on_the_way(&self) -> bool {
         self.0.on_the_way
@@ -130,26 +131,26 @@ impl Collision {
     }
 }
 
-/// How one task came out.
+/// Report of one task.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct TaskReport {
-    /// The task's name.
+    /// Name of the task.
     #[pyo3(get)]
     name: String,
-    /// The first frame it looks at; None where it looks at none.
+    /// First frame of the task; None if it uses no frame.
     #[pyo3(get)]
     frame: Option<String>,
     role: Role,
-    /// Whether it closes a loop of the model: nobody gave it.
+    /// True if the task closes a loop of the model, and is not one of the problem.
     #[pyo3(get)]
     is_loop: bool,
-    /// Its strict level: tasks of level 0 come first.
+    /// Strict priority level: level 0 comes first.
     #[pyo3(get)]
     level: usize,
-    /// Whether all its rows that have a weight are within tolerance.
+    /// True if all its rows with a positive weight are within tolerance.
     #[pyo3(get)]
     reached: bool,
-    /// Its errors, quantity by quantity.
+    /// Errors of its rows by quantity.
     #[pyo3(get)]
     rows: Vec<RowsReport>,
     position_error: Option<f64>,
@@ -183,21 +184,20 @@ impl TaskReport {
         }
     }
 
-    /// The error in metres (a rig's own unit for rigs); None where the task measures none.
+    /// Error in metres (for rigs, the rig's unit); None if the task does not measure it.
     #[getter]
     fn position_error(&self) -> Option<f64> {
         self.position_error
     }
 
-    /// The error in radians; None where the task measures none.
+    /// Error in radians; None if the task does not measure it.
     #[getter]
     fn orientation_error(&self) -> Option<f64> {
         self.orientation_error
     }
 
-    /// The error in rows of a quantity, in its unit: "metres", "radians", "pixels", "joint units", "joint
-    /// units per second" or "ratio"; None where the task has no such rows. Another name raises
-    /// `UnknownNameError`.
+    /// Error in rows of a quantity, in its unit: "metres", "radians", "pixels", "joint units", "joint units per second"
+    /// or "ratio"; None if the task has no such rows. Another name raises `UnknownNameError`.
     fn error(&self, quantity: &str) -> PyResult<Option<f64>> {
         let quantity = self::quantity(quantity)?;
         let errors = self.rows.iter().filter(|rows| rows.quantity == quantity);
@@ -220,16 +220,15 @@ impl TaskReport {
     }
 }
 
-/// The error of a task's rows of one quantity, before weighting.
+/// Error of a task's rows of one quantity, before weighting.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct RowsReport {
     quantity: Quantity,
-    /// Euclidean norm of the rows, in the unit of `quantity`, whatever their weight.
+    /// Euclidean norm of the rows, in the unit of `quantity`, independent of their weight.
     #[pyo3(get)]
     error: f64,
-    /// Whether the error is within the task's tolerance. Rows of weight 0 are not asked for: they never
-    /// count as missed.
+    /// True if the error is within the task's tolerance. Rows of weight 0 never count as missed.
     #[pyo3(get)]
     reached: bool,
 }
@@ -252,8 +251,7 @@ impl RowsReport {
 
 #[pymethods]
 impl RowsReport {
-    /// What the rows measure: "metres", "radians", "pixels", "joint units", "joint units per second" or
-    /// "ratio".
+    /// Quantity of the rows: "metres", "radians", "pixels", "joint units", "joint units per second" or "ratio".
     #[getter]
     fn quantity(&self) -> String {
         self.quantity.to_string()
@@ -264,10 +262,10 @@ impl RowsReport {
     }
 }
 
-/// A limit that holds a solution back: the joint stands on it and the cost would fall beyond it.
+/// Active limit of a solution: the joint is at the limit, and the cost would decrease beyond it.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ActiveLimit {
-    /// The joint's name.
+    /// Name of the joint.
     #[pyo3(get)]
     joint: String,
     side: Side,
@@ -275,10 +273,10 @@ pub(crate) struct ActiveLimit {
     /// The limit, radians or metres.
     #[pyo3(get)]
     value: f64,
-    /// Whether the limit is an angle.
+    /// True if the limit is an angle.
     #[pyo3(get)]
     is_angle: bool,
-    /// How fast the cost would fall beyond it, per radian or metre.
+    /// Slope of the cost beyond the limit, per radian or metre.
     #[pyo3(get)]
     push: f64,
 }
@@ -307,7 +305,7 @@ impl ActiveLimit {
         }
     }
 
-    /// "limit" for the joint's own, "move" for how far the question lets it move from the start.
+    /// "limit" for a joint limit, "move" for a `max_move` of the query.
     #[getter]
     fn kind(&self) -> &'static str {
         match self.kind {

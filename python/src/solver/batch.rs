@@ -1,4 +1,4 @@
-//! One problem from many starts, with many targets.
+//! Batches: one problem from several starts, with several targets.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -23,12 +23,12 @@ use crate::progress::Progress;
 use crate::solution::Solution;
 use crate::threads;
 
-/// How often a batch on several threads looks at signals and tells how far it is.
+/// Time between two checks for signals and progress reports of a batch on several threads.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What came of many questions, in their order: arrays over all of them, and `solutions[i]`.
+/// Solutions of a batch, in the order of its queries: arrays over all of them, and `solutions[i]`.
 ///
-/// A slice, a mask or a list of numbers takes some of them: `solutions[~solutions.reached]` are the misses.
+/// A slice, a mask or a list of numbers selects a part: `solutions[~solutions.reached]` are the misses.
 #[pyclass(frozen, subclass, sequence, module = "kinopt")]
 pub(crate) struct Solutions {
     inner: Vec<kinopt::Solution>,
@@ -40,13 +40,13 @@ impl Solutions {
         Self { inner, dof }
     }
 
-    /// What `written` wrote.
+    /// Reads the output of `written`.
     pub(crate) fn read(solutions: &str, dof: usize) -> PyResult<Self> {
         let inner = serde_json::from_str(solutions).or_raise()?;
         Ok(Self { inner, dof })
     }
 
-    /// What `read` reads.
+    /// Serialises for `read`.
     pub(crate) fn written(&self) -> PyResult<(String, usize)> {
         Ok((serde_json::to_string(&self.inner).or_raise()?, self.dof))
     }
@@ -68,7 +68,7 @@ impl Solutions {
 
 #[pymethods]
 impl Solutions {
-    /// The configurations, shape (N, dof), radians and metres, within all limits to the bit.
+    /// Configurations, shape (N, nq), radians and metres, exactly within all limits.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.inner.iter();
@@ -76,47 +76,47 @@ impl Solutions {
         arrays::list(py, &numbers).reshape([self.inner.len(), self.dof])
     }
 
-    /// Whether every goal is within its tolerances, shape (N,).
+    /// True if every required task is within its tolerances, shape (N,).
     #[getter]
     fn reached<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.inner.iter().map(|solution| solution.reached))
     }
 
-    /// The largest error of any goal in metres, shape (N,); None where no goal measures any.
+    /// Largest position error of a required task, metres, shape (N,); None if no required task measures metres.
     #[getter]
     fn position_error<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.errors(py, kinopt::Solution::position_error)
     }
 
-    /// The largest error of any goal in radians, shape (N,); None where no goal measures any.
+    /// Largest orientation error of a required task, radians, shape (N,); None if no required task measures radians.
     #[getter]
     fn orientation_error<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.errors(py, kinopt::Solution::orientation_error)
     }
 
-    /// Half the squared weighted residuals, shape (N,).
+    /// Half the sum of squared weighted residuals, shape (N,).
     #[getter]
     fn cost<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.inner.iter().map(|solution| solution.cost))
     }
 
-    /// Steps of all attempts, shape (N,).
+    /// Iterations of all attempts, shape (N,).
     #[getter]
     fn iterations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let iterations = self.inner.iter().map(|solution| solution.iterations as i64);
         PyArray1::from_iter(py, iterations)
     }
 
-    /// Attempts made, shape (N,).
+    /// Number of attempts, shape (N,).
     #[getter]
     fn attempts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let attempts = self.inner.iter().map(|solution| solution.attempts as i64);
         PyArray1::from_iter(py, attempts)
     }
 
-    /// What `Solution.explain` says of question `i`; without `i` a list for all.
+    /// Text of `Solution.explain` for query `i`; without `i` a list for all.
     ///
-    /// Raises `IndexError` for a question that there is not.
+    /// Raises `IndexError` for an index out of range.
     #[pyo3(signature = (i = None))]
     fn explain<'py>(&self, py: Python<'py>, i: Option<isize>) -> PyResult<Bound<'py, PyAny>> {
         let text = |i: usize| Ok(self.inner[i].explain());
@@ -159,19 +159,19 @@ impl Solutions {
     }
 }
 
-/// N questions, read from Python.
+/// Queries read from Python.
 struct Questions {
     starts: Vec<f64>,
-    /// As many as there are questions, or one for all.
+    /// True for one start for each query; false for a common start.
     many_starts: bool,
     dof: usize,
     moves: Vec<Vec<Move>>,
-    /// How far joints may go, from some start.
+    /// Limits of joint displacement, relative to some start.
     limits: Option<MoveLimits>,
     count: usize,
 }
 
-/// What is asked: starts, targets by task, and how far joints may go.
+/// Arguments of a batch: starts, targets by task, and limits of joint displacement.
 type BatchArrays<'a, 'py> = (
     &'a Bound<'py, PyAny>,
     Option<&'a Bound<'py, PyAny>>,
@@ -302,7 +302,7 @@ fn one_by_one(
     Ok(solutions)
 }
 
-/// Each thread takes the next question; this one looks at signals meanwhile.
+/// Distributes the queries over threads; the calling thread checks for signals.
 fn on_threads(
     questions: &Questions,
     asked: (&Engine, &Stated),
@@ -320,7 +320,7 @@ fn on_threads(
     let fail = |index: usize, error: PyErr| {
         stop.store(true, Ordering::Relaxed);
         let mut failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
-        // The first question's, whichever thread was faster.
+        // Keeps the error of the lowest index, independent of thread timing.
         if failure.as_ref().is_none_or(|(known, _)| index < *known) {
             *failure = Some((index, error));
         }

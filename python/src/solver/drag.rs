@@ -1,4 +1,4 @@
-//! Dragging: one problem whose targets move from frame to frame.
+//! Drags: one problem with moving targets, solved in every frame.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -14,32 +14,33 @@ use crate::problem::{Aimed, Problem, Stated, raised};
 use crate::robot::Robot;
 use crate::solution::Solution;
 
-/// Steps of a frame unless told otherwise, as in the library.
+/// Default iterations of a frame, as in the library.
 const STEPS: usize = 40;
 
-/// A problem that is solved again and again while its targets move, as a hand under a mouse does.
+/// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse.
 ///
-/// Each `advance` settles from where the last one ended, on the same branch, in a bounded number of steps
-/// and without restarts. No joint moves further in a frame than `max_move`, radians (slides as far as a
-/// joint would carry what is a quarter of the model's reach away): where a target leaps or a branch ends, the
-/// body follows over several frames, which `catching_up` tells. It leaps only where `search` gives a number of
-/// attempts from elsewhere (drawn by `seed`) for a frame that settles on a miss, and then `leap` says so.
+/// Each `advance` converges from the end of the last frame, on the current branch, in a bounded number of iterations
+/// and without restarts. In one frame no joint moves farther than `max_move`, radians (prismatic joints: the distance
+/// by which that angle moves a point at a quarter of the model's reach). If a target jumps or a branch ends, the body
+/// follows over several frames; `catching_up` reports it. With `search`, a number of attempts, a frame that converges
+/// to a miss also searches from random configurations (sampled by `seed`); `leap` reports a jump to a better solution.
 ///
-/// It goes from the configuration `start`, shape (nq,), which is projected into the limits. `solver` gives the
-/// method and the limits of a frame, 40 steps unless it sets them. Raises `InvalidValueError` for a start
-/// that does not fit, for a problem without tasks, for a geometric method, and for settings out of range. Tasks
-/// that the problem is given later are none of the drag's.
+/// It starts at the configuration `start`, shape (nq,), which is projected into the limits. `solver` gives the method
+/// and the limits of a frame, by default 40 iterations. Raises `InvalidValueError` for a start of another shape, for a
+/// problem without tasks, for a geometric method, and for settings out of range. Tasks added to the problem later do
+/// not affect the drag.
 ///
-/// With a `time_step` between two frames, seconds, every frame keeps velocity, acceleration and jerk limits, shape (nq,), rad/s or m/s (s²,
-/// s³); by default those of a robot's files. The first three numbers of a free base limit the norm of its linear rates, the next four
-/// that of its angular rates. Limits come before all tasks: where targets jump, pinned frames move. Raises
-/// `InvalidValueError` for limits without a time step, for a bounded ball joint and for a problem that avoids collisions.
+/// With a `time_step` between two frames, seconds, every frame satisfies velocity, acceleration and jerk limits, shape
+/// (nq,), rad/s or m/s (s², s³); by default those of a robot's files. The first three numbers of a free base limit the
+/// norm of its linear rates, the next four that of its angular rates. Limits have priority over all tasks: when targets
+/// jump, pinned frames move. Raises `InvalidValueError` for limits without a time step, for a bounded ball joint and
+/// for a problem that avoids collisions.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Drag {
     problem: Py<Problem>,
-    /// As it was when the drag began.
+    /// Tasks of the problem at the start of the drag.
     stated: Arc<Stated>,
-    /// Waited for without the interpreter only, as frames may call back into it.
+    /// Locked only without the GIL, because frames may call back into Python.
     inner: Mutex<kinopt::ik::Drag>,
 }
 
@@ -48,12 +49,12 @@ impl Drag {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Looks at the drag.
+    /// Reads the drag.
     fn look<T: Send>(&self, py: Python<'_>, what: impl FnOnce(&kinopt::ik::Drag) -> T + Send) -> T {
         py.detach(|| what(&self.lock()))
     }
 
-    /// Moves the targets, if any are given, and goes on.
+    /// Moves the given targets and runs `on`.
     fn go(
         &self,
         py: Python<'_>,
@@ -130,16 +131,16 @@ impl Drag {
         })
     }
 
-    /// What is dragged.
+    /// The problem of the drag.
     #[getter]
     fn problem(&self, py: Python<'_>) -> Py<Problem> {
         self.problem.clone_ref(py)
     }
 
-    /// Moves targets, by the tasks' names or numbers: {"hand": [0.4, 0.1, 0.3]}.
+    /// Moves targets, by the tasks' names or indices: {"hand": [0.4, 0.1, 0.3]}.
     ///
-    /// Raises `UnknownNameError` for a task that there is not, `InvalidValueError` for targets of the wrong
-    /// shape and for numbers that are not finite.
+    /// Raises `UnknownNameError` for an unknown task, `InvalidValueError` for targets of another shape and for numbers
+    /// that are not finite.
     fn set_targets(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> PyResult<()> {
         let moves = self.stated.moves(Some(targets))?;
         py.detach(|| {
@@ -149,7 +150,7 @@ impl Drag {
         })
     }
 
-    /// One frame: follows the targets as they are now, after moving those that are given.
+    /// Computes one frame, after moving the given targets.
     ///
     /// Raises as `set_targets`.
     #[pyo3(signature = (targets = None))]
@@ -159,7 +160,8 @@ impl Drag {
         })
     }
 
-    /// At most so many frames, until the targets are reached and no joint is catching up, or the body rests.
+    /// Computes at most `frames` frames, until the targets are reached and no joint is limited by `max_move`, or the
+    /// drag is at rest.
     ///
     /// Raises as `set_targets`.
     #[pyo3(signature = (targets = None, *, frames = 1000))]
@@ -175,8 +177,8 @@ impl Drag {
         })
     }
 
-    /// Where the body comes to from where it stands, on its own way: for targets that are far apart. At most
-    /// so many frames either way.
+    /// Converges from the current configuration on the current branch, for distant targets. Computes at most `frames`
+    /// frames for each of its phases.
     ///
     /// Raises as `set_targets`.
     #[pyo3(signature = (targets = None, *, frames = 1000))]
@@ -192,7 +194,7 @@ impl Drag {
         })
     }
 
-    /// Goes on from another configuration, shape (nq,), projected into the limits.
+    /// Continues from another configuration, shape (nq,), projected into the limits.
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn stand_at(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -200,33 +202,33 @@ impl Drag {
         py.detach(|| self.lock().stand_at(&q).or_raise())
     }
 
-    /// Where the body stands, shape (nq,).
+    /// Current configuration, shape (nq,).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let q = self.look(py, |drag| drag.q().to_vec());
         arrays::list(py, &q)
     }
 
-    /// What the last frame came to; None before the first.
+    /// Solution of the last frame; None before the first.
     #[getter]
     fn solution(&self, py: Python<'_>) -> Option<Solution> {
         let solution = self.look(py, |drag| drag.solution().clone());
         (!solution.q.is_empty()).then(|| solution.into())
     }
 
-    /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.
+    /// True if a joint moved by its limit for a frame; the next frames continue.
     #[getter]
     fn catching_up(&self, py: Python<'_>) -> bool {
         self.look(py, kinopt::ik::Drag::catching_up)
     }
 
-    /// Whether the next frame would do nothing.
+    /// True if the next frame would change nothing.
     #[getter]
     fn rests(&self, py: Python<'_>) -> bool {
         self.look(py, kinopt::ik::Drag::rests)
     }
 
-    /// The leap of the last frame; None if it did not leap.
+    /// Jump of the last frame to another branch; None without one.
     #[getter]
     fn leap(&self, py: Python<'_>) -> Option<Leap> {
         self.look(py, |drag| {
@@ -242,7 +244,7 @@ impl Drag {
     }
 }
 
-/// Limits of velocity, acceleration and jerk: those given, else those of the robot's files.
+/// Limits of velocity, acceleration and jerk: the given ones, else those of the robot's files.
 fn motion_limits(
     py: Python<'_>,
     problem: &Bound<'_, Problem>,
@@ -268,12 +270,13 @@ fn motion_limits(
     Ok(limits)
 }
 
-/// A joint that moved further in a frame than the drag allows, because a search from elsewhere found better.
+/// A joint that moved farther in a frame than the drag allows, because a search from a random configuration found a
+/// better solution.
 #[pyclass(frozen, module = "kinopt", get_all)]
 pub(crate) struct Leap {
-    /// The joint that moved furthest for what it may.
+    /// Joint with the largest displacement relative to its limit.
     joint: String,
-    /// How far, radians or metres.
+    /// Displacement, radians or metres.
     distance: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Methods as Python states them, with the limits of their searches.
+//! Methods of Python, with their limits.
 
 use std::time::Duration;
 
@@ -15,13 +15,13 @@ use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::problem::named;
 
-/// The limits that were given; what is none is the method's own.
+/// Limits as given; `None` is the default of the method.
 #[derive(Clone, Default)]
 pub(super) struct Limits {
     pub(super) max_iterations: Option<usize>,
     pub(super) gradient_tolerance: Option<f64>,
     pub(super) step_tolerance: Option<f64>,
-    /// None inside: any number of steps.
+    /// The inner `None` is unlimited.
     pub(super) patience: Option<Option<usize>>,
     pub(super) time_limit: Option<Duration>,
     pub(super) attempts: Option<usize>,
@@ -31,7 +31,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// These, where nothing is given from `stopping`.
+    /// Applies the limits to `stopping`.
     pub(super) fn stopping(&self, mut stopping: Stopping) -> Stopping {
         if let Some(iterations) = self.max_iterations {
             stopping = stopping.with_max_iterations(iterations);
@@ -51,7 +51,7 @@ impl Limits {
         }
     }
 
-    /// These, where nothing is given from `restarts`.
+    /// Applies the limits to `restarts`.
     pub(super) fn restarts(&self, mut restarts: Restarts) -> Restarts {
         if let Some(attempts) = self.attempts {
             restarts = restarts.with_attempts(attempts);
@@ -82,14 +82,14 @@ impl Limits {
     }
 }
 
-/// What searches.
+/// Solver engine.
 pub(super) enum Engine {
     Optimiser(Solver),
     Geometric(Box<dyn Geometric>),
 }
 
 impl Engine {
-    /// The method of a class in `kinopt.methods`, or of its name.
+    /// Reads a method: an instance of a class in `kinopt.methods`, or a name.
     pub(super) fn of(method: &Bound<'_, PyAny>, limits: &Limits) -> PyResult<Self> {
         let kind = match method.extract::<String>() {
             Ok(name) => return Self::named(&name, method.py(), limits),
@@ -198,7 +198,7 @@ impl Engine {
         })
     }
 
-    /// A method with its own settings as they are.
+    /// Creates a method with its default settings.
     fn named(name: &str, py: Python<'_>, limits: &Limits) -> PyResult<Self> {
         let classes = [
             ("levenberg-marquardt", "LevenbergMarquardt"),
@@ -219,7 +219,7 @@ impl Engine {
         }
     }
 
-    /// One solve.
+    /// Solves one query.
     pub(super) fn solve(
         &self,
         question: Question<'_>,
@@ -237,7 +237,7 @@ impl Engine {
     }
 }
 
-/// The limits that the sweeping methods have unless told otherwise.
+/// Default limits of the geometric methods.
 fn sweeps() -> Stopping {
     let stopping = Stopping::default().with_max_iterations(500);
     stopping.with_patience(Some(60))
@@ -247,7 +247,7 @@ fn sweep_restarts() -> Restarts {
     Restarts::default().with_steps(2000)
 }
 
-/// An optional number of a method.
+/// Reads an optional number of a method.
 fn number(method: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<f64>> {
     let value = method.getattr(name)?;
     match value.is_none() {

@@ -22,19 +22,19 @@ use methods::{Engine, Limits};
 pub(crate) use watch::Iteration;
 use watch::Watch;
 
-/// A solver with its settings: immutable, and good for any number of threads at once.
+/// A solver with its settings: immutable and thread-safe.
 ///
-/// `method` is one of `kinopt.methods` or its name: "levenberg-marquardt", "gauss-newton",
-/// "projected-gradient", "ccd", "fabrik". The limits of each attempt are `max_iterations` (200; 500 sweeps
-/// of the geometric methods), `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`, so many
-/// steps in which the cost must halve (none, inf; 60 of the geometric methods); `time_limit`, in seconds, is
-/// for all attempts together. `attempts` (32; 512 for a body on a free base with hardly more variables than
-/// equations) are made where none reaches, the caller's start included, from places drawn by `seed` (0); they end
-/// when so many that `agreeing` says stopped at the same lowest cost, and after `restart_steps` of all together
-/// one more is made.
+/// `method` is one of `kinopt.methods` or its name: "levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd",
+/// "fabrik". The limits of each attempt are `max_iterations` (200; 500 sweeps of the geometric methods),
+/// `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`, the number of steps in which the cost must
+/// halve (none, inf; 60 for the geometric methods). `time_limit`, in seconds, is for all attempts together. At most
+/// `attempts` (32; 512 for a body on a free base with few more variables than equations) are made, including the one
+/// from the given start; the others start at configurations sampled by `seed` (0). The search ends at the first attempt
+/// that reaches, when `agreeing` attempts stopped at the same lowest cost, or one attempt after `restart_steps` steps
+/// of all together.
 ///
-/// The same question gets the same answer, bit for bit, on any machine, unless a time limit is set. Raises
-/// `InvalidValueError` for settings out of range.
+/// Results are bitwise reproducible on any machine, unless a time limit is set. Raises `InvalidValueError` for settings
+/// out of range.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Solver {
     engine: Engine,
@@ -43,7 +43,7 @@ pub(crate) struct Solver {
 }
 
 impl Solver {
-    /// The optimiser in it, which `user` needs.
+    /// Returns its optimiser; `user` names the caller in the error for geometric methods.
     pub(crate) fn optimiser(&self, user: &str) -> PyResult<&kinopt::Solver> {
         match &self.engine {
             Engine::Optimiser(solver) => Ok(solver),
@@ -120,29 +120,29 @@ impl Solver {
         })
     }
 
-    /// The method's name.
+    /// Name of the method.
     #[getter]
     fn method(&self) -> &'static str {
         self.engine.name()
     }
 
-    /// Solves `problem` from the configuration `start`, shape (nq,), which is projected into the limits;
-    /// locked and following joints take their values from the problem's parameters.
+    /// Solves `problem` from the configuration `start`, shape (nq,), which is projected into the limits. Locked joints
+    /// and mimic joints take their values from the problem's parameters.
     ///
-    /// With `max_move` no joint goes further from `start` than that, hard: a ball joint by the angle that it turns by.
-    /// It is one number for each of a configuration, shape (nq,), radians or metres, inf for no limit and the same
-    /// four for a ball (`robot.velocity_limits * dt` is a controller's step); a dict of those by joints; or one angle
-    /// for all, of slides as far as a joint would carry what is a quarter of the model's reach away. What it holds
-    /// is among the `active_limits` as one of kind "move".
+    /// `max_move` is a hard bound of each joint's displacement from `start`; of a ball joint, of its rotation angle. It
+    /// is one number for each number of a configuration, shape (nq,), radians or metres, inf for no limit and four
+    /// equal numbers for a ball (`robot.velocity_limits * dt` is the step of a controller); a dict of those by joint;
+    /// or one angle for all. A prismatic joint then moves at most the distance by which that angle moves a point at a
+    /// quarter of the model's reach. Active bounds of this kind are among the `active_limits`, with the kind "move".
     ///
-    /// `targets` moves targets away from where the problem has them, by the tasks' names or numbers:
-    /// {"hand": [0.4, 0.1, 0.3]}; the problem itself does not change. `observer` is called with an
-    /// `Iteration` before the first and after every step of each attempt, and stops the search by returning
-    /// True. Ctrl-C, and what a residual or an observer raises, come out of here.
+    /// `targets` replaces targets of the problem, by the tasks' names or indices: {"hand": [0.4, 0.1, 0.3]}; the
+    /// problem itself does not change. `observer` is called with an `Iteration` before the first and after every step
+    /// of each attempt, and stops the search by returning True. Ctrl-C and exceptions of a residual or an observer
+    /// propagate to the caller.
     ///
     /// A target that is not reached is no error: see `Solution.reached` and `Solution.explain()`. Raises
-    /// `InvalidValueError` for a start of the wrong length or one that is not finite, for targets and moves of the
-    /// wrong shape, moves below 0, and for problems that a geometric method has no answer for.
+    /// `InvalidValueError` for a start of another length or one that is not finite, for targets and moves of another
+    /// shape, moves below 0, and for problems that a geometric method does not support.
     #[pyo3(signature = (problem, start, targets = None, *, max_move = None, observer = None))]
     fn solve(
         &self,
@@ -176,11 +176,11 @@ impl Solver {
 
     /// Solves `problem` from each of `starts`, shape (N, nq), or N times from one, shape (nq,).
     ///
-    /// `targets` has N targets a task, by the tasks' names or numbers: {"hand": array of shape (N, 3)}. Where
-    /// there are none, `starts` says how many questions there are. On `threads` threads (None: one a core), with the
-    /// same bits at any number of them. `progress` is called with (done, total) now and then, or shows a bar where it is
-    /// True (by tqdm, if that is installed). Ctrl-C stops it. With `max_move`, as of `solve`, no joint goes further from its own
-    /// start. What it raises is as for `solve`.
+    /// `targets` has N targets for each task, by the tasks' names or indices: {"hand": array of shape (N, 3)}. Without
+    /// targets, `starts` defines the number of queries. The batch runs on `threads` threads (None: one for each core);
+    /// results are equal at any number of them. `progress` is called with (done, total) from time to time; True shows a
+    /// progress bar if tqdm is installed. Ctrl-C interrupts the batch. `max_move`, as in `solve`, bounds the
+    /// displacement from each query's start. Raises as `solve`.
     #[pyo3(signature = (problem, starts, targets = None, *, max_move = None, threads = 1, progress = None))]
     fn solve_batch(
         &self,
@@ -217,7 +217,7 @@ fn at_least_zero(name: &str, value: Option<f64>) -> PyResult<Option<f64>> {
     }
 }
 
-/// So many steps, or any number of them.
+/// Reads a number of steps, or infinity for no limit.
 fn steps(patience: f64) -> PyResult<Option<usize>> {
     match patience {
         f64::INFINITY => Ok(None),
@@ -234,6 +234,6 @@ fn seconds(limit: Option<f64>) -> PyResult<Option<Duration>> {
     let Some(limit) = at_least_zero("time_limit", limit)? else {
         return Ok(None);
     };
-    // Longer than a clock can tell is no limit.
+    // A limit beyond the range of `Duration` is no limit.
     Ok(Duration::try_from_secs_f64(limit).ok())
 }

@@ -1,4 +1,4 @@
-//! How far joints may go from where a search begins.
+//! Limits of joint displacement from the start of a search.
 
 use kinopt::ik::MoveLimits;
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::problem::{Problem, Stated};
 
-/// From radians for all, from one number for each of a configuration, or from a dict by joints.
+/// Reads radians for all joints, one number for each of a configuration, or a dict by joint.
 pub(super) fn move_limits(
     (problem, stated): (&Problem, &Stated),
     given: &Bound<'_, PyAny>,

@@ -1,4 +1,4 @@
-//! Watching a search from Python: an observer of the caller's, Ctrl-C, exceptions on their way.
+//! Observation of a search from Python: an observer of the caller, Ctrl-C, and exceptions.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,25 +11,25 @@ use pyo3::prelude::*;
 use crate::arrays;
 use crate::problem::{is_raised, raise_later};
 
-/// How often signals are looked at.
+/// Time between two checks for signals.
 const SIGNALS: Duration = Duration::from_millis(5);
 
-/// What an observer sees after every step, and once before the first.
+/// State of a search for an observer, after every step and once before the first.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Iteration {
-    /// Number of the step in its attempt; 0 before the first.
+    /// Index of the step in its attempt; 0 before the first.
     #[pyo3(get)]
     index: usize,
-    /// Half the squared weighted residual at `x`.
+    /// Half the sum of squared weighted residuals at `x`.
     #[pyo3(get)]
     cost: f64,
-    /// How steep the cost is along the steepest free variable; None where it is not known.
+    /// Largest slope of the cost along a free variable; None if unknown.
     #[pyo3(get)]
     projected_gradient: Option<f64>,
-    /// Length of the step that led here; 0 where it was refused.
+    /// Length of the last step; 0 if it was rejected.
     #[pyo3(get)]
     step: f64,
-    /// The method's own number: a damping or a step length.
+    /// Parameter of the method: a damping or a step length.
     #[pyo3(get)]
     control: f64,
     x: Vec<f64>,
@@ -37,7 +37,7 @@ pub(crate) struct Iteration {
 
 #[pymethods]
 impl Iteration {
-    /// The variables, shape (variables,).
+    /// Solver variables, shape (variables,).
     #[getter]
     fn x<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.x)
@@ -48,7 +48,7 @@ impl Iteration {
     }
 }
 
-/// The library's observer of one thread's searches.
+/// Library observer for the searches of one thread.
 pub(super) struct Watch<'a> {
     observer: Option<&'a Py<PyAny>>,
     stop: Option<&'a AtomicBool>,
@@ -56,7 +56,7 @@ pub(super) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Asks an observer, if there is one, and looks at signals.
+    /// Calls an observer, if there is one, and checks for signals.
     pub(super) fn new(observer: Option<&'a Py<PyAny>>) -> Self {
         let next = Instant::now() + SIGNALS;
         let stop = None;
@@ -67,7 +67,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Stops where another thread says so.
+    /// Stops when another thread sets the flag.
     pub(super) fn until(stop: &'a AtomicBool) -> Self {
         Self {
             stop: Some(stop),
@@ -75,7 +75,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Looks at signals, which Python raises as exceptions on its main thread, every few milliseconds.
+    /// Checks for signals every few milliseconds. Python raises them as exceptions on its main thread.
     pub(super) fn look_at_signals(&mut self) {
         let now = Instant::now();
         if now >= self.next {
@@ -108,7 +108,7 @@ impl Observer for Watch<'_> {
     }
 }
 
-/// Whether the caller's observer wants the search to stop.
+/// Calls the observer; true if it stops the search.
 fn ask(
     py: Python<'_>,
     observer: &Py<PyAny>,

@@ -1,4 +1,4 @@
-//! Meshes from arrays, or from files.
+//! Meshes from arrays or files.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::vectors;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
 
-/// Of vertices and triangles, or of a file, which has both.
+/// Creates a mesh from vertices and triangles, or from a file.
 pub(super) fn mesh(
     py: Python<'_>,
     vertices: &Bound<'_, PyAny>,
@@ -30,7 +30,7 @@ pub(super) fn mesh(
     }
 }
 
-/// Along x, y and z.
+/// Reads scale factors along x, y and z.
 pub(super) fn scale(value: Option<&Bound<'_, PyAny>>) -> PyResult<[f64; 3]> {
     let Some(value) = value else {
         return Ok([1.0; 3]);

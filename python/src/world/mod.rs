@@ -20,9 +20,9 @@ use crate::file_access::access;
 use crate::pickling;
 use crate::placement;
 
-/// Named obstacles in the order in which they were added: `World()` has none. Lengths are in metres; a `pose` is
-/// where an obstacle stands in the world, a placement of shape (4, 4), a position of shape (3,), or None for the
-/// origin. Who has taken a world (an arm, say) keeps it as it was then.
+/// Named obstacles in the order of their addition; `World()` has none. Lengths are in metres. A `pose` is that of an
+/// obstacle in the world: a placement of shape (4, 4), a position of shape (3,), or None for the origin. An arm or
+/// problem copies the world that it is given.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct World(Mutex<collision::World>);
 
@@ -31,7 +31,7 @@ impl World {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// As it is now.
+    /// Copy of the current state.
     pub(crate) fn snapshot(&self) -> collision::World {
         self.lock().clone()
     }
@@ -47,7 +47,7 @@ impl From<collision::World> for World {
     }
 }
 
-/// A placement, a position or the origin.
+/// Reads a placement, a position or the origin.
 fn pose(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<Placement<f64>> {
     match value {
         None => Ok(Placement::identity()),
@@ -77,12 +77,13 @@ impl World {
         collision::World::new().into()
     }
 
-    /// Reads a world from a file: our JSON (`.json`), or a planning scene of MoveIt's (`.yaml`, `.yml`).
+    /// Reads a world from a file: kinopt's JSON (`.json`), or a planning scene of MoveIt (`.yaml`, `.yml`).
     ///
-    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
-    /// `max_bytes` is read.
+    /// Referenced files are opened only below its folder and below `folders`, with symbolic links resolved. Files above
+    /// `max_bytes` are not read.
     ///
-    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the place, for what is wrong in it.
+    /// Raises `FileError` if a file cannot be read, `InvalidFileError`, which names the position, if its content is
+    /// invalid.
     #[classmethod]
     #[pyo3(
         signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
@@ -101,7 +102,7 @@ impl World {
         Ok(world.into())
     }
 
-    /// Reads a world from JSON; `name` is what messages call it. Meshes in files of their own are not opened.
+    /// Reads a world from JSON; `name` is its name in messages. Meshes in files of their own are not opened.
     ///
     /// Raises `InvalidFileError` as `read`.
     #[classmethod]
@@ -116,23 +117,23 @@ impl World {
         Ok(world.or_raise()?.into())
     }
 
-    /// The world as JSON, meshes and clouds within.
+    /// The world as JSON, with meshes and point clouds included.
     fn to_json(&self, py: Python<'_>) -> String {
         let world = self.snapshot();
         py.detach(|| world.to_json())
     }
 
-    /// Writes the world as JSON, which is read from a .json.
+    /// Writes the world as JSON to a .json file.
     ///
-    /// Raises `InvalidValueError` for a name that ends in another way, `FileError` where it cannot be written.
+    /// Raises `InvalidValueError` for another file extension, `FileError` if the file cannot be written.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let world = self.snapshot();
         py.detach(|| world.write(path)).or_raise()
     }
 
-    /// Adds a box with its whole lengths along x, y and z, shape (3,).
+    /// Adds a box with its full lengths along x, y and z, shape (3,).
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, size, pose = None))]
     fn add_box(
         &self,
@@ -146,16 +147,16 @@ impl World {
 
     /// Adds a sphere.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, radius, pose = None))]
     fn add_sphere(&self, name: &str, radius: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let pose = self::pose(pose, "pose")?;
         self.lock().add_sphere(name, radius, pose).or_raise()
     }
 
-    /// Adds a cylinder along z, `length` from one end to the other.
+    /// Adds a cylinder along z. `length` is the distance between its end faces.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, radius, length, pose = None))]
     fn add_cylinder(
         &self,
@@ -171,7 +172,7 @@ impl World {
 
     /// Adds a capsule along z: all points at most `radius` from a segment of `length`.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, radius, length, pose = None))]
     fn add_capsule(
         &self,
@@ -185,9 +186,9 @@ impl World {
         added.or_raise()
     }
 
-    /// Adds everything below z = 0 of its pose: a floor, or a wall where it is turned.
+    /// Adds the half-space below z = 0 of its pose: a floor, or a wall for a rotated pose.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, pose = None))]
     fn add_plane(&self, name: &str, pose: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let pose = self::pose(pose, "pose")?;
@@ -196,7 +197,7 @@ impl World {
 
     /// Adds the convex hull of `points`, shape (N, 3), which must span a volume.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, points, pose = None))]
     fn add_convex(
         &self,
@@ -214,12 +215,12 @@ impl World {
     }
 
     /// Adds a triangle mesh of `vertices`, shape (V, 3), and `triangles`, shape (F, 3), whole numbers from 0,
-    /// counter-clockwise seen from outside; or, in place of both, of a file: OBJ, STL, DAE or PLY. `scale`, a number or one each for x, y and
-    /// z, makes metres of its lengths. Where it is closed, what it encloses belongs to it; else its surface alone
-    /// counts, which the obstacle's `notes` tell.
+    /// counter-clockwise seen from outside; or a mesh file: OBJ, STL, DAE or PLY. `scale`, a number or one each for x,
+    /// y and z, converts its lengths to metres. A closed mesh is solid. An open mesh is a surface, and adds to the
+    /// obstacle's `notes`.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken; `FileError` where a file cannot be read,
-    /// `InvalidFileError` for what is wrong in it.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists; `FileError` if a file
+    /// cannot be read, `InvalidFileError` if its content is invalid.
     #[pyo3(signature = (name, vertices, triangles = None, pose = None, *, scale = None))]
     fn add_mesh(
         &self,
@@ -241,9 +242,9 @@ impl World {
         .or_raise()
     }
 
-    /// Adds spheres of one `radius` about `positions`, shape (N, 3), as of a camera's cloud.
+    /// Adds spheres of one `radius` about `positions`, shape (N, 3), as of a point cloud.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, positions, radius, pose = None))]
     fn add_points(
         &self,
@@ -261,10 +262,11 @@ impl World {
         .or_raise()
     }
 
-    /// Adds a ground of `heights`, shape (rows, columns), a row along x, row after row along y, `spacing` (along x,
-    /// along y) apart and centred on the pose; what is below the surface is solid, as far down as its longer side is.
+    /// Adds a height field of `heights`, shape (rows, columns). A row runs along x, and the rows follow along y;
+    /// `spacing` is (along x, along y). The field is centred on the pose. It is solid below its surface, down to a
+    /// depth of its longer side.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists.
     #[pyo3(signature = (name, heights, spacing, pose = None))]
     fn add_height_field(
         &self,
@@ -286,24 +288,24 @@ impl World {
         .or_raise()
     }
 
-    /// Moves an obstacle; of an attached one the pose in its frame.
+    /// Moves an obstacle; for an attached one, its pose in the frame changes.
     ///
-    /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` for what is no pose.
+    /// Raises `UnknownNameError` for an unknown name, `InvalidValueError` for an invalid pose.
     fn r#move(&self, name: &str, pose: &Bound<'_, PyAny>) -> PyResult<()> {
         let pose = self::pose(Some(pose), "pose")?;
         self.lock().move_to(name, pose).or_raise()
     }
 
-    /// Takes an obstacle out, and with it what it may touch and what may touch it.
+    /// Removes an obstacle, with its allowed collisions.
     ///
-    /// Raises `UnknownNameError` for a name that is not there.
+    /// Raises `UnknownNameError` for an unknown name.
     fn remove(&self, name: &str) -> PyResult<()> {
         self.lock().remove(name).or_raise()
     }
 
-    /// Makes an obstacle move with a frame of the robot, as something grasped does, at `frame_from_object` in it.
+    /// Attaches an obstacle to a frame of the robot, such as a grasped object, at `frame_from_object` in it.
     ///
-    /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` for what is no pose.
+    /// Raises `UnknownNameError` for an unknown name, `InvalidValueError` for an invalid pose.
     #[pyo3(signature = (name, frame, frame_from_object = None))]
     fn attach(
         &self,
@@ -315,48 +317,52 @@ impl World {
         self.lock().attach(name, frame, pose).or_raise()
     }
 
-    /// Leaves an obstacle in the world again, at `world_from_object`.
+    /// Detaches an obstacle and leaves it in the world at `world_from_object`.
     ///
-    /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` for what is attached to nothing and for what is no pose.
+    /// Raises `UnknownNameError` for an unknown name, `InvalidValueError` for an obstacle that is not attached and for
+    /// an invalid pose.
     fn detach(&self, name: &str, world_from_object: &Bound<'_, PyAny>) -> PyResult<()> {
         let pose = self::pose(Some(world_from_object), "world_from_object")?;
         self.lock().detach(name, pose).or_raise()
     }
 
-    /// Lets two things touch, however deep: an obstacle and a link of the robot, or two obstacles, as feet and the floor, a gripper and its
-    /// can, or a can that is held and the table. Every check passes them over, until it is forbidden or one of the obstacles is removed; what
-    /// is moved, attached or detached keeps it. Whether the robot has the link shows when both come together.
+    /// Allows collisions of a pair, at any depth: an obstacle and a link of the robot, or two obstacles. Examples: feet
+    /// and floor, gripper and can, grasped can and table. All checks skip the pair until `forbid_touch`, or until one
+    /// of the obstacles is removed. Moving, attaching or detaching keeps the permission. An unknown link is an error
+    /// only when a robot uses the world.
     ///
-    /// Raises `UnknownNameError` where neither is an obstacle.
+    /// Raises `UnknownNameError` if neither is an obstacle.
     fn allow_touch(&self, one: &str, other: &str) -> PyResult<()> {
         self.lock().allow_touch(one, other).or_raise()
     }
 
-    /// Keeps two things apart again that may touch.
+    /// Enables the collision pair again after `allow_touch`.
     ///
-    /// Raises `UnknownNameError` where neither is an obstacle, `InvalidValueError` where they may not touch.
+    /// Raises `UnknownNameError` if neither is an obstacle, `InvalidValueError` if their collision is not allowed.
     fn forbid_touch(&self, one: &str, other: &str) -> PyResult<()> {
         self.lock().forbid_touch(one, other).or_raise()
     }
 
-    /// Whether two things were let touch, in either order.
+    /// True if the collision of the pair is allowed, in either order.
     fn may_touch(&self, one: &str, other: &str) -> bool {
         self.lock().may_touch(one, other)
     }
 
-    /// A new world of the same obstacles `times` as large and as far from the world's origin, as a person's surroundings are for a
-    /// robot whose steps are so many times as long (`Retargeted.stride`); attached ones as far from the origin of their frame.
+    /// A new world with the obstacles scaled by the factor `times`, together with their distance from the world's
+    /// origin. Example: the surroundings of a person, for a robot with another step length (`Retargeted.stride`).
+    /// Attached obstacles scale about the origin of their frame.
     ///
-    /// Raises `InvalidValueError` for a factor that is not positive and finite, and where an obstacle gets too small or too large.
+    /// Raises `InvalidValueError` for a factor that is not positive and finite, and if an obstacle becomes too small or
+    /// too large.
     fn scaled(&self, py: Python<'_>, times: f64) -> PyResult<Self> {
         let world = self.snapshot();
         Ok(py.detach(|| world.scaled(times)).or_raise()?.into())
     }
 
-    /// How far two obstacles are apart, or how deep one is in the other.
+    /// Distance of two obstacles, or their penetration depth.
     ///
-    /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` where one is attached to a frame, so
-    /// that its place in the world is not known.
+    /// Raises `UnknownNameError` for an unknown name, `InvalidValueError` for an attached obstacle, whose pose in the
+    /// world is unknown.
     fn separation(&self, py: Python<'_>, first: &str, second: &str) -> PyResult<Separation> {
         let (one, other) = (
             self.obstacle(first).or_raise()?,
@@ -376,20 +382,20 @@ impl World {
         Ok(Separation(found))
     }
 
-    /// The obstacles' names, in the order in which they were added.
+    /// Names of the obstacles, in the order of their addition.
     #[getter]
     fn names(&self) -> Vec<String> {
         self.lock().obstacles().map(|o| o.name.clone()).collect()
     }
 
-    /// What is to be known of it, one text each: what the file that it was read from says and is not taken up, and what was found about
-    /// the shapes of its obstacles and taken all the same, as that a mesh is open and so has no inside.
+    /// Notes, one text each: ignored parts of the file, and properties of accepted shapes, such as an open mesh without
+    /// an interior.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.lock().notes()
     }
 
-    /// A number that every change raises.
+    /// Revision number, which increases with every change.
     #[getter]
     fn revision(&self) -> u64 {
         self.lock().revision()
@@ -403,12 +409,12 @@ impl World {
         self.lock().obstacle(name).is_ok()
     }
 
-    /// The names, in the order in which they were added.
+    /// Iterates over the names, in the order of their addition.
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(self.names().into_pyobject(py)?.try_iter()?.into_any())
     }
 
-    /// An obstacle as it stands.
+    /// Copy of an obstacle.
     fn __getitem__(&self, name: &str) -> PyResult<Obstacle> {
         Ok(Obstacle(self.obstacle(name).or_raise()?))
     }
@@ -423,7 +429,7 @@ impl World {
     }
 }
 
-/// A shape's error with the obstacle's name.
+/// Adds the name of the obstacle to an error of its shape.
 fn named(name: &str) -> impl FnOnce(collision::ShapeError) -> WorldError {
     let name = name.to_owned();
     move |error| WorldError::Shape { name, error }

@@ -1,4 +1,4 @@
-//! One obstacle as it stands, and how far two are apart.
+//! Obstacles and distances between them.
 
 use kinopt::collision::ShapeKind;
 use numpy::{PyArray1, PyArray2};
@@ -8,13 +8,13 @@ use pyo3::types::PyDict;
 use crate::arrays;
 use crate::placement;
 
-/// An obstacle of a world as it stood when it was asked for. Got from `World[name]`.
+/// Copy of an obstacle of a world, from `World[name]`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Obstacle(pub(crate) kinopt::collision::Obstacle);
 
 #[pymethods]
 impl Obstacle {
-    /// Its name in the world.
+    /// Name in the world.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name
@@ -37,8 +37,8 @@ impl Obstacle {
         }
     }
 
-    /// Its numbers by their names, as `World.add_box` and its like take them; arrays for convex hulls (whose "points" are their
-    /// corners, with "triangles"), meshes, height fields and points.
+    /// Dimensions by name, as in `World.add_box` and the other methods; arrays for convex hulls (whose "points" are
+    /// their corners, with "triangles"), meshes, height fields and points.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measures = PyDict::new(py);
@@ -74,25 +74,25 @@ impl Obstacle {
         Ok(measures)
     }
 
-    /// Where it stands, shape (4, 4): in the world, or in the frame that it is attached to.
+    /// Placement, shape (4, 4), in the world, or in the frame that it is attached to.
     #[getter]
     fn placement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         placement::to_array(py, &self.0.placement)
     }
 
-    /// The frame of the robot that it moves with, or None.
+    /// Frame of the robot that it is attached to, or None.
     #[getter]
     fn attached(&self) -> Option<&str> {
         self.0.attached.as_deref()
     }
 
-    /// The links of the robot, and the obstacles, that it may touch (`World.allow_touch`).
+    /// Links and obstacles of its allowed collisions (`World.allow_touch`).
     #[getter]
     fn may_touch(&self) -> Vec<String> {
         self.0.may_touch.clone()
     }
 
-    /// What was found about its shape and taken all the same: that a mesh is open and so has no inside, say.
+    /// Properties of its accepted shape, such as an open mesh without an interior.
     #[getter]
     fn notes(&self) -> Vec<String> {
         let notes = self.0.shape.notes().iter();
@@ -118,13 +118,14 @@ fn table<'py>(py: Python<'py>, numbers: &[f64], columns: usize) -> PyResult<Boun
     arrays::list(py, numbers).call_method1("reshape", shape)
 }
 
-/// How far two obstacles are apart, in world coordinates.
+/// Distance between two obstacles, in world coordinates.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Separation(pub(crate) kinopt::collision::Separation);
 
 #[pymethods]
 impl Separation {
-    /// In metres: positive apart, 0 touching, negative overlapping, by the shortest way that frees them.
+    /// Distance in metres: positive if apart, 0 in contact, negative by the penetration depth, along the shortest
+    /// separating translation.
     #[getter]
     fn distance(&self) -> f64 {
         self.0.distance
@@ -142,8 +143,8 @@ impl Separation {
         arrays::list(py, &self.0.on_second.to_array())
     }
 
-    /// Of unit length, from the first to the second, shape (3,): the distance grows by as much as the second moves
-    /// this way.
+    /// Unit vector from the first to the second, shape (3,): motion of the second along it increases the distance by
+    /// its length.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.0.normal.to_array())

@@ -1,4 +1,4 @@
-"""A real browser, without a screen, for the tests of the viewer's pages."""
+"""A headless browser for the tests of the viewer's pages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MISSING = (
     "SKIPPED: THE BROWSER TESTS OF THE VIEWER DID NOT RUN: {}. They need viser and playwright "
     "(pip install 'kinopt[view,browser]') and Chromium (apt-get install chromium, or KINOPT_CHROMIUM=its path)"
 )
-#: Chromium draws by its own software, and asks nothing of any network.
+#: Chromium renders in software and accesses no network.
 FLAGS = [
     "--headless",
     "--no-sandbox",
@@ -30,7 +30,7 @@ FLAGS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 ]
-#: What viser's own page writes to its console when it starts.
+#: Console messages of viser's page at its start.
 STARTING = (
     "Detected ",
     "WebGL support:",
@@ -38,13 +38,13 @@ STARTING = (
     "Connected! ",
     "Tried to send ViewerCameraMessage but websocket is not connected!",
     "THREE.Clock: This module has been deprecated",
-    # Drawn by software, and read back by pictures that the tests take.
+    # From software rendering and from reading pictures back.
     "[Performance] Setting DPR",
 )
 
 
 def left_out(why: str) -> None:
-    """Says aloud that these tests do not run."""
+    """Reports that these tests do not run."""
     text = MISSING.format(why)
     warnings.warn(text, stacklevel=2)
     pytest.skip(text)
@@ -52,7 +52,7 @@ def left_out(why: str) -> None:
 
 @pytest.fixture(scope="session")
 def chromium():
-    """A Chromium, driven by Playwright."""
+    """A Chromium, controlled by Playwright."""
     try:
         import viser  # noqa: F401
         from playwright.sync_api import sync_playwright
@@ -69,22 +69,22 @@ def chromium():
 
 @dataclass
 class Tab:
-    """A page of the viewer in the browser, and all that it says and is sent."""
+    """A page of the viewer in the browser, with its messages and received data."""
 
     tab: object
     page: object
     console: list = field(default_factory=list)
-    #: Bytes of each message that the page was sent.
+    #: Size of each message that the page received, bytes.
     received: list = field(default_factory=list)
 
     @property
     def client(self):
-        """What viser knows of this tab."""
+        """The client of viser for this tab."""
         (client,) = self.page.scene.server.get_clients().values()
         return client
 
     def pixel(self, position):
-        """Where a place of the model is on the page, in pixels from its left upper corner, shape (2,)."""
+        """Pixel of a position of the model on the page, from the upper left corner, shape (2,)."""
         camera = self.client.camera
         w, x, y, z = camera.wxyz
         turned = np.array(
@@ -102,7 +102,7 @@ class Tab:
         return middle + focal * ahead[:2] / ahead[2]
 
     def colors(self):
-        """The picture that the page shows, shape (height, width, 3)."""
+        """Picture of the page, shape (height, width, 3)."""
         import io
 
         from PIL import Image
@@ -112,31 +112,31 @@ class Tab:
         )
 
     def settle(self, seconds=0.6):
-        """Lets the browser draw what it was sent."""
+        """Waits for the browser to draw what it received."""
         self.tab.wait_for_timeout(1000 * seconds)
 
     def until(self, holds, seconds=120.0):
-        """Waits until `holds()`, which is then asserted by who waited, while the browser goes on."""
+        """Waits until `holds()` while the browser runs; the caller then asserts it."""
         wait_until(holds, pause=lambda: self.settle(0.1), seconds=seconds)
 
     def hear_all(self):
-        """Waits until the server has nothing more to say."""
+        """Waits until the server sends nothing more."""
         heard = -1
         while heard != len(self.received):
             heard = len(self.received)
             self.settle(1.5)
 
     def status(self):
-        """The status that the page shows, as text."""
+        """Status on the page, as text."""
         return self.tab.locator(".kinopt-status").inner_text()
 
     def come_to_rest(self, looks=5):
-        """Waits until several looks in a row find nothing that moves, and the page shows what there is to tell."""
+        """Waits until several successive looks find no motion and an up-to-date page."""
         before, same = None, 0
 
         def rests():
             nonlocal before, same
-            # Asked of the page first, which by then has sent what the mouse did.
+            # Read from the page first, which has then sent all mouse events.
             told = self.status()
             page = self.page
             now = [target.placement.tobytes() for target in page.targets.values()]
@@ -148,7 +148,7 @@ class Tab:
         self.until(rests)
 
     def dismiss_notes(self):
-        """Closes the browser's notes, on drawing by software."""
+        """Closes the browser's notes about software rendering."""
         for close in self.tab.locator(".mantine-Notification-closeButton").all():
             close.click()
         self.settle(0.5)
@@ -156,14 +156,14 @@ class Tab:
 
 @pytest.fixture
 def open_tab(chromium):
-    """Opens a page of the viewer in the browser: `open_tab(page)`, on a coarse screen unless it is to be `sharp`."""
+    """Opens a page of the viewer in the browser: `open_tab(page)`, at low resolution unless `sharp`."""
     opened = []
 
     def open_one(page, width=820, height=480, sharp=False):
-        # What software draws takes as long as it has points.
+        # The time of software rendering depends on the number of pixels.
         scale = 1.0 if sharp else 0.5
         tab = chromium.new_page(viewport={"width": width, "height": height}, device_scale_factor=scale)
-        # A busy machine takes its time.
+        # Long, for machines with other load.
         tab.set_default_timeout(120_000)
         shown = Tab(tab, page)
         opened.append(shown)
@@ -188,6 +188,6 @@ def open_tab(chromium):
 
 
 def unexpected(console):
-    """What the console says beyond how viser's page starts."""
+    """Console messages other than those of viser's start."""
     lines = (line for line in console if not line.split(": ", 1)[1].startswith(STARTING))
     return [line for line in lines if "GPU stall due to ReadPixels" not in line]

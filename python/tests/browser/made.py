@@ -1,4 +1,4 @@
-"""A glTF scene and a capture, made of rigs that ship with the project: y up and z ahead, as such files have it."""
+"""A glTF scene and a motion capture, built from the shipped rigs: y up and z ahead, as in such files."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 import kinopt
 import numpy as np
 
-#: Rigs look along x, with z up.
+#: Rigs face along x, with z up.
 SCENE_FROM_RIG = np.array(
     [[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
 
 
 def keyframes(rig: kinopt.Rig, name: str) -> tuple[kinopt.animation.Armature, kinopt.animation.Clip]:
-    """A rig's bones in a scene, and its keyframes as a clip."""
+    """The bones of a rig in a scene, and its keyframes as a clip."""
     armature = kinopt.animation.Armature.of_skeleton(rig.skeleton.placed(SCENE_FROM_RIG))
     keys = kinopt.animation.Clip.builder(name, armature)
     keys.euler_clip(rig.clip)
@@ -22,7 +22,7 @@ def keyframes(rig: kinopt.Rig, name: str) -> tuple[kinopt.animation.Armature, ki
 
 
 def write_scene(rig: kinopt.Rig, name: str, path: Path) -> None:
-    """A rig as a binary glTF file: its mesh, its skin, its keyframes."""
+    """Writes a rig as a binary glTF file: its mesh, its skin, its keyframes."""
     armature, clip = keyframes(rig, "Keys")
     positions = np.asarray(rig.mesh.positions, dtype=float) @ SCENE_FROM_RIG[:3, :3].T
     mesh = kinopt.TriangleMesh(positions, rig.mesh.triangles)
@@ -34,6 +34,6 @@ def write_scene(rig: kinopt.Rig, name: str, path: Path) -> None:
 
 
 def write_capture(rig: kinopt.Rig, path: Path) -> None:
-    """A rig's keyframes as motion capture."""
+    """Writes the keyframes of a rig as motion capture."""
     armature, clip = keyframes(rig, path.stem)
     kinopt.io.bvh_write(armature, clip, 60.0, path)

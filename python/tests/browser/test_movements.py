@@ -1,4 +1,4 @@
-"""A person's movement beside the robot that it was brought onto, in a real browser: both are drawn, and both move."""
+"""A subject next to the robot with its retargeted motion, in a real browser: both are drawn, and both move."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
         before = shown.colors()
         page.call(lambda: page.time.show(1.2))
         shown.come_to_rest()
-        # The robot stands as it was found, and the person where the capture has them.
+        # The robot has the solved configuration, and the subject the captured positions.
         frame = round(1.2 * movement.movement.fps)
         assert np.array_equal(page.body.q, movement.movement.q[frame])
         hand = movement.movement.capture.joints.index("left_hand")
@@ -40,7 +40,7 @@ def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
         column, row = shown.pixel(place).round().astype(int)
         assert _orange(shown)[row - 6 : row + 7, column - 6 : column + 7].any(), "the hand is drawn elsewhere"
         assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.001
-        # Played by its button, time goes on.
+        # After a click on its button, time passes.
         shown.tab.get_by_role("button", name="Play").click()
         shown.until(lambda: page.time.now != 1.2)
         assert page.time.now != 1.2

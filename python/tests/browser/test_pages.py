@@ -1,4 +1,4 @@
-"""Pages in a real browser: gizmos are dragged with the mouse, the mesh follows, limits hold, and all is told."""
+"""Pages in a real browser: gizmos are dragged with the mouse, the mesh follows, limits hold, and misses are shown."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def opened():
 
 
 class Watched:
-    """Every configuration that a page shows while it is watched."""
+    """Every configuration that a page shows while it is observed."""
 
     def __init__(self, page):
         self.q = []
@@ -51,9 +51,9 @@ class Watched:
 
 
 def drag(shown, frame, way, points=25, back=False):
-    """Drags the gizmo of a frame by one of its arrows along `way`, with the mouse, and `back` where that is asked for.
+    """Drags the gizmo of a frame by one of its arrows along `way`, with the mouse, and `back` if requested.
 
-    Before the mouse goes back it is looked at what is there: a list of the status' texts is returned.
+    Returns the texts of the status before the mouse goes back.
     """
     target = shown.page.targets[frame]
     place = target.placement
@@ -69,7 +69,7 @@ def drag(shown, frame, way, points=25, back=False):
         shown.come_to_rest()
         texts.append(shown.status())
 
-    # An arrow is taken once the page has drawn the mouse above it, which takes as long as the machine is busy.
+    # An arrow can be dragged once the page has drawn the mouse over it, which takes a variable time.
     for _ in range(10):
         mouse.move(*start)
         shown.settle(0.3)
@@ -89,7 +89,7 @@ def drag(shown, frame, way, points=25, back=False):
 
 
 def along_an_axis(place, way):
-    """The part of a way along the axis of a placement that it is nearest to."""
+    """Component of a vector along the nearest axis of a placement."""
     share = place[:3, :3].T @ way
     axis = int(np.abs(share).argmax())
     return share[axis] * place[:3, axis]
@@ -115,7 +115,7 @@ def test_the_pandas_tool_is_dragged(opened, open_tab):
     assert len(watched.q) >= 10 and watched.hold_limits(page.body.model)
     assert page.status.text.startswith("Reached")
     assert shown.status().startswith("Reached")
-    # The picture follows, and only transforms travel: nothing near the size of a mesh.
+    # The picture follows, and only transforms are sent: nothing near the size of a mesh.
     assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.01
     assert max(shown.received[sent:]) < 20_000 < max(shown.received[:sent])
     assert unexpected(shown.console) == []
@@ -129,7 +129,7 @@ def test_what_is_out_of_reach_is_told(opened, open_tab):
     page.call(lambda: page.set_turns(False))
     missed, reached = drag(shown, frame, [0.0, 0.0, 1.0], points=15, back=True)
     assert missed.startswith("Missed") and "misses by" in missed and "No joint limit" in missed
-    # Beside the gizmo stands by how much.
+    # The distance is shown next to the gizmo.
     assert missed.endswith(" off")
     assert reached.startswith("Reached") and page.status.marks == {}
     assert page.answer.solution.reached and error_of(page, frame) < 1e-6
@@ -151,9 +151,9 @@ def test_the_humanoids_hand_is_dragged_and_its_mesh_follows(opened, open_tab):
     for frame, place in pinned.items():
         assert np.linalg.norm(page.body.frame(frame)[:3, 3] - place) < 1e-5
     assert len(watched.q) >= 10 and watched.hold_limits(page.body.model)
-    # No joint leaps.
+    # No joint jumps.
     assert np.abs(np.diff(np.array(watched.q), axis=0)).max() <= 0.15 + 1e-9
-    # The forearm's skin is where the library says: skin's colour there now, and background there before.
+    # The forearm's skin is where the library computes it: the colour of skin now, of the background before.
     mesh = page.body.pieces()[0].solid.vertices
     elbow, wrist = (page.body.frame(frame)[:3, 3] for frame in ("left_forearm", "left_hand"))
     middle = (elbow + wrist) / 2

@@ -1,4 +1,4 @@
-"""The pictures of the docs, as the pages show them: taken where KINOPT_PICTURES says where they go."""
+"""Pictures of the documentation, as the pages show them: written to the folder KINOPT_PICTURES."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from kinopt.view.opening import open_page  # noqa: E402
 
 MODELS = Path(__file__).parents[3] / "models"
 PICTURES = os.environ.get("KINOPT_PICTURES")
-#: Pictures that people keep elsewhere, such as Khronos' fox, are opened too where this folder is given.
+#: Folder of pictures outside the repository, such as Khronos' fox; they are opened only if it is given.
 SHARED = os.environ.get("KINOPT_SHARED")
 
 
 def model(kind, folder):
-    """The file of a picture's model, made if need be."""
+    """The file of a picture's model, created if missing."""
     rig = kinopt.Rig.read(MODELS / "robot-arm" / "robot-arm.json")
     person = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     match kind:
@@ -40,7 +40,7 @@ def model(kind, folder):
     return Path(SHARED) / "assets" / "gltf" / "Fox.glb"
 
 
-#: What is dragged, and how far, as shares of the figure's size; when in the clip.
+#: Dragged frame, displacement relative to the model's size, and time in the clip.
 SCENES = {
     "panda": ("tool", [0.15, 0.2, -0.1], None),
     "obstacles": ("tool", [0.1, -0.1, -0.45], None),
@@ -52,10 +52,10 @@ SCENES = {
 }
 
 
-#: Kinds that are opened without KINOPT_PICTURES: the other kinds open as in `test_pages` and `test_movements`.
+#: Kinds that are opened without KINOPT_PICTURES: the others open as in `test_pages` and `test_movements`.
 TRIED = ("window", "gltf")
 
-#: What bodies keep clear of.
+#: Worlds of collision avoidance.
 WORLDS = {"obstacles": MODELS / "worlds" / "table.json", "window": MODELS / "worlds" / "window.json"}
 
 

@@ -1,4 +1,4 @@
-//! Away from what touches, along the freedom that a target leaves.
+//! Null-space search for a collision-free configuration.
 
 use super::{ClearRoom, KeepClear};
 use crate::arm::Reply;
@@ -6,14 +6,14 @@ use crate::arm::arm::Arm;
 use crate::arm::lanes_or_core::Query;
 use crate::arm::workspace::{ArmWorkspace, Errors};
 
-/// Steps are so long at first, and no shorter than so, radians.
+/// Initial and smallest step of the search, radians.
 const STEPS: [f64; 2] = [0.2, 0.001];
-/// So many places are looked at.
+/// Largest number of attempts.
 const TRIES: usize = 40;
-/// Directions whose cosine is more are one.
+/// Cosine above which two directions count as one.
 const SAME: f64 = 0.95;
 
-/// What a search along the freedom spent.
+/// Cost of a null-space search.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spent {
     pub(super) attempts: usize,
@@ -21,10 +21,13 @@ pub(super) struct Spent {
 }
 
 impl Arm {
-    /// Moves the workspace's x, whose worst pair is `worst` metres apart, along the freedom that the target leaves until it is free, by
-    /// compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3): a step either way along each
-    /// direction, to the first place that touches less, and half as long where there is none; `most` attempts are made. Whether it is
-    /// free; and what that took.
+    /// Moves the workspace's x along the null space of the goal until it is collision-free. Returns true if that
+    /// succeeds, and the cost.
+    ///
+    /// The method is compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3). Each
+    /// step tries both signs of each direction, and takes the first configuration with less penetration. If there is
+    /// none, the step halves. `worst` is the distance of the worst pair at x, metres; `most` is the largest number of
+    /// attempts.
     pub(super) fn free_along_freedom(
         &self,
         kept: &KeepClear,
@@ -86,9 +89,10 @@ impl Arm {
         Ok((false, spent))
     }
 
-    /// Takes the place beside `from` for the workspace's trial: by so much, radians (a slide by what weighs as much), along what of a
-    /// joint's motion leaves the tool where it is, within the bounds of its question. Whether there is such a motion. The workspace's
-    /// Jacobian is that at `from`.
+    /// Writes a configuration near `from` to the workspace's trial, along the null-space part of a joint's motion.
+    ///
+    /// The motion is `by` radians long (prismatic joints by the metres that weigh as much), clamped to the bounds. The
+    /// workspace must hold the Jacobian at `from`. Returns false if the joint has no null-space motion.
     pub(super) fn stand_beside(
         &self,
         workspace: &mut ArmWorkspace,
@@ -96,7 +100,7 @@ impl Arm {
         joint: usize,
         by: f64,
     ) -> bool {
-        // Lent for the motion, so that nothing is allocated.
+        // The buffer holds the motion first, so that nothing is allocated.
         let mut motion = std::mem::take(&mut workspace.trial);
         motion.fill(0.0);
         motion[joint] = by;
@@ -123,7 +127,7 @@ impl Arm {
     }
 }
 
-/// Whether the way from one place to another goes about along one that is known.
+/// Returns true if the direction from `from` to `place` is about the known one.
 fn is_along(known: &[f64], place: &[f64], from: &[f64]) -> bool {
     let (mut product, mut squares) = (0.0, [0.0; 2]);
     for ((known, place), from) in known.iter().zip(place).zip(from) {

@@ -1,18 +1,22 @@
-//! Many configurations at once, eight in lanes.
+//! Collision checks of many configurations, eight per pass in SIMD lanes.
 
 use crate::arm::arm::Arm;
 use crate::arm::{PoseOutcome, QueryError, Reply};
 use crate::collision::in_lanes::CHECKED;
 
 impl Arm {
-    /// Which configurations of the arm, one after another in `q`, are surely clear: the spheres that cover its links come nowhere
-    /// nearer than the margin. Eight are checked at once in SIMD lanes, which is some twenty times as fast as
-    /// [`collisions`](Self::collisions); where the spheres stick out of the shapes, one that is not clear by them may still be free. Links
-    /// that stand so near each other that their spheres nearly always meet, as a wrist's, are told apart by their shapes.
-    /// Where there are no spheres, or what they cannot say is asked (an attached obstacle), the shapes decide.
+    /// Sets `clear` for each configuration in `q`, in sequence, that is proven collision-free by spheres.
+    ///
+    /// The spheres cover the links, and none is nearer than the margin. Eight configurations are checked per pass, some
+    /// twenty times as fast as by [`collisions`](Self::collisions). Spheres may protrude from the shapes, so a
+    /// configuration that fails may still be free.
+    ///
+    /// Link pairs so close that their spheres nearly always overlap, as in a wrist, are checked by their shapes. The
+    /// shapes also decide if there are no spheres, or if an obstacle is attached.
     ///
     /// # Errors
-    /// An arm without a [checker](Self::with_checker), of which it is not known what it touches; slices of the wrong length, or a configuration that is not finite.
+    /// Returns an error for an arm without a [checker](Self::with_checker), slices of the wrong length, or a
+    /// configuration that is not finite.
     pub fn clear_by_spheres(&self, q: &[f64], clear: &mut [bool]) -> Result<(), QueryError> {
         self.check_length("q", q.len(), self.joint_count() * clear.len())?;
         self.check_finite(q)?;
@@ -23,7 +27,7 @@ impl Arm {
         self.for_each_touching(q, false, |place| clear[place] = false)
     }
 
-    /// Takes back that attempts reached which touch something.
+    /// Marks attempts in collision as not reached.
     pub(in crate::arm) fn take_back_touching(
         &self,
         q: &[f64],
@@ -32,7 +36,8 @@ impl Arm {
         self.for_each_touching(q, true, |place| outcomes[place].reached = false)
     }
 
-    /// Visits the configurations, by place, that are not surely clear by their spheres, nor where `by_shapes` by the exact check.
+    /// Visits the indices of the configurations that are not proven free by spheres, nor, if `by_shapes`, by the exact
+    /// check.
     pub(super) fn for_each_touching(
         &self,
         q: &[f64],

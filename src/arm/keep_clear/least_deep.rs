@@ -1,4 +1,4 @@
-//! Where nothing is free: the solution that touches least.
+//! Solution of least penetration, for queries without a collision-free one.
 
 use super::search::LOOKED_AT;
 use super::{ClearRoom, KeepClear};
@@ -8,8 +8,10 @@ use crate::arm::lanes_or_core::Query;
 use crate::arm::workspace::ArmWorkspace;
 
 impl Arm {
-    /// Stands at the solution found whose worst pair is nearest to being free, of those that there is time to look at; the workspace's own
-    /// x is one of them. How far that pair is apart, metres.
+    /// Moves the workspace's x to the solution found with the least penetration, as far as time allows; x itself
+    /// included.
+    ///
+    /// Returns the distance of its worst pair, metres.
     pub(super) fn stand_least_deep(
         &self,
         kept: &KeepClear,

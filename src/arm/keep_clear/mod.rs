@@ -1,4 +1,4 @@
-//! What an arm keeps clear of, compiled for its chain.
+//! Collision avoidance of an arm, compiled for its chain.
 
 mod along_freedom;
 mod by_spheres;
@@ -22,27 +22,27 @@ use crate::model::{FrameId, JointId, Model};
 use crate::search::{BodyKind, Collision};
 use crate::spatial::Placement;
 
-/// Lanes and the exact check place parts by different roundings: so much nearer counts in lanes, metres.
+/// Additional margin of the SIMD checks, metres: they round placements differently from the exact check.
 const SLACK: f64 = 1e-9;
 
-/// A checker for the configurations of one arm.
+/// Collision checker for the configurations of one arm.
 #[derive(Debug)]
 pub(super) struct KeepClear {
     checker: Checker,
-    /// The same farther off, where steps are to stop.
+    /// Checker with a larger margin, for steps that are cut short.
     cautious: Checker,
-    /// A configuration of the whole model: what is not the arm's keeps still there.
+    /// Configuration of the whole model, which gives the positions of the joints outside the arm.
     rest: Vec<f64>,
-    /// Something is too near that no joint of the arm moves: nothing is free.
+    /// True if a pair that no joint of the arm moves is too near, so that nothing is collision-free.
     never_free: bool,
-    /// Where the chain can be placed in lanes and there are spheres.
+    /// SIMD checks, if the chain supports them and there are spheres.
     lanes: Option<InLanes>,
-    /// Pairs of links that lanes leave out, by their places in the checker's model: they are too close for spheres to tell.
+    /// Link pairs too close for spheres, by index in the checker's model; the SIMD checks leave them out.
     close_pairs: Vec<[usize; 2]>,
     check_time: CheckTime,
 }
 
-/// Spheres and solids in the base's frame.
+/// Spheres and solids for SIMD checks, in the base frame.
 #[derive(Debug)]
 struct InLanes {
     bodies: Arc<BodyChain>,
@@ -50,46 +50,49 @@ struct InLanes {
     base_from_world: Placement<f64>,
 }
 
-/// Room for checks.
+/// Workspace of the collision checks.
 #[derive(Clone, Debug)]
 pub(super) struct ClearRoom {
     rooms: Rooms,
     exact: CheckerWorkspace,
     q_model: Vec<f64>,
-    /// Where a way begins.
+    /// Configuration of the whole model at the start of a motion.
     q_from: Vec<f64>,
-    /// Up to eight configurations.
+    /// Up to eight configurations, in sequence.
     several: Vec<f64>,
-    /// Where attempts begin, and their targets.
+    /// Start configurations of attempts.
     seeds: Vec<f64>,
+    /// Targets of these attempts.
     targets: Vec<Placement<f64>>,
-    /// How many more solutions of a question may be looked at by their shapes.
+    /// Number of solutions of a query that may still be checked by shapes.
     by_shapes: usize,
 }
 
 impl Arm {
-    /// The same arm, kept clear of a world and of itself: a solution is reached only if all pairs are at least the checker's
-    /// margin apart, by the exact distances of shapes. `q_model` (the length of a configuration of the checker's model, which is the
-    /// arm's own) says where the joints that are not the arm's stand meanwhile. The seed atlas is shared, so that an arm
-    /// for a world that changed takes microseconds.
+    /// The same arm with avoidance of collisions with a world and with itself.
     ///
-    /// Where the answer of a plain arm touches something, further attempts follow, checked eight at a time, until one is
-    /// free, and where none is, the one that touches least is moved along the freedom that the target leaves. Which solution is wanted stays what
-    /// the [search](super::Search) says: the first attempt from the start that is free, or the nearest that is. What no joint of the
-    /// arm moves, as the base on its table, is judged once, by its shapes: where it touches, no solution is free, and none is searched for.
+    /// A solution is reached only if all pairs are at least the checker's margin apart, by the exact distances of
+    /// shapes. `q_model` is a configuration of the checker's model, which must be the arm's; it gives the positions of
+    /// joints outside the arm. The seed atlas is shared, so an arm for a changed world takes microseconds to build.
     ///
-    /// Paths, followers and servos stop before they touch: a step is cut short where the way to its end, on which all joints move
-    /// evenly, is not surely [free](Checker::way), unless the freedom that a target leaves goes round; its solution is not reached and
-    /// says what is in the way. Steps after it go on from there. What touches where a step begins comes no nearer in it, and parts where the
-    /// path leads away ([`Checker::way_from_contact`]); no step is reached until it has.
+    /// If the plain solution collides, further attempts follow, checked eight at a time. The [search](super::Search)
+    /// decides which one counts: the first collision-free attempt from the start, or the nearest. If none is free, the
+    /// one of least penetration moves along the null space. Pairs that no joint of the arm moves, such as the base on
+    /// its table, are checked once, by their shapes. If they collide, no solution is free, and none is searched for.
+    ///
+    /// Paths, followers and servos stop before a collision. A step is cut short if the motion to its end, with linear
+    /// joint interpolation, is not proven [free](Checker::way). Null-space motion may avoid the obstacle instead. A
+    /// step cut short is not reached, and its solution names the collision; later steps continue from there. A pair in
+    /// contact at the start of a step comes no nearer, and separates when the path leads away
+    /// ([`Checker::way_from_contact`]). No step is reached until it has.
     ///
     /// # Errors
-    /// A checker of another model, or a configuration of the wrong length or not finite.
+    /// Returns an error for a checker of another model, or a configuration of the wrong length or not finite.
     pub fn with_checker(self, checker: &Checker, q_model: &[f64]) -> Result<Self, ArmError> {
         self.with_checker_after(checker, q_model, None)
     }
 
-    /// The same, sharing what the arm of the same chain that has `before` need not make anew.
+    /// The same arm with a checker, sharing compiled parts of `before`, of an arm of the same chain.
     fn with_checker_after(
         self,
         checker: &Checker,
@@ -99,16 +102,20 @@ impl Arm {
         let mut arm = self;
         let kept = KeepClear::new(&arm, checker, q_model, before)?;
         arm.collisions = Some(Arc::new(kept));
-        // Room for another checker is none.
+        // A workspace of another checker is invalid.
         arm.for_each_workspace(|workspace| workspace.clear_room = None);
         Ok(arm)
     }
 
-    /// The same arm in another world, as that stands now, with another margin (metres) or the same; it shares the seed atlas.
+    /// The same arm in another world, in its present state, with another margin (metres) or the same one.
+    ///
+    /// The seed atlas is shared.
     ///
     /// # Errors
-    /// An arm without a [checker](Self::with_checker), a margin that is negative or not finite, an obstacle attached to a
-    /// frame that the robot does not have.
+    /// Returns an error for:
+    /// - An arm without a [checker](Self::with_checker).
+    /// - A margin that is negative or not finite.
+    /// - An obstacle attached to a frame that the robot does not have.
     pub fn with_world(
         &self,
         world: &World,
@@ -130,16 +137,16 @@ impl Arm {
             .with_checker_after(&checker, &kept.rest, Some(kept))
     }
 
-    /// Whether the arm was given something to keep clear of.
+    /// Returns true if the arm avoids collisions.
     pub(super) fn keeps_clear(&self) -> bool {
         self.collisions.is_some()
     }
 
-    /// The pairs that are nearer to each other than the margin at a configuration of the arm, the deepest first.
+    /// Pairs that are nearer to each other than the margin at a configuration of the arm, the deepest first.
     ///
     /// # Errors
-    /// An arm without a [checker](Self::with_checker), of which it is not known what it touches; a configuration of the wrong length, or
-    /// one that is not finite.
+    /// Returns an error for an arm without a [checker](Self::with_checker), or a configuration of the wrong length or
+    /// not finite.
     pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         match self.keeps_clear() {
             true => self.touching(q),
@@ -147,7 +154,7 @@ impl Arm {
         }
     }
 
-    /// The same; nothing where there is nothing to keep clear of.
+    /// [`collisions`](Self::collisions), but empty for an arm without a checker.
     pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
         self.check_finite(q)?;
@@ -157,7 +164,7 @@ impl Arm {
         }
     }
 
-    /// Lends a workspace, and the room in it for what is checked.
+    /// Runs a function with a workspace and its buffers for collision checks.
     fn with_room<T>(
         &self,
         kept: &KeepClear,
@@ -190,10 +197,10 @@ impl KeepClear {
         }
         let mut rest = q_model.to_vec();
         let mut q = vec![0.0; arm.joint_count()];
-        // The lengths were checked.
+        // The lengths were checked above.
         let _ = arm.joint_values(&rest, &mut q[..]);
         let _ = arm.configuration(&q, &mut rest);
-        // As they stand within their limits, with the joints that the arm has locked.
+        // Clamped to their limits, with the joints that the arm locks.
         let _ = arm.joint_values(&rest, &mut q[..]);
         let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
         let own = Own {
@@ -225,7 +232,7 @@ impl KeepClear {
         })
     }
 
-    /// The same lanes for a checker of the same shapes, where only its world is different.
+    /// SIMD checks for a checker that differs only in its world.
     fn lanes_in(&self, checker: &Checker, rest: &[f64]) -> Option<InLanes> {
         let same = checker.margin() == self.checker.margin() && rest == self.rest;
         let lanes = self.lanes.as_ref().filter(|_| same)?;
@@ -253,7 +260,7 @@ impl KeepClear {
         }
     }
 
-    /// The pairs that are too near at a configuration of the arm.
+    /// Pairs that are too near at a configuration of the arm.
     pub(in crate::arm) fn collisions(
         &self,
         arm: &Arm,
@@ -265,25 +272,26 @@ impl KeepClear {
         Ok(self.check_time.measured(arm, check)?)
     }
 
-    /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free.
+    /// Distance of the worst pair at a configuration of the arm, metres; infinite if all pairs are free.
     fn worst(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<f64> {
         let pairs = self.collisions(arm, room, q)?;
         Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
     }
 
-    /// Whether all pairs are far enough apart, by the exact check.
+    /// Returns true if all pairs are far enough apart, by the exact check.
     fn is_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         arm.configuration(q, &mut room.q_model)?;
         let check = || self.checker.is_free(&mut room.exact, &room.q_model);
         Ok(self.check_time.measured(arm, check)?)
     }
 
-    /// Whether one that is not surely free by its spheres is so by its shapes: never where spheres are all there is to know.
+    /// Checks a configuration that is not free by spheres by its shapes. Returns false if the first check was exact
+    /// already.
     fn is_free_by_shapes(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
     }
 
-    /// Whether one configuration is free: by its spheres, or where these do not tell by its shapes.
+    /// Returns true if a configuration is free by its spheres, or else by its shapes.
     fn is_clear(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         let by_spheres = self.free_by_spheres(arm, room, q)? & 1 != 0;
         match by_spheres {
@@ -292,7 +300,7 @@ impl KeepClear {
         }
     }
 
-    /// Whether one that is free by its spheres is so by the shapes of those links too that are too close for spheres.
+    /// Checks the link pairs that are too close for spheres by their shapes, for a configuration free by spheres.
     fn close_are_apart(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         if self.close_pairs.is_empty() || self.lanes.is_none() {
             return Ok(true);
@@ -302,8 +310,10 @@ impl KeepClear {
         Ok(self.checker.are_apart(pairs, exact, &room.q_model)?)
     }
 
-    /// Which of up to eight configurations, bit by bit, are free by their spheres but for [close pairs](Self::close_are_apart), or without
-    /// spheres by all shapes.
+    /// Bit mask of up to eight configurations that are free by their spheres, except for [close
+    /// pairs](Self::close_are_apart).
+    ///
+    /// Without spheres the shapes decide.
     fn free_by_spheres(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<u32> {
         let n = arm.joint_count();
         if self.never_free {
@@ -321,7 +331,7 @@ impl KeepClear {
         Ok(!near & ((1 << (q.len() / n)) - 1))
     }
 
-    /// Whether spheres are all there is to know: they are the shapes, or are all that is looked at.
+    /// Returns true if the first check is exact: the spheres are the shapes, or there are no SIMD checks.
     fn spheres_decide(&self) -> bool {
         let exact = self
             .checker
@@ -331,7 +341,7 @@ impl KeepClear {
     }
 }
 
-/// The arm in its model.
+/// Joints and base of the arm in the checker's model.
 struct Own<'a> {
     model: &'a Model,
     joints: &'a [JointId],
@@ -339,7 +349,7 @@ struct Own<'a> {
 }
 
 impl Own<'_> {
-    /// The arm's joints above a frame.
+    /// Joints of the arm above a frame.
     fn above(&self, frame: Option<FrameId>) -> Vec<JointId> {
         let mut above = Vec::new();
         let mut joint = frame.and_then(|frame| self.model.frames()[frame.index()].joint);
@@ -350,14 +360,14 @@ impl Own<'_> {
         above
     }
 
-    /// How many of the arm's joints are on the way from its base to a frame.
+    /// Number of the arm's joints between its base and a frame.
     fn joints_to(&self, frame: Option<FrameId>) -> usize {
         let (a, b) = (self.above(self.base), self.above(frame));
         let only_in = |a: &[JointId], b: &[JointId]| a.iter().filter(|id| !b.contains(id)).count();
         only_in(&a, &b) + only_in(&b, &a)
     }
 
-    /// Whether no joint of the arm moves two things against each other.
+    /// Returns true if no joint of the arm moves the two bodies relative to each other.
     fn is_fixed(&self, pair: &Collision, checker: &Checker) -> bool {
         let joints_to = |name: &str, kind: BodyKind| match kind {
             BodyKind::Link => self.joints_to(self.model.frame(name).ok()),
@@ -372,8 +382,8 @@ impl Own<'_> {
 }
 
 impl InLanes {
-    /// `None` where the arm moves the world in its base's frame, where it carries an obstacle, which has no spheres, and where a link
-    /// has none.
+    /// Returns `None` if the arm moves the world relative to its base, carries an obstacle, or has a link without
+    /// spheres.
     fn new(
         chain: &Chain,
         q: &[f64],
@@ -398,9 +408,9 @@ impl InLanes {
             (body, base_from_world * placed[group.link.index()])
         });
         let bodies: Vec<_> = bodies.collect();
-        // Those that no joint of the arm moves against each other are as they are: judged once, by their shapes.
+        // Pairs that no joint of the arm moves are checked once, by their shapes.
         let counts = |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints;
-        // The checker's own pairs and links: spheres may have been made before those were changed.
+        // Use the checker's pairs and links: the spheres may be older.
         let model = checker.model();
         let close = checker.close_pairs();
         let close = |pair: &&[FrameId; 2]| close.contains(&pair.map(|link| model.place_of(link)));
@@ -428,7 +438,7 @@ impl InLanes {
         })
     }
 
-    /// The same in another world; `None` where the arm carries something there, and where all solids are to be looked at in another way.
+    /// The same in another world; `None` if the arm carries an obstacle there, or all solids must be rebuilt.
     fn in_world(&self, before: &Checker, after: &Checker) -> Option<Self> {
         if after.world().attached().next().is_some() {
             return None;
@@ -449,7 +459,7 @@ impl InLanes {
     }
 }
 
-/// What the bodies of a sphere model may touch.
+/// Allowed collisions of the bodies of a sphere model.
 fn passed(spheres: &SphereModel, checker: &Checker) -> Passed {
     let groups = spheres.groups().iter();
     Passed::new(groups.map(|group| checker.passes_of(group.link)))

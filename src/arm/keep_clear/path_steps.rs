@@ -1,4 +1,4 @@
-//! Steps of a path that stop before they touch.
+//! Steps of a path that stop before a collision.
 
 use super::{ClearRoom, KeepClear};
 use crate::arm::Reply;
@@ -12,14 +12,15 @@ use crate::search::{Collision, Found};
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// A step that is cut short stops so far before the margin, metres, so that the next one can leave.
+/// Distance before the margin at which a shortened step stops, metres, so that the next one can leave.
 pub(super) const STAND_OFF: f64 = 1e-4;
-/// How far freedom is spent to go round something in one step, radians.
+/// Null-space motions that are tried to avoid an obstacle in one step, radians.
 const DODGES: [f64; 3] = [0.04, 0.12, -0.04];
 
 impl Arm {
-    /// Cuts a step of a path short before something touches on the way, or goes round it by the freedom that the target leaves;
-    /// what is in the way is told, and what touches still that touched before.
+    /// Avoids a collision on a step of a path by null-space motion, or cuts the step short before it.
+    ///
+    /// The solution then lists the collision, or the pairs that are still in contact.
     pub(in crate::arm) fn keep_way_clear(
         &self,
         from: &[f64],
@@ -59,8 +60,9 @@ impl Arm {
         })
     }
 
-    /// Looks for a place near `from` that reaches the target by another way of spending the freedom; the nearest whose way is
-    /// free is then in the workspace's x.
+    /// Looks for another configuration near `from` that reaches the target, by null-space motion.
+    ///
+    /// Leaves the nearest one with a collision-free motion in the workspace's x. Returns true if there is one.
     fn go_round_obstacle(
         &self,
         kept: &KeepClear,
@@ -74,7 +76,7 @@ impl Arm {
         workspace.take_twists(self, from);
         let n = self.joint_count();
         let mut q = vec![0.0; n];
-        // One for all of them, not one each.
+        // One deadline for all attempts.
         let deadline = self.deadline();
         let mut best = f64::INFINITY;
         for joint in 0..n {
@@ -104,7 +106,7 @@ impl Arm {
 }
 
 impl KeepClear {
-    /// What is in the way from one configuration of the arm to another, on which all joints move evenly.
+    /// Collision on the motion between two configurations of the arm with linear joint interpolation.
     pub(in crate::arm) fn blocked(
         &self,
         arm: &Arm,
@@ -119,7 +121,7 @@ impl KeepClear {
         Ok(way.blocked_by)
     }
 
-    /// The way on which what touches where it begins comes no nearer.
+    /// Check of a motion on which pairs in contact at its start may come no nearer.
     pub(in crate::arm) fn way_from_contact(
         &self,
         arm: &Arm,
@@ -132,7 +134,7 @@ impl KeepClear {
         Ok(self.checker.way_from_contact(exact, from, to)?)
     }
 
-    /// How much of that way is free with room to spare.
+    /// Fraction of that motion that is free with the larger margin.
     pub(in crate::arm) fn cautious_share(
         &self,
         arm: &Arm,

@@ -1,4 +1,4 @@
-//! The search for a solution that touches nothing.
+//! Search for a collision-free solution.
 
 use super::{ClearRoom, KeepClear};
 use crate::arm::Reply;
@@ -12,16 +12,15 @@ use crate::lanes::{self, PoseOutcome};
 use crate::search::Found;
 use crate::solver::Termination;
 
-/// So many solutions that touch something by their spheres are looked at by their shapes.
+/// Largest number of solutions that are checked by shapes after their spheres collide.
 pub(super) const LOOKED_AT: usize = 32;
-/// So many seeds that are free are enough to run, or any from so many cells. Measured on the problems of MotionBenchMaker: where further cells
-/// are looked through for four, the mean question of the Fetch takes a quarter longer, the Panda's a tenth; with 2 or 8 seeds the UR5's slowest
-/// hundredth a fifth.
+/// Number of collision-free starts that suffices for a group of attempts; 2 and 8 measured slower on MotionBenchMaker.
 const ENOUGH: usize = 4;
+/// Number of cells of the atlas after which a single collision-free start suffices.
 const CELLS: usize = 4;
 
 impl Arm {
-    /// Answers a question by a solution that touches nothing, if one is found.
+    /// Solves a query by a collision-free solution, if one is found.
     pub(in crate::arm) fn answer_clear_of(
         &self,
         kept: &KeepClear,
@@ -48,8 +47,9 @@ impl Arm {
         })
     }
 
-    /// Looks through attempts for one that is free, in the order that the search asks for; the workspace's x is that, or where
-    /// none is, the one that touches least.
+    /// Searches attempts for a collision-free one, in the order of the search preference.
+    ///
+    /// The workspace's x becomes that one, or else the one of least penetration.
     fn search_free(
         &self,
         kept: &KeepClear,
@@ -79,12 +79,12 @@ impl Arm {
         if let Some(place) = free {
             workspace.stand_at_found(place);
             found.termination = Termination::Reached;
-            // After those of the plain answer.
+            // Numbered after the attempts of the plain solution.
             found.number = before.1 + place;
             return Ok(());
         }
         let least = self.stand_least_deep(kept, workspace, room, query)?;
-        // What the plain answer left of its own.
+        // This search may make as many attempts as the plain solution.
         let left = (2 * self.attempts_at(query.target) as usize).saturating_sub(found.attempts);
         let (free, more) = self.free_along_freedom(kept, workspace, room, query, (least, left))?;
         found.attempts += more.attempts;
@@ -100,7 +100,9 @@ impl Arm {
         Ok(())
     }
 
-    /// Runs attempts in groups until one is free: from seeds about the target, half of all at most, then the numbered ones.
+    /// Runs attempts in groups until one is collision-free.
+    ///
+    /// The first half at most begins at the atlas's configurations near the target; the numbered attempts follow.
     fn lowest_free(
         &self,
         kept: &KeepClear,
@@ -130,7 +132,7 @@ impl Arm {
                     cells = self.attempts_about(kept, workspace, room, query, (from, most))?;
                 }
                 None => {
-                    // More at once the longer it takes, as lanes that are done take up others; not where the clock is to be looked at.
+                    // Groups grow, as finished lanes take further attempts, unless a deadline must be checked.
                     let more = query.deadline.map_or(first / 2, |_| 0);
                     let count = more.max(CHECKED as u32).min(wanted - made);
                     self.run_attempts(workspace, query, first, count);
@@ -151,8 +153,10 @@ impl Arm {
         Ok(None)
     }
 
-    /// Runs so many attempts at most from the atlas's seeds in cells about the target, from one on: those whose spheres are free, as a seed's
-    /// links stand nearly where its solution's will. The cell to go on from, if there are more.
+    /// Runs at most `most` attempts from the atlas's configurations in cells around the target, from cell `from` on.
+    ///
+    /// Only starts whose spheres are collision-free run, as a start is close to its solution. Returns the next cell, if
+    /// there are more.
     fn attempts_about(
         &self,
         kept: &KeepClear,
@@ -169,7 +173,7 @@ impl Arm {
         seeds.clear();
         let mut next = Some(from);
         while free == 0 || free < ENOUGH && next.is_some_and(|cell| cell < from + CELLS) {
-            // As many cells as it takes to fill the lanes.
+            // As many cells as fill the lanes.
             while let Some(cell) = next
                 && seeds.len() < (free + CHECKED) * n
             {
@@ -223,8 +227,9 @@ impl Arm {
         Ok(next)
     }
 
-    /// The first of the solutions in the workspace's order, from one on, that is free: by its spheres, or by its shapes as long as more
-    /// may be looked at by them.
+    /// Index of the first collision-free solution in the workspace's order, from `from` on.
+    ///
+    /// Solutions are checked by spheres, and by shapes as long as more such checks are allowed.
     fn first_free(
         &self,
         kept: &KeepClear,
@@ -267,8 +272,9 @@ impl Arm {
         Ok(first)
     }
 
-    /// Takes the solutions out of the workspace's order that touch something, and those for whose check there is no time. Whether all
-    /// were checked.
+    /// Removes solutions in collision from the workspace's order, and those for whose check there is no time.
+    ///
+    /// Returns true if all were checked.
     pub(in crate::arm) fn drop_touching(
         &self,
         workspace: &mut ArmWorkspace,

@@ -1,17 +1,12 @@
-//! Servoing: one target a control cycle, within limits of position, velocity, acceleration and jerk.
+//! Servo: one target per control cycle, within limits of position, velocity, acceleration and jerk.
 //!
-//! A cycle has three parts.
-//! 1. The *goal configuration* goes on to the target on the arm's [branch](super::branch): damped steps from the goal of the last cycle
-//!    (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares
-//!    methods"), within the position limits. Where the target rests the damping fades, so that the arm settles at the
-//!    closest pose.
-//! 2. Each joint has an interval of next steps from which it can still [brake](crate::motion_limits) within all of its limits. So no later
-//!    cycle is infeasible. Every step in it has a position at which the joint would *meet* its goal if it braked
-//!    from now on.
-//! 3. Each joint takes the step in its interval that meets its goal, or comes nearest to that. Joints do not make up for one another:
-//!    where one is at a limit the tool lags, and its path bends.
-//!
-//! Without limits of acceleration a joint meets its goal in the next cycle, and the interval is that of the velocity limit.
+//! 1. The *goal configuration* advances to the target on the arm's [branch](super::branch), by damped steps within the
+//!    position limits (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations and damped
+//!    least-squares methods"). While the target rests the damping fades, so that the arm converges to the closest pose.
+//! 2. Each joint has an interval of next steps from which it can still [brake](crate::motion_limits) within all of its
+//!    limits.
+//! 3. Each joint takes the step in its interval that meets its goal, or comes nearest to that. If a joint is at a
+//!    limit, the tool lags and its path bends.
 
 mod report;
 mod straight_line;
@@ -41,57 +36,59 @@ const GOAL_STEPS: usize = 8;
 const UNLIMITED_STEP: f64 = 0.5 * LONG_STEP;
 /// Default damping, radians.
 const DAMPING: f64 = 0.01;
-/// Share of the damping that is left after each cycle with the same target.
+/// Fraction of the damping that is left after each cycle with the same target.
 const FADING: f64 = 0.7;
-/// Share of a joint's velocity limit that null-space motion uses while the target moves.
+/// Fraction of a joint's velocity limit that null-space motion uses while the target moves.
 const NULL_SPACE_SPEED: f64 = 0.5;
 /// Time constant of null-space motion, seconds.
 const NULL_SPACE_TIME: f64 = 0.03;
 /// Time constant of null-space motion while the tool keeps to a straight line, seconds.
 const NULL_SPACE_TIME_ON_LINE: f64 = 0.15;
-/// Share of an acceleration limit with which null-space motion ends while the tool keeps to a straight line.
+/// Fraction of an acceleration limit with which null-space motion ends while the tool keeps to a straight line.
 const NULL_SPACE_SHARE_ON_LINE: f64 = 0.2;
-/// Share of an acceleration limit that null-space motion uses.
+/// Fraction of an acceleration limit that null-space motion uses.
 const NULL_SPACE_ACCELERATION: f64 = 0.1;
-/// Time in which null-space motion gains its full speed without limits of acceleration, seconds.
+/// Time in which null-space motion gains its full speed without acceleration limits, seconds.
 const NULL_SPACE_RISE: f64 = 0.05;
-/// Distance of a goal's target from the last one from which on it is approached in steps, radians.
+/// Distance of a target from the last one beyond which it is approached in steps, radians.
 const LEAD: f64 = 0.1;
-/// Most of those steps in a cycle.
+/// Largest number of those steps in a cycle.
 const MAX_LEADS: usize = 4;
-/// Speed from which on a joint comes to rest for a cycle before it moves the other way, rad/s.
+/// Speed above which a joint comes to rest for a cycle before it reverses, rad/s.
 const REVERSAL_SPEED: f64 = 0.1;
 
 /// Largest distance beyond a position limit at which a start state may come to rest, radians or metres: rounding.
 const BRAKING_TOLERANCE: f64 = 1e-9;
 
-/// Largest share by which a start state may exceed a velocity limit: rounding.
+/// Largest relative excess of a start state over a velocity limit: rounding.
 const RATE_TOLERANCE: f64 = 1e-9;
 
-/// Follows targets that come at a fixed rate within all limits of the joints: see [`Arm::servo`].
+/// Follower of targets that arrive at a fixed rate, within all limits of the joints: see [`Arm::servo`].
 #[derive(Clone, Debug)]
 pub struct Servo<'a> {
     arm: &'a Arm,
     workspace: ArmWorkspace,
     time_step: f64,
-    /// rad/s or m/s, infinite for none; so are the others.
+    /// Velocity limits, rad/s or m/s; infinite for none.
     velocity_limits: Vec<f64>,
+    /// Acceleration limits, rad/s² or m/s²; infinite for none.
     acceleration_limits: Vec<f64>,
+    /// Jerk limits, rad/s³ or m/s³; infinite for none.
     jerk_limits: Vec<f64>,
     limits: Vec<CycleLimits>,
-    /// m² a rad².
+    /// Damping, m² per rad².
     damping: f64,
-    /// Share of the damping that is left.
+    /// Fraction of the damping that is left.
     fading: f64,
     target: Option<Placement<f64>>,
     /// Target of the goal configuration, which approaches a target that jumps in steps.
     approached: Placement<f64>,
-    /// Motion of that target along a straight line, where that was asked for.
+    /// Motion of that target along a straight line, if enabled.
     line: Option<StraightLine>,
     branch: Branch,
     goal: Vec<f64>,
     history: GoalHistory,
-    /// Whether the arm is on its way to a target that jumped.
+    /// True while the arm moves to a target that jumped.
     catches_up: bool,
     /// Largest null-space motion of the last cycle, radians.
     null_space_step: f64,
@@ -105,18 +102,20 @@ pub struct Servo<'a> {
 }
 
 impl Arm {
-    /// Starts a servo at rest at `start`; it takes a target every `time_step` seconds. The velocity, acceleration and jerk limits of
-    /// the robot's files hold in every cycle, or [others](Servo::with_velocity_limits). A joint without a velocity limit
-    /// moves by at most 0.1 rad a cycle (a prismatic joint by the metres that weigh as much).
+    /// Starts a servo at rest at `start`, which takes a target every `time_step` seconds.
     ///
-    /// The arm stays on its branch and settles at the closest pose to a target out of reach. The null space of a redundant arm goes
-    /// to the posture of the start, or to [another](super::ArmBuilder::with_posture), at half of the velocity limits while the
-    /// target moves. A joint that starts outside its position limits returns at its velocity limit.
+    /// The velocity, acceleration and jerk limits of the robot's files hold in every cycle, or
+    /// [others](Servo::with_velocity_limits). A joint without a velocity limit moves by at most 0.1 rad per cycle (a
+    /// prismatic joint by the metres that weigh as much). A joint faster than 0.1 rad/s comes to rest for a cycle
+    /// before it reverses.
     ///
-    /// A joint that moves faster than 0.1 rad/s comes to rest for a cycle before it moves the other way.
+    /// The arm stays on its branch and converges to the closest pose to a target out of reach. The null space of a
+    /// redundant arm goes to the posture of the start, or to a [given one](super::ArmBuilder::with_posture). It uses
+    /// half of the velocity limits while the target moves. A joint that starts outside its position limits returns at
+    /// its velocity limit.
     ///
     /// # Errors
-    /// A start of the wrong length or not finite; a time step that is not a positive number.
+    /// Returns an error for a start of the wrong length or not finite, or a time step that is not a positive number.
     pub fn servo(&self, start: &[f64], time_step: f64) -> Result<Servo<'_>, QueryError> {
         let n = self.joint_count();
         self.check_length("the start", start.len(), n)?;
@@ -166,8 +165,9 @@ impl Arm {
         Ok(servo)
     }
 
-    /// Velocity limits of the free joints by the robot's file, base to tip, rad/s or m/s; infinite for a joint without
-    /// one. The limits of mimic joints count for the joint that drives them.
+    /// Velocity limits of the free joints from the robot's file, base to tip, rad/s or m/s; infinite for none.
+    ///
+    /// The limits of mimic joints count for the joint that drives them.
     #[must_use]
     pub fn velocity_limits(&self) -> &[f64] {
         &self.rates.velocity
@@ -178,7 +178,7 @@ impl Servo<'_> {
     /// Sets the velocity limits, base to tip, rad/s or m/s: at least 0, infinite for none.
     ///
     /// # Errors
-    /// Another number of limits than free joints; a limit that is negative or NaN.
+    /// Returns an error for another number of limits than free joints, or a limit that is negative or NaN.
     pub fn with_velocity_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
         self.check_limits("velocity_limits", limits, AT_LEAST_0)?;
         self.velocity_limits.copy_from_slice(limits);
@@ -189,7 +189,7 @@ impl Servo<'_> {
     /// Sets the acceleration limits, base to tip, rad/s² or m/s²: above 0, infinite for none.
     ///
     /// # Errors
-    /// Another number of limits than free joints; a limit that is not above 0.
+    /// Returns an error for another number of limits than free joints, or a limit that is not above 0.
     pub fn with_acceleration_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
         self.check_limits("acceleration_limits", limits, ABOVE_0)?;
         self.acceleration_limits.copy_from_slice(limits);
@@ -200,7 +200,7 @@ impl Servo<'_> {
     /// Sets the jerk limits, base to tip, rad/s³ or m/s³: above 0, infinite for none.
     ///
     /// # Errors
-    /// Another number of limits than free joints; a limit that is not above 0.
+    /// Returns an error for another number of limits than free joints, or a limit that is not above 0.
     pub fn with_jerk_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
         self.check_limits("jerk_limits", limits, ABOVE_0)?;
         self.jerk_limits.copy_from_slice(limits);
@@ -227,24 +227,30 @@ impl Servo<'_> {
         Ok(())
     }
 
-    /// Sets the damping: a motion of the tool that needs this many radians of joint motion for a radian (of the tool's rotation, or
-    /// the metres that weigh as much) is made at half of its speed, others the less the easier they are. Radians, at least 0; default
-    /// 0.01. More is calmer near singular configurations and lags there.
+    /// Sets the damping, radians; at least 0. Default 0.01.
+    ///
+    /// A tool motion that needs this many radians of joint motion per radian is made at half of its speed. Metres
+    /// convert by the arm's weight. Easier motions are damped less. More damping is calmer near singular
+    /// configurations, and lags there.
     ///
     /// # Errors
-    /// A number that is negative or not finite.
+    /// Returns an error for a number that is negative or not finite.
     pub fn with_damping(mut self, radians: f64) -> Result<Self, ArmError> {
         BadOption::check("damping", radians, NOT_NEGATIVE)?;
         self.set_damping(radians);
         Ok(self)
     }
 
-    /// Starts from a moving state: velocities (rad/s or m/s) and accelerations (rad/s² or m/s²) of the free joints at the start. Set
-    /// the limits before: the state is compared with those that are set.
+    /// Sets a moving start state: velocities (rad/s or m/s) and accelerations (rad/s² or m/s²) of the free joints.
+    ///
+    /// Set the limits before: the state is checked against the current ones.
     ///
     /// # Errors
-    /// Slices of the wrong length or not finite; a joint whose state violates a velocity or acceleration limit, whose
-    /// acceleration cannot end before a velocity limit, or which cannot brake before a position limit: the error names the joint.
+    /// Returns an error, which names the joint, for:
+    /// - Slices of the wrong length or not finite.
+    /// - A joint whose state violates a velocity or acceleration limit.
+    /// - A joint whose acceleration cannot end before a velocity limit.
+    /// - A joint that cannot brake before a position limit.
     pub fn with_motion(
         mut self,
         velocity: &[f64],
@@ -310,9 +316,11 @@ impl Servo<'_> {
         Ok(self)
     }
 
-    /// Keeps the tool on the straight line to its target (position straight, rotation about one axis): slower rather than off it. Default
-    /// false: each joint takes the shortest time, and the tool's path to a target that jumps is bent. Beside singular
-    /// configurations the tool leaves the line where the joint limits demand it.
+    /// Keeps the tool on the straight line to its target: position straight, rotation about one axis. Default false.
+    ///
+    /// The tool then moves slower rather than off the line. Otherwise each joint takes the shortest time, and the
+    /// tool's path to a target that jumps is bent. Near singular configurations the tool leaves the line if the joint
+    /// limits demand it.
     #[must_use]
     pub fn with_straight_line(mut self, straight: bool) -> Self {
         self.line = straight.then(|| StraightLine::at_rest(self.q.len()));
@@ -324,7 +332,7 @@ impl Servo<'_> {
         self.damping = metres * metres;
     }
 
-    /// The limits a cycle, less what rounding of positions adds to their differences.
+    /// Sets the limits per cycle, less what rounding of positions adds to their differences.
     fn set_cycle_limits(&mut self) {
         let map = &self.arm.serial.map;
         for (i, limits) in self.limits.iter_mut().enumerate() {
@@ -355,10 +363,12 @@ impl Servo<'_> {
         pub fn acceleration(&self) -> &[f64] = &self.acceleration;
     }
 
-    /// One control cycle towards a target. Allocates nothing, unless a collision is in the way.
+    /// Runs one control cycle towards a target. Allocates nothing, unless there is a collision.
     ///
     /// # Errors
-    /// A target that is not a rigid motion; the state is then unchanged. [`stop`](Self::stop) brings a moving arm to rest.
+    /// Returns an error for a target that is not a rigid motion; the state is then unchanged.
+    ///
+    /// [`stop`](Self::stop) brings a moving arm to rest.
     pub fn step(
         &mut self,
         base_from_tool: impl Into<Placement<f64>>,
@@ -384,8 +394,10 @@ impl Servo<'_> {
         Ok(self.report(status, errors))
     }
 
-    /// One control cycle of a stop: every joint brakes as hard as its limits allow. Call it once a cycle until the status is
-    /// [`Stopped`](ServoStatus::Stopped); the next [`step`](Self::step) continues from there.
+    /// Runs one control cycle of a stop: every joint brakes as hard as its limits allow.
+    ///
+    /// Call it once per cycle until the status is [`Stopped`](ServoStatus::Stopped); the next [`step`](Self::step)
+    /// continues from there.
     pub fn stop(&mut self) -> ServoStep<'_> {
         for (i, next) in self.next.iter_mut().enumerate() {
             let joint = &self.joints[i];
@@ -414,7 +426,7 @@ impl Servo<'_> {
         self.workspace.judge_x()
     }
 
-    /// Takes the configuration at which the arm comes to rest for the goal.
+    /// Sets the goal configuration to the one at which the arm comes to rest.
     fn follow_own_motion(&mut self) {
         let map = &self.arm.serial.map;
         for (i, goal) in self.goal.iter_mut().enumerate() {
@@ -448,7 +460,7 @@ impl Servo<'_> {
         }
     }
 
-    /// Moves the goal configuration on to the target; the joints at a position limit that push against it are held.
+    /// Advances the goal configuration to the target, and finds the joints that push against a position limit.
     fn advance_goal(&mut self, target: &Placement<f64>, rests: bool) -> Termination {
         let arm = self.arm;
         let mut ended = Termination::IterationLimit;
@@ -467,7 +479,7 @@ impl Servo<'_> {
                 }
                 None => (LEAD / distance).min(1.0),
             };
-            // On a line one step a cycle.
+            // On a line, one step per cycle.
             let arrives = share >= 1.0 || self.line.is_some();
             self.approached = match share >= 1.0 {
                 true => *target,
@@ -486,7 +498,7 @@ impl Servo<'_> {
                 deadline: None,
             };
             (ended, _) = self.workspace.settle_near(&settling);
-            // In flat valleys short steps creep.
+            // In flat valleys short steps converge slowly.
             if arrives && ended == Termination::IterationLimit && self.branch.rests_long() {
                 (ended, _) = self.workspace.settle(None);
             }
@@ -502,7 +514,7 @@ impl Servo<'_> {
         ended
     }
 
-    /// Takes from a target at once what does not count for the arm's goal, or not in all directions: only the rest is approached.
+    /// Takes over the free parts of a target at once, so that only the rest is approached.
     fn drop_free_parts(&mut self, target: &Placement<f64>) {
         let goal = &self.arm.options.goal;
         if !goal.is_full_pose() {
@@ -513,7 +525,7 @@ impl Servo<'_> {
         }
     }
 
-    /// The box of the goal configuration in a cycle: the position limits, and no farther than a jump.
+    /// Sets the bounds of the goal configuration in a cycle: the position limits, and no motion long enough for a jump.
     fn bound_goal(&mut self) {
         let map = &self.arm.serial.map;
         let question = &mut self.workspace.question;
@@ -524,7 +536,7 @@ impl Servo<'_> {
         }
     }
 
-    /// Null-space motion of the goal configuration.
+    /// Adds null-space motion to the goal configuration.
     fn lead_null_space(&mut self, rests: bool) {
         if !self.arm.has_freedom() {
             return;
@@ -547,7 +559,7 @@ impl Servo<'_> {
         }
         let rise = (self.time_step / NULL_SPACE_RISE).min(1.0);
         let gain = (NULL_SPACE_ACCELERATION * change).min(rise * step);
-        // An arm that is still far from its goal does not show the goal's own motion.
+        // While the arm is far from its goal, the goal's null-space motion does not show.
         let (longest, share) = match rests && self.catches_up {
             true => (LONGEST_EASE, SHARE),
             false => (
@@ -580,7 +592,7 @@ impl Servo<'_> {
         }
     }
 
-    /// Chooses the next step of every joint. Returns whether limits of rates keep one from its goal.
+    /// Chooses the next step of every joint. Returns true if a rate limit keeps one from its goal.
     fn meet_goal(&mut self) -> bool {
         let map = &self.arm.serial.map;
         let reversal = REVERSAL_SPEED * self.time_step;
@@ -588,7 +600,7 @@ impl Servo<'_> {
         for (i, joint) in self.joints.iter().enumerate() {
             let limits = &self.limits[i];
             let (mut lower, mut upper) = joint.viable_changes(limits);
-            // A step against the last one is at most none.
+            // A fast joint does not reverse in this cycle.
             let step = joint.step;
             if step.abs() * self.arm.scale[i] > reversal {
                 if step > 0.0 {
@@ -620,8 +632,9 @@ impl Servo<'_> {
         limited
     }
 
-    /// Replaces the cycle by one of a stop where the arm could not come to rest before a collision after it; the status where
-    /// something is in the way or in contact.
+    /// Replaces the cycle by one of a stop if the arm could not come to rest before a collision after it.
+    ///
+    /// Returns the status if there is a collision ahead or a contact.
     #[cfg(feature = "collision")]
     fn avoid_collisions(&mut self) -> Result<Option<ServoStatus>, QueryError> {
         let (arm, workspace) = (self.arm, &mut self.workspace);
@@ -630,7 +643,7 @@ impl Servo<'_> {
             return Ok(None);
         };
         let room = workspace.clear_room.get_or_insert_with(|| kept.room());
-        // The configuration at which the arm would come to rest.
+        // Configuration at which the arm would come to rest.
         for (i, x) in workspace.x.iter_mut().enumerate() {
             *x = self.next[i].q + self.next[i].stop(&self.limits[i]).end;
         }
@@ -681,7 +694,7 @@ impl Servo<'_> {
         Ok(Some(status))
     }
 
-    /// Takes the chosen states of the joints.
+    /// Applies the chosen states of the joints.
     fn commit(&mut self) {
         let (map, t) = (&self.arm.serial.map, self.time_step);
         for (i, joint) in self.joints.iter_mut().enumerate() {
@@ -689,7 +702,7 @@ impl Servo<'_> {
             self.q[i] = joint.q;
             self.velocity[i] = joint.step / t;
             self.acceleration[i] = joint.change / (t * t);
-            // A joint that returns from outside does not go back there.
+            // A joint that returns from outside its limits does not go back there.
             self.limits[i].lower = map.lower()[i].min(joint.q);
             self.limits[i].upper = map.upper()[i].max(joint.q);
         }

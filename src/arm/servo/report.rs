@@ -9,17 +9,19 @@ use crate::search::Collision;
 pub enum ServoStatus {
     /// The tool is within the tolerances of its target.
     OnTarget,
-    /// On the way to the target, as fast as a velocity, acceleration or jerk limit allows.
+    /// Moving to the target, as fast as a velocity, acceleration or jerk limit allows.
     SpeedLimited,
-    /// On the way to the target, with no joint at a limit: slowed by damping, or by the plan of a straight line.
+    /// Moving to the target with no joint at a limit: slowed by damping, or by the plan of a straight line.
     #[default]
     Settling,
     /// At rest at the closest pose of the current branch; the target is out of reach there.
     Nearest,
-    /// Brakes before a collision that the arm [avoids](crate::arm::Arm::with_checker); nothing is in contact.
+    /// Braking before a collision that the arm [avoids](crate::arm::Arm::with_checker); nothing is in contact.
     Blocked,
-    /// A pair is still in contact that was in contact where the servo began. The penetration never grows: the servo stops
-    /// where the target leads farther in, and moves apart where it leads away.
+    /// A pair that was in contact at the start of the servo still is.
+    ///
+    /// The penetration never grows: the servo stops if the target leads farther in, and separates the pair if it leads
+    /// away.
     Touching,
     /// Braking on request, see [`Servo::stop`](super::Servo::stop).
     Stopping,
@@ -27,16 +29,16 @@ pub enum ServoStatus {
     Stopped,
 }
 
-/// Limit that holds a joint back in a cycle.
+/// Limit that determines a joint's motion in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum HeldBy {
-    /// Its position limit on this side.
+    /// Position limit on this side.
     Limit(Side),
-    /// Its velocity limit towards this side.
+    /// Velocity limit towards this side.
     Speed(Side),
-    /// Its acceleration or jerk limit towards this side, or the distance that it needs to brake.
+    /// Acceleration or jerk limit towards this side, or the distance that the joint needs to brake.
     Acceleration(Side),
     /// The joint is beyond its position limit on this side and returns to it at its velocity limit.
     Outside(Side),
@@ -46,7 +48,7 @@ pub enum HeldBy {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct ServoStep<'s> {
-    /// Commanded joint positions, radians or metres, exactly within the position limits (unless the servo began outside).
+    /// Commanded joint positions, radians or metres, exactly within the position limits unless the servo began outside.
     pub q: &'s [f64],
     /// Difference of `q` to the last cycle by the time step, rad/s or m/s.
     pub velocity: &'s [f64],
@@ -65,13 +67,15 @@ pub struct ServoStep<'s> {
 }
 
 impl<'s> ServoStep<'s> {
-    /// The joints that a limit holds back, by name, with that limit.
+    /// Joints whose motion a limit determines, by name, with that limit.
     pub fn held(&self) -> impl Iterator<Item = (&'s str, HeldBy)> + 's {
         let joints = self.names.iter().zip(self.held);
         joints.filter_map(|(name, held)| held.map(|by| (name.as_str(), by)))
     }
 
-    /// Whether the tool is within the tolerances of its target and nothing is in contact. It may still move: see `velocity`.
+    /// Returns true if the tool is within the tolerances of its target and nothing is in contact.
+    ///
+    /// The arm may still move: see `velocity`.
     #[must_use]
     pub fn reached(&self) -> bool {
         self.status == ServoStatus::OnTarget

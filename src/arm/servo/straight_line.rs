@@ -1,8 +1,8 @@
 //! Straight-line motion of the tool: slower rather than off the line.
 //!
-//! The target of the goal configuration goes straight to the servo's target, about one axis, with a speed, acceleration and jerk along the
-//! line that the joint limits allow: with u = dq/ds of the joints along the line, q̇ = u ṡ and q̈ = u s̈ + u′ ṡ². Shares of the
-//! limits are left for u′ and its change. The limits of the joints hold in any case.
+//! The target of the goal configuration moves straight to the servo's target, with rotation about one axis. The joint
+//! limits determine its speed, acceleration and jerk along the line: with u = dq/ds, q̇ = u ṡ and q̈ = u s̈ + u′ ṡ².
+//! Fractions of the limits are reserved for u′ and its change. The limits of the joints hold in any case.
 
 use nalgebra::Vector6;
 
@@ -11,31 +11,34 @@ use crate::arm::workspace::ArmWorkspace;
 use crate::motion_limits::{CycleLimits, GoalMotion, JointMotion};
 use crate::spatial::{Placement, Quaternion};
 
-/// Shares of the joints' velocity, acceleration and jerk limits for motion along the line.
+/// Fraction of the joints' velocity limits for motion along the line.
 const VELOCITY_SHARE: f64 = 0.9;
+/// Fraction of the joints' acceleration limits for motion along the line.
 const ACCELERATION_SHARE: f64 = 0.5;
+/// Fraction of the joints' jerk limits for motion along the line.
 const JERK_SHARE: f64 = 0.3;
-/// Share of the acceleration limits for the bend of the joints' path.
+/// Fraction of the acceleration limits for the bend of the joint path.
 const BEND_SHARE: f64 = 0.3;
-/// Share of the acceleration and jerk along the line with which the stop at its end is planned: the joints may allow less there.
+/// Fraction of the acceleration and jerk along the line with which its stop is planned: the joints may allow less
+/// there.
 const STOP_SHARE: f64 = 0.4;
-/// Directions that move the tool by less than this share of the longest column are singular.
+/// Tool motion below which a direction is singular, as a fraction of the longest Jacobian column.
 const SINGULAR: f64 = 0.02;
-/// A shorter line is the target itself, radians.
+/// Length below which a line counts as its target, radians.
 const SHORTEST: f64 = 1e-9;
-/// Largest change of the target's motion in a cycle, as a share of it, with which a target that was met is followed directly.
+/// Largest relative change of the target's motion in a cycle with which a target that was met is followed directly.
 const STEADY: f64 = 0.5;
 /// Longest motion of such a target in a cycle, radians.
 const LONGEST_STEADY: f64 = 0.1;
 
-/// Motion along the line to the target, radians (metres by their weight).
+/// Motion along the line to the target, radians; metres convert by their weight.
 #[derive(Clone, Debug)]
 pub(super) struct StraightLine {
     motion: JointMotion,
     target: Option<Placement<f64>>,
-    /// Last motion of the target, a cycle.
+    /// Last motion of the target per cycle.
     target_step: Vector6<f64>,
-    /// Whether the last cycle met the target.
+    /// True if the last cycle met the target.
     met: bool,
     /// Joint motion along the line in the last cycle.
     joints: Vec<f64>,
@@ -52,7 +55,7 @@ impl StraightLine {
         }
     }
 
-    /// Forgets the motion, for an arm at rest.
+    /// Resets the motion, for an arm at rest.
     pub(super) fn rest(&mut self) {
         self.motion = JointMotion::at_rest(0.0);
         self.target = None;
@@ -61,7 +64,9 @@ impl StraightLine {
         self.joints.fill(0.0);
     }
 
-    /// The share of the motion from `from` to the target that the next cycle takes, 0 to 1; the goal configuration is at `goal`.
+    /// Fraction of the motion from `from` to the target that the next cycle takes, 0 to 1.
+    ///
+    /// `goal` is the goal configuration.
     pub(super) fn advance(
         &mut self,
         arm: &Arm,
@@ -90,7 +95,7 @@ impl StraightLine {
             return 1.0;
         }
         let along = line / length;
-        // The target's own speed along the line, if its last two motions agree.
+        // Speed of the target along the line, if its last two motions agree.
         let own = step.dot(&along).min(last.dot(&along)).max(0.0);
         let limits = self.limits_along(arm, workspace, goal, limits, &along);
         self.motion.q = 0.0;
@@ -107,7 +112,7 @@ impl StraightLine {
         let (change, _) = self.motion.change_to_meet(length, range, goal, &stop);
         self.motion = self.motion.after(change);
         self.motion.step = self.motion.step.clamp(0.0, length);
-        // A lag of less than a cycle is made up for by following directly.
+        // A lag of less than a cycle is caught up by following directly.
         self.met = length - self.motion.step <= step.norm();
         self.motion.step / length
     }
@@ -151,7 +156,7 @@ impl StraightLine {
     }
 }
 
-/// The motion between two placements, radians (metres by their weight): linear, then angular, in base axes.
+/// Motion between two placements, radians (metres by their weight): linear, then angular, in base axes.
 fn difference(arm: &Arm, from: &Placement<f64>, to: &Placement<f64>) -> Vector6<f64> {
     let by = (to.translation - from.translation) * arm.options.metres_per_radian.recip();
     let turn = Quaternion::from_matrix(&(to.rotation * from.rotation.transpose())).log();

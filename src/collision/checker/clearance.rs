@@ -35,7 +35,7 @@ use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, R
 /// let mut tasks = Problem::builder(robot.model());
 /// tasks.parameters(robot.map().clone());
 /// tasks.add(Point::new(robot.model().frame("flange")?, Vector3::new(0.5, 0.0, 0.4)));
-/// A soft task: half a metre from everything, as far as the pose task allows.
+/// // A soft task: half a metre from everything, as far as the pose task allows.
 /// tasks.add(Task::new(Clearance::new(&checker, 0.5)).preference());
 /// let solution = Solver::default().solve_once(&tasks.build()?, &robot.model().neutral())?;
 /// assert!(solution.reached);

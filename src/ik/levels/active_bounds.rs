@@ -1,4 +1,4 @@
-//! What missed ranks stand on: bounds and edges that hold for their sake, whatever ranks below would do.
+//! Bounds and inequalities on which unreached levels rest, kept by all levels below.
 
 use nalgebra::DMatrix;
 
@@ -9,7 +9,7 @@ use super::inequalities::Rooms;
 use crate::solver::{dot, half_squared, negligible_slope};
 
 impl Curvature {
-    /// Fixes the variables that stand on a bound for a missed rank's sake, and locks the edges that do.
+    /// Fixes the variables at bounds, and locks the inequalities, that an unreached level pushes against.
     pub(super) fn fix(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -19,7 +19,7 @@ impl Curvature {
         fixed: &mut [bool],
     ) {
         let space = descent.question.space();
-        // Multipliers are sought with what may go both ways.
+        // Multipliers are computed from variables between their bounds.
         let bound: Vec<bool> = (0..x.len())
             .map(|j| !space.is_between_bounds(x, j))
             .collect();
@@ -49,7 +49,7 @@ impl Curvature {
         }
     }
 
-    /// λ of a missed rank, with those edges of the ones that hold which it pushes against.
+    /// Computes λ of an unreached level, with the active inequalities of levels above that it pushes against.
     fn take_pushes(
         &mut self,
         descent: &DescentProblem<'_, '_>,

@@ -1,5 +1,6 @@
-//! A preference's descent: Gauss-Newton's steps, each conjugate to the last one (Polak & Ribière 1969), as what is
-//! held bends what a preference sees.
+//! Conjugate Gauss-Newton steps for soft tasks (Polak & Ribière 1969).
+//!
+//! Conjugacy compensates for the curvature of the constraints.
 
 use super::descent::{Descended, Descent, multiply};
 use super::descent_problem::DescentProblem;
@@ -7,13 +8,13 @@ use super::step_limits::Steps;
 use crate::problem::{Question, Share};
 use crate::solver::{Iteration, Observer, StepBounds, Termination};
 
-/// A direction that falls by less than this share of the steepest one forgets the last one.
+/// Smallest slope of a conjugate direction, relative to the steepest; below it the direction is restarted.
 const CONJUGATE: f64 = 0.2;
-/// What the pulls may be bent more or less than their rows say.
+/// Bounds of the ratio of actual to modelled curvature along a direction.
 const BENDS: (f64, f64) = (0.1, 20.0);
 
 impl Descent {
-    /// Goes from where it stands to where the rank gains nothing more.
+    /// Descends until the level has converged.
     pub(super) fn by_conjugate_steps(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -52,7 +53,7 @@ impl Descent {
             let Some(falls) = self.aim(descent) else {
                 return end(iterations, None);
             };
-            // What the step promises: its fall along what is held alone, without what rounding lets slip.
+            // Predicted decrease within the constraints, without rounding errors.
             let promised = falls.min(inner(&self.effects[0], &self.effects[0]));
             if promised <= 2.0 * worthwhile * cost {
                 return end(iterations, None);
@@ -85,10 +86,10 @@ impl Descent {
                 share = share.min(slope / (bend * stiffness));
             }
             let Some(now) = gained else {
-                // A steepest step after a conjugate one would be a third, for which no frame has room.
+                // A restart with the steepest step would exceed the iterations of a frame.
                 return end(iterations, None);
             };
-            // What was best before is done with.
+            // The swapped-out vectors serve as buffers.
             let way = &mut self.last_best;
             moved = question.space().distance(&self.trial, &self.x, way);
             std::mem::swap(&mut self.x, &mut self.trial);
@@ -97,7 +98,7 @@ impl Descent {
         }
     }
 
-    /// Puts the best step into `best`; how fast the rank's cost falls along it, if it does.
+    /// Writes the Gauss-Newton step into `best`. Returns the slope of the cost along it, if it is finite.
     fn aim(&mut self, descent: &mut DescentProblem<'_, '_>) -> Option<f64> {
         self.cost_at_x(descent);
         descent.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
@@ -129,7 +130,7 @@ impl Descent {
         falls.is_finite().then_some(falls)
     }
 
-    /// Makes the best step conjugate to the last direction, unless that hardly falls.
+    /// Makes the step conjugate to the last direction, unless that slope is too small.
     fn choose(&mut self, question: Question<'_>, falls: f64, last_falls: Option<f64>) -> Way {
         let [effect, other] = &mut self.effects;
         let straight = Way {
@@ -160,7 +161,7 @@ impl Descent {
     }
 }
 
-/// How fast the pulls' cost falls along the direction, and how fast that slows down.
+/// Slope and curvature of the cost along a direction.
 struct Way {
     slope: f64,
     stiffness: f64,

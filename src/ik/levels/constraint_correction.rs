@@ -1,17 +1,17 @@
-//! The way back after a step, to where what is held is what it was.
+//! Correction of a trial point back to the constraints.
 
 use super::descent_problem::DescentProblem;
 use super::held_ranks::{Above, Held, SAME_MISS};
 use crate::problem::{Evaluation, Problem, Share};
 use crate::solver::{AnyMethod, HeldStep, LevenbergMarquardt, Silent, StepBounds, half_squared};
 
-/// Corrections back after a step.
+/// Maximum number of corrections of a trial.
 const CORRECTIONS: usize = 6;
-/// Steps of a missed first rank's own search after one.
+/// Maximum number of iterations that re-solve an unreached first level.
 const SETTLING: usize = 20;
 
 impl Held {
-    /// Moves a trial to where the held ranks are what they were; whether it came there.
+    /// Moves a trial back to the constraints. Returns whether it satisfies them.
     pub(super) fn bring_back(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -25,7 +25,7 @@ impl Held {
         }
     }
 
-    /// Newton's method on what has changed: the residuals of reached ranks, and the slopes of missed ones.
+    /// Applies Newton's method to the changed residuals of reached levels and gradients of unreached ones.
     fn correct(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -47,7 +47,7 @@ impl Held {
             let change = self.now.split_at_mut(rows);
             self.rooms
                 .change(descent, (rank, trial), round == 0, change);
-            // One correction at least: what is left of a step's square would drown what it gains.
+            // At least one correction: second-order errors of a step can exceed its decrease.
             if round > 0 && stands && self.is_kept(question.problem) {
                 return true;
             }
@@ -76,7 +76,7 @@ impl Held {
         false
     }
 
-    /// Takes the rows of reached ranks at a trial, and the edges that bring it back.
+    /// Computes the constraint Jacobian at a trial.
     fn take_jacobian_there(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &[f64]) {
         let share = self.share();
         if self.rooms.len() == 0 {
@@ -88,7 +88,8 @@ impl Held {
             .complete_there(descent, at, &self.of_residual, &mut self.jacobian);
     }
 
-    /// Whether, by the residual now, every rank is as good as it was: reached, or missed by no more.
+    /// Returns whether every level is as good as before by the current residual: reached, or unreached at no higher
+    /// cost.
     fn stand(&self, problem: &Problem) -> bool {
         self.ranks.iter().all(|held| {
             let own = &self.now[problem.ranks().rows_of(held.rank)];
@@ -99,7 +100,7 @@ impl Held {
         })
     }
 
-    /// Whether, by the change of the residual, reached ranks are where they were.
+    /// Returns whether reached levels have kept their residual within tolerance.
     fn is_kept(&self, problem: &Problem) -> bool {
         let mut reached = self.ranks.iter().filter(|held| held.reached);
         let edges = &self.now[self.kept.len()..];
@@ -110,7 +111,7 @@ impl Held {
             })
     }
 
-    /// A missed first rank's own search from the trial; whether its cost is as low as it was.
+    /// Re-solves an unreached first level from the trial. Returns whether its cost is as low as before.
     fn settle(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &mut [f64]) -> bool {
         let stopping = descent.stopping.with_max_iterations(SETTLING);
         let share = self.share();

@@ -1,8 +1,8 @@
-//! The rows that hold missed ranks: by how much a step would tilt their costs.
+//! Constraint rows of unreached levels: derivatives of their cost gradients.
 //!
-//! A missed rank stands where ∇L = 0 along what the ranks above leave free, for L = ½‖r‖² + λᵀr↑ with the
-//! reached ranks' residuals r↑ and their multipliers λ (Nocedal & Wright 2006, section 12.5). A step Δ leaves it
-//! there, in first order, where P ∇²L Δ = 0, P the projection onto what the ranks above leave free.
+//! An unreached level is at ∇L = 0 in the null space of the levels above. Its Lagrangian is L = ½‖r‖² + λᵀr↑ with the
+//! reached levels' residuals r↑ and their multipliers λ (Nocedal & Wright 2006, section 12.5). A step Δ keeps ∇L = 0 to
+//! first order if P ∇²L Δ = 0. P is the projection onto the null space of the levels above.
 
 use nalgebra::DMatrix;
 
@@ -13,33 +13,33 @@ use super::slope_differences::{SlopeDifferences, Weighted};
 use crate::problem::{Problem, Share};
 use crate::solver::{RowSpan, dot};
 
-/// A row adds to those above it if so much of it is new, as a share of its rank's length, …
+/// Part of a row outside the span, relative to its level's rows, above which the row is independent.
 pub(super) const NEW: f64 = 1e-9;
-/// … and a row of a curvature, which is a difference.
+/// As `NEW`, for curvature rows, which come from finite differences.
 pub(super) const NEW_CURVATURE: f64 = 1e-5;
 
-/// The rows that hold missed ranks, and room to take them.
+/// Constraint rows of unreached levels, with scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Curvature {
-    /// What a step may not change: of missed ranks alone n rows; of several the rows of all, one for each edge of their
-    /// rooms, then n for each missed one.
+    /// Constraint Jacobian C: n rows for a lone level, else the residual rows, one row per inequality, and n rows per
+    /// level.
     rows: DMatrix<f64>,
-    /// How many rows the residual of all has, and how many those are with the edges.
+    /// Number of residual rows, and number of residual and inequality rows.
     pub(super) residual: usize,
     pub(super) first: usize,
-    /// By how much it has changed.
+    /// Change of the constrained values.
     change: Vec<f64>,
     pub(super) slope: Vec<f64>,
     differences: SlopeDifferences,
-    /// What multiplies the gradients of the rows in each missed rank's L, rank by rank.
+    /// Weights of the row gradients in each unreached level's ∇L, level by level.
     pub(super) multipliers: Vec<f64>,
-    /// What the ranks above each missed one take, and leave.
+    /// Row span of the levels above each unreached one.
     above: Vec<RowSpan>,
     pub(super) running: RowSpan,
 }
 
 impl Curvature {
-    /// Makes room for the ranks above one; how many rows that may be.
+    /// Resizes for the levels above one level. Returns the maximum number of rows.
     pub(super) fn fit(&mut self, problem: &Problem, rank: usize) -> usize {
         let n = problem.variables();
         let rows = problem.rows_of(Share::above(rank));
@@ -62,7 +62,7 @@ impl Curvature {
         own
     }
 
-    /// C: what a step may not change.
+    /// Constraint Jacobian C.
     pub(super) fn rows(&self) -> &DMatrix<f64> {
         &self.rows
     }
@@ -71,7 +71,7 @@ impl Curvature {
         &mut self.rows
     }
 
-    /// The second derivative of a lone rank's cost at x.
+    /// Computes the Hessian of the cost of a lone level at x.
     pub(super) fn of_first(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -90,7 +90,7 @@ impl Curvature {
         });
     }
 
-    /// The rows of all ranks at x, by their Jacobian and residual there.
+    /// Computes the rows of all levels at x, from their Jacobian and residual there.
     pub(super) fn of_all(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -124,7 +124,7 @@ impl Curvature {
         self.running = above;
     }
 
-    /// λ of a missed rank, with its own residual where its rows are: what multiplies all rows' gradients in ∇L.
+    /// Computes the weights of all row gradients in an unreached level's ∇L: multipliers, and its own residual.
     pub(super) fn take_multipliers(
         &mut self,
         descent: &DescentProblem<'_, '_>,
@@ -151,7 +151,7 @@ impl Curvature {
         multipliers[own.clone()].copy_from_slice(&residual[own]);
     }
 
-    /// P ∇L of every missed rank at a trial.
+    /// Computes P ∇L of every unreached level at a trial.
     pub(super) fn slopes(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -169,7 +169,7 @@ impl Curvature {
         }
     }
 
-    /// P ∇²L of a missed rank.
+    /// Computes P ∇²L of an unreached level.
     fn differentiate_slope(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -187,8 +187,10 @@ impl Curvature {
         });
     }
 
-    /// Newton's system at a trial: the rows there, of reached ranks by their Jacobian and of missed ones as they
-    /// were taken, and what has changed, of reached ranks their residual.
+    /// Returns Newton's system at a trial: constraint rows and changes.
+    ///
+    /// Reached levels contribute their Jacobian and residual change there. Unreached levels contribute the last
+    /// computed rows.
     pub(super) fn system(
         &mut self,
         descent: &DescentProblem<'_, '_>,
@@ -221,7 +223,7 @@ impl Curvature {
     }
 }
 
-/// Adds rows of a matrix, of the variables that may move, where more than a share of their length is new.
+/// Adds rows of a matrix, restricted to free variables, if their independent part exceeds `share` of their common norm.
 pub(super) fn add_rows(
     space: &mut RowSpan,
     matrix: &DMatrix<f64>,
@@ -242,7 +244,7 @@ pub(super) fn add_rows(
     }
 }
 
-/// A missed rank's L: its own residual, and the multipliers of the others.
+/// Returns the gradient weights of an unreached level's L: its own residual and the multipliers of the other rows.
 fn lagrangian<'a>(
     descent: &DescentProblem<'_, '_>,
     ranks: &[HeldRank],

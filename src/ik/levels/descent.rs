@@ -1,13 +1,12 @@
-//! A rank's descent within what the ranks above leave free.
+//! Descent of a priority level in the null space of the levels above.
 //!
-//! Minimise ½‖r‖² of one rank over the configurations at which the ranks above are what they were when their
-//! own searches ended, by successive projection: a step that is best for a model of the rank and leaves what is
-//! [held](super::held_ranks) alone, then the shortest steps that bring that back. The steps are those of
-//! [Newton's method](super::newton). Below a missed rank, preferences in a frame of a drag take cheaper
-//! [conjugate steps](super::conjugate_steps).
+//! Minimises ½‖r‖² of one level over the configurations at which the levels above keep their results, by successive
+//! projection. Each step minimises a model of the level subject to the [constraints](super::held_ranks), followed by
+//! the shortest correction back to them. Steps come from [Newton's method](super::newton). Soft tasks below an
+//! unreached level take cheaper [conjugate steps](super::conjugate_steps) in a frame of a drag.
 //!
-//! Conjugate steps would oscillate in frames that reach their goals: the held rows bend, the Gauss-Newton model omits that, and a
-//! step that lowers the cost still overshoots its minimum.
+//! Conjugate steps would oscillate in frames that reach their targets. The Gauss-Newton model omits the curvature of
+//! the constraints, so a step that lowers the cost still overshoots its minimum.
 
 use nalgebra::DMatrix;
 
@@ -18,40 +17,40 @@ use super::step_limits::Extent;
 use crate::problem::{Problem, Question, Share};
 use crate::solver::{HeldStep, LeastSquares, Observer, Termination, half_squared};
 
-/// Longest step of one joint, as a share of half a turn or of the reach.
+/// Longest step of one joint, as a fraction of half a revolution or of the reach.
 const LONGEST: f64 = 0.25;
 
-/// How a descent went; where it ended is in its x.
+/// Result of a descent. The final variables are in `Descent::x`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Descended {
     pub(super) iterations: usize,
-    /// What ended it before nothing more was gained.
+    /// Reason if the descent ended before convergence.
     pub(super) cut: Option<Termination>,
 }
 
-/// Where a descent starts.
+/// Start of a descent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start<'a> {
     pub(super) x: &'a [f64],
-    /// The residual there of the ranks above.
+    /// Residual of the levels above at `x`.
     pub(super) residual: &'a [f64],
-    /// What is to be kept of the first of them, where their own searches came to that: the residual of their rows.
+    /// Residual of the first levels, to which the descent first returns; from their own searches.
     pub(super) kept: &'a [f64],
 }
 
-/// A rank's descent, and room for it.
+/// Descent of one level, with scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Descent {
     pub(super) rank: usize,
-    /// Where it stands.
+    /// Current variables.
     pub(super) x: Vec<f64>,
     pub(super) trial: Vec<f64>,
-    /// The best step by the linear model, this time and last time.
+    /// Step of the linear model, current and previous.
     pub(super) best: Vec<f64>,
     pub(super) last_best: Vec<f64>,
-    /// Where the search goes.
+    /// Search direction.
     pub(super) direction: Vec<f64>,
-    /// What two steps do to the rank.
+    /// Change of the level's residual by each of two steps.
     pub(super) effects: [Vec<f64>; 2],
     pub(super) fixed: Vec<bool>,
     pub(super) held: Held,
@@ -62,7 +61,7 @@ pub(super) struct Descent {
 }
 
 impl Descent {
-    /// Makes room for a rank of a problem.
+    /// Resizes for a level of a problem.
     pub(super) fn fit(&mut self, problem: &Problem, rank: usize) {
         let n = problem.variables();
         let pulls = problem.rows_of(Share::rank(rank));
@@ -90,8 +89,7 @@ impl Descent {
         self.step.reserve(held, pulls, n);
     }
 
-    /// Goes from a place to where the rank gains nothing more: a level's goals in so many steps at most,
-    /// preferences in so many by whether the ranks above are reached.
+    /// Descends until the level has converged or its step limit is reached.
     pub(super) fn run(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -116,7 +114,7 @@ impl Descent {
         }
     }
 
-    /// Moves to where the first held rows are what their own searches left, if that is near.
+    /// Moves to where the first rows have the residual of their own searches, if the correction converges.
     fn return_to(&mut self, descent: &mut DescentProblem<'_, '_>, kept: &[f64]) {
         self.cost_at_x(descent);
         descent.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
@@ -133,12 +131,13 @@ impl Descent {
         }
     }
 
-    /// Brings back at the trial what is held; whether it is.
+    /// Corrects the trial back to the constraints. Returns whether it satisfies them.
     pub(super) fn bring_back(&mut self, descent: &mut DescentProblem<'_, '_>) -> bool {
         (self.held).bring_back(descent, &mut self.trial, &mut self.step, &self.fixed)
     }
 
-    /// Whether its goals are reached by the last residual, where it has nothing else.
+    /// Returns whether the required tasks of the level are reached by the last residual. A level with soft tasks is
+    /// never reached.
     pub(super) fn is_reached(&self, problem: &Problem) -> bool {
         let share = Share::rank(self.rank);
         self.rank < problem.ranks().levels()
@@ -158,7 +157,7 @@ impl Descent {
         half_squared(&self.pulls)
     }
 
-    /// How much of the step the longest move of one joint allows.
+    /// Returns the largest fraction of the direction that keeps every joint within its longest step.
     pub(super) fn longest_share(&self, question: Question<'_>) -> f64 {
         let moves = self.direction.iter().enumerate();
         let longest = moves.map(|(j, step)| step.abs() / (LONGEST * question.problem.spread(j)));
@@ -166,7 +165,7 @@ impl Descent {
     }
 }
 
-/// J Δ.
+/// Writes J Δ.
 pub(super) fn multiply(jacobian: &DMatrix<f64>, step: &[f64], product: &mut [f64]) {
     product.fill(0.0);
     let columns = jacobian.as_slice().chunks_exact(product.len().max(1));

@@ -1,11 +1,11 @@
-//! The problem that a descent solves, its memory, and how often it was evaluated.
+//! Evaluation of the problem of a descent, with counts.
 
 use nalgebra::DMatrix;
 
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::solver::{Counts, LeastSquares, SolverState, Stopping};
 
-/// What a descent is of, the memory to evaluate it, and how often that was done.
+/// Problem of a descent, the memory to evaluate it, and evaluation counts.
 pub(super) struct DescentProblem<'q, 'm> {
     pub(super) question: Question<'q>,
     pub(super) scratch: &'m mut Scratch,
@@ -20,19 +20,19 @@ impl DescentProblem<'_, '_> {
         Evaluation::of(share, self.question, self.scratch)
     }
 
-    /// r(x) of a share.
+    /// Writes r(x) of a task subset.
     pub(super) fn residual(&mut self, share: Share, x: &[f64], residual: &mut [f64]) {
         self.counts.residuals += 1;
         self.evaluate(share).residual(x, residual);
     }
 
-    /// J(x) of a share that pulls.
+    /// Writes J(x) of a minimised task subset.
     pub(super) fn jacobian(&mut self, share: Share, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.counts.jacobians += 1;
         self.evaluate(share).jacobian(x, jacobian);
     }
 
-    /// J(x) of a share that is held: rows for which any error will do hold nothing.
+    /// Writes J(x) of a constrained task subset, with zero rows for errors of unlimited tolerance.
     pub(super) fn held_jacobian(&mut self, share: Share, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.jacobian(share, x, jacobian);
         let rows = jacobian.nrows();
@@ -43,7 +43,7 @@ impl DescentProblem<'_, '_> {
         }
     }
 
-    /// How deep the goals of a share of the first ranks are within the edges of their rooms.
+    /// Writes the slacks of the inequalities of a task subset.
     pub(super) fn depths(&mut self, share: Share, x: &[f64], depths: &mut [f64]) {
         if !depths.is_empty() {
             self.counts.residuals += 1;
@@ -51,7 +51,7 @@ impl DescentProblem<'_, '_> {
         }
     }
 
-    /// The derivatives of that.
+    /// Writes the Jacobian of the slacks.
     pub(super) fn depth_jacobian(&mut self, share: Share, x: &[f64], jacobian: &mut DMatrix<f64>) {
         if !jacobian.is_empty() {
             self.counts.jacobians += 1;
@@ -59,7 +59,7 @@ impl DescentProblem<'_, '_> {
         }
     }
 
-    /// Whether it is too late to go on.
+    /// Returns whether the deadline has passed.
     pub(super) fn is_late(&self) -> bool {
         crate::clock::is_past(self.deadline)
     }

@@ -1,9 +1,9 @@
-//! What a descent holds: the ranks above the one that it is of, where their own searches left them.
+//! Constraints of a descent: the levels above it stay at the results of their own searches.
 //!
-//! A rank that is reached is held by its rows: J Δ = 0, and Newton's method brings back what a step's square
-//! has moved. A rank that is missed stands at the lowest cost that the ranks above it leave. There its rows
-//! lose rank where a limb is stretched, though bending it would cost, so the [curvature](super::curvature) of its
-//! cost takes the place of its Jacobian: a step that keeps the cost's slope at zero keeps the cost.
+//! The constraint of a reached level is J Δ = 0, and Newton's method corrects second-order errors of a step. An
+//! unreached level is at its lowest cost within the levels above it. Its Jacobian loses rank at a stretched limb,
+//! although bending the limb would raise the cost. The [curvature](super::curvature) of its cost therefore replaces the
+//! Jacobian: a step that keeps the cost gradient at zero keeps the cost.
 
 use nalgebra::DMatrix;
 
@@ -13,61 +13,61 @@ use super::inequalities::Rooms;
 use crate::problem::{Evaluation, Problem, Share};
 use crate::solver::{RowSpan, half_squared, negligible_slope};
 
-/// How much of a missed rank's cost counts as the same.
+/// Relative increase of an unreached level's cost that is tolerated.
 pub(super) const SAME_MISS: f64 = 1e-9;
-/// What a descent gains at least, as a share of its cost, for a step to make sense.
+/// Smallest relative decrease of the cost that justifies a step.
 const WORTHWHILE: f64 = 1e-9;
-/// The same below a miss, where what is held is known to fewer digits.
+/// As `WORTHWHILE`, below an unreached level, whose constraints are less accurate.
 const WORTHWHILE_BELOW_A_MISS: f64 = 1e-7;
 
-/// How the ranks above came out.
+/// Results of the levels above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Above {
-    /// All are reached.
+    /// All levels are reached.
     #[default]
     Reached,
-    /// There is one, and it is missed.
+    /// There is one level, and it is unreached.
     FirstMissed,
-    /// Some are reached, some missed.
+    /// Some levels are reached, some are not.
     Mixed,
 }
 
-/// A rank that is held.
+/// Constraint from one level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HeldRank {
     pub(super) rank: usize,
     pub(super) reached: bool,
-    /// ½‖r‖² where its own search left it.
+    /// Cost ½‖r‖² after its own search.
     pub(super) cost: f64,
 }
 
-/// Whether a row of the ranks above one is of one that is reached.
+/// Returns whether a residual row belongs to a reached level.
 pub(super) fn is_of_reached(problem: &Problem, ranks: &[HeldRank], row: usize) -> bool {
     let mut reached = ranks.iter().filter(|held| held.reached);
     reached.any(|held| problem.ranks().rows_of(held.rank).contains(&row))
 }
 
-/// The ranks above one, and room to keep them where they are.
+/// Constraints from the levels above one level, with scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
     pub(super) ranks: Vec<HeldRank>,
     pub(super) above: Above,
-    /// Their residual where their searches ended.
+    /// Residual after the searches of these levels.
     pub(super) kept: Vec<f64>,
-    /// By how much that has changed at a trial; then how far edges are from where they should be.
+    /// Change of the residual at a trial, followed by the violations of inequalities.
     pub(super) now: Vec<f64>,
-    /// The rows that hold reached ranks: their residual's, then one for each edge of their rooms.
+    /// Constraint Jacobian of reached levels: residual rows, then one row per inequality.
     pub(super) jacobian: DMatrix<f64>,
     pub(super) of_residual: DMatrix<f64>,
     pub(super) rooms: Rooms,
     pub(super) curvature: Curvature,
-    /// Where a correction starts, and the correction.
+    /// Variables before a correction, and the correction.
     pub(super) uncorrected: Vec<f64>,
     pub(super) back: Vec<f64>,
 }
 
 impl Held {
-    /// Makes room for the ranks above one; how many rows it may hold.
+    /// Resizes for the levels above `rank`. Returns the maximum number of constraint rows.
     pub(super) fn fit(&mut self, problem: &Problem, rank: usize) -> usize {
         let n = problem.variables();
         let rows = problem.rows_of(Share::above(rank));
@@ -94,7 +94,7 @@ impl Held {
         Share::above(self.ranks.len())
     }
 
-    /// What a descent gains at least, as a share of its cost, for a step to make sense.
+    /// Returns the smallest relative decrease of the cost that justifies a step.
     pub(super) fn worthwhile(&self) -> f64 {
         match self.above {
             Above::Reached => WORTHWHILE,
@@ -102,8 +102,8 @@ impl Held {
         }
     }
 
-    /// Holds the ranks above `rank` where they are at x, by their residual there, and fixes the variables that
-    /// stand on a bound for a missed one's sake. Whether all are reached.
+    /// Constrains the levels above `rank` to their residual at x, and fixes the variables at bounds that an unreached
+    /// level pushes against. Returns whether all levels are reached.
     pub(super) fn take(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -145,7 +145,7 @@ impl Held {
         self.above == Above::Reached
     }
 
-    /// Holds the first rows at these values; what they were held at.
+    /// Sets the constrained residual of the first rows, and returns its previous values.
     pub(super) fn keep(&mut self, values: &[f64]) -> Vec<f64> {
         let own = &mut self.kept[..values.len()];
         let before = own.to_vec();
@@ -169,7 +169,7 @@ impl Held {
         }
     }
 
-    /// Takes C, for steps from x with C Δ = 0, with the edges that it stands on and, where a step has led there, rests on.
+    /// Computes the constraint Jacobian C at x, with the active inequalities. Steps satisfy C Δ = 0.
     pub(super) fn take_rows(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -191,7 +191,7 @@ impl Held {
         }
     }
 
-    /// Takes the rows of reached ranks, and the edges that hold.
+    /// Computes the rows of reached levels and of the active inequalities.
     fn take_jacobian(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -208,7 +208,7 @@ impl Held {
         self.rooms.complete(&self.of_residual, &mut self.jacobian);
     }
 
-    /// Takes an edge out of C that the multipliers of the edges pull away from; whether there was one.
+    /// Removes an inequality that is pulled inward from C. Returns whether there was one.
     pub(super) fn let_go(&mut self, multipliers: &[f64]) -> bool {
         let Some(edge) = self.rooms.let_go(multipliers) else {
             return false;
@@ -222,7 +222,7 @@ impl Held {
         true
     }
 
-    /// C as it was taken last.
+    /// Last computed constraint Jacobian C.
     pub(super) fn rows(&self) -> &DMatrix<f64> {
         match self.above {
             Above::Reached => &self.jacobian,
@@ -230,7 +230,7 @@ impl Held {
         }
     }
 
-    /// Adds C's rows, of the variables that are not fixed, to a span.
+    /// Adds the rows of C, restricted to the variables that are not fixed, to a span.
     pub(super) fn span(&self, problem: &Problem, span: &mut RowSpan, fixed: &[bool]) {
         let (rows, n) = (self.jacobian.nrows(), fixed.len());
         for held in &self.ranks {
@@ -250,7 +250,7 @@ impl Held {
         }
     }
 
-    /// Adds the edges that work.
+    /// Adds the rows of the active set.
     pub(super) fn span_working(&self, span: &mut RowSpan, fixed: &[bool]) {
         for edge in self.rooms.working() {
             let row = self.kept.len() + edge;
@@ -258,8 +258,8 @@ impl Held {
         }
     }
 
-    /// Adds what the span's rows take of a slope to it, and writes the multipliers of the rows of reached ranks and of
-    /// edges.
+    /// Adds the span's part of a gradient to it, and writes the multipliers of inequalities and of rows of reached
+    /// levels.
     pub(super) fn multiply(
         &self,
         problem: &Problem,

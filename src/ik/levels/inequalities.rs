@@ -1,9 +1,9 @@
-//! The rooms of goals above a rank: inequalities to what that rank may do.
+//! Inequality constraints from the pose bounds of required tasks in higher levels.
 //!
-//! Within its room a reached goal costs nothing, so that it holds only what would lead it out: each edge is the
-//! inequality depth(x) ≥ 0, in the model of a step by its slope, and works like an equation while its multiplier pushes
-//! against it (Nocedal & Wright 2006, sections 16.5 and 18.1). An edge that a missed rank in between pushes against is
-//! one: it stands there for that rank's sake.
+//! A reached task within its bounds costs nothing and constrains only steps that would leave them. Each inequality is
+//! slack(x) ≥ 0, linearised per step. It acts as an equation while its multiplier has the sign of a pushing constraint
+//! (Nocedal & Wright 2006, sections 16.5 and 18.1). An inequality on which an unreached level in between rests is
+//! locked as an equation.
 
 use nalgebra::DMatrix;
 
@@ -13,51 +13,53 @@ use crate::buffer::refill;
 use crate::problem::Share;
 use crate::solver::Inequalities;
 
-/// An edge of a room.
+/// Inequality constraint of one bound.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Edge {
     pub(super) rank: usize,
-    /// Whether it is of a reached rank that has come to be within the room; its rows are equations otherwise.
+    /// True if its task is reached within the bounds. The rows of the task are equations otherwise.
     pub(super) counts: bool,
-    /// The least depth allowed: 0, or where it was found beyond that within its tolerance.
+    /// Smallest allowed slack: 0, or the negative slack at the start if that is within tolerance.
     pub(super) least: f64,
-    /// How much of depth counts as none.
+    /// Slack below which the inequality is active.
     pub(super) slack: f64,
-    /// Whether a missed rank stands on it.
+    /// True if an unreached level rests on it.
     pub(super) locked: bool,
-    /// Whether it holds the rank now, …
+    /// True if it is in the active set.
     pub(super) works: bool,
-    /// … the last step's model came to rest on it, …
+    /// True if the model of the last step ended on it.
     pub(super) rests: bool,
-    /// … a trial is to end on it, or has crossed it.
+    /// True if the trial must end on it.
     pub(super) stands: bool,
+    /// True if the trial has crossed it.
     pub(super) joins: bool,
 }
 
 impl Edge {
-    /// Whether it holds like an equation.
+    /// Returns whether it acts as an equation.
     fn holds(&self) -> bool {
         self.counts && (self.locked || self.works)
     }
 }
 
-/// The rooms above one rank.
+/// Inequality constraints of the levels above one level.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rooms {
     pub(super) edges: Vec<Edge>,
-    /// By row of the residual: whether its room's edges stand for it.
+    /// For each residual row, whether inequalities replace it.
     pub(super) replaced: Vec<bool>,
-    /// How deep within each edge it is where the rank stands, with the slopes there, and at a trial.
+    /// Slacks at the current variables.
     pub(super) depths: Vec<f64>,
+    /// Jacobian of the slacks at the current variables.
     pub(super) jacobian: DMatrix<f64>,
-    /// How much of it a step may take.
+    /// Largest decrease of each slack that a step may make.
     down: Vec<f64>,
     pub(super) depths_there: Vec<f64>,
     pub(super) jacobian_there: DMatrix<f64>,
 }
 
 impl Rooms {
-    /// Makes room for so many edges of a problem's variables, and rows.
+    /// Resizes for a number of inequalities, residual rows and variables.
     pub(super) fn fit(&mut self, edges: usize, rows: usize, variables: usize) {
         refill(&mut self.edges, edges, Edge::default());
         refill(&mut self.replaced, rows, false);
@@ -71,12 +73,12 @@ impl Rooms {
         }
     }
 
-    /// How many edges there are.
+    /// Number of inequalities.
     pub(super) fn len(&self) -> usize {
         self.edges.len()
     }
 
-    /// Learns which edges count from x on.
+    /// Selects the inequalities that apply from `x` on.
     pub(super) fn take(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -108,30 +110,30 @@ impl Rooms {
         }
     }
 
-    /// Whether any edge counts.
+    /// Returns whether any inequality applies.
     pub(super) fn any(&self) -> bool {
         self.edges.iter().any(|edge| edge.counts)
     }
 
-    /// Takes the depths and their slopes at x, where the rank stands.
+    /// Computes the slacks and their Jacobian at `x`.
     pub(super) fn stand(&mut self, descent: &mut DescentProblem<'_, '_>, rank: usize, x: &[f64]) {
         let share = Share::above(rank);
         descent.depths(share, x, &mut self.depths);
         descent.depth_jacobian(share, x, &mut self.jacobian);
     }
 
-    /// How far from its least depth it is.
+    /// Returns the slack above its smallest allowed value.
     fn gap(&self, edge: usize) -> f64 {
         self.depths[edge] - self.edges[edge].least
     }
 
-    /// Whether the rank stands on an edge, and it is no missed rank's.
+    /// Returns whether an inequality is active at the current variables and not locked.
     pub(super) fn may_work(&self, edge: usize) -> bool {
         let own = self.edges[edge];
         own.counts && !own.locked && self.gap(edge) <= own.slack
     }
 
-    /// Lets all edges work that it stands on and, if there was a step, its model came to rest on.
+    /// Sets the active set: all active inequalities, or after a step those on which its model ended.
     pub(super) fn work(&mut self, has_stepped: bool) {
         for edge in 0..self.edges.len() {
             let works = self.may_work(edge) && (!has_stepped || self.edges[edge].rests);
@@ -139,12 +141,12 @@ impl Rooms {
         }
     }
 
-    /// Whether any edge works.
+    /// Returns whether the active set is not empty.
     pub(super) fn any_works(&self) -> bool {
         self.edges.iter().any(|edge| edge.works)
     }
 
-    /// Lets go of the edge that is pulled away from hardest, by the edges' multipliers; which one that was.
+    /// Removes the inequality with the largest inward multiplier from the active set, and returns its index.
     pub(super) fn let_go(&mut self, multipliers: &[f64]) -> Option<usize> {
         let working = (0..self.edges.len()).filter(|&edge| self.edges[edge].works);
         let pulls = working.map(|edge| (edge, multipliers[edge] * self.jacobian.row(edge).norm()));
@@ -154,33 +156,33 @@ impl Rooms {
         Some(edge)
     }
 
-    /// The edges that a missed rank stands on, of goals of one rank.
+    /// Returns the locked inequalities of the tasks of one level.
     pub(super) fn locked_of(&self, rank: usize) -> impl Iterator<Item = usize> {
         let edges = self.edges.iter().enumerate();
         let locked = edges.filter(move |(_, edge)| edge.rank == rank && edge.locked);
         locked.map(|(edge, _)| edge)
     }
 
-    /// The edges that hold, of goals of one rank.
+    /// Returns the inequalities of one level that act as equations.
     pub(super) fn holding_of(&self, rank: usize) -> impl Iterator<Item = usize> {
         let edges = self.edges.iter().enumerate();
         let holding = edges.filter(move |(_, edge)| edge.rank == rank && edge.holds());
         holding.map(|(edge, _)| edge)
     }
 
-    /// Locks an edge where it stands.
+    /// Locks an inequality at its current slack.
     pub(super) fn lock(&mut self, edge: usize) {
         self.edges[edge].locked = true;
         self.edges[edge].least = self.depths[edge];
     }
 
-    /// The edges that work, which are no missed rank's.
+    /// Returns the active set.
     pub(super) fn working(&self) -> impl Iterator<Item = usize> {
         let edges = self.edges.iter().enumerate();
         edges.filter(|(_, edge)| edge.works).map(|(edge, _)| edge)
     }
 
-    /// Completes the rows that hold a rank, whose residual's come first: edges stand for the rows of their rooms.
+    /// Writes the constraint Jacobian: residual rows first, of which some are replaced, then inequality rows.
     pub(super) fn complete(&self, residual: &DMatrix<f64>, whole: &mut DMatrix<f64>) {
         self.write(residual, &self.jacobian, Edge::holds, whole);
     }
@@ -208,7 +210,7 @@ impl Rooms {
         }
     }
 
-    /// The inequalities of a step's model: all edges but those that it keeps to anyway.
+    /// Returns the inequalities of a step's model, without locked ones and, if `keeps_working`, without the active set.
     pub(super) fn inequalities(&mut self, keeps_working: bool) -> Inequalities<'_> {
         let depths = self.edges.iter().zip(&self.depths);
         let down = depths.map(|(edge, depth)| {
@@ -226,7 +228,7 @@ impl Rooms {
         }
     }
 
-    /// Takes the part of edges that work out of a slope: to a step's model they are inequalities.
+    /// Subtracts the terms of the active set from a gradient, because the step's model treats it as inequalities.
     pub(super) fn take_out(&self, multipliers: &[f64], slope: &mut [f64]) {
         for edge in self.working() {
             let row = self.jacobian.row(edge);

@@ -1,4 +1,4 @@
-//! The slope of a rank's L = ½‖r‖² + λᵀr↑ at a place, with the multipliers λ of what is held.
+//! Gradient of a level's Lagrangian L = ½‖r‖² + λᵀr↑, with the multipliers λ of the constraints.
 
 use super::descent::Descent;
 use super::descent_problem::DescentProblem;
@@ -6,20 +6,19 @@ use super::slope_differences::release;
 use crate::solver::dot;
 
 impl Descent {
-    /// Takes what is held at x, then ∇L and what multiplies the gradients of all rows in it, by the rank's residual and
-    /// Jacobian there.
+    /// Computes the constraints, ∇L and the row weights at x, from the level's residual and Jacobian there.
     pub(super) fn take_lagrangian(&mut self, descent: &mut DescentProblem<'_, '_>) {
         self.take_held(descent);
         self.take_multipliers(descent);
     }
 
-    /// Takes what is held at x.
+    /// Computes the constraints at x.
     pub(super) fn take_held(&mut self, descent: &mut DescentProblem<'_, '_>) {
         let stepped = self.newton.has_stepped;
         self.held.take_rows(descent, &self.x, &self.fixed, stepped);
     }
 
-    /// Takes ∇L anew for what is held and the variables that are pinned, without the edges that it pulls away from.
+    /// Computes ∇L for the constraints and the held variables, and removes inequalities that are pulled inward.
     pub(super) fn take_multipliers(&mut self, descent: &DescentProblem<'_, '_>) {
         let Self {
             newton,

@@ -1,12 +1,9 @@
-//! What ranks below others: levels of goals, and preferences.
+//! Priority levels of tasks: lexicographic least squares.
 //!
-//! The goals of all levels are searched for together first: where they are reached, every level is as good as
-//! it can be. Where they are not, the levels are added one by one, the first as if it were alone, for as long as
-//! all so far are reached together. The first that is missed comes as near as it can
-//! [within](descent) those above, then so does each after it, and at last what the goals leave free goes to the
-//! preferences. So each rank is a least-squares problem over what the ranks above leave free (lexicographic
-//! least squares: Escande, Mansard & Wieber 2014, "Hierarchical quadratic programming", section 2, here with
-//! curvature).
+//! The required tasks of all levels are first solved together. If they are not reached, levels are added one by one as
+//! long as all so far are reached together. The first unreached level [descends](descent) in the null space of the
+//! levels above it, then so does each level after it. Soft tasks follow last. Method: Escande, Mansard & Wieber 2014,
+//! "Hierarchical quadratic programming", section 2, here with curvature.
 
 mod active_bounds;
 mod conjugate_steps;
@@ -40,7 +37,7 @@ use crate::solver::{
     half_squared,
 };
 
-/// How ranks are solved, and how long that goes on.
+/// Method and limits of the descents of all levels.
 #[derive(Clone, Copy)]
 pub(super) struct ByRank<'a> {
     pub(super) method: &'a dyn AnyMethod,
@@ -50,29 +47,30 @@ pub(super) struct ByRank<'a> {
     pub(super) deadline: Option<Instant>,
 }
 
-/// Memory of both: of searches and of descents.
+/// Scratch memory of the searches and descents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RankMemory {
-    /// Of the search for some levels, apart from that for all.
+    /// Search for the first levels alone.
     alone: Attempts,
-    /// Where all levels together came to, and the first ones alone.
+    /// Variables found for all levels together, and for the first levels alone.
     starts: [Vec<f64>; 2],
-    /// What the levels came to alone, each with those above it, as far as these were reached: what is kept of them.
+    /// Residual of the first levels, each from its own search with those above it, if that search reached them.
     kept: Vec<f64>,
-    /// How many of them that is.
+    /// Number of levels in `kept`.
     kept_levels: usize,
-    /// Where the ranks so far have come to, and the residual there of the next one's ranks above.
+    /// Variables found for the levels so far, and the residual of the levels above the next one.
     x: Vec<f64>,
     residual: Vec<f64>,
-    /// One for each rank but the first.
+    /// Descents of all levels but the first.
     descents: Vec<Descent>,
     above: RowSpan,
-    /// What multiplies the goals' rows in the slope that tells which limits hold the first level that misses.
+    /// Multipliers of the rows of required tasks. They define the gradient that identifies the limits of the first
+    /// unreached level.
     pub(super) multipliers: Vec<f64>,
 }
 
 impl RankMemory {
-    /// Makes room for a problem.
+    /// Resizes the memory for a problem.
     pub(super) fn fit(&mut self, question: Question<'_>) {
         let problem = question.problem;
         let ranks = problem.ranks().count();
@@ -95,7 +93,7 @@ impl RankMemory {
     }
 }
 
-/// A question's ranks, being solved.
+/// Priority levels of a problem instance during a solve.
 pub(super) struct Ranked<'q, 'm> {
     pub(super) question: Question<'q>,
     pub(super) by: ByRank<'m>,
@@ -103,13 +101,14 @@ pub(super) struct Ranked<'q, 'm> {
     pub(super) solver: &'m mut SolverState,
     pub(super) memory: &'m mut RankMemory,
     pub(super) observer: &'m mut dyn Observer,
-    /// What steps of searches keep clear of, where they do.
+    /// Collision check of the steps of searches, if any.
     pub(super) guard: Option<&'m mut dyn StepGuard>,
 }
 
 impl Ranked<'_, '_> {
-    /// Lets the levels give way one below the other, where a search for all of them together misses. That search
-    /// has `all`, which is left where they come to, and what it found `found`.
+    /// Solves the levels one after the other after a search for all of them missed a target.
+    ///
+    /// `all` holds that search and receives the result. `found` accumulates its statistics.
     pub(super) fn solve_levels(&mut self, all: &mut Attempts, found: &mut Found) {
         let problem = self.question.problem;
         let last = problem.ranks().levels() - 1;
@@ -133,7 +132,7 @@ impl Ranked<'_, '_> {
                 break;
             }
         }
-        // Where all levels together came to is most often nearer to what the lower ones want.
+        // All levels together usually end nearer to the minimum of the lower levels.
         let cost = half_squared(&self.memory.alone.keeper.residual);
         let reached = self.search(first.max(1), &together, self.by.schedule.once(), found);
         let now = half_squared(&self.memory.alone.keeper.residual);
@@ -163,7 +162,7 @@ impl Ranked<'_, '_> {
         }
     }
 
-    /// Searches for the first levels alone, so many, from a start; whether they are reached.
+    /// Searches for the first `levels` levels alone. Returns whether they are reached.
     fn search(
         &mut self,
         levels: usize,
@@ -196,13 +195,14 @@ impl Ranked<'_, '_> {
         );
         self.memory.x.copy_from_slice(&alone.keeper.x);
         found.iterations += more.iterations;
-        // Each level's search has as many as the solver may make, from the same starts.
+        // Each search has the solver's number of attempts, from the same starts.
         found.attempts = found.attempts.max(more.attempts);
         found.counts += more.counts;
         more.reached
     }
 
-    /// Whether the goals are better where the levels have come to than at x; their residual there takes the place of another.
+    /// Returns whether the required tasks cost less at the current variables than at `x`, and overwrites `residual`
+    /// with that at `x`.
     fn is_better_than(&mut self, x: &[f64], residual: &mut [f64]) -> bool {
         let problem = self.question.problem;
         let share = problem.goals();
@@ -213,7 +213,7 @@ impl Ranked<'_, '_> {
         is_better(problem, 1.0 - SAME_MISS, own, residual)
     }
 
-    /// A rank's descent from where the ranks above are; what ended it early.
+    /// Runs the descent of a level from the result of the levels above. Returns the reason if it ended early.
     fn descend(&mut self, rank: usize, found: &mut Found) -> Option<Termination> {
         let share = Share::above(rank);
         let RankMemory {
@@ -255,7 +255,7 @@ impl Ranked<'_, '_> {
         descended.cut
     }
 
-    /// Lets the preferences act within what the goals leave free, from where these came to.
+    /// Descends the soft tasks in the null space of the required tasks, from the result of these.
     pub(super) fn descend_preferences(&mut self, all: &mut Attempts, found: &mut Found) {
         let problem = self.question.problem;
         let (levels, ranks) = (problem.ranks().levels(), problem.ranks().count());
@@ -268,7 +268,7 @@ impl Ranked<'_, '_> {
         self.memory.x.copy_from_slice(&kept.x);
         for rank in levels..ranks {
             let cut = self.descend(rank, found);
-            // Steps that run out are no news: preferences may go on for ever.
+            // An iteration limit is not reported: soft tasks may converge slowly.
             if let Some(cut) = cut.filter(|cut| *cut != Termination::IterationLimit) {
                 found.termination = cut;
                 break;
@@ -279,8 +279,10 @@ impl Ranked<'_, '_> {
         goals.residual(&kept.x, &mut kept.residual);
     }
 
-    /// Takes the slope at x that tells what holds back the first level that misses: its own residual, and the
-    /// multipliers of the rows above it, for which no slope is left along what they leave free.
+    /// Computes the multipliers of the Lagrangian gradient of the first unreached level at `x`.
+    ///
+    /// They are its own residual, and for the rows of the levels above the values that cancel the gradient in their row
+    /// space.
     pub(super) fn take_multipliers(&mut self, x: &[f64], residual: &[f64]) {
         let problem = self.question.problem;
         let missed = (0..problem.ranks().levels()).find(|&level| {
@@ -311,8 +313,9 @@ impl Ranked<'_, '_> {
     }
 }
 
-/// Whether the goals of one residual are better than those of another: of the first level that is not the same,
-/// by less than this share of its cost.
+/// Returns whether the required tasks of `residual` are better than those of `than`.
+///
+/// The first level that differs decides. Its cost must be less than `share` times the other cost.
 pub(super) fn is_better(problem: &Problem, share: f64, residual: &[f64], than: &[f64]) -> bool {
     for level in 0..problem.ranks().levels() {
         let own = problem.ranks().rows_of(level);

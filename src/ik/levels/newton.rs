@@ -1,10 +1,10 @@
-//! The descent of a level, or of preferences: Newton's method along what the levels above leave free.
+//! Newton's method for the descent of a level in the null space of the levels above.
 //!
-//! What is missed has a residual that stays, so that JᵀJ says little of how its cost bends along the few
-//! directions that are left: the Hessian of L = ½‖r‖² + λᵀr↑ along them is taken by differences of its gradient, with
-//! the multipliers λ of the levels above (Nocedal & Wright 2006, section 18.3), and damped until the model has a
-//! minimum and the step keeps what it promises. Limits hold what they held last, unless it is pulled inward;
-//! where nothing more is gained so, the next step weighs them all.
+//! An unreached level keeps a residual, so JᵀJ misses curvature along the remaining directions. Differences of its
+//! gradient give the Hessian of L = ½‖r‖² + λᵀr↑ along them, with the multipliers λ of the levels above (Nocedal &
+//! Wright 2006, section 18.3). It is damped until the model has a minimum and predicts the decrease well. The active
+//! bounds are those of the last step, except those pulled inward. When that gains nothing more, the next step
+//! reconsiders all bounds.
 
 use super::descent::{Descended, Descent};
 use super::descent_problem::DescentProblem;
@@ -13,40 +13,41 @@ use super::step_limits::Steps;
 use crate::problem::Share;
 use crate::solver::{Iteration, Observer, RowSpan, TangentNewton, Termination, dot};
 
-/// The first damping, and the least that is more than none, as shares of the stiffest entry of the Hessian.
+/// Initial and smallest non-zero damping, relative to the largest entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-4;
 const LEAST_DAMPING: f64 = 1e-9;
-/// By how much a step that fails raises the damping, and one that keeps its promise lowers it.
+/// Factor that raises the damping after a failed step and lowers it after a good one.
 const FACTOR: f64 = 5.0;
-/// What a good step keeps of its promise, …
+/// Smallest ratio of actual to predicted decrease of a good step.
 const GOOD: f64 = 0.7;
-/// … and a poor one.
+/// Largest ratio of actual to predicted decrease of a poor step.
 const POOR: f64 = 0.2;
-/// Dampings tried in a row without a gain.
+/// Maximum number of consecutive dampings without a decrease.
 const TRIALS: usize = 14;
-/// What a step promises, as a share of the cost, that rounding hides.
+/// Predicted decrease, relative to the cost, that rounding errors hide.
 const HIDDEN: f64 = 1e-13;
-/// What is left of the slope, as a share of J's length times the residual's, where nothing more is to be gained.
+/// Projected gradient, relative to the norms of Jacobian and residual, below which the level has converged.
 const LEVEL: f64 = 1e-10;
 
-/// Room for Newton's method.
+/// Scratch memory of Newton's method.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NewtonMemory {
     pub(super) above: RowSpan,
-    /// Which variables a bound holds.
+    /// True if a bound or a lock holds each variable.
     pub(super) pinned: Vec<bool>,
-    /// On which bounds the last step's model came to rest, if there was one.
+    /// True if the last step's model ended on a bound of each variable. Valid if `has_stepped`.
     pub(super) resting: Vec<bool>,
     pub(super) has_stepped: bool,
-    /// Whether the next step's model weighs which bounds hold: it bends down more often then, as bounds hold what
-    /// would fall, and its steps are shorter.
+    /// True if the next step's model reconsiders the active bounds.
+    ///
+    /// Such models are indefinite more often, and their steps are shorter.
     pub(super) weighs_bounds: bool,
-    /// With which the step came to one.
+    /// True if the trial is on a bound of each variable.
     pub(super) stopped: Vec<bool>,
-    /// ∇L, and what is left of it along what is free.
+    /// Gradient ∇L, and its projection onto the free directions.
     pub(super) slope: Vec<f64>,
     left: Vec<f64>,
-    /// What multiplies the gradients of all rows in ∇L, and of the edges of rooms.
+    /// Weights of the gradients of all rows in ∇L, and of the inequalities.
     pub(super) weights: Vec<f64>,
     pub(super) edges: Vec<f64>,
     pub(super) differences: SlopeDifferences,
@@ -54,7 +55,7 @@ pub(super) struct NewtonMemory {
 }
 
 impl NewtonMemory {
-    /// Makes room for so many variables, and rows of a level and those above it.
+    /// Resizes for a number of variables, rows of a level and those above it, and inequalities.
     pub(super) fn fit(&mut self, variables: usize, rows: usize, edges: usize) {
         self.pinned.resize(variables, false);
         self.resting.resize(variables, false);
@@ -69,11 +70,11 @@ impl NewtonMemory {
     }
 }
 
-/// What the steps of one model came to.
+/// Result of the steps of one model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tried {
     Gained,
-    /// So little was promised that rounding hides it; whether the step is as good as where it set off.
+    /// The predicted decrease is hidden by rounding; `settles`: whether the cost stays the same within rounding.
     Hidden {
         settles: bool,
     },
@@ -81,14 +82,14 @@ enum Tried {
 }
 
 impl Tried {
-    /// Whether the last trial is where it goes on.
+    /// Returns whether the descent continues from the trial.
     fn moves(self) -> bool {
         matches!(self, Self::Gained | Self::Hidden { settles: true })
     }
 }
 
 impl Descent {
-    /// Goes from where it stands to where the level gains nothing more, or is reached.
+    /// Descends until the level is reached or has converged.
     pub(super) fn by_newton(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -133,7 +134,7 @@ impl Descent {
             let (tried, damping) = self.go_on(descent, cost, dampings[weighs]);
             dampings[weighs] = Some(damping);
             if tried.moves() {
-                // What was best before is done with.
+                // The swapped-out vector serves as a buffer.
                 let way = &mut self.last_best;
                 moved = question.space().distance(&self.trial, &self.x, way);
                 std::mem::swap(&mut self.x, &mut self.trial);
@@ -147,7 +148,7 @@ impl Descent {
         }
     }
 
-    /// Tries steps by Newton's model at x with more and more damping, until one gains; the damping for the next.
+    /// Tries steps with increasing damping until one decreases the cost. Returns the damping for the next step.
     fn go_on(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -164,7 +165,7 @@ impl Descent {
                 continue;
             };
             let won = cost - self.try_step(descent);
-            // What rounding hides is taken at its word.
+            // A decrease that rounding hides cannot be verified.
             if promised <= HIDDEN * cost {
                 let settles = won >= -HIDDEN * cost;
                 return (Tried::Hidden { settles }, damping);
@@ -185,7 +186,7 @@ impl Descent {
         (Tried::Nothing, damping)
     }
 
-    /// Takes ∇L and its projection at x; whether it is as good as none.
+    /// Computes ∇L and its projection at x. Returns whether the level has converged.
     fn is_level(&mut self, descent: &mut DescentProblem<'_, '_>) -> bool {
         let share = Share::rank(self.rank);
         descent.jacobian(share, &self.x, &mut self.jacobian);
@@ -205,7 +206,7 @@ impl Descent {
         self.take_held(descent);
         loop {
             self.take_multipliers(descent);
-            // What is pulled inward is let go.
+            // Releases bounds that are pulled inward.
             let newton = &mut self.newton;
             let mut leaves = false;
             for (j, pinned) in newton.pinned.iter_mut().enumerate() {
@@ -219,7 +220,7 @@ impl Descent {
                     .span(descent.question.problem, &mut newton.above, &newton.pinned);
                 self.held.span_working(&mut newton.above, &newton.pinned);
             }
-            // Edges may be pulled the other way then.
+            // The signs of the inequality multipliers may change after that.
             if !leaves || !self.held.rooms.any_works() {
                 break;
             }

@@ -1,4 +1,4 @@
-//! One step of Newton's method on a rank: its model, the best step for that, and what comes of it.
+//! Newton step of a level: model, minimiser and trial.
 
 use super::descent::Descent;
 use super::descent_problem::DescentProblem;
@@ -7,7 +7,7 @@ use crate::problem::Share;
 use crate::solver::{StepBounds, dot};
 
 impl Descent {
-    /// ∇²L along what is free at x.
+    /// Computes ∇²L along the free directions at x.
     pub(super) fn take_hessian(&mut self, descent: &mut DescentProblem<'_, '_>) {
         let newton = &mut self.newton;
         let rows = newton.weights.len();
@@ -28,8 +28,8 @@ impl Descent {
         });
     }
 
-    /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
-    /// minimum.
+    /// Writes the damped step into `best`, limited to the longest joint step. Returns the predicted decrease if the
+    /// model has a minimum.
     pub(super) fn aim_newton(
         &mut self,
         descent: &DescentProblem<'_, '_>,
@@ -62,12 +62,12 @@ impl Descent {
         (promise > 0.0).then_some(promise)
     }
 
-    /// The level's cost a step further, where what is held is what it was: elsewhere infinite.
+    /// Returns the level's cost after the step, or infinity if the trial cannot satisfy the constraints.
     pub(super) fn try_step(&mut self, descent: &mut DescentProblem<'_, '_>) -> f64 {
         let space = descent.question.space();
         space.integrate(&self.x, &self.best, &mut self.trial);
         space.project(&mut self.trial);
-        // What came to a bound stays there, if that can be.
+        // Variables that reached a bound stay there if that is feasible.
         for (j, stopped) in self.newton.stopped.iter_mut().enumerate() {
             *stopped = self.fixed[j] || !space.is_between_bounds(&self.trial, j);
         }

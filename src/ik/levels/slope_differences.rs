@@ -1,4 +1,4 @@
-//! Second derivatives of a rank's Lagrangian, by differences of its exact gradient.
+//! Finite differences of the exact gradient of a Lagrangian.
 
 use std::ops::Range;
 
@@ -8,19 +8,19 @@ use super::descent_problem::DescentProblem;
 use crate::problem::Share;
 use crate::solver::LeastSquares;
 
-/// A gradient Jᵀw: of some rows w is their residual, of the others the multiplier that holds them.
+/// Gradient Jᵀw. The weight w is the residual for the level's own rows and the multiplier for other rows.
 #[derive(Clone, Debug)]
 pub(super) struct Weighted<'a> {
     pub(super) share: Share,
-    /// By row of the share.
+    /// Multiplier of each row of the task subset.
     pub(super) multipliers: &'a [f64],
-    /// By edge of the rooms of the share's goals; empty where none has a say.
+    /// Multiplier of each inequality of the task subset; empty if there is none.
     pub(super) edges: &'a [f64],
-    /// The rows that stand for themselves.
+    /// Rows weighted by their residual.
     pub(super) own: Range<usize>,
 }
 
-/// Room to differentiate a gradient.
+/// Scratch memory of finite differences.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlopeDifferences {
     here: Vec<f64>,
@@ -31,7 +31,7 @@ pub(super) struct SlopeDifferences {
 }
 
 impl SlopeDifferences {
-    /// Makes room for so many variables and rows.
+    /// Resizes for a number of variables and rows.
     pub(super) fn fit(&mut self, variables: usize, rows: usize) {
         for vector in [&mut self.here, &mut self.there, &mut self.trial] {
             vector.resize(variables, 0.0);
@@ -42,7 +42,7 @@ impl SlopeDifferences {
         }
     }
 
-    /// Jᵀw at x, without what fixed variables would do; none are where `fixed` is empty.
+    /// Computes Jᵀw at x, with zeros for fixed variables. An empty `fixed` fixes none.
     pub(super) fn slope(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -67,7 +67,7 @@ impl SlopeDifferences {
         &mut self.there
     }
 
-    /// Hands over the columns of its derivative at x, of the variables that are not fixed.
+    /// Passes the columns of the gradient's Jacobian at x, of variables that are not fixed, to `take`.
     pub(super) fn columns(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -94,7 +94,7 @@ impl SlopeDifferences {
         self.trial = trial;
     }
 
-    /// Takes the slope at x, for its derivatives [along](Self::along) directions.
+    /// Computes the gradient at x for derivatives [along](Self::along) directions.
     pub(super) fn stand(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -105,7 +105,7 @@ impl SlopeDifferences {
         std::mem::swap(&mut self.here, &mut self.there);
     }
 
-    /// Writes the derivative of the slope along a direction of length 1, from where it stands at x.
+    /// Writes the derivative of the gradient along a unit direction. Call [`stand`](Self::stand) at `x` first.
     pub(super) fn along(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -126,7 +126,7 @@ impl SlopeDifferences {
     }
 }
 
-/// What fixed variables would do counts for nothing.
+/// Sets the entries of fixed variables to zero.
 pub(super) fn release(slope: &mut [f64], fixed: &[bool]) {
     for (slope, fixed) in slope.iter_mut().zip(fixed) {
         if *fixed {

@@ -1,42 +1,42 @@
-//! How far descents go.
+//! Iteration limits of descents.
 
-/// Steps of a preference, …
+/// Iterations of soft tasks.
 const STEPS: usize = 60;
-/// … and below a miss, where each costs a curvature.
+/// Iterations of soft tasks below an unreached level; fewer, because each computes a curvature.
 const STEPS_BELOW_A_MISS: usize = 15;
-/// Steps of a preference in a frame of a drag, …
+/// Iterations of soft tasks in a frame of a drag.
 const STEPS_A_FRAME: usize = 2;
-/// … which below a miss waits until the goals' own search takes no more steps than these.
+/// Largest number of search iterations in a frame after which soft tasks below an unreached level act.
 const AT_REST: usize = 3;
-/// Steps of a level's goals, …
+/// Iterations of a level of required tasks.
 const STEPS_OF_A_LEVEL: usize = 100;
-/// … and in a frame of a drag.
+/// Iterations of a level of required tasks in a frame of a drag.
 const STEPS_OF_A_LEVEL_A_FRAME: usize = 8;
-/// Halvings of a step that gains nothing.
+/// Maximum number of halvings of a step that does not decrease the cost.
 const HALVINGS: usize = 6;
 
-/// Steps at most, and halvings of one.
+/// Maximum number of steps, and of halvings of each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps {
     pub(super) steps: usize,
     pub(super) halvings: usize,
 }
 
-/// How far what ranks below others goes.
+/// Effort spent on levels below the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::ik) enum Extent {
-    /// To where nothing more is gained.
+    /// Until convergence.
     Whole,
-    /// A frame's share of it: the next ones go on.
+    /// The limits of one frame; the following frames continue.
     Frame,
-    /// Nowhere for preferences, a frame's share for goals.
+    /// The limits of one frame for required tasks, and none for soft tasks.
     Goals,
-    /// Nowhere: only whether all goals are reached together counts.
+    /// None: only reaching all required tasks together counts.
     Attempt,
 }
 
 impl Extent {
-    /// Steps of a preference, where the goals are reached or not.
+    /// Returns the iteration limits of soft tasks; `reached`: whether the required tasks are reached.
     pub(super) fn of_preferences(self, reached: bool) -> Steps {
         let (steps, halvings) = match (self, reached) {
             (Self::Whole, true) => (STEPS, HALVINGS),
@@ -48,7 +48,7 @@ impl Extent {
         Steps { steps, halvings }
     }
 
-    /// Steps of a level's goals.
+    /// Returns the iteration limits of a level of required tasks.
     pub(super) fn of_levels(self) -> Steps {
         let steps = match self {
             Self::Whole => STEPS_OF_A_LEVEL,
@@ -60,14 +60,17 @@ impl Extent {
         }
     }
 
-    /// Whether levels that give way go on from where they began, unless their search found better: what frames of a drag are cut at
-    /// is not found again by the next ones otherwise, and the body would go to and fro.
+    /// Returns whether the descent of levels continues from the start of the solve unless their search found better.
+    ///
+    /// The results of frames with a limited number of iterations would otherwise alternate between local minima.
     pub(super) fn goes_on(self) -> bool {
         matches!(self, Self::Frame | Self::Goals)
     }
 
-    /// Whether preferences make sense after a search of the goals that took so many steps. While a body still
-    /// goes after a target that it misses, its posture can wait: a step there costs a curvature.
+    /// Returns whether soft tasks act after a search of `iterations` iterations.
+    ///
+    /// They wait while a drag still moves towards an unreached target, because each of their steps computes a curvature
+    /// there.
     pub(super) fn follows(self, reached: bool, iterations: usize) -> bool {
         match self {
             Self::Whole => true,

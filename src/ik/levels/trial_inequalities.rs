@@ -1,4 +1,4 @@
-//! The edges of [rooms](super::inequalities) at a trial: which of them it is brought back onto.
+//! Active [inequalities](super::inequalities) at a trial point.
 
 use nalgebra::DMatrix;
 
@@ -7,14 +7,14 @@ use super::inequalities::{Edge, Rooms};
 use crate::problem::Share;
 
 impl Edge {
-    /// Whether a trial is brought back onto it.
+    /// Returns whether the correction of a trial ends on it.
     fn brings_back(&self) -> bool {
         self.counts && (self.locked || self.stands || self.joins)
     }
 }
 
 impl Rooms {
-    /// Notes on which edges a step's model came to rest, beside those that it kept to; a whole step ends on them.
+    /// Records the inequalities on which a step's model ended. A whole step must end on them.
     pub(super) fn rest(
         &mut self,
         on: impl Iterator<Item = usize>,
@@ -33,15 +33,16 @@ impl Rooms {
         }
     }
 
-    /// A trial is brought back onto the edges that work.
+    /// Requires the trial to end on the active set.
     pub(super) fn stand_where_they_work(&mut self) {
         for edge in &mut self.edges {
             edge.stands = edge.works;
         }
     }
 
-    /// Takes the depths at a trial: by how much edges miss what they should be. Edges that turn out to be crossed are
-    /// stood on from then on; none is yet in the first round.
+    /// Computes the slacks at a trial and writes the violation of each required inequality into `change`.
+    ///
+    /// Crossed inequalities are required from then on. The first round resets them.
     pub(super) fn change(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -67,7 +68,7 @@ impl Rooms {
         }
     }
 
-    /// Completes the rows that bring a trial back.
+    /// Writes the constraint Jacobian of the correction at a trial.
     pub(super) fn complete_there(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,
@@ -81,7 +82,7 @@ impl Rooms {
         self.jacobian_there = there;
     }
 
-    /// Whether edges are within what a goal may change, by what [`change`](Self::change) wrote.
+    /// Returns whether the violations written by [`change`](Self::change) are within tolerance.
     pub(super) fn are_kept(&self, change: &[f64]) -> bool {
         let edges = self.edges.iter().zip(change);
         edges

@@ -1,37 +1,38 @@
-//! Which of the limits that a solution stands on hold it.
+//! Active set of joint limits at a solution.
 
 use super::existence::NoDerivative;
 use super::place::Place;
 use super::system::System;
 use crate::problem::Question;
 
-/// A push of less than this share of what cancels in it is none.
+/// Multiplier, relative to the terms that cancel in it, below which a limit is weakly active.
 const WEAK: f64 = 1e-6;
 
-/// What is known of the limits.
+/// Result of the active set selection.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Limits {
-    /// One on which nothing decides.
+    /// First weakly active limit, at which the solution is not differentiable.
     pub(super) weak: Option<NoDerivative>,
-    /// In how many directions nothing decides once the limits that need not hold are left aside.
+    /// Dimension of the null space without the limits that need not be active.
     pub(super) undecided: usize,
 }
 
 impl System {
-    /// Says which bounds hold, and takes the held rows and their multipliers with those held.
+    /// Determines the active bounds, and computes the constrained rows and their multipliers for them.
     pub(super) fn take_limits(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
         let mut limits = match place.roles.pulled.is_empty() {
             true => self.hold_idle(question, place),
             false => self.hold_pushed(question, place),
         };
-        // How the edge of a whole angle or of a move bends is not known here: what is told there is no derivative.
+        // The curvature of these edges is unknown here, so the solution counts as not differentiable.
         let edge = question.space().on_edge_of_turn(&place.x);
         let told = limits.weak.take();
         limits.weak = told.or_else(|| edge.map(|variable| on_limit(question, variable)));
         limits
     }
 
-    /// Where nothing pulls nothing pushes: joints stay on their limits where the held rows can do without them.
+    /// Selects the active set without minimised rows: joints stay at their limits if the constrained rows keep their
+    /// rank.
     fn hold_idle(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
         place.set_free(question);
         self.take_held(place);
@@ -57,7 +58,7 @@ impl System {
         limits
     }
 
-    /// Lets go, one after the other, of limits that are pulled away from.
+    /// Removes the limits that are pulled inward from the active set, one by one.
     fn hold_pushed(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
         let mut slope = vec![0.0; place.x.len()];
         loop {

@@ -1,38 +1,38 @@
-//! Which limits hold a configuration, and the directions that they leave free.
+//! Active joint limits of a configuration, and the directions that they leave free.
 
 use crate::buffer::refill;
 use crate::problem::{Question, Standing};
 use crate::spatial::Vector3;
 
-/// Within so much of a limit a ball's variables, which were read out of a quaternion, stand on it.
+/// Distance from a limit within which the variable of a ball joint is at it, radians; rounding of the quaternion.
 const ROUNDING: f64 = 1e-12;
 
-/// A limit that the configuration stands on.
+/// Joint limit at which the configuration is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
-    /// The variable by which it is named, which with a swing's edge is the first of two.
+    /// Variable of the limit. For a swing limit it is the first of two.
     pub(super) variable: usize,
-    /// Outward, by that variable and the next.
+    /// Outward normal, in the components of that variable and the next.
     pub(super) normal: [f64; 2],
-    /// How much the edge bends, 1 / radians: 0 for a plain bound.
+    /// Curvature of the limit, 1/rad; 0 for a plain bound.
     pub(super) curvature: f64,
-    /// Whether the limits leave one value, so that nothing need push.
+    /// True if lower and upper bound are equal, so that the multiplier may have any sign.
     pub(super) is_locked: bool,
     pub(super) is_held: bool,
 }
 
 impl Bound {
-    /// Whether it is a swing's edge.
+    /// Returns whether it is a swing limit.
     fn is_edge(&self) -> bool {
         self.curvature > 0.0
     }
 
-    /// The way along an edge.
+    /// Tangent of a swing limit.
     pub(super) fn along(&self) -> [f64; 2] {
         [-self.normal[1], self.normal[0]]
     }
 
-    /// How hard a slope by the variables pushes outward.
+    /// Returns the outward component of the negative gradient `slope`.
     pub(super) fn push(&self, slope: &[f64]) -> f64 {
         let second = match self.is_edge() {
             true => slope[self.variable + 1] * self.normal[1],
@@ -42,7 +42,7 @@ impl Bound {
     }
 }
 
-/// Puts what rounding left beside a ball's limit onto it, and lists the limits that x stands on, all held.
+/// Snaps variables of ball joints to limits within rounding, and lists the limits at x, all active.
 pub(super) fn list_bounds(question: Question<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
     let problem = question.problem();
     let (lower, upper) = (question.lower(), question.upper());
@@ -88,7 +88,7 @@ pub(super) fn list_bounds(question: Question<'_>, x: &mut [f64], bounds: &mut Ve
     }
 }
 
-/// A direction of the variables; at most three move together.
+/// Direction of the variables. At most three of them move together.
 #[derive(Clone, Copy, Debug, Default)]
 struct Direction {
     first: usize,
@@ -96,7 +96,7 @@ struct Direction {
     by: [f64; 3],
 }
 
-/// Directions of the variables that no held limit bars, orthonormal as velocities of the model.
+/// Basis of the directions that no active limit blocks, orthonormal in the model's velocities.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Directions {
     list: Vec<Direction>,
@@ -105,7 +105,7 @@ pub(super) struct Directions {
 }
 
 impl Directions {
-    /// Takes those that held bounds leave free.
+    /// Computes the basis for the active bounds.
     pub(super) fn take(&mut self, question: Question<'_>, at: &Standing<'_>, bounds: &[Bound]) {
         let problem = question.problem();
         let n = at.x.len();
@@ -141,7 +141,7 @@ impl Directions {
         }
     }
 
-    /// Gram and Schmidt's, on a ball's angular velocities.
+    /// Gram-Schmidt orthonormalisation of the angular velocities of a ball joint.
     fn take_ball(&mut self, first: usize, axes: [Vector3<f64>; 3], edge: Option<&Bound>) {
         let mut found = [([0.0; 3], Vector3::zero()); 3];
         let mut count = 0;
@@ -180,7 +180,7 @@ impl Directions {
         self.list.len()
     }
 
-    /// Adds a share of a sum of directions to the variables.
+    /// Adds a linear combination of the directions, scaled by `share`, to the variables.
     pub(super) fn expand(&self, y: &[f64], share: f64, x: &mut [f64]) {
         for (direction, y) in self.list.iter().zip(y) {
             let own = x[direction.first..].iter_mut().zip(direction.by);
@@ -190,8 +190,9 @@ impl Directions {
         }
     }
 
-    /// Writes the slopes along the directions of what has slopes by the variables; or of many rows, column by
-    /// column, with their entries in a column side by side.
+    /// Writes derivatives along the directions from derivatives by the variables.
+    ///
+    /// `slopes` has `rows` rows and is stored column by column.
     pub(super) fn reduce(&self, rows: usize, slopes: &[f64], reduced: &mut Vec<f64>) {
         reduced.clear();
         for direction in &self.list {

@@ -1,32 +1,33 @@
-//! Whether a solution has a derivative, and if not, why.
+//! Differentiability of a solution.
 
-/// Whether a solution changes with what is asked in one certain way.
+/// Differentiability of a solution with respect to the parameters of its problem.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Existence {
-    /// It does: near here the solution is a smooth function of the parameters, and this is its derivative.
+    /// The solution is locally a smooth function of the parameters, and the derivative is exact.
     Unique,
-    /// Other configurations answer as well, and nothing decides between them, so that the solution is no function
-    /// of the parameters. The change that is told is the shortest, in radians and metres of the model's velocity;
-    /// a posture as a preference would make it the only one.
+    /// Other configurations also solve the problem, so the solution is not a function of the parameters.
+    ///
+    /// The computed change is the shortest, in radians and metres of the model's velocity. A posture as a soft task
+    /// would make the solution unique.
     ShortestOfMany {
-        /// In how many directions the solution is free.
+        /// Dimension of the set of solutions.
         directions: usize,
     },
-    /// There is none, and what is told is not one. It may be a one-sided one, or none at all.
+    /// The solution is not differentiable. The computed value is invalid, or at most a one-sided derivative.
     DoesNotExist(NoDerivative),
 }
 
 impl Existence {
-    /// Whether the solution is differentiable.
+    /// Returns whether the solution is differentiable.
     #[must_use]
     pub fn is_unique(&self) -> bool {
         *self == Self::Unique
     }
 
-    /// A word for it: `unique`, `shortest_of_many`, `on_limit`, `at_kink`, `singular`, `not_stationary` or
-    /// `not_finite`.
+    /// Returns the name of the case: `unique`, `shortest_of_many`, `on_limit`, `at_kink`, `singular`, `not_stationary`
+    /// or `not_finite`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -54,30 +55,29 @@ impl std::fmt::Display for Existence {
     }
 }
 
-/// Why a solution has no derivative.
+/// Reason why a solution has no derivative.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum NoDerivative {
-    /// A joint stands on its limit and nothing pushes it outward: one way it would leave, the other way it would
-    /// stay.
+    /// A joint is at its limit with zero multiplier: it would leave the limit in one direction only.
     OnLimit {
-        /// The joint, as [`ActiveLimit`](super::super::ActiveLimit) names it.
+        /// Name of the joint, as in [`ActiveLimit`](super::super::ActiveLimit).
         joint: String,
     },
-    /// A task with room stands on its edge and nothing pushes it outward.
+    /// A task is at the edge of its bounds with zero multiplier.
     AtKink {
-        /// The task.
+        /// Name of the task.
         task: String,
     },
-    /// The goals, or the cost, lose rank here: the solution has branches, or ends.
+    /// The required tasks or the cost lose rank here: the solution branches or ends.
     Singular {
-        /// In how many directions.
+        /// Number of lost ranks.
         directions: usize,
     },
-    /// The place is none where a search ends by itself: it was cut short, or is of another question.
+    /// The configuration is not stationary: the search was cut short, or solved another problem.
     NotStationary {
-        /// How far a step of Newton's method would still lead, radians or metres.
+        /// Length of the remaining Newton step, radians or metres.
         distance: f64,
     },
     /// A residual or a derivative is not finite.

@@ -1,8 +1,8 @@
-//! How a solution changes with what is asked: the implicit function theorem at the limits that hold it.
+//! Derivative of a solution with respect to its problem: the implicit function theorem with active limits.
 //!
-//! A solution is where the cost is stationary, or where goals are reached and preferences balance within them,
-//! and stays so as targets, weights and links change; differentiating that gives one linear system
-//! ([`system`]), factored once for any number of products.
+//! At a solution the cost is stationary, or required tasks are reached and soft tasks balance in their null space.
+//! Differentiating these conditions by targets, weights and links gives one linear system ([`system`]). It is factored
+//! once for any number of products.
 
 mod active_set;
 mod directions;
@@ -22,10 +22,10 @@ use crate::problem::{ParameterScratch, ParameterVector, Question, Scratch};
 use crate::search::check_start;
 pub use existence::{Existence, NoDerivative};
 
-/// The derivative of a solution by the targets, weights, postures and link lengths of its problem.
+/// Derivative of a solution by the targets, weights, postures and link lengths of its problem.
 ///
-/// The velocities here are those of [`Model::integrate`]: radians and metres, three numbers a ball, six a free
-/// joint. A change of the parameters is a [`ParameterVector`], and so is a gradient by them.
+/// Velocities are those of [`Model::integrate`], in rad/s and m/s: three numbers for a ball joint, six for a free
+/// joint. Parameter changes and gradients are [`ParameterVector`]s.
 ///
 /// ```
 /// use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
@@ -50,12 +50,12 @@ pub use existence::{Existence, NoDerivative};
 /// let mut workspace = DerivativeWorkspace::default();
 /// let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace)?;
 /// assert!(derivative.existence().is_unique());
-/// // The target goes along y at 1 m/s.
+/// // The target moves along y at 1 m/s.
 /// let mut rates = ParameterVector::new(&problem);
 /// rates.target_mut(hand.index())[1] = 1.0;
 /// let mut v = [0.0; 2];
 /// derivative.velocity(&rates, &mut v)?;
-/// // Straight up above the elbow at (1, 0), which turns about the shoulder at (0, 0).
+/// // The tip is straight above the elbow at (1, 0), which rotates about the shoulder at (0, 0).
 /// assert!((v[0] - 1.0).abs() < 1e-5 && (v[1] + 1.0).abs() < 1e-5, "{v:?}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -67,8 +67,9 @@ pub struct SolutionDerivative<'a> {
     existence: Existence,
 }
 
-/// The memory of [`SolutionDerivative`]: used again, a derivative of the same problem allocates little. It keeps the
-/// factored system of the last one, which [`resume`](SolutionDerivative::resume) takes up.
+/// Scratch memory of [`SolutionDerivative`]. Reuse it for the same problem to allocate little.
+///
+/// It keeps the last factored system, which [`resume`](SolutionDerivative::resume) uses again.
 #[derive(Clone, Debug, Default)]
 pub struct DerivativeWorkspace {
     scratch: Option<Scratch>,
@@ -76,7 +77,7 @@ pub struct DerivativeWorkspace {
     existence: Option<Existence>,
 }
 
-/// All but the memory to evaluate.
+/// All of the workspace but the evaluation memory.
 #[derive(Clone, Debug, Default)]
 struct Parts {
     place: Place,
@@ -90,21 +91,21 @@ struct Parts {
     image: Vec<f64>,
     /// By row of all tasks.
     rows: Vec<f64>,
-    /// A task's rows by its target's numbers.
+    /// Jacobian of one task's rows by its target.
     columns: Vec<f64>,
     gradient: ParameterVector,
 }
 
-/// The place may be so far from one where a search ends by itself, in radians or metres.
+/// Largest remaining Newton step of a stationary configuration, radians or metres.
 const NEAR: f64 = 1e-3;
 
 impl<'a> SolutionDerivative<'a> {
-    /// Of the solution `q` (a configuration of the problem's model) of a problem, or of a
-    /// [question](Question) to it. It is differentiated as it stands: what is held, what pulls and which limits
-    /// hold is seen from `q` itself, as a solver's search with default settings leaves it.
+    /// Creates the derivative at the solution `q` of a problem or of a [problem instance](Question).
+    ///
+    /// Reached tasks, minimised tasks and active limits are determined from `q`, by the default settings of a solver.
     ///
     /// # Errors
-    /// A configuration of the wrong length, or one that is not finite.
+    /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn new(
         question: impl Into<Question<'a>>,
         q: &[f64],
@@ -138,8 +139,10 @@ impl<'a> SolutionDerivative<'a> {
         })
     }
 
-    /// Goes on with the derivative that `memory` has factored last, for more products with it. `question` must be the one
-    /// that it was made of, with the same targets. None where the memory holds none, or one of another problem.
+    /// Continues with the last derivative that `memory` has factored, for more products.
+    ///
+    /// `question` must be the instance of that derivative, with equal targets. Returns `None` if the memory has no
+    /// derivative, or one of another problem.
     pub fn resume(
         question: impl Into<Question<'a>>,
         memory: &'a mut DerivativeWorkspace,
@@ -155,11 +158,10 @@ impl<'a> SolutionDerivative<'a> {
         })
     }
 
-    /// The same with the origins of `model`'s joints among the parameters; it is the model that the problem was
-    /// stated on.
+    /// Adds the origins of the joints of `model` to the parameters. `model` must be the model of the problem.
     ///
     /// # Errors
-    /// A model of another shape.
+    /// Returns an error for a model of another shape.
     pub fn with_joint_origins(mut self, model: &'a Model) -> Result<Self, DerivativeError> {
         let problem = self.question.problem();
         if !problem.is_of(model) {
@@ -173,21 +175,23 @@ impl<'a> SolutionDerivative<'a> {
     }
 
     getters! {
-        /// Whether the derivative exists: look here before it is trusted.
+        /// Differentiability of the solution. Check it before using any product.
         pub fn existence(&self) -> &Existence = &self.existence;
     }
 
-    /// How many numbers a velocity has.
+    /// Number of elements of a velocity.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
         self.question.problem().tangent().degrees_of_freedom()
     }
 
-    /// Turns the slopes of a scalar by the numbers of the solution's configuration `q`, quaternions included, into
-    /// the slope by its velocity that [`gradient`](Self::gradient) takes.
+    /// Converts the gradient of a scalar by the configuration `q`, quaternions included, to the gradient by its
+    /// velocity.
+    ///
+    /// [`gradient`](Self::gradient) takes the result.
     ///
     /// # Errors
-    /// A slice of another length.
+    /// Returns an error if a slice has the wrong length.
     pub fn slope_by_velocity(&self, q: &[f64], by_q: &[f64]) -> Result<Vec<f64>, DerivativeError> {
         let problem = self.question.problem();
         let expected = problem.configuration_len();
@@ -201,7 +205,7 @@ impl<'a> SolutionDerivative<'a> {
         Ok(by_v)
     }
 
-    /// A parameter vector of this derivative's shape, all zero: with joints' origins where they are asked for.
+    /// Creates a zero parameter vector of this derivative's shape, with joint origins if a model is set.
     #[must_use]
     pub fn parameters(&self) -> ParameterVector {
         let parameters = ParameterVector::new(self.question.problem());
@@ -213,7 +217,7 @@ impl<'a> SolutionDerivative<'a> {
 }
 
 impl Parts {
-    /// Goes to a solution and factors its system.
+    /// Evaluates a solution and factors its system.
     fn settle(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Existence {
         let question = evaluator.question;
         let Self { place, system, .. } = self;
@@ -249,43 +253,43 @@ impl Parts {
     }
 }
 
-/// Why a product cannot be formed.
+/// Reason why a product cannot be computed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DerivativeError {
-    /// A velocity, or a slope by one, of the wrong length.
+    /// A velocity, or a gradient by one, has the wrong length.
     #[error("{given} numbers were given for a velocity, which has {expected}")]
     Length {
-        /// Numbers given.
+        /// Number of given elements.
         given: usize,
-        /// The model's degrees of freedom.
+        /// Degrees of freedom of the model.
         expected: usize,
     },
-    /// A configuration, or slopes by one, of the wrong length.
+    /// A configuration, or a gradient by one, has the wrong length.
     #[error("{given} numbers were given for a configuration, which has {expected}")]
     ConfigurationLength {
-        /// Numbers given.
+        /// Number of given elements.
         given: usize,
-        /// How many the model has.
+        /// Length of a configuration of the model.
         expected: usize,
     },
-    /// Parameters of another problem, or with joints' origins where none are asked for.
+    /// The parameters belong to another problem, or have joint origins although no model is set.
     #[error("the parameters are not of this problem's shape: make them by `parameters`")]
     ForeignParameters,
-    /// A task that is not there.
+    /// The task does not exist.
     #[error("there is no task {given}, the problem has {tasks}")]
     NoSuchTask {
-        /// The position given.
+        /// Given index.
         given: usize,
-        /// How many there are.
+        /// Number of tasks.
         tasks: usize,
     },
-    /// Another model than the problem's.
+    /// The model is not that of the problem.
     #[error("joints of model `{given}` were given, the problem is of `{expected}`")]
     ForeignModel {
-        /// The model given.
+        /// Name of the given model.
         given: String,
-        /// The problem's.
+        /// Name of the problem's model.
         expected: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A solution as the derivative sees it: its rows, and how they bend.
+//! Evaluation of a solution: residual, Jacobian, directions and curvature.
 
 use nalgebra::DMatrix;
 
@@ -8,11 +8,11 @@ use crate::buffer::refill;
 use crate::problem::{Evaluation, Question, Scratch, Share, Standing};
 use crate::solver::LeastSquares;
 
-/// How far a place is moved for a difference of slopes, as a share of a radian or of the reach: with central
-/// differences both what they leave out and what they lose to rounding are then near 1e-11.
+/// Step of central differences of gradients, relative to a radian or the reach; truncation and rounding errors are then
+/// both near 1e-11.
 const SHIFT: f64 = 1e-5;
 
-/// What is differentiated, and the memory to evaluate it.
+/// Problem instance and the memory to evaluate it.
 pub(super) struct Evaluator<'q, 's> {
     pub(super) question: Question<'q>,
     pub(super) scratch: &'s mut Scratch,
@@ -24,22 +24,22 @@ impl Evaluator<'_, '_> {
     }
 }
 
-/// A place, and the memory to look at it and around it.
+/// Solution point, with memory to evaluate it and its neighbourhood.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
     pub(super) x: Vec<f64>,
-    /// The configuration that goes with x.
+    /// Configuration of x.
     q: Vec<f64>,
-    /// The weighted residual of all tasks.
+    /// Weighted residual of all tasks.
     pub(super) r: Vec<f64>,
-    /// Its derivative by the variables.
+    /// Derivative of the residual by the variables.
     pub(super) jacobian: DMatrix<f64>,
     pub(super) roles: Roles,
     pub(super) bounds: Vec<Bound>,
     pub(super) directions: Directions,
-    /// The derivative along the directions, column by column.
+    /// Derivative of the residual along the directions, column by column.
     pub(super) along: Vec<f64>,
-    /// What each row counts in the slope: its residual where it pulls, its multiplier where it is held.
+    /// Weight of each row in the Lagrangian gradient: its residual if minimised, its multiplier if constrained.
     pub(super) counts: Vec<f64>,
     shifted: Vec<f64>,
     slope: Vec<f64>,
@@ -47,7 +47,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Goes to a configuration, which is of the problem's shape and finite.
+    /// Evaluates a configuration, which must have the problem's length and be finite.
     pub(super) fn go(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) {
         let question = evaluator.question;
         let problem = question.problem();
@@ -74,7 +74,7 @@ impl Place {
         evaluator.scratch.q().clone_into(&mut self.q);
     }
 
-    /// Where it is, for what knows how variables move the model.
+    /// Returns the point for conversions between variables and the model's velocity.
     pub(super) fn standing<'a>(&'a self, question: Question<'a>) -> Standing<'a> {
         Standing {
             map: question.parameters(),
@@ -88,7 +88,7 @@ impl Place {
         numbers.all(|value| value.is_finite())
     }
 
-    /// Takes the directions that the held bounds leave free.
+    /// Computes the directions that the active bounds leave free.
     pub(super) fn set_free(&mut self, question: Question<'_>) {
         let at = Standing {
             map: question.parameters(),
@@ -100,7 +100,7 @@ impl Place {
         self.directions.reduce(rows, entries, &mut self.along);
     }
 
-    /// How far a direction is followed for a difference.
+    /// Returns the step of a difference along a direction.
     pub(super) fn shift(&self, question: Question<'_>, y: &[f64]) -> f64 {
         let length = y.iter().map(|y| y * y).sum::<f64>().sqrt();
         let problem = question.problem();
@@ -114,19 +114,19 @@ impl Place {
         SHIFT * unit / length
     }
 
-    /// Writes x moved along directions.
+    /// Writes and returns x moved along the directions.
     pub(super) fn moved(&mut self, y: &[f64], share: f64) -> &[f64] {
         self.shifted.copy_from_slice(&self.x);
         self.directions.expand(y, share, &mut self.shifted);
         &self.shifted
     }
 
-    /// Where it was moved to last.
+    /// Last result of [`moved`](Self::moved).
     pub(super) fn shifted(&self) -> &[f64] {
         &self.shifted
     }
 
-    /// Adds what the rows' own bending does to a direction: Σ cᵢ ∇²rᵢ y, along the directions.
+    /// Adds the curvature of the rows along a direction, Σ cᵢ ∇²rᵢ y, reduced to the directions.
     pub(super) fn add_bend(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
@@ -149,7 +149,7 @@ impl Place {
         }
     }
 
-    /// Writes Σ cᵢ ∇rᵢ by the variables, from the Jacobian that is here.
+    /// Writes Σ cᵢ ∇rᵢ by the variables, from the stored Jacobian.
     pub(super) fn slope(&self, slope: &mut [f64]) {
         let rows = self.jacobian.nrows();
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
@@ -158,7 +158,7 @@ impl Place {
         }
     }
 
-    /// The largest Σ |cᵢ ∇rᵢ| of a variable: what cancels in a slope.
+    /// Returns the largest Σ |cᵢ ∇rᵢ| of a variable, the scale of the terms that cancel in the gradient.
     pub(super) fn slope_scale(&self) -> f64 {
         let rows = self.jacobian.nrows();
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
@@ -169,7 +169,7 @@ impl Place {
         sums.fold(0.0, f64::max)
     }
 
-    /// The longest column of the Jacobian.
+    /// Returns the norm of the longest column of the Jacobian.
     pub(super) fn longest_column(&self) -> f64 {
         let rows = self.jacobian.nrows();
         let columns = self.jacobian.as_slice().chunks_exact(rows.max(1));
@@ -177,7 +177,7 @@ impl Place {
         squares.fold(0.0, f64::max).sqrt()
     }
 
-    /// The entries of one row along the directions.
+    /// Returns the entries of one row along the directions.
     pub(super) fn row(&self, row: usize) -> impl Iterator<Item = f64> + '_ {
         let rows = self.jacobian.nrows();
         (0..self.directions.len()).map(move |k| self.along[k * rows + row])

@@ -1,4 +1,4 @@
-//! Products with the derivative, forward and backward, from the one factorisation.
+//! Forward and reverse products with the derivative, from one factorisation.
 
 use nalgebra::DMatrix;
 
@@ -10,11 +10,12 @@ use crate::model::Model;
 use crate::problem::{ParameterVector, Question};
 
 impl SolutionDerivative<'_> {
-    /// Writes the velocity of the configuration for rates of the parameters: the forward product. Where the
-    /// [`existence`](Self::existence) says so it is the shortest of many, or not to be trusted.
+    /// Writes the velocity of the configuration for rates of the parameters (forward product).
+    ///
+    /// [`existence`](Self::existence) reports if it is the shortest of many, or invalid.
     ///
     /// # Errors
-    /// Parameters of another shape, a `v` of another length.
+    /// Returns an error if `rates` has another shape or `v` has the wrong length.
     pub fn velocity(
         &mut self,
         rates: &ParameterVector,
@@ -28,11 +29,12 @@ impl SolutionDerivative<'_> {
         Ok(())
     }
 
-    /// Writes the gradient by the parameters of a scalar whose slope by the configuration's velocity is
-    /// `slope`: the reverse product, all parameters at once.
+    /// Writes the gradient of a scalar by all parameters (reverse product).
+    ///
+    /// `slope` is the gradient of the scalar by the velocity of the configuration.
     ///
     /// # Errors
-    /// Parameters of another shape, a slope of another length.
+    /// Returns an error if `gradient` has another shape or `slope` has the wrong length.
     pub fn gradient(
         &mut self,
         slope: &[f64],
@@ -47,11 +49,11 @@ impl SolutionDerivative<'_> {
         Ok(())
     }
 
-    /// The whole derivative by the target of one task: a row for each number of a velocity, a column for each
-    /// number of the target.
+    /// Returns the Jacobian by the target of one task: a row for each velocity element, a column for each target
+    /// element.
     ///
     /// # Errors
-    /// A position beyond the problem's tasks.
+    /// Returns an error if the task does not exist.
     pub fn by_target(&mut self, task: usize) -> Result<DMatrix<f64>, DerivativeError> {
         let problem = self.question.problem();
         if task >= problem.tasks() {
@@ -119,12 +121,12 @@ impl Parts {
         self.follow(evaluator, Some((model, rates)), v);
     }
 
-    /// Whether parameters change the slope of what pulls by more than its rows.
+    /// Returns whether parameters change the gradient of the minimised rows beyond the change of their residual.
     fn slope_bends(&self) -> bool {
         self.system.bends() && !self.place.roles.pulled.is_empty()
     }
 
-    /// Writes the velocities for each number of a task's target, where the slope does not bend.
+    /// Writes the velocities for each element of a task's target. Valid if `slope_bends` is false.
     fn follow_target(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
@@ -149,8 +151,9 @@ impl Parts {
         self.columns = columns;
     }
 
-    /// Writes the velocity for the rates of the rows that are here. Where the slope bends it changes with the
-    /// parameters themselves too.
+    /// Writes the velocity for the row rates in `rows`.
+    ///
+    /// With curvature, the gradient also changes with the parameters `rates` directly.
     fn follow(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
@@ -236,7 +239,7 @@ impl Parts {
             if step.iter().any(|step| *step != 0.0) {
                 system.add_hessian(evaluator, place, (step, image));
             }
-            // With `step` the adjoint's negative: −(g − W a) = −(g + W step).
+            // `step` is the negative adjoint a: −(g − W a) = −(g + W step).
             for (slope, image) in slope.iter_mut().zip(&*image) {
                 *slope = -(*slope + image);
             }
@@ -245,7 +248,7 @@ impl Parts {
         self.add_slopes(evaluator, model, gradient);
     }
 
-    /// Adds how the slope of the Lagrangian along `step` changes with the parameters.
+    /// Adds the derivative by the parameters of the Lagrangian gradient along `step`.
     pub(super) fn add_slopes_along(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
@@ -255,7 +258,7 @@ impl Parts {
         self.add_slopes(evaluator, None, gradient);
     }
 
-    /// The same, and how the rows do, each times what `rows` says.
+    /// Adds that derivative and the derivatives of the rows, weighted by `rows`.
     fn add_slopes(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,

@@ -1,20 +1,20 @@
-//! Which rows are held at a solution, and which pull.
+//! Constrained and minimised rows at a solution.
 
 use std::cmp::Ordering;
 
 use crate::problem::{CompiledTask, Question, Share};
 
-/// What the rows of a problem, as all tasks count them, do at a solution.
+/// Roles of the residual rows of all tasks at a solution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Roles {
-    /// Rows that keep their value: goals that are reached.
+    /// Constrained rows: reached required tasks.
     pub(super) held: Vec<usize>,
-    /// Rows whose half squared sum is as low as it can be.
+    /// Minimised rows: half their squared sum is minimal.
     pub(super) pulled: Vec<usize>,
 }
 
 impl Roles {
-    /// For the weighted residual of all tasks.
+    /// Determines the roles from the weighted residual of all tasks.
     pub(super) fn take(&mut self, question: Question<'_>, r: &[f64]) {
         let problem = question.problem();
         let Self { held, pulled } = self;
@@ -31,8 +31,8 @@ impl Roles {
             }
             return;
         }
-        // The first rank that is not all reached goals pulls within those above; what ranks below it has only
-        // what that leaves free.
+        // The first level that is not all reached goals is minimised subject to those above it. Lower levels have no
+        // role.
         let (ranks, levels) = (problem.ranks().count(), problem.ranks().levels());
         let misses = |rank: usize| {
             let mut errors = problem.errors(Share::All, r);
@@ -54,7 +54,7 @@ impl Roles {
     }
 }
 
-/// The rows of a task for which not any error will do.
+/// Returns the rows of a task whose tolerance is finite.
 fn wanted_rows(task: &CompiledTask) -> impl Iterator<Item = usize> {
     let blocks = task.blocks().filter(|block| block.can_miss());
     blocks.flat_map(|block| block.rows.clone())

@@ -1,4 +1,4 @@
-//! Places where a solution has no derivative though nothing is at a limit.
+//! Singularities of a solution away from limits.
 
 use super::Parts;
 use super::place::{Evaluator, Place};
@@ -7,23 +7,22 @@ use crate::buffer::refill;
 use crate::random::RandomStream;
 use crate::solver::{LeastSquares, largest};
 
-/// How far beside the place rows that depend on each other by their nature still do, in radians or metres.
+/// Size of the perturbation that tests generic rank, radians or metres.
 const BESIDE: f64 = 1e-5;
-/// Parameters that move the slope along a flat direction by less than this share of what they do elsewhere do
-/// not move it.
+/// Effect of the parameters along a flat direction, relative to that along an average direction, that counts as none.
 const UNFELT: f64 = 1e-5;
 
-/// What directions are in which the cost is flat.
+/// Kind of the directions along which the cost is flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Flat {
-    /// Nothing decides there, and no parameter changes that.
+    /// The solution is free along them, and no parameter changes that.
     Undecided,
-    /// Parameters push along it: the solution leaves at once, or jumps.
+    /// Parameters push along them: the solution jumps.
     Singular,
 }
 
 impl System {
-    /// How many of the held rows depend on the others only here.
+    /// Returns the number of constrained rows that depend on the others only at this configuration.
     pub(super) fn lost_ranks(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
@@ -55,7 +54,7 @@ impl System {
 }
 
 impl Parts {
-    /// How far Newton's step would still go, in radians or metres.
+    /// Returns the largest element of the remaining Newton step, radians or metres.
     pub(super) fn distance_left(&mut self) -> f64 {
         let place = &self.place;
         if place.roles.pulled.is_empty() {
@@ -69,7 +68,7 @@ impl Parts {
         largest(&self.step)
     }
 
-    /// What the directions are in which the reduced cost is flat.
+    /// Returns the kind of the `flat` directions along which the reduced cost is flat.
     pub(super) fn flatness(&mut self, evaluator: &mut Evaluator<'_, '_>, flat: usize) -> Flat {
         if flat == 0 || self.place.roles.pulled.is_empty() {
             return Flat::Undecided;
@@ -96,7 +95,7 @@ impl Parts {
         flatness
     }
 
-    /// A task whose rows vanish as soon as they are crossed, while nothing pushes against them.
+    /// Returns a task whose rows vanish just across its bounds while no multiplier pushes against them.
     pub(super) fn task_at_kink(&mut self, evaluator: &mut Evaluator<'_, '_>) -> Option<String> {
         let question = evaluator.question;
         let Self {
@@ -114,7 +113,7 @@ impl Parts {
         if !edged.any(|(_, task)| held.iter().any(|row| task.rows.contains(row) && !none(row))) {
             return None;
         }
-        // Twice as far as where they would be zero.
+        // Reflected across the bounds.
         rows.clear();
         rows.extend(place.r.iter().map(|r| 2.0 * r));
         system.restore(place, rows, step);
@@ -126,7 +125,7 @@ impl Parts {
         if !place.roles.held.iter().any(|&row| vanish(row)) {
             return None;
         }
-        // By rounding, or because nothing is asked there.
+        // The rows may vanish by rounding, or because the task has no error there.
         let mut there = place.jacobian.clone();
         evaluation.analytic_jacobian(place.shifted(), &mut there);
         let idle = |row: usize| there.row(row).iter().all(|entry| *entry == 0.0);
@@ -148,5 +147,5 @@ impl Parts {
     }
 }
 
-/// A push of less than this share of the largest is none.
+/// Multiplier, relative to the largest, below which a bound is weakly active.
 const WEAK: f64 = 1e-6;

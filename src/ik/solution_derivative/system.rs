@@ -1,42 +1,40 @@
-//! The linear system that changes of a solution answer: what is held stays, what pulls balances.
+//! Linear system of a solution's changes: constrained rows keep their value, minimised rows stay stationary.
 //!
-//! With L = ½ ‖r_pulled‖² + λᵀ r_held, its Hessian W and the held rows' Jacobian C along the free directions,
+//! With L = ½ ‖r_pulled‖² + λᵀ r_held, its Hessian W and the constrained rows' Jacobian C along the free directions,
 //!
 //! ```text
 //! [W Cᵀ] [dy]     [∂ₚ∇L dp ]
 //! [C 0 ] [dλ] = − [∂ₚr_held dp]
 //! ```
 //!
-//! (Fiacco 1976, "Sensitivity analysis for nonlinear programming using penalty methods"). It is solved in
-//! the null space Z of C, dy = −C⁺ ∂ₚr + Z dw, so that W is needed along Z alone (Nocedal & Wright 2006,
-//! section 16.2).
+//! (Fiacco 1976, "Sensitivity analysis for nonlinear programming using penalty methods"). It is solved in the null
+//! space Z of C, dy = −C⁺ ∂ₚr + Z dw, which needs W along Z only (Nocedal & Wright 2006, section 16.2).
 
 use super::place::{Evaluator, Place};
 use crate::buffer::refill;
 use crate::solver::{RowSpace, largest};
 
-/// Rows of which less than this share of the longest is left depend on the others.
+/// Part of a row outside the span of the others, relative to the longest row, below which it is dependent.
 const NO_RANK: f64 = 1e-9;
-/// The cost is flat where it bends by less than this share of what the steepest variable's rows alone would.
+/// Curvature, relative to the squared norm of the longest Jacobian column, below which the cost is flat.
 const FLAT: f64 = 1e-9;
-/// Rows that bend count for nothing in the Hessian below this residual, as a share of the Jacobian's longest
-/// column.
+/// Largest residual, relative to the longest Jacobian column, for which row curvature is omitted.
 const STRAIGHT: f64 = 1e-9;
 
-/// The factored system.
+/// Factored linear system.
 #[derive(Clone, Debug, Default)]
 pub(super) struct System {
-    /// C, row by row; where nothing pulls column by column.
+    /// C, row by row; column by column if there are no minimised rows.
     held: Vec<f64>,
     held_space: RowSpace,
-    /// Rows of the pulled Jacobian, with a row for each edge that is pushed against, row by row.
+    /// Minimised rows of the Jacobian, then one row per curved limit with a positive multiplier, row by row.
     pulled: Vec<f64>,
     /// Z, direction by direction.
     null: Vec<f64>,
     /// Zᵀ W Z.
     reduced: Vec<f64>,
     reduced_space: RowSpace,
-    /// Whether rows bend at all here.
+    /// True if the Hessian includes row curvature.
     bends: bool,
     free: usize,
     side: Vec<f64>,
@@ -46,7 +44,7 @@ pub(super) struct System {
 }
 
 impl System {
-    /// Takes the held rows along the free directions.
+    /// Factors the constrained rows along the free directions.
     pub(super) fn take_held(&mut self, place: &Place) {
         self.free = place.directions.len();
         let (held, rows) = (&place.roles.held, place.jacobian.nrows());
@@ -76,7 +74,7 @@ impl System {
         self.held_space.factorise(&self.held, self.free, least);
     }
 
-    /// How many of the held rows are independent.
+    /// Number of independent constrained rows.
     pub(super) fn rank(&self) -> usize {
         self.held_space.rank()
     }
@@ -85,8 +83,8 @@ impl System {
         self.held_space.nullity()
     }
 
-    /// Writes the multipliers of the held rows, by which they balance the pulled ones best, into the place's
-    /// counts, and the residuals of the pulled ones.
+    /// Writes the residuals of minimised rows and the least-squares multipliers of constrained rows into
+    /// `place.counts`.
     pub(super) fn balance(&mut self, place: &mut Place) {
         place.counts.fill(0.0);
         for &row in &place.roles.pulled {
@@ -109,8 +107,7 @@ impl System {
         }
     }
 
-    /// Takes the Hessian of the Lagrangian along the directions that the held rows leave free. Returns in how many of
-    /// them nothing pulls.
+    /// Computes the Hessian of the Lagrangian in the null space of the constrained rows. Returns its rank deficiency.
     pub(super) fn take_hessian(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,
@@ -120,7 +117,7 @@ impl System {
         self.pulled.clear();
         self.null.clear();
         if place.roles.pulled.is_empty() {
-            // Nothing pushes against an edge either.
+            // Curved limits have no multiplier either.
             self.bends = false;
             self.reduced.clear();
             self.reduced_space.factorise(&[], nullity, 0.0);
@@ -137,7 +134,7 @@ impl System {
         for (k, direction) in self.null.chunks_exact_mut(free.max(1)).enumerate() {
             self.held_space.null_direction(k, direction);
         }
-        // W Z, then Zᵀ of it.
+        // W Z, then Zᵀ W Z.
         refill(&mut self.image, free * nullity, 0.0);
         let [hessian, _] = &mut self.directions;
         for k in 0..nullity {
@@ -167,7 +164,7 @@ impl System {
         self.reduced_space.nullity()
     }
 
-    /// Along an edge that bends the cost bends with it, by how hard it is pushed against.
+    /// Adds the curvature of the cost along curved limits, proportional to their multipliers.
     fn add_edges(&mut self, place: &mut Place) {
         let edges = place
             .bounds
@@ -195,12 +192,12 @@ impl System {
         self.side = slope;
     }
 
-    /// One of the directions that the held rows leave free.
+    /// Returns a basis vector of the null space of the constrained rows.
     pub(super) fn null_direction(&self, k: usize) -> &[f64] {
         &self.null[k * self.free..(k + 1) * self.free]
     }
 
-    /// A direction along which the reduced Hessian has no rank.
+    /// Writes a direction in the null space of the reduced Hessian.
     pub(super) fn flat_direction(&mut self, k: usize, y: &mut Vec<f64>) {
         let nullity = self.nullity();
         refill(&mut self.side, nullity, 0.0);
@@ -231,12 +228,12 @@ impl System {
         }
     }
 
-    /// Whether parameters bend the slope: otherwise the rows' own rates say all.
+    /// Returns whether the Hessian includes row curvature; otherwise the rates of the rows are sufficient.
     pub(super) fn bends(&self) -> bool {
         self.bends
     }
 
-    /// Writes −C⁺ of the rates of the held rows.
+    /// Writes −C⁺ times the rates of the constrained rows.
     pub(super) fn restore(&mut self, place: &Place, rates: &[f64], y: &mut Vec<f64>) {
         self.multipliers.clear();
         let held = place.roles.held.iter();
@@ -245,7 +242,7 @@ impl System {
         self.held_space.solve(&self.multipliers, y);
     }
 
-    /// Adds −Z (Zᵀ W Z)⁻¹ Zᵀ of a slope, where something pulls.
+    /// Adds −Z (Zᵀ W Z)⁻¹ Zᵀ of a gradient, if there are minimised rows.
     pub(super) fn add_pull(&mut self, slope: &[f64], factor: f64, y: &mut [f64]) {
         let nullity = self.nullity();
         let null = self.null.chunks_exact(self.free.max(1));
@@ -259,7 +256,7 @@ impl System {
         self.add_null(y);
     }
 
-    /// Writes (C⁺)ᵀ of a slope along the directions, by row of all tasks.
+    /// Adds (C⁺)ᵀ of a gradient along the directions, by row of all tasks.
     pub(super) fn push_held(&mut self, place: &Place, slope: &[f64], by_row: &mut [f64]) {
         refill(&mut self.multipliers, place.roles.held.len(), 0.0);
         self.held_space
@@ -270,7 +267,7 @@ impl System {
     }
 }
 
-/// Adds Mᵀ M y, for M by its rows.
+/// Adds Mᵀ M y. M is stored row by row.
 fn multiply(rows: &[f64], y: &[f64], image: &mut [f64]) {
     for row in rows.chunks_exact(y.len().max(1)) {
         let along = inner(row, y);

@@ -1,4 +1,4 @@
-//! Runs of numbers in a buffer: views and offsets, each checked.
+//! Strided numbers in a buffer view, with checked offsets.
 
 use gltf_json::Index;
 use gltf_json::accessor::ComponentType;
@@ -7,7 +7,7 @@ use gltf_json::buffer::View;
 use super::source::Source;
 use crate::io::{FromFile, Place, ReadError};
 
-/// One run of numbers in a buffer.
+/// A strided sequence of entries in a buffer.
 pub(super) struct AccessorView<'a> {
     bytes: &'a [u8],
     stride: usize,
@@ -16,7 +16,7 @@ pub(super) struct AccessorView<'a> {
 }
 
 impl Source<'_> {
-    /// The bytes of `count` entries, wherever the view puts them.
+    /// A view of `count` entries of `N` numbers each.
     pub(super) fn run<const N: usize>(
         &self,
         view: Index<View>,
@@ -95,7 +95,7 @@ impl AccessorView<'_> {
             ComponentType::F32 => return f64::from(f32::from_le_bytes(word)),
         };
         match self.normalized {
-            // Section 3.6.2.2: the lowest signed integer stands for −1 as well.
+            // Section 3.6.2.2: the lowest signed integer is −1 as well.
             true => (number / most).max(-1.0),
             false => number,
         }

@@ -1,4 +1,4 @@
-//! Numbers out of buffers: accessors and their sparse parts, each offset checked.
+//! Accessors and their sparse parts, with checked offsets.
 
 use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::validation::Checked;
@@ -9,7 +9,7 @@ use super::source::Source;
 use crate::io::FromFile;
 
 impl<'a> Source<'a> {
-    /// How many entries an accessor has. `user` says who asks, for messages.
+    /// Number of entries of an accessor. `user` names its user in messages.
     pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> FromFile<usize> {
         let accessor = self.accessor(index, user)?;
         match usize::try_from(accessor.count.0) {
@@ -22,8 +22,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// All entries of an accessor with N numbers in each: its integers as they are, or as fractions
-    /// where it is normalised.
+    /// All entries of an accessor with `N` numbers each. Normalised integers become fractions; other integers keep
+    /// their values.
     pub(super) fn read<const N: usize, T: Clone>(
         &self,
         index: Index<Accessor>,
@@ -48,7 +48,7 @@ impl<'a> Source<'a> {
         Ok(values)
     }
 
-    /// All entries of an accessor of whole numbers.
+    /// All entries of an accessor of unsigned integers.
     pub(super) fn read_indices<const N: usize>(
         &self,
         index: Index<Accessor>,
@@ -77,7 +77,7 @@ impl<'a> Source<'a> {
         )
     }
 
-    /// The numbers that an accessor's buffer view holds; `None` where it has none.
+    /// The numbers in an accessor's buffer view; `None` without a view.
     pub(super) fn base<const N: usize>(
         &self,
         index: Index<Accessor>,

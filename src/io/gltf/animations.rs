@@ -1,5 +1,4 @@
-//! Animations as clips: steps, lines and cubic splines of translation, rotation, scale and morph
-//! weights.
+//! Animations as clips: step, linear and cubic spline curves of translation, rotation, scale and morph weights.
 
 use glam::{Vec3A, Vec4};
 use gltf_json::animation::{Animation, Property, Sampler};
@@ -14,15 +13,15 @@ use super::source::Source;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
 use crate::io::FromFile;
 
-/// What the channels of one animation are for.
+/// One animation and the objects that its channels refer to.
 struct Context<'a, 'b> {
     source: &'a Source<'b>,
     nodes: &'a Nodes,
     meshes: &'a Meshes,
     animation: &'a Animation,
-    /// `animations[3]`.
+    /// Path in the document, such as `animations[3]`.
     path: String,
-    /// "animation `walk`".
+    /// Name in messages, such as "animation `walk`".
     title: String,
 }
 

@@ -1,4 +1,4 @@
-//! The bytes of a document's buffers: the binary chunk, data URIs and other files.
+//! Bytes of a document's buffers: binary chunk, data URIs and external files.
 
 use std::borrow::Cow;
 
@@ -9,13 +9,13 @@ use gltf_json::Root;
 
 use crate::io::{FromFile, Place, ReadError};
 
-/// Padding is left out by some writers.
+/// Some writers omit the padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of every buffer, as long as announced. `open` gets the contents of another file.
+/// The bytes of every buffer, at least as long as announced. `open` returns the contents of an external file.
 pub(super) fn load<'a>(
     root: &Root,
     binary: Option<&'a [u8]>,
@@ -53,12 +53,12 @@ pub(super) fn load<'a>(
 
 const DATA: &str = "data:";
 
-/// Whether a URI holds the data itself.
+/// Reports whether a URI contains its data.
 pub(super) fn is_data(uri: &str) -> bool {
     uri.starts_with(DATA)
 }
 
-/// What a data URI holds; `None` for another kind of URI.
+/// The decoded data of a data URI; `None` for other URIs.
 fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     let (heading, data) = match uri.strip_prefix(DATA)?.split_once(',') {
         Some(parts) => parts,
@@ -71,7 +71,7 @@ fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     Some(decoded.map_err(|error| format!("the data URI is not in base64: {error}")))
 }
 
-/// Whether a URI begins with a scheme or a drive: `https:`, `file:`, `C:`.
+/// Reports whether a URI begins with a scheme or a drive letter: `https:`, `file:`, `C:`.
 fn has_scheme(uri: &str) -> bool {
     let Some((scheme, _)) = uri.split_once(':') else {
         return false;
@@ -80,7 +80,7 @@ fn has_scheme(uri: &str) -> bool {
     scheme.starts_with(|c: char| c.is_ascii_alphabetic()) && scheme.chars().all(allowed)
 }
 
-/// A relative URI as the path of a file, `%20` and the like decoded.
+/// A relative URI as a file path, with `%20` and the like decoded.
 pub(super) fn path(uri: &str) -> Result<String, String> {
     if has_scheme(uri) {
         return Err(format!(

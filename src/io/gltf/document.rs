@@ -1,4 +1,4 @@
-//! The document of a file, once it is known that it can be read.
+//! The JSON document of a file, and checks of its version and extensions.
 
 use gltf_json::Root;
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use super::omissions::{Nodeless, parse_with_omissions};
 use crate::io::json::parse;
 use crate::io::{FromFile, Place, ReadError};
 
-/// Extensions that change looks only, or that reading copes with anyway: a file may require them.
+/// Prefixes of extensions that a file may require: they affect appearance only, or the reader supports them.
 const HARMLESS: [&str; 7] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -17,10 +17,10 @@ const HARMLESS: [&str; 7] = [
     QUANTIZATION,
     "KHR_xmp",
 ];
-/// The extension that reading applies.
+/// The extension that the reader applies.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
-/// What is looked at where the whole cannot be parsed.
+/// The part of a document that is read if parsing the whole fails.
 #[derive(Deserialize)]
 struct Heading {
     asset: Asset,
@@ -35,7 +35,7 @@ struct Asset {
     min_version: Option<String>,
 }
 
-/// The document, once its version is known to be 2 and it requires nothing that is not supported.
+/// Parses a document and checks that its version is 2 and that it requires no unsupported extension.
 pub(super) fn document(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
     if let Ok(root) = Root::from_slice(json) {
         let asset = Asset {
@@ -45,7 +45,7 @@ pub(super) fn document(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
         check(&asset, &root.extensions_required, name)?;
         return Ok((root, Nodeless::new()));
     }
-    // What another version may have in other shapes shows in the version.
+    // A document of another version may differ in structure, so its version is checked first.
     let object = json.trim_ascii_start().starts_with(b"{");
     let heading: Result<Heading, _> = match object {
         true => parse(json, name),
@@ -62,7 +62,7 @@ pub(super) fn document(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
     parse_with_omissions(json, name)
 }
 
-/// Refuses other versions, and what a file requires and nothing here can do.
+/// Returns an error for other versions and for unsupported required extensions.
 fn check(asset: &Asset, required: &[String], name: &str) -> FromFile<()> {
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
     let wrong_minor = asset.min_version.is_some() && needed != "2.0";
@@ -86,7 +86,7 @@ fn check(asset: &Asset, required: &[String], name: &str) -> FromFile<()> {
     Ok(())
 }
 
-/// As people write a family of extensions.
+/// Readable name of a family of extensions.
 fn known_name(prefix: &str) -> String {
     match prefix.ends_with('_') {
         true => format!("{prefix}…"),

@@ -1,28 +1,29 @@
-//! GLB, the container of a document and its buffer: glTF 2.0 specification, section 4.4.
+//! GLB, the binary container of a document and its buffer (glTF 2.0 specification, section 4.4).
 
 use crate::io::{FromFile, Place, ReadError};
 
-/// What a GLB file starts with.
+/// First bytes of a GLB file.
 const MAGIC: &[u8; 4] = b"glTF";
 
-/// The bytes of the header, and of that of a chunk.
+/// Size of the file header in bytes.
 const HEADER: usize = 12;
+/// Size of a chunk header in bytes.
 const CHUNK_HEADER: usize = 8;
 
 /// The chunks of a file.
 pub(super) struct Chunks<'a> {
     pub(super) json: &'a [u8],
     pub(super) binary: Option<&'a [u8]>,
-    /// Those of other kinds, which readers are to ignore.
+    /// Chunks of other types, which readers must ignore.
     pub(super) others: Vec<([u8; 4], &'a [u8])>,
 }
 
-/// Whether bytes are GLB, and not text.
+/// Reports whether a file is GLB.
 pub(super) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Tells GLB from text.
+/// Splits a GLB file into chunks; other files are JSON text.
 pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> FromFile<Chunks<'a>> {
     if !is_glb(bytes) {
         return Ok(Chunks {
@@ -53,7 +54,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> FromFile<Chunks<'a>> {
         return Err(cut_off(8, what, announced, bytes.len()));
     };
     let (mut json, mut binary, mut others, mut at) = (None, None, Vec::new(), HEADER);
-    // A tail too short for a header of a chunk is padding of a careless writer.
+    // A tail shorter than a chunk header is padding that some writers add.
     while at + CHUNK_HEADER <= file.len() {
         let (length, kind) = (word(at)? as usize, word(at + 4)?);
         let (start, left) = (at + CHUNK_HEADER, file.len() - at - CHUNK_HEADER);
@@ -75,9 +76,9 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> FromFile<Chunks<'a>> {
     })
 }
 
-/// A GLB file of a document, a buffer and chunks of other kinds; nothing where it is too long for the format's 32 bits.
+/// A GLB file of a document, a buffer and other chunks; `None` if its length exceeds 32 bits.
 pub(super) fn join(json: &[u8], binary: &[u8], others: &[([u8; 4], Vec<u8>)]) -> Option<Vec<u8>> {
-    // Chunks end at multiples of four bytes: JSON is filled up with spaces, the buffer with zeros.
+    // Chunks end at multiples of four bytes: JSON is padded with spaces, the buffer with zeros.
     let own = [(*b"JSON", json, b' '), (*b"BIN\0", binary, 0)];
     let own = own.into_iter().filter(|(_, bytes, _)| !bytes.is_empty());
     let others = others
@@ -94,7 +95,7 @@ pub(super) fn join(json: &[u8], binary: &[u8], others: &[([u8; 4], Vec<u8>)]) ->
     file.extend(length.to_le_bytes());
     for (kind, bytes, filling) in chunks {
         let padded = bytes.len().next_multiple_of(4);
-        // No more than the whole, which fits.
+        // Fits because it is at most the total length.
         file.extend((padded as u32).to_le_bytes());
         file.extend(kind);
         file.extend(bytes);

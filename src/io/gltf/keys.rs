@@ -1,4 +1,4 @@
-//! The keys of an animation's sampler as curves.
+//! Keys of an animation's sampler as curves.
 
 use glam::{Quat, Vec4};
 use gltf_json::animation::Interpolation;
@@ -11,10 +11,10 @@ use crate::io::{FromFile, ReadError};
 /// The keys of a sampler.
 pub(super) struct Keys<T> {
     pub(super) times: Vec<f32>,
-    /// One for each key, or with cubic splines three: arriving tangent, value, leaving tangent.
+    /// One output per key; with cubic splines in-tangent, value and out-tangent.
     pub(super) outputs: Vec<T>,
     pub(super) interpolation: Interpolation,
-    /// "animation `walk`, rotation of node `hip`".
+    /// Name in messages, such as "animation `walk`, rotation of node `hip`".
     pub(super) user: String,
     pub(super) path: String,
 }
@@ -24,9 +24,9 @@ impl<T: Clone> Keys<T> {
         source.fail(self.path.as_str(), format!("{}: {error}", self.user))
     }
 
-    /// The values of one of `width` curves that are keyed together, and with cubic splines their
-    /// arriving and leaving tangents. For each key the file lists the arriving tangents of all
-    /// curves, then their values, then the leaving tangents (section 3.11).
+    /// The outputs of curve `place` of `width` curves with common keys. `side` selects in-tangents, values or
+    /// out-tangents of cubic splines. For each key the file lists the in-tangents of all curves, then their values,
+    /// then the out-tangents (section 3.11).
     fn of(&self, place: usize, width: usize, side: usize) -> Vec<T> {
         let sides = self.sides();
         let own = self
@@ -59,7 +59,7 @@ impl<T: Clone> Keys<T> {
     }
 }
 
-/// `width` curves that are keyed together.
+/// `width` curves with common keys.
 pub(super) fn curve<V>(
     source: &Source<'_>,
     keys: Keys<V>,

@@ -1,4 +1,4 @@
-//! The meshes of the scene that is shown, each on its node, and the morph targets of all of them.
+//! The meshes of the displayed scene, each on its node, and the morph targets of all meshes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -14,14 +14,15 @@ use crate::io::FromFile;
 use crate::mesh::TriangleMesh;
 use crate::skinning::MorphTargets;
 
-/// What the nodes carry.
+/// Meshes of the nodes.
 #[derive(Default)]
 pub(super) struct Meshes {
     pub(super) meshes: Vec<SceneMesh>,
-    /// The names of all morph targets, and their weights at rest.
+    /// Names of all morph targets.
     pub(super) target_names: Vec<String>,
+    /// Weights of all morph targets at rest.
     pub(super) target_weights: Vec<f32>,
-    /// Where the mesh of each node is in the list.
+    /// Index of the mesh of each node in `meshes`.
     pub(super) of_node: BTreeMap<usize, usize>,
 }
 
@@ -29,7 +30,7 @@ pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) ->
     let mut own = Meshes::default();
     let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
     let (mut taken, mut left_out, mut used) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-    // In the order of the bones, so that a scene that was written is read in the same order.
+    // In the order of the bones, so that a scene keeps its order when it is written and read.
     let mut order: Vec<usize> = (0..source.root.nodes.len()).collect();
     order.sort_by_key(|&node| nodes.bone_of[node]);
     for index in order {
@@ -61,7 +62,7 @@ pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) ->
                 raws.entry(mesh).or_insert(raw)
             }
         };
-        // A mesh of lines and points alone is none.
+        // A mesh without triangles is left out.
         if raw.positions.is_empty() && !raw.without_triangles.is_empty() {
             continue;
         }
@@ -80,7 +81,7 @@ pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) ->
     Ok(own)
 }
 
-/// A mesh that several nodes carry takes memory for each.
+/// Charges the memory limit for a mesh that another node has as well.
 fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> FromFile<()> {
     let path = format!("nodes[{node}].mesh");
     source.charge::<[f32; 10]>(raw.positions.len(), &path)?;
@@ -116,7 +117,7 @@ fn add(
     let mut targets = Vec::with_capacity(raw.targets.len());
     let names = morph_targets::names(entry, raw.targets.len());
     for (deltas, plain) in raw.targets.iter().zip(names) {
-        // Another mesh, or the same one on another node, may have the name.
+        // Another mesh, or this one on another node, may have a target of the name.
         let unique = match taken.contains(&plain) {
             true => {
                 let node = &nodes.bones[bone.index()].name;

@@ -1,23 +1,20 @@
-//! glTF 2.0 (feature `gltf`): characters, their meshes and their clips, from and to `.glb` and
-//! `.gltf` files.
+//! glTF 2.0 (feature `gltf`): reading and writing characters, their meshes and their clips as `.glb` and `.gltf` files.
 //!
-//! What becomes of a file:
+//! The parts of a file are read as follows:
 //!
-//! - **Nodes** are the bones of one [`Armature`], parents before children whatever order the file
-//!   has, so that whatever is animated can be. A node's matrix is taken apart into translation,
-//!   rotation and scale; one that shears is an error.
-//! - **Skins** keep their inverse bind matrices as they are: the pose a mesh was bound in need not
-//!   be the rest pose. So posing a skin takes [`Skin::joint_from_mesh`], as [`ScenePosing`] does,
-//!   and not [`Armature::skinning_transforms`].
-//! - **Meshes** are the primitives of a glTF mesh joined, indexed or not, strips and fans as
-//!   triangles; primitives of points and lines are left out. Weights that are negative or do not sum to 1 are put right, which a [`Note`] says.
-//! - **Morph targets** are those of all meshes in one list, the armature's; their weights at rest are
-//!   the file's.
-//! - **Animations** are [`Clip`]s: steps, lines (rotations: slerp) and cubic splines.
+//! - **Nodes** are the bones of one [`Armature`], parents before children in any order of the file. A node's matrix is
+//!   decomposed into translation, rotation and scale; a matrix with shear is an error.
+//! - **Skins** keep their inverse bind matrices: the bind pose may differ from the rest pose. Posing a skin therefore
+//!   needs [`Skin::joint_from_mesh`], as in [`ScenePosing`], instead of [`Armature::skinning_transforms`].
+//! - **Meshes** are the joined primitives of a glTF mesh, indexed or not. Strips and fans become triangles; points and
+//!   lines are left out. Negative weights and weights that do not sum to 1 are repaired, with a [`Note`].
+//! - **Morph targets** of all meshes are in one list, that of the armature. Their weights at rest are those of the
+//!   file.
+//! - **Animations** are [`Clip`]s with step, linear (slerp for rotations) and cubic spline curves.
 //!
-//! An extension that a file requires is an error, except for those that change looks only and
-//! `KHR_mesh_quantization`. Materials, textures, cameras, lights, texture coordinates and colours are
-//! left out; what was is in [`Scene::notes`]. A [`SceneFile`] keeps them all, and clips are added to it.
+//! A required extension is an error, except `KHR_mesh_quantization` and extensions of appearance. Materials, textures,
+//! cameras, lights, texture coordinates and colours are left out and listed in [`Scene::notes`]. A [`SceneFile`] keeps
+//! them all and adds clips to the file.
 //!
 //! ```no_run
 //! use kinopt::animation::{Cursor, Playback};
@@ -78,8 +75,8 @@ use crate::skeleton::BoneId;
 /// Reads a `.glb` or `.gltf` file and its buffers, which must be below its folder.
 ///
 /// # Errors
-/// A [`ReadError`] naming the file, a path in it such as `animations[1].samplers[0]`, and the node,
-/// mesh or animation.
+/// A [`ReadError`] that names the file, a path in it such as `animations[1].samplers[0]`, and the node, mesh or
+/// animation.
 pub fn read(path: impl AsRef<Path>) -> Result<Scene, ReadError> {
     read_with(path, &FileAccess::new())
 }
@@ -96,11 +93,11 @@ pub fn read_with(path: impl AsRef<Path>, access: &FileAccess) -> Result<Scene, R
     })
 }
 
-/// Reads a scene from the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gets the
-/// contents of a buffer by its path relative to the file, if that leads below the file's folder.
+/// Reads a scene from the bytes of a `.glb` or `.gltf` file. `name` is the file name for messages. `open` returns the
+/// contents of a buffer for its path relative to the file, which is below the file's folder.
 ///
 /// # Errors
-/// As [`read`], and whatever `open` fails with.
+/// As [`read`], and the errors of `open`.
 pub fn from_bytes(
     bytes: &[u8],
     name: &str,
@@ -109,7 +106,7 @@ pub fn from_bytes(
     Ok(parse(bytes, name, below_folder(open))?.scene)
 }
 
-/// A scene, and which nodes of the file its bones are.
+/// A scene, and the relation of its bones to the nodes of the file.
 struct Parsed {
     scene: Scene,
     /// The bone of each node.
@@ -146,16 +143,16 @@ fn parse(
 }
 
 impl Scene {
-    /// Looks a clip up by name, or by the end of its name, as [`Clip::named`] does.
+    /// Looks up a clip by name, or by the end of its name: see [`Clip::named`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Clip::named`].
     pub fn clip(&self, name: &str) -> Result<&Clip, ClipNameError> {
         Clip::named(&self.clips, name)
     }
 }
 
-/// The lists of a document that nothing here is for.
+/// Notes on the lists and extensions that the reader ignores.
 fn left_out(root: &Root) -> Vec<Note> {
     let lists = [
         ("cameras", root.cameras.len()),

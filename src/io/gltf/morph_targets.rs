@@ -1,4 +1,4 @@
-//! Morph targets: what each moves, and what they are called.
+//! Morph targets: their deltas and names.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +11,16 @@ use super::source::Source;
 use crate::io::FromFile;
 use crate::skinning::{MorphError, MorphTarget};
 
-/// A target of a mesh of several primitives.
+/// A morph target of a mesh with several primitives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Deltas {
-    /// By vertex the deltas of position, normal and tangent.
+    /// Deltas of position, normal and tangent by vertex.
     vertices: BTreeMap<u32, [Vec3; 3]>,
     has_normals: bool,
     has_tangents: bool,
 }
 
-/// The names of a mesh's targets, as most programs write them.
+/// Names of a mesh's targets in its `extras`, a convention of most programs.
 #[derive(Default, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct MeshExtras {
@@ -28,7 +28,7 @@ pub(super) struct MeshExtras {
     pub(super) target_names: Vec<String>,
 }
 
-/// Adds a primitive's part of a target; the primitive's vertices start at `first`.
+/// Adds a primitive's part of a target. The primitive's vertices start at `first`.
 pub(super) fn append(
     source: &Source<'_>,
     target: &Entry,
@@ -76,10 +76,10 @@ impl Deltas {
     }
 }
 
-/// What the targets of a mesh are called: by the mesh's `extras`, or by their numbers.
+/// Names of a mesh's targets: from the mesh's `extras`, or numbered.
 pub(super) fn names(mesh: &Mesh, targets: usize) -> Vec<String> {
     let extras = mesh.extras.as_ref().map(|extras| extras.get());
-    // Extras are for any program to use: what is no list of names here is someone else's.
+    // Extras are free-form: other contents than names are ignored.
     let extras = extras.and_then(|extras| serde_json::from_str::<MeshExtras>(extras).ok());
     let given = extras.unwrap_or_default().target_names;
     (0..targets)

@@ -1,22 +1,20 @@
-//! Where a node stands in its parent: by translation, rotation and scale, or by a matrix that is
-//! taken apart.
+//! Local transform of a node: translation, rotation and scale, or a matrix that is decomposed.
 
 use glam::{DAffine3, DMat3, DVec3, Quat, Vec3A};
 use gltf_json::Node;
 
 use crate::animation::{Decomposition, LocalTransform};
 
-/// How far a node's matrix may stand from translation · rotation · scale, as a share of its largest
-/// scale: files with five digits pass.
+/// Largest off-diagonal entry of a matrix's stretch, relative to its largest entry. Files with five digits pass.
 const SHEAR_WITHIN: f64 = 1e-4;
 
-/// A node's place, and what had to be put right.
+/// Local transform of a node, and the repair that was needed.
 pub(super) struct Local {
     pub(super) rest: LocalTransform,
     pub(super) repair: Option<String>,
 }
 
-/// Where a node is in its parent, or the key that is wrong and why.
+/// The local transform of a node, or the faulty key and its problem.
 pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
     let (rest, row_repair) = match &node.matrix {
         Some(matrix) => decomposed(matrix).map_err(|problem| ("matrix", problem))?,
@@ -46,7 +44,7 @@ pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
             repair: row_repair,
         });
     }
-    // In double precision, where the square of no single-precision number vanishes.
+    // In double precision the square of a tiny single-precision number does not underflow to 0.
     let rotation = rest.rotation.as_dquat();
     let length = rotation.length();
     if length == 0.0 {
@@ -61,7 +59,7 @@ pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
     Ok(Local { rest, repair })
 }
 
-/// A matrix by columns as translation · rotation · scale.
+/// Decomposes a matrix in column order into translation, rotation and scale.
 fn decomposed(matrix: &[f32; 16]) -> Result<(LocalTransform, Option<String>), String> {
     let (affine, repair) = affine(matrix)?;
     let parts = Decomposition::new(&affine).map_err(|error| error.to_string())?;
@@ -81,10 +79,10 @@ fn decomposed(matrix: &[f32; 16]) -> Result<(LocalTransform, Option<String>), St
     Ok((rest, repair))
 }
 
-/// Largest distance of a matrix's last row from 0 0 0 1, entry by entry: rounding of the writer.
+/// Largest deviation of an entry of a matrix's last row from 0 0 0 1: rounding of writers.
 const LAST_ROW_WITHIN: f32 = 1e-4;
 
-/// A matrix by columns whose last row is 0 0 0 1, and the repair of a row that is off by rounding.
+/// A matrix in column order whose last row is 0 0 0 1, and the repair of a last row that deviates by rounding.
 pub(super) fn affine(matrix: &[f32; 16]) -> Result<(DAffine3, Option<String>), String> {
     let row = [matrix[3], matrix[7], matrix[11], matrix[15]];
     let exact = [0.0, 0.0, 0.0, 1.0];

@@ -1,4 +1,4 @@
-//! Nodes as bones: parents before children, each with a name of its own.
+//! Nodes as bones: parents before children, each with a unique name.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -15,13 +15,13 @@ use crate::skeleton::BoneId;
 /// The bones of a document.
 pub(super) struct Nodes {
     pub(super) bones: Vec<ArmatureBone>,
-    /// The bone of each node, by the node's index.
+    /// Bone of each node, by node index.
     pub(super) bone_of: Vec<BoneId>,
-    /// Whether each node is in the scene that is shown.
+    /// True for nodes of the displayed scene, by node index.
     pub(super) in_scene: Vec<bool>,
 }
 
-/// How messages call a thing with an optional name.
+/// Name of an object with an optional name, for messages.
 pub(super) fn label(kind: &str, index: usize, name: Option<&String>) -> String {
     match name.filter(|name| !name.is_empty()) {
         Some(name) => format!("{kind} `{name}`"),
@@ -67,7 +67,7 @@ pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> FromFile<Nodes
     })
 }
 
-/// The node above each node.
+/// Parent of each node.
 fn parents(source: &Source<'_>) -> FromFile<Vec<Option<usize>>> {
     let nodes = &source.root.nodes;
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
@@ -96,7 +96,7 @@ pub(super) fn missing_node(source: &Source<'_>, path: String, node: usize) -> Re
     source.fail(path, problem)
 }
 
-/// Parents before children; the file's own order where that is so already.
+/// Node indices with parents before children; the file's order if it satisfies this.
 fn order(source: &Source<'_>, parents: &[Option<usize>]) -> FromFile<Vec<usize>> {
     let nodes = &source.root.nodes;
     let roots = (0..nodes.len()).filter(|&index| parents[index].is_none());
@@ -118,8 +118,8 @@ fn order(source: &Source<'_>, parents: &[Option<usize>]) -> FromFile<Vec<usize>>
     }
 }
 
-/// The nodes' own names where they have any. Of several that share one a joint keeps it, else what is
-/// animated, else the first.
+/// Unique names of the nodes. Of several nodes with one name a joint keeps it, or else an animated node, or else the
+/// first.
 fn names(source: &Source<'_>, notes: &mut Vec<Note>) -> Vec<String> {
     let nodes = &source.root.nodes;
     let given = |node: &Node| node.name.clone().filter(|name| !name.is_empty());
@@ -147,7 +147,7 @@ fn names(source: &Source<'_>, notes: &mut Vec<Note>) -> Vec<String> {
         .collect()
 }
 
-/// What a node is for by which its name counts, rising.
+/// Priority for keeping a repeated name, ascending.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
     Other,
@@ -171,7 +171,7 @@ fn ranks(source: &Source<'_>) -> Vec<Rank> {
     ranks
 }
 
-/// The name, or with a mark at its end where it is taken; taken from now on.
+/// Appends marks to a name until it is unused, and reserves it.
 pub(super) fn free_name(mut name: String, taken: &mut BTreeSet<String>) -> String {
     while !taken.insert(name.clone()) {
         name.push('\'');
@@ -179,7 +179,7 @@ pub(super) fn free_name(mut name: String, taken: &mut BTreeSet<String>) -> Strin
     name
 }
 
-/// The nodes of the scene that is shown: the one the file names, else its first, else all nodes.
+/// The nodes of the displayed scene: the scene that the file names, or else the first, or else all nodes.
 fn in_scene(source: &Source<'_>) -> FromFile<Vec<bool>> {
     let (nodes, scenes) = (&source.root.nodes, &source.root.scenes);
     let shown = source.root.scene.map_or(0, |scene| scene.value());

@@ -1,44 +1,44 @@
-//! What reading changed or left out.
+//! Changes and omissions of the reader.
 
 use std::fmt;
 
 use crate::io::Place;
 use crate::skinning::WeightRepair;
 
-/// Something about a file that its reader should know.
+/// A change or an omission of the reader.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
-    /// A node without a name, or with one that another node has, got a name of its own.
+    /// A node without a name, or with the name of another node, got a unique name.
     Named {
-        /// The node's index in the file.
+        /// Index of the node in the file.
         node: usize,
-        /// What it is called now.
+        /// New name.
         name: String,
     },
-    /// Skin weights were put right.
+    /// Skin weights were repaired.
     Weights {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// What was done.
+        /// Repair of the weights.
         repair: WeightRepair,
-        /// How many weights were added to another one of the same vertex and joint.
+        /// Number of weights that were added to another weight of the same vertex and joint.
         merged: usize,
-        /// Number of vertices without weights, which follow their first joint.
+        /// Number of vertices whose weights are all 0, which are bound to their first joint.
         unweighted: usize,
     },
-    /// Something else was put right.
+    /// Another element was repaired.
     Repaired {
-        /// Where.
+        /// Position in the file.
         place: Place,
-        /// What was done.
+        /// Repair in words.
         what: String,
     },
-    /// Something is not in the result.
+    /// An element was left out.
     LeftOut {
-        /// Where.
+        /// Position in the file.
         place: Place,
-        /// What it is.
+        /// Element in words.
         what: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A skeleton and its skin as a scene.
+//! Conversion of a skeleton and its skin to a scene.
 
 use super::{Scene, SceneError, SceneMesh, Skin};
 use crate::animation::Armature;
@@ -7,9 +7,10 @@ use crate::skeleton::Skeleton;
 use crate::skinning::{MorphTargets, SkinWeights};
 
 impl Scene {
-    /// A skeleton as a scene, and its mesh where there is one, skinned by weights whose columns are the bones. Bones keep their ids; the
-    /// mesh hangs on a bone of its own behind them, called `mesh`. Clips are added to [`clips`](Self::clips), made for
-    /// [`armature`](Self::armature).
+    /// Creates a scene from a skeleton and optionally a mesh with weights, whose columns are the bones.
+    ///
+    /// Bones keep their ids. The mesh is on an additional bone `mesh` after them. Add clips for
+    /// [`armature`](Self::armature) to [`clips`](Self::clips).
     ///
     /// ```
     /// use kinopt::animation::Clip;
@@ -28,7 +29,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// Weights that are not one row for each vertex and one column for each bone.
+    /// Weights without one row per vertex and one column per bone.
     pub fn of_skeleton(
         skeleton: &Skeleton,
         skin: Option<(&TriangleMesh, &SkinWeights)>,
@@ -39,7 +40,7 @@ impl Scene {
         };
         let (joints, joint_from_mesh) =
             (bare.bone_ids().collect(), bare.rest_from_model().to_vec());
-        // Apart from the bones, which a node with a skin does not follow (section 3.7.3.3).
+        // On a root of its own: a skinned node ignores its parents (section 3.7.3.3).
         let (armature, bone) = bare.with_root("mesh");
         let vertices = mesh.positions().len();
         let own = SceneMesh {

@@ -1,5 +1,4 @@
-//! What a document may leave out though gltf-json's types ask for it: the nodes of a scene, and
-//! the node of an animation's channel.
+//! Optional members that gltf-json's types require: the nodes of a scene, and the node of an animation channel.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +10,7 @@ use serde_json::{Map, Value};
 use crate::io::FromFile;
 use crate::io::json::{parse, parse_by};
 
-/// As much of a document as says what it leaves out.
+/// The parts of a document in which members may be missing.
 #[derive(Deserialize)]
 struct Outline {
     #[serde(default)]
@@ -48,13 +47,13 @@ impl Channel {
     }
 }
 
-/// The channels without a node, by animation and channel.
+/// Channels without a node, as (animation, channel).
 pub(super) type Nodeless = BTreeSet<(usize, usize)>;
 
-/// The document, with an empty list of nodes for scenes without one, and with any node for channels
-/// without one, which are listed besides.
+/// Parses a document with missing members. Scenes without nodes get an empty list. Channels without a node get an
+/// arbitrary node and are returned.
 pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
-    // Where it is no outline, the whole says why.
+    // If this fails, parsing the whole document reports the error.
     let outline: Option<Outline> = serde_json::from_slice(json).ok();
     let omits = outline.is_some_and(|outline| {
         let channels = outline.animations.iter().flat_map(|own| &own.channels);

@@ -1,4 +1,4 @@
-//! The meshes of a scene in a pose.
+//! Meshes of a scene in a pose.
 
 use std::borrow::Borrow;
 use std::sync::Arc;
@@ -13,58 +13,58 @@ use crate::skinning::{
     WeightsError,
 };
 
-/// Poses the meshes of one scene again and again: their weights in the fast form, and memory. `S` is a
-/// `&Scene`, or what owns one, such as an `Arc<Scene>`.
+/// Poses the meshes of one scene repeatedly, with prepared weights and reused memory. `S` is a `&Scene` or an owner
+/// such as `Arc<Scene>`.
 #[derive(Clone, Debug)]
 pub struct ScenePosing<S> {
     scene: S,
     method: SkinningMethod,
-    /// One for each mesh; shared by clones.
+    /// One per mesh; shared by clones.
     weights: Arc<[MeshWeights]>,
     model_from_bone: Vec<Affine3A>,
     posed_from_mesh: Vec<Affine3A>,
 }
 
-/// Why a scene cannot be posed.
+/// Error of posing a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PosingError {
-    /// The parts of a mesh do not go together.
+    /// The parts of a mesh do not match.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The pose is of another armature.
+    /// The pose belongs to another armature.
     #[error(transparent)]
     Pose(#[from] SizeMismatch),
-    /// The morph targets of a mesh.
+    /// An error of a mesh's morph targets.
     #[error("mesh `{mesh}`: {problem}")]
     Morph {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// What is wrong.
+        /// The problem.
         problem: MorphError,
     },
-    /// The skin of a mesh; bones are the skin's joints.
+    /// An error of a mesh's skin; bone indices are indices of the skin's joints.
     #[error("mesh `{mesh}`: {problem}")]
     Skinning {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// What is wrong.
+        /// The problem.
         problem: SkinningError,
     },
-    /// The weights that tie a mesh to its bone.
+    /// An error of the weights that bind a mesh to its bone.
     #[error("mesh `{mesh}`: {problem}")]
     Weights {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// What is wrong.
+        /// The problem.
         problem: WeightsError,
     },
     /// The posed vertices are not finite.
     #[error("mesh `{mesh}`: {problem}")]
     Mesh {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// What is wrong.
+        /// The problem.
         problem: MeshError,
     },
 }
@@ -82,11 +82,11 @@ impl PosingError {
 }
 
 impl<S: Borrow<Scene>> ScenePosing<S> {
-    /// Memory for posing `scene`. Skins move by `method`, with dual quaternions stretching each joint
-    /// about where it was bound; meshes without one move with their bones, scale and all.
+    /// Prepares posing of `scene`. Skins use `method`; with dual quaternions each joint stretches about its bind
+    /// position. Meshes without a skin move with their bone, including its scale.
     ///
     /// # Errors
-    /// The parts of a mesh are of different sizes, or not of the scene's armature.
+    /// The parts of a mesh differ in size or do not match the scene's armature.
     pub fn new(scene: S, method: SkinningMethod) -> Result<Self, PosingError> {
         let Scene {
             armature, meshes, ..
@@ -108,24 +108,25 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
         })
     }
 
-    /// The meshes in a pose of the scene's armature, in the scene's coordinates: morph targets first,
-    /// then Σ_j w_j W_j B_j⁻¹ over the joints of a skin, or the bone that the mesh hangs on. Where
-    /// that bone mirrors, triangles turn round, so that the outside stays outside.
+    /// The meshes in a pose of the scene's armature, in the scene's frame.
+    ///
+    /// Morph targets apply first. A mesh with a skin then moves by Σ_j w_j W_j B_j⁻¹ over its joints; other meshes move
+    /// with their bone. Triangles of a mesh on a mirroring bone are reversed, so that their outsides stay outside.
     ///
     /// # Errors
-    /// The pose is of another armature, a number in it is not finite, or dual quaternions meet a
-    /// joint that mirrors or flattens space.
+    /// The pose belongs to another armature, or a number is not finite. With dual quaternions also a joint that mirrors
+    /// or is singular.
     pub fn meshes(&mut self, pose: &Pose) -> Result<Vec<TriangleMesh>, PosingError> {
         self.place(pose)?;
         let meshes = 0..self.scene.borrow().meshes.len();
         meshes.map(|index| self.posed(index, pose)).collect()
     }
 
-    /// The vertices of all meshes in their order, in a pose as [`meshes`](Self::meshes) has it, into
-    /// buffers of the caller's: whichever of positions and normals are there.
+    /// Writes the vertices of all meshes, in their order, into the caller's buffers. The pose is that of
+    /// [`meshes`](Self::meshes). Empty buffers of positions or normals are skipped.
     ///
     /// # Errors
-    /// As [`meshes`](Self::meshes), or a buffer has not one entry for each of all meshes'.
+    /// As [`meshes`](Self::meshes), or a buffer without one entry for each vertex or normal of all meshes.
     pub fn deform(&mut self, pose: &Pose, posed: PosedVertices<'_>) -> Result<(), PosingError> {
         self.place(pose)?;
         let meshes = &self.scene.borrow().meshes;
@@ -170,7 +171,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
         Ok(())
     }
 
-    /// A mesh without a skin moves with its bone, scale and all.
+    /// A mesh without a skin moves with its bone, including its scale.
     fn method_of(&self, mesh: &SceneMesh) -> SkinningMethod {
         match mesh.skin {
             Some(_) => self.method,
@@ -178,8 +179,8 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
         }
     }
 
-    /// As [`meshes`](Self::meshes), joined to one: the vertices of all meshes in their order.
-    /// It has normals where all of them have.
+    /// As [`meshes`](Self::meshes), joined to one mesh: the vertices of all meshes in their order. It has normals if
+    /// all meshes have them.
     ///
     /// # Errors
     /// As [`meshes`](Self::meshes).
@@ -224,7 +225,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     }
 }
 
-/// The transforms of a mesh's joints, or of its bone, from the mesh to the pose.
+/// The transforms from the mesh to the pose, of the mesh's joints or of its bone.
 fn move_with(mesh: &SceneMesh, model_from_bone: &[Affine3A], posed_from_mesh: &mut Vec<Affine3A>) {
     let place = |bone: usize| model_from_bone.get(bone).copied().unwrap_or_default();
     posed_from_mesh.clear();
@@ -238,7 +239,7 @@ fn move_with(mesh: &SceneMesh, model_from_bone: &[Affine3A], posed_from_mesh: &m
     }
 }
 
-/// Joints may scale: each stretches about where it was bound.
+/// The weights of a skin, with bind positions as pivots for joints that scale.
 fn weights_of(skin: &Skin) -> MeshWeights {
     let weights = MeshWeights::from(skin.weights.clone());
     let bound = skin.joint_from_mesh.iter();
@@ -251,7 +252,7 @@ fn weights_of(skin: &Skin) -> MeshWeights {
     }
 }
 
-/// The mesh with its morph targets mixed in; `None` where no weight is other than 0.
+/// The mesh with its morph targets applied; `None` if all weights are 0.
 fn morphed(mesh: &SceneMesh, pose: &Pose) -> Result<Option<TriangleMesh>, PosingError> {
     let weights = pose
         .morph_weights()

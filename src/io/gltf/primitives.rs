@@ -1,4 +1,4 @@
-//! A mesh's primitives as one list of vertices and one of triangles.
+//! Primitives of a mesh, joined to one list of vertices and one of triangles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,10 +14,10 @@ use super::source::Source;
 use super::triangles;
 use crate::io::FromFile;
 
-/// Attributes and targets that say which vertices a primitive has.
+/// Attributes and targets of a primitive; primitives with equal keys share their vertices.
 type VertexKey = (Vec<(String, usize)>, Vec<[Option<usize>; 3]>);
 
-/// A primitive's attributes by what they are.
+/// Accessors of a primitive by attribute.
 #[derive(Default)]
 struct Attributes {
     positions: Option<Index<Accessor>>,
@@ -27,7 +27,7 @@ struct Attributes {
     weights: BTreeMap<u32, Index<Accessor>>,
 }
 
-/// How many primitives have an attribute that is kept only if all have it.
+/// Number of vertex blocks with each attribute that is kept only if all blocks have it.
 #[derive(Default)]
 struct Having {
     normals: usize,
@@ -89,7 +89,7 @@ fn vertex_key(primitive: &Primitive) -> VertexKey {
     (attributes.collect(), targets.collect())
 }
 
-/// Appends a primitive's vertices; how many there are.
+/// Appends the vertices of a primitive and returns their number.
 fn vertices(
     source: &Source<'_>,
     primitive: &Primitive,
@@ -153,7 +153,7 @@ fn vertices(
         let weights = source.read(*weights, &user, |weights: [f64; 4]| weights)?;
         source.charge::<JointWeight>(4 * count, path)?;
         for (vertex, (joints, weights)) in (first as u32..).zip(joints.iter().zip(&weights)) {
-            // A joint without weight may be any number. A vertex without weights keeps its first joint.
+            // A joint with weight 0 may have any index. A vertex without weights keeps its first joint.
             let unweighted = *set == 0 && weights.iter().all(|weight| *weight == 0.0);
             let used = joints
                 .iter()
@@ -198,7 +198,7 @@ fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> Attribu
     own
 }
 
-/// Normals and tangents of some primitives only are of no use to a mesh of all.
+/// Removes normals and tangents that only some primitives have.
 fn keep_what_all_have(having: &Having, raw: &mut RawMesh) {
     let mut keep = |what: &str, given: usize, had: bool| {
         let keeps = given == having.blocks;

@@ -1,4 +1,4 @@
-//! A mesh as a file has it.
+//! A mesh as the file describes it.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use glam::{Vec3, Vec4};
 
 use super::morph_targets::Deltas;
 
-/// One joint's share in a vertex, as the file has it.
+/// Weight of one joint on a vertex, as the file states it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointWeight {
     pub(super) vertex: u32,
@@ -14,7 +14,7 @@ pub(super) struct JointWeight {
     pub(super) weight: f64,
 }
 
-/// A mesh before it meets a skin.
+/// A mesh before its skin is applied.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RawMesh {
     pub(super) positions: Vec<Vec3>,
@@ -22,11 +22,11 @@ pub(super) struct RawMesh {
     pub(super) tangents: Vec<Vec4>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) joints: Vec<JointWeight>,
-    /// Whether every primitive has joints.
+    /// Every primitive has joints.
     pub(super) is_skinned: bool,
     pub(super) targets: Vec<Deltas>,
-    /// The primitives of points and lines by their numbers, and what they are.
+    /// Index and mode of primitives of points and lines.
     pub(super) without_triangles: Vec<(usize, String)>,
-    /// Attributes that nothing here is for, by name.
+    /// Names of ignored attributes.
     pub(super) left_out: BTreeSet<String>,
 }

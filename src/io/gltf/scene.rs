@@ -1,4 +1,4 @@
-//! What a glTF file holds that can be posed.
+//! Scenes: armature, meshes, skins and clips of a glTF file.
 
 use std::collections::BTreeSet;
 
@@ -11,24 +11,22 @@ use crate::mesh::TriangleMesh;
 use crate::skeleton::BoneId;
 use crate::skinning::{MorphTargets, SkinWeights};
 
-/// An armature with the meshes that hang on it and the clips that move it.
+/// An armature with meshes and clips.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Every node of the file as a bone, so that whatever is animated can be, and the morph targets
-    /// of all meshes. The rest pose is that of the nodes; it need not be the one that skins were
-    /// bound in.
+    /// Bones of all nodes of the file, and the morph targets of all meshes. The rest pose is that of the nodes and may
+    /// differ from the bind pose of skins.
     pub armature: Armature,
-    /// The meshes, by the node they hang on.
+    /// Meshes, each with its bone.
     pub meshes: Vec<SceneMesh>,
-    /// The animations.
+    /// Animations.
     pub clips: Vec<Clip>,
-    /// What reading changed or left out; not looked at by writing.
+    /// Changes and omissions of the reader; ignored by the writer.
     pub notes: Vec<Note>,
 }
 
 impl Scene {
-    /// The bones that a figure of this scene turns, in their order: the joints of its skins, or all bones where there
-    /// is no skin.
+    /// The bones that may rotate, in their order: the joints of all skins, or all bones of a scene without skins.
     #[must_use]
     pub fn turning_bones(&self) -> BTreeSet<BoneId> {
         let skins = self.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
@@ -43,58 +41,57 @@ impl Scene {
 /// A mesh on a bone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneMesh {
-    /// Its name; need not be unique.
+    /// Name; need not be unique.
     pub name: String,
-    /// The bone it hangs on. One without a skin moves with it; one with a skin moves with the skin's
-    /// joints alone.
+    /// Bone of the mesh. A mesh without a skin moves with it. A mesh with a skin moves with the skin's joints only.
     pub bone: BoneId,
-    /// The mesh as modelled: in the bone's own coordinates, or for a skin in those that
-    /// [`Skin::joint_from_mesh`] starts from.
+    /// The mesh at rest: in the frame of the bone, or for a skin in the frame from which [`Skin::joint_from_mesh`]
+    /// maps.
     pub mesh: TriangleMesh,
-    /// Empty, or one for each vertex: x, y, z and the bitangent's sign.
+    /// Empty, or one per vertex: x, y, z and the sign of the bitangent.
     pub tangents: Vec<Vec4>,
-    /// Its morph targets; none for most meshes.
+    /// Morph targets; may be empty.
     pub morph_targets: MorphTargets,
-    /// Where the weights of its morph targets start in those of the armature.
+    /// Index of its first morph weight in the armature's morph weights.
     pub first_morph_weight: usize,
-    /// How it follows joints.
+    /// Skin, if the mesh has one.
     pub skin: Option<Skin>,
 }
 
-/// How a mesh follows joints.
+/// Binding of a mesh to joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
-    /// Its name; may be empty.
+    /// Name; may be empty.
     pub name: String,
-    /// The bones that are its joints, in the order of the weights' bones.
+    /// Bones that are its joints, in the order of the bones of `weights`.
     pub joints: Vec<BoneId>,
-    /// For each joint the inverse bind matrix B_j⁻¹: mesh → joint when the two were bound, as
-    /// given. A vertex follows Σ_j w_j W_j B_j⁻¹.
+    /// Inverse bind matrix B_j⁻¹ of each joint: mesh → joint in the bind pose, as the file states it. A vertex moves by
+    /// Σ_j w_j W_j B_j⁻¹.
     pub joint_from_mesh: Vec<Affine3A>,
-    /// How strongly each joint moves each vertex.
+    /// Weight of each joint on each vertex.
     pub weights: SkinWeights,
 }
 
-/// Parts of a scene that do not go together.
+/// Error for parts of a scene that do not match.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("mesh `{mesh}`: {problem}")]
 #[non_exhaustive]
 pub struct SceneError {
-    /// The mesh.
+    /// Name of the mesh.
     pub mesh: String,
-    /// Tangents, vertices with weights, …
+    /// The part and its sizes: tangents, vertices with weights and so on.
     #[source]
     pub problem: SizeMismatch,
 }
 
 impl SceneMesh {
-    /// The places of its morph targets' weights in those of the armature.
+    /// Indices of its morph weights in the armature's morph weights.
     pub(super) fn morph_weights(&self) -> std::ops::Range<usize> {
         let first = self.first_morph_weight;
         first..first.saturating_add(self.morph_targets.targets().len())
     }
 
-    /// Checks that its parts are of one size and exist in the armature.
+    /// Checks that its parts match in size and exist in the armature.
     pub(super) fn check(&self, armature: &Armature) -> Result<(), SceneError> {
         let same = |what, given, expected| {
             let mesh = || self.name.clone();

@@ -1,4 +1,4 @@
-//! Skins: which bones are joints, where they were bound, and how strongly they move each vertex.
+//! Skins: joints, inverse bind matrices and weights.
 
 use glam::{Affine3A, Mat3A, Vec3A};
 use gltf_json::Skin as Entry;
@@ -13,7 +13,7 @@ use crate::io::FromFile;
 use crate::skeleton::BoneId;
 use crate::skinning::{SkinWeights, WeightRepair};
 
-/// The skin of a mesh (its index, name and vertices) that the file puts on a node.
+/// Reads the skin of a mesh (index, name and vertices).
 pub(super) fn read(
     source: &Source<'_>,
     index: usize,
@@ -43,7 +43,7 @@ pub(super) fn read(
     })
 }
 
-/// Checks the inverse bind matrices of a skin that no mesh which is read has.
+/// Checks the inverse bind matrices of a skin that no mesh uses.
 pub(super) fn check(source: &Source<'_>, index: usize, notes: &mut Vec<Note>) -> FromFile<()> {
     let entry = source.root.skins.get(index);
     entry.map_or(Ok(()), |entry| {
@@ -52,7 +52,7 @@ pub(super) fn check(source: &Source<'_>, index: usize, notes: &mut Vec<Note>) ->
     })
 }
 
-/// The inverse bind matrices, one for each joint; identities where the file has none.
+/// Inverse bind matrices, one per joint; identities if the file has none.
 fn bound(
     source: &Source<'_>,
     entry: &Entry,
@@ -137,8 +137,8 @@ fn weights(
     Ok(weights)
 }
 
-/// Gives each vertex without a weight above 0 the weight 1 at its first joint, or at joint 0 if the skin has no such joint, as three.js
-/// does. Returns the number of these vertices. `shares` are sorted by vertex.
+/// Gives each vertex whose weights are all 0 the weight 1 at its first joint, as three.js does. Joint 0 is used if the
+/// skin has no such joint. `shares` are sorted by vertex. Returns the number of these vertices.
 fn bind_unweighted(shares: &mut [JointWeight], joints: usize) -> usize {
     let mut count = 0;
     for of_vertex in shares.chunk_by_mut(|a, b| a.vertex == b.vertex) {

@@ -1,4 +1,4 @@
-//! A document with its buffers, and how much it may decode to.
+//! A document with its buffers, and the limit of its decoded size.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -7,10 +7,10 @@ use gltf_json::Root;
 
 use crate::io::{FromFile, Place, ReadError};
 
-/// What a byte of the file may decode to. Accessors may share bytes, or have none where they are
-/// all zeros; without a limit a short file could ask for any amount of memory.
+/// Largest decoded size per byte of the file. Accessors may share bytes or have none, so a short file could otherwise
+/// need any amount of memory.
 const GROWTH: usize = 256;
-/// What a file may decode to however short it is.
+/// Smallest limit of the decoded size, bytes.
 const LEAST_ROOM: usize = 1 << 18;
 
 /// A document with its buffers.
@@ -42,7 +42,7 @@ impl<'a> Source<'a> {
         ReadError::malformed(self.name, Place::Json(path.into()), problem)
     }
 
-    /// An entry of one of the document's lists, by the list's name; `user` says who asks.
+    /// An entry of one of the document's lists. `user` names its user in messages.
     pub(super) fn entry<T>(
         &self,
         entries: &'a [T],
@@ -56,7 +56,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// Takes so many entries of type `T` out of what the file may decode to.
+    /// Subtracts `count` entries of type `T` from the remaining decoded size.
     pub(super) fn charge<T>(&self, count: usize, path: &str) -> FromFile<()> {
         let bytes = count.checked_mul(size_of::<T>());
         let left = bytes.and_then(|bytes| self.room.get().checked_sub(bytes));

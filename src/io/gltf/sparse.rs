@@ -1,4 +1,4 @@
-//! Sparse accessors: the entries that differ from zero, or from those of a buffer view.
+//! Sparse accessors: entries that differ from zero or from a buffer view.
 
 use gltf_json::accessor::sparse::Sparse;
 use gltf_json::validation::Checked;
@@ -8,7 +8,7 @@ use super::accessor_view::AccessorView;
 use super::source::Source;
 use crate::io::FromFile;
 
-/// The entries that differ from zero or from the accessor's buffer view.
+/// Indices and values of a sparse accessor.
 pub(super) struct SparseRuns<'a> {
     count: usize,
     indices: AccessorView<'a>,
@@ -16,8 +16,8 @@ pub(super) struct SparseRuns<'a> {
 }
 
 impl Source<'_> {
-    /// The entries of an accessor that are not zero, by place. Those that a sparse accessor without
-    /// a buffer view lists are given even where they are zero.
+    /// The non-zero entries of an accessor, with their indices. A sparse accessor without a buffer view gives all
+    /// entries that it lists, including zeros.
     pub(super) fn deltas<T: Clone>(
         &self,
         index: Index<Accessor>,
@@ -89,7 +89,7 @@ impl Source<'_> {
         }))
     }
 
-    /// Which entries a sparse accessor lists: rising, below `count`.
+    /// Indices of the entries that a sparse accessor lists: ascending, below `count`.
     pub(super) fn places(
         &self,
         sparse: &SparseRuns<'_>,

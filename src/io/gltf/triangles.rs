@@ -1,4 +1,4 @@
-//! The triangles of a primitive: indexed or not, strips and fans taken apart.
+//! Triangles of a primitive: indexed or not, with strips and fans split.
 
 use gltf_json::mesh::{Mode, Primitive};
 use gltf_json::validation::Checked;
@@ -7,7 +7,7 @@ use super::raw_mesh::RawMesh;
 use super::source::Source;
 use crate::io::FromFile;
 
-/// How a primitive is drawn, where it has no triangles: as points or lines.
+/// The mode of a primitive of points or lines; `None` for triangles and unknown modes.
 pub(super) fn without_triangles(primitive: &Primitive) -> Option<Mode> {
     match primitive.mode {
         Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => None,
@@ -16,7 +16,7 @@ pub(super) fn without_triangles(primitive: &Primitive) -> Option<Mode> {
     }
 }
 
-/// Appends the triangles over vertices that start at `first`, `count` of them.
+/// Appends the triangles of a primitive whose `count` vertices start at `first`.
 pub(super) fn append(
     source: &Source<'_>,
     primitive: &Primitive,
@@ -59,7 +59,7 @@ pub(super) fn append(
             raw.triangles
                 .extend(indices.chunks_exact(3).map(corners).map(moved));
         }
-        // Section 3.7.2.1; strips are stitched by triangles without area.
+        // Section 3.7.2.1. Degenerate triangles only stitch strips together.
         Mode::TriangleStrip => {
             let windows = indices.windows(3).map(corners).enumerate();
             let turned = windows.map(|(number, [a, b, c])| match number % 2 {

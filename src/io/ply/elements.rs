@@ -1,4 +1,4 @@
-//! Vertices and faces as the parser fills them.
+//! Vertices and faces as the PLY parser fills them.
 
 use glam::Vec3;
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
@@ -6,7 +6,7 @@ use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use crate::mesh::single_precision;
 use crate::spatial::Vector3;
 
-/// A vertex: x, y, z and nx, ny, nz.
+/// A vertex: x, y, z, nx, ny, nz.
 pub(super) struct Vertex([f64; 6]);
 
 impl Vertex {
@@ -59,11 +59,11 @@ impl PropertyAccess for Vertex {
     }
 }
 
-/// A polygon's vertex indices, not yet checked.
+/// Vertex indices of a polygon, unchecked.
 pub(super) struct Face(Vec<i64>);
 
 impl Face {
-    /// Adds the polygon's triangles, all from its first corner.
+    /// Adds the triangles of the polygon as a fan around its first corner.
     pub(super) fn cut_into_fan(
         &self,
         vertex_count: usize,
@@ -119,7 +119,7 @@ impl PropertyAccess for Face {
     }
 }
 
-/// An entry of an element that a mesh does not need.
+/// An entry of an ignored element.
 pub(super) struct Skipped;
 
 impl PropertyAccess for Skipped {

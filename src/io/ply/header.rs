@@ -1,13 +1,13 @@
-//! Checks of a parsed header before the payload is read.
+//! Checks of a parsed PLY header before the payload is read.
 
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
 use crate::io::{FromFile, Place, ReadError};
 
-/// Checks that the elements and properties that a mesh needs are declared, each once.
+/// Checks that the elements and properties of a mesh are declared, each once.
 pub(super) fn check(header: &Header, text: &[u8], name: &str) -> FromFile<()> {
     let fail = |problem: String| Err(ReadError::of_file(name, problem));
-    // The parser keeps the last of two declarations of one name and would then misread the rest.
+    // The parser keeps the last of two declarations with one name and would misread the payload.
     let declared: usize = header
         .elements
         .values()
@@ -45,7 +45,7 @@ pub(super) fn check(header: &Header, text: &[u8], name: &str) -> FromFile<()> {
     Ok(())
 }
 
-/// Whether each vertex has a normal.
+/// Reports whether vertices have normals.
 pub(super) fn has_normals(header: &Header) -> bool {
     ["nx", "ny", "nz"]
         .iter()
@@ -57,7 +57,7 @@ fn has_vertex_property(header: &Header, property: &str) -> bool {
     vertex.is_some_and(|vertex| vertex.properties.contains_key(property))
 }
 
-/// Checks that so many entries can be in the bytes that are left.
+/// Checks that the remaining bytes can hold the entries of an element.
 pub(super) fn check_count(
     header: &Header,
     element: &ElementDef,

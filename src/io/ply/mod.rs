@@ -1,12 +1,11 @@
-//! PLY meshes: ASCII and binary, both byte orders.
+//! PLY meshes: ASCII and binary, in both byte orders.
 //!
-//! Parsing is `ply-rs-bw`'s; it is maintained, and truncated input and absurd list counts are
-//! errors there. What it lets through is refused here before it sees the payload: counts that the
-//! file cannot hold, entries without properties, and declarations that occur twice.
+//! The crate `ply-rs-bw` parses. Counts that the file cannot hold, entries without properties and repeated declarations
+//! pass its header check and are rejected here before the payload is read.
 //!
-//! Wanted are an element `vertex` with properties `x y z` (`float` or `double`, optionally
-//! `nx ny nz`) and an element `face` with a list `vertex_indices` or `vertex_index`; polygons are
-//! cut into fans. Other elements and properties are skipped.
+//! A mesh needs two elements. `vertex` has properties `x y z` of type `float` or `double`, and optionally `nx ny nz`.
+//! `face` has a list `vertex_indices` or `vertex_index`. Polygons are split into fans. Other elements and properties
+//! are skipped.
 
 mod elements;
 mod header;
@@ -20,23 +19,23 @@ use self::elements::{Face, Skipped, Vertex};
 use super::{FromFile, MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
 use crate::mesh::TriangleMesh;
 
-/// How the numbers of a PLY file are written.
+/// Encoding of the numbers of a PLY file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PlyEncoding {
-    /// Decimal, with as many digits as it takes to read the same number back.
+    /// Decimal numbers, with as many digits as an exact round trip needs.
     Ascii,
-    /// Least significant byte first.
+    /// Binary, least significant byte first.
     BinaryLittleEndian,
-    /// Most significant byte first.
+    /// Binary, most significant byte first.
     BinaryBigEndian,
 }
 
-/// Reads a mesh from the bytes of a PLY file; `name` is for messages.
+/// Reads a mesh from the bytes of a PLY file. `name` is the file name for messages.
 ///
 /// # Errors
-/// A [`ReadError`] with the line, byte offset or face: a malformed header, less or more data than
-/// announced, a number that is not finite in single precision, an index that is out of range.
+/// A [`ReadError`] with the line, byte offset or face. Causes are a malformed header, a wrong amount of data, a number
+/// that is not finite in single precision, or an index out of range.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<TriangleMesh, ReadError> {
     let mut source = Source {
         reader: Reader::new(bytes),
@@ -67,12 +66,12 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<TriangleMesh, ReadError> {
 /// Reads a PLY file of at most 2 GiB.
 ///
 /// # Errors
-/// As [`from_bytes`], and when the file cannot be opened.
+/// As [`from_bytes`], and a file that cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<TriangleMesh, ReadError> {
     read_with(path.as_ref(), MAX_FILE_BYTES, from_bytes)
 }
 
-/// The mesh as a PLY file: `float` coordinates, normals where there are any, `uint` indices.
+/// The mesh as a PLY file: `float` coordinates, normals if there are any, `uint` indices.
 #[must_use]
 pub fn to_bytes(mesh: &TriangleMesh, encoding: PlyEncoding) -> Vec<u8> {
     let format = match encoding {
@@ -129,7 +128,7 @@ pub fn to_bytes(mesh: &TriangleMesh, encoding: PlyEncoding) -> Vec<u8> {
 /// Writes [`to_bytes`] to a file.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file.
+/// A [`WriteError`] that names the file.
 pub fn write(
     mesh: &TriangleMesh,
     encoding: PlyEncoding,
@@ -179,7 +178,7 @@ fn assemble(
         .map_err(|error| ReadError::new(name, Place::File, error))
 }
 
-/// The bytes being parsed, and what messages need.
+/// The bytes that are parsed, with data for messages.
 struct Source<'a> {
     reader: Reader<&'a [u8]>,
     length: usize,
@@ -202,7 +201,7 @@ impl Source<'_> {
             .map_err(|error| self.fail(&error))
     }
 
-    /// Data after the last entry means that a count is wrong.
+    /// Checks that no data follow the last entry, which would indicate a wrong count.
     fn expect_end(&self) -> FromFile<()> {
         let rest = self.reader.get_ref();
         if rest.is_empty() || (!self.binary && rest.iter().all(u8::is_ascii_whitespace)) {
@@ -215,12 +214,11 @@ impl Source<'_> {
 
     fn fail(&self, error: &ParseError) -> ReadError {
         let place = match error.line() {
-            // The parser counts binary entries as lines, which helps nobody.
+            // The parser counts binary entries as lines, which is no useful position.
             Some(line) if !self.binary => Place::Line(line),
             _ => Place::Byte(self.offset()),
         };
-        // The parser's messages repeat whole lines of the file over several lines, and some end in
-        // the inner workings of its grammar.
+        // The parser's messages quote lines of the file, and some end with internals of its grammar.
         let text = error.to_string();
         let text = text.split("Error: ParseError").next().unwrap_or(&text);
         let text = text

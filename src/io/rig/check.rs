@@ -1,4 +1,4 @@
-//! From the file's numbers to checked types; each error names the JSON path.
+//! Conversion of the file's numbers to checked types; errors contain the JSON path.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -12,7 +12,7 @@ use crate::io::{FromFile, Place, ReadError};
 use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// How far `rest_T` may stand from a rigid motion, entry by entry: files with seven digits pass.
+/// Largest deviation of `rest_T` from a rigid motion, per entry. Files with seven digits pass.
 const RIGID_WITHIN: f64 = 1e-6;
 
 pub(super) fn at(name: &str, path: impl Into<String>, problem: impl Into<String>) -> ReadError {
@@ -34,7 +34,7 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> FromFile<Skeleton> {
         let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(wanted));
         same.nth(1).map(|(index, _)| format!("bones[{index}].name"))
     };
-    // Called as its file is, without where that lies.
+    // The skeleton has the name of the file without its folder.
     let own = Path::new(name).file_stem().and_then(OsStr::to_str);
     Skeleton::new(own.unwrap_or(name), bones).map_err(|error| {
         let path = match &error {
@@ -46,7 +46,7 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> FromFile<Skeleton> {
     })
 }
 
-/// A bone, or the key that is wrong and why.
+/// A bone, or the faulty key and its problem.
 fn bone(index: usize, entry: &BoneEntry) -> Result<Bone, (String, String)> {
     let fail = |key: &str, problem: String| Err((key.to_owned(), problem));
     let parent = match usize::try_from(entry.parent_id) {
@@ -137,7 +137,7 @@ fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
     }
 }
 
-/// The bone of a number in the file.
+/// The bone of an index in the file.
 fn bone_id(number: i64, skeleton: &Skeleton) -> Result<BoneId, String> {
     let bone = usize::try_from(number)
         .ok()
@@ -182,7 +182,7 @@ pub(super) fn clip(file: &RigFile, skeleton: &Skeleton, name: &str) -> FromFile<
             ClipError::NonFiniteAngle { track, key, .. } => {
                 format!("fk_animation[{track}].keys[{key}].xzx")
             }
-            // No single key is wrong; of controls, reading has seen to number and size.
+            // Reading already checked the number and size of controls.
             ClipError::ControlCount { .. }
             | ClipError::NonFiniteControls { .. }
             | ClipError::Curve { .. } => "fk_animation".into(),

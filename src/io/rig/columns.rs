@@ -1,4 +1,4 @@
-//! From the columns of the weights' table to the bones that claim them.
+//! Assignment of weight table columns to bones.
 
 use nalgebra::DMatrix;
 
@@ -8,7 +8,7 @@ use crate::io::{FromFile, Place, ReadError};
 use crate::mesh::TriangleMesh;
 use crate::skinning::{SkinWeights, WeightsError};
 
-/// Hands each column of the table to the bone that claims it.
+/// Assigns each column of the table to the bone with its `weight_id`.
 pub(super) fn weights(
     file: &RigFile,
     table: &DMatrix<f64>,

@@ -1,11 +1,11 @@
-//! The file's degrees against the library's radians.
+//! Conversion between degrees of the file and radians.
 
 use crate::model::Limits;
 
-/// Limits of this many degrees or more stand for none.
+/// Smallest absolute limit in degrees that means unbounded.
 pub(super) const UNBOUNDED: f64 = 1e10;
 
-/// A range in degrees, in radians.
+/// Limits in radians from a range in degrees.
 pub(super) fn limits(min: f64, max: f64) -> Limits {
     let end = |degrees: f64| match degrees.abs() >= UNBOUNDED {
         true => f64::INFINITY.copysign(degrees),
@@ -14,7 +14,7 @@ pub(super) fn limits(min: f64, max: f64) -> Limits {
     Limits::new(end(min), end(max))
 }
 
-/// One end of [`limits`] as the file writes it.
+/// One bound of [`limits`] in degrees.
 pub(super) fn from_limit(radians: f64) -> f64 {
     if radians.is_infinite() {
         return UNBOUNDED.copysign(radians);
@@ -22,10 +22,9 @@ pub(super) fn from_limit(radians: f64) -> f64 {
     from_radians(radians)
 }
 
-/// The degrees that are read back as exactly this many radians, where there are such.
+/// The degrees that convert to exactly the given radians, if they exist.
 ///
-/// Radians are a coarser grid than degrees in places and a finer one in others, so converting back
-/// may be off by a step or two; the neighbours are tried.
+/// Conversion by rounding may be off by one or two steps of floating-point numbers, so neighbours are tried.
 pub(super) fn from_radians(radians: f64) -> f64 {
     let degrees = radians.to_degrees();
     let (mut below, mut above) = (degrees, degrees);

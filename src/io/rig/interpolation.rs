@@ -1,4 +1,4 @@
-//! What runs between keys: an extension of ours. A track without it has Catmull-Rom splines.
+//! Interpolation of keys, an extension of kinopt to the format. The default is Catmull-Rom.
 
 use super::json::TrackEntry;
 use crate::animation::EulerInterpolation;
@@ -8,7 +8,7 @@ const LINEAR: &str = EulerInterpolation::LINEAR;
 const CATMULL_ROM: &str = EulerInterpolation::CATMULL_ROM;
 const KOCHANEK_BARTELS: &str = EulerInterpolation::KOCHANEK_BARTELS;
 
-/// What a track says, or the key under it that is wrong and why.
+/// Interpolation of a track, or the faulty key and its problem.
 pub(super) fn read(track: &TrackEntry) -> Result<EulerInterpolation, (String, String)> {
     let name = track.interpolation.as_deref().unwrap_or(CATMULL_ROM);
     let interpolation = match name {
@@ -51,7 +51,7 @@ fn controls(track: &TrackEntry, key: usize) -> Result<TensionContinuityBias, (St
     }
 }
 
-/// The name and the keys' controls as the file writes them; nothing for Catmull-Rom splines.
+/// Writes the name of the interpolation and the controls of the keys; nothing for Catmull-Rom.
 pub(super) fn write(between: &EulerInterpolation, track: &mut TrackEntry) {
     if *between == EulerInterpolation::CatmullRom {
         return;

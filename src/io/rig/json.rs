@@ -1,4 +1,4 @@
-//! The JSON as it stands in the file, before its numbers are checked.
+//! JSON structure of a rig file, before its numbers are checked.
 
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ pub(super) struct BoneEntry {
     pub(super) parent_id: i64,
     pub(super) weight_id: i64,
     pub(super) length: f64,
-    /// Sizes are checked later, for a clearer message than the parser's.
+    /// The length is checked later, for a clearer message than the parser's.
     #[serde(default, deserialize_with = "present")]
     pub(super) xzx_min: Option<Vec<f64>>,
     #[serde(default, deserialize_with = "present")]
@@ -65,14 +65,14 @@ pub(super) struct KeyEntry {
     pub(super) tcb: Option<Vec<f32>>,
 }
 
-/// One bone's number or an array of them.
+/// One bone index or an array of them.
 #[derive(Debug)]
 pub(super) enum Constraints {
     One(i64),
     Many(Vec<i64>),
 }
 
-/// An optional key that may be absent but not `null`.
+/// Deserialises an optional key that may be absent but not `null`.
 fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     value: D,
 ) -> Result<Option<T>, D::Error> {

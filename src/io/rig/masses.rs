@@ -1,4 +1,4 @@
-//! A rig's masses, by the volume of its mesh.
+//! Masses of a rig, from the volume of its mesh.
 
 use super::Rig;
 use crate::kinematics::{CentreOfMassError, ForwardKinematics, centre_of_mass};
@@ -7,12 +7,11 @@ use crate::skinning::{AutomaticWeights, bone_volumes};
 use crate::spatial::Vector3;
 
 impl Rig {
-    /// The masses of the bones: the volume of the mesh that goes with each, by its weights
-    /// ([`bone_volumes`]), times a density: 1000 kg/m³ for a body of flesh, where the rig's unit is a metre. A mesh
-    /// without weights gets some from the bones next to each vertex.
+    /// Masses of the bones: the volume that moves with each bone by its weights ([`bone_volumes`]), times `density`. A
+    /// human body has about 1000 kg/m³, for a rig in metres. A mesh without weights gets automatic ones.
     ///
     /// # Errors
-    /// No mesh, one that does not close around a volume, a density that is negative, nought or not finite.
+    /// No mesh, or a mesh that does not enclose a volume. Also a density that is negative, 0 or not finite.
     pub fn masses(&self, density: f64) -> Result<Masses, MassError> {
         let no_volume = |why: &dyn std::fmt::Display| MassError::NoVolume(why.to_string());
         let mesh = self.mesh.as_ref();
@@ -44,11 +43,11 @@ impl Rig {
         Masses::new(model, masses)
     }
 
-    /// Where the centre of mass is in the pose of the stacked angles `q` (radians), for a body of one density
-    /// all through.
+    /// Position of the centre of mass in the pose of the joint angles `q` (radians), for a uniform density. It is in
+    /// the rig's frame and unit.
     ///
     /// # Errors
-    /// As [`masses`](Self::masses), or angles that are no configuration.
+    /// As [`masses`](Self::masses), or an invalid configuration.
     pub fn centre_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>, CentreOfMassError> {
         Ok(centre_of_mass(
             self.skeleton.model(),

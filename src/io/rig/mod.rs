@@ -1,27 +1,23 @@
-//! Rigs: a JSON file of bones that names a PLY mesh and a DMAT table of skin weights.
+//! Rigs: a JSON file of bones with a PLY mesh and a DMAT table of skin weights.
 //!
-//! - `model.file`, `weights.file`: relative to the JSON file; each may be absent. Weights that are named
-//!   but do not exist are a [note](RigNote): bones and keyframes do not need them.
-//! - `bones`: parents before children. A bone has `parent_id` (−1 for a root), `weight_id` (its
-//!   column in the weights' table, −1 for none), `length`, `rest_T` (4×4 rows: canonical bone →
-//!   model) and optionally `xzx_min` and `xzx_max` in degrees; absent or ±1e10 means unbounded.
-//! - `fk_animation`, optional: `[{bone_id, keys: [{t, xzx}]}]`, seconds and degrees.
-//! - `ik_constraints`: the bones whose tips are pinned: an array, one number, or absent for the
-//!   last bone. A bone named twice counts once.
+//! - `model.file`, `weights.file`: paths relative to the JSON file; both optional. A missing weights file is a
+//!   [note](RigNote), as bones and keyframes do not need it.
+//! - `bones`: parents before children. A bone has `parent_id` (−1 for a root), `weight_id` (column of the weights
+//!   table, −1 for none), `length`, and `rest_T` (rows of a 4×4 matrix: canonical bone → model). Limits `xzx_min` and
+//!   `xzx_max` are optional, in degrees; absent or ±1e10 means unbounded.
+//! - `fk_animation`, optional: `[{bone_id, keys: [{t, xzx}]}]`, in seconds and degrees.
+//! - `ik_constraints`: the bones whose tips are pinned, as an array or one number; the last bone by default. A repeated
+//!   bone counts once.
 //!
-//! Two things are extensions of ours; programs that do not know them skip the keys.
+//! kinopt extends the format twice; other programs ignore these keys:
 //!
-//! - A bone may have a `name`, a string that is not empty, unique and free of slashes (`NAME/tip` is
-//!   the frame at its tip). A bone without one is called `bone/0`, `bone/1`, … after its place in
-//!   the list.
-//! - A track of `fk_animation` may have an `interpolation`: `linear`, `catmull-rom` (as without one) or
-//!   `kochanek-bartels`, whose keys may have a `tcb`: `[tension, continuity, bias]`, zeros without
-//!   it.
+//! - A bone may have a `name`: a non-empty, unique string without slashes (`NAME/tip` is the frame at its tip). By
+//!   default bones are `bone/0`, `bone/1`, … by index.
+//! - A track of `fk_animation` may have an `interpolation`: `linear`, `catmull-rom` (the default) or
+//!   `kochanek-bartels`. Keys of the last may have a `tcb`: `[tension, continuity, bias]`, zeros by default.
 //!
-//! Other keys are ignored. A tail need not be on its parent's tip: `rest_T` is taken as it is, and
-//! the offset between them turns with the parent.
-//!
-//! Degrees exist only here: everything that comes out is in radians.
+//! Other keys are ignored. A tail may be away from its parent's tip: `rest_T` is used unchanged, and the offset rotates
+//! with the parent. Degrees occur in the file only; the library uses radians.
 
 mod check;
 mod columns;
@@ -46,33 +42,33 @@ use crate::mesh::TriangleMesh;
 use crate::skeleton::{BoneId, Skeleton};
 use crate::skinning::SkinWeights;
 
-/// A skeleton with the mesh it moves, its keyframes and its pinned tips.
+/// A skeleton with its mesh, keyframes and pinned tips.
 #[derive(Clone, Debug)]
 pub struct Rig {
-    /// The bones, in the rig's own unit.
+    /// The skeleton, in the rig's unit.
     pub skeleton: Skeleton,
     /// The mesh at rest.
     pub mesh: Option<TriangleMesh>,
-    /// A row for each vertex of the mesh, a column for each bone of the skeleton.
+    /// Skin weights: a row per vertex of the mesh, a column per bone of the skeleton.
     pub weights: Option<SkinWeights>,
-    /// The keyframes; empty when the file has none.
+    /// Keyframes; empty if the file has none.
     pub clip: EulerClip,
-    /// The bones whose tips are pinned.
+    /// Bones whose tips are pinned.
     pub constrained: Vec<BoneId>,
-    /// What reading did without; not looked at by writing.
+    /// Notes of the reader; ignored by the writer.
     pub notes: Vec<RigNote>,
 }
 
 impl Rig {
-    /// Reads a rig and the files it names, which must be below its folder.
+    /// Reads a rig and the files that it refers to, which must be below its folder.
     ///
     /// # Errors
-    /// A [`ReadError`] naming the file and a path in it such as `bones[3].rest_T`.
+    /// A [`ReadError`] that names the file and a path in it such as `bones[3].rest_T`.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         Self::read_with(path, &FileAccess::new())
     }
 
-    /// Reads a rig and the files it names, as far as `access` allows.
+    /// Reads a rig and the files that it refers to, as far as `access` allows.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -84,11 +80,11 @@ impl Rig {
         })
     }
 
-    /// Reads a rig from the bytes of its JSON file; `name` is for messages. `open` gets the
-    /// contents of `model.file` and `weights.file`, if those lead below the JSON file's folder.
+    /// Reads a rig from the bytes of its JSON file. `name` is the file name for messages. `open` returns the contents
+    /// of `model.file` and `weights.file`, which are below the JSON file's folder.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and whatever `open` fails with.
+    /// As [`read`](Self::read), and the errors of `open`.
     pub fn parse(
         json: &[u8],
         name: &str,
@@ -97,7 +93,7 @@ impl Rig {
         Self::parse_any(json, name, below_folder(open))
     }
 
-    /// As [`parse`](Self::parse), with any reference given to `open`.
+    /// As [`parse`](Self::parse), but `open` also gets references outside the folder.
     fn parse_any(
         json: &[u8],
         name: &str,

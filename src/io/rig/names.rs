@@ -1,11 +1,11 @@
-//! Names of bones: an extension of ours. A bone without one is `bone/0`, `bone/1`, …
+//! Names of bones, an extension of kinopt to the format. The defaults are `bone/0`, `bone/1`, …
 
-/// What bone `index` is called where the file does not say.
+/// Default name of a bone.
 pub(super) fn default_name(index: usize) -> String {
     format!("bone/{index}")
 }
 
-/// Why a file may not call bone `index` so. Slashes are ours: `NAME/tip` is a frame.
+/// Problem of a name for bone `index`, if there is one. Slashes are reserved: `NAME/tip` is a frame.
 pub(super) fn problem(name: &str, index: usize) -> Option<String> {
     if name.is_empty() {
         return Some("the name is empty; leave the key out instead".into());

@@ -1,14 +1,14 @@
-//! What reading a rig could do without.
+//! Notes of reading a rig.
 
 use std::fmt;
 
-/// Something about a rig's files that its reader should know.
+/// A fault of a rig's files that the reader tolerates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RigNote {
-    /// The file of skin weights that the rig names does not exist: the rig has none.
+    /// The weights file of the rig does not exist, so the rig has no weights.
     NoWeightsFile {
-        /// The file, as the rig names it.
+        /// Path of the file, as the rig states it.
         file: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A rig's mesh in a pose.
+//! Mesh of a rig in a pose.
 
 use std::borrow::Borrow;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use crate::skinning::{
     SkinningMethod, single_precision_transform,
 };
 
-/// Poses the mesh of a rig again and again: its weights made ready once, and room for transforms.
-/// `R` is a `&Rig`, or what owns one, such as an `Arc<Rig>`.
+/// Poses the mesh of a rig repeatedly, with prepared weights and reused memory. `R` is a `&Rig` or an owner such as
+/// `Arc<Rig>`.
 #[derive(Clone, Debug)]
 pub struct RigPosing<R> {
     rig: R,
@@ -30,31 +30,30 @@ pub struct RigPosing<R> {
     posed_from_rest: Vec<Affine3A>,
 }
 
-/// Why a rig's mesh cannot be posed.
+/// Error of posing a rig's mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigPosingError {
-    /// The rig is bones alone.
+    /// The rig has no mesh.
     #[error("the rig has no mesh")]
     NoMesh,
-    /// The file has no weights, and none can be made.
+    /// The rig has no weights, and automatic weights failed.
     #[error("the rig has no skin weights, and none can be made up: {0}")]
     Weights(AutomaticWeightsError),
-    /// A configuration of other bones, or one that is not finite.
+    /// A configuration of another skeleton, or one that is not finite.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
-    /// A pose of other bones.
+    /// A pose of another skeleton.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// The skin and its transforms.
+    /// An error of skinning.
     #[error(transparent)]
     Skinning(#[from] SkinningError),
 }
 
 impl Rig {
-    /// The mesh in the pose of the stacked angles `q` (radians), such as a
-    /// [`Solution`](crate::Solution)'s: positions, and normals where the mesh has them.
-    /// [`posing`](Self::posing) does the same for many poses.
+    /// The mesh in the pose of the joint angles `q` (radians), such as those of a [`Solution`](crate::Solution):
+    /// positions, and normals if the mesh has them. Use [`posing`](Self::posing) for many poses.
     ///
     /// # Errors
     /// As [`posing`](Self::posing) and [`RigPosing::mesh`].
@@ -66,21 +65,21 @@ impl Rig {
         self.posing(method)?.mesh(q)
     }
 
-    /// Memory for posing the mesh by `method`. A mesh without weights gets some from the bones next to
-    /// each vertex: [`RigPosing::has_automatic_weights`].
+    /// Prepares posing of the mesh by `method`. A mesh without weights gets automatic ones: see
+    /// [`RigPosing::has_automatic_weights`].
     ///
     /// # Errors
-    /// The rig has no mesh, or no weights and none can be made.
+    /// The rig has no mesh, or it has no weights and automatic weights failed.
     pub fn posing(&self, method: SkinningMethod) -> Result<RigPosing<&Self>, RigPosingError> {
         RigPosing::new(self, method)
     }
 }
 
 impl<R: Borrow<Rig>> RigPosing<R> {
-    /// As [`Rig::posing`], which borrows the rig; this takes what owns it as well.
+    /// Prepares posing of a rig, which may be borrowed or owned: see [`Rig::posing`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Rig::posing`].
     pub fn new(rig: R, method: SkinningMethod) -> Result<Self, RigPosingError> {
         let Rig {
             skeleton,
@@ -108,32 +107,32 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         })
     }
 
-    /// Whether the rig has no weights of its own, so that vertices follow the bones next to them.
+    /// Reports whether the weights are automatic, because the rig has none.
     #[must_use]
     pub fn has_automatic_weights(&self) -> bool {
         self.automatic
     }
 
-    /// The mesh for the stacked angles `q` (radians, one for each of the skeleton's).
+    /// The mesh for the joint angles `q` (radians, as many as the skeleton has).
     ///
     /// # Errors
-    /// Another number of angles, or a number that is not finite.
+    /// A different number of angles, or a number that is not finite.
     pub fn mesh(&mut self, q: &[f64]) -> Result<TriangleMesh, RigPosingError> {
         self.place(q)?;
         self.skin()
     }
 
-    /// As [`mesh`](Self::mesh), into buffers of the caller's: whichever of positions and normals are
-    /// there. Rigs have no tangents.
+    /// As [`mesh`](Self::mesh), into the caller's buffers of positions and normals; empty buffers are skipped. Rigs
+    /// have no tangents.
     ///
     /// # Errors
-    /// As there, or a buffer has not one entry for each of the mesh's.
+    /// As [`mesh`](Self::mesh), or a buffer without one entry per vertex.
     pub fn deform(&mut self, q: &[f64], posed: PosedVertices<'_>) -> Result<(), RigPosingError> {
         self.place(q)?;
         self.skin_into(posed)
     }
 
-    /// The mesh in a pose of the skeleton's [armature](Armature::of_skeleton), such as a clip's.
+    /// The mesh in a pose of the skeleton's [armature](Armature::of_skeleton), such as a pose of a clip.
     ///
     /// # Errors
     /// A pose of another armature, or a number that is not finite.
@@ -142,11 +141,10 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         self.skin()
     }
 
-    /// As [`mesh_of_pose`](Self::mesh_of_pose), into buffers of the caller's, as
-    /// [`deform`](Self::deform) has it.
+    /// As [`mesh_of_pose`](Self::mesh_of_pose), into the caller's buffers: see [`deform`](Self::deform).
     ///
     /// # Errors
-    /// As both.
+    /// As [`mesh_of_pose`](Self::mesh_of_pose) and [`deform`](Self::deform).
     pub fn deform_to_pose(
         &mut self,
         pose: &Pose,
@@ -156,7 +154,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         self.skin_into(posed)
     }
 
-    /// Each bone's transform for `q`, rest → posed.
+    /// Computes the transform of each bone for `q`, rest → posed.
     fn place(&mut self, q: &[f64]) -> Result<(), RigPosingError> {
         let pose = self.posing.pose(q)?;
         self.posed_from_rest.clear();
@@ -166,7 +164,7 @@ impl<R: Borrow<Rig>> RigPosing<R> {
         Ok(())
     }
 
-    /// Each bone's transform in a pose, rest → posed.
+    /// Computes the transform of each bone in a pose, rest → posed.
     fn place_pose(&mut self, pose: &Pose) -> Result<(), RigPosingError> {
         let placed = &mut self.model_from_bone;
         self.armature.local_to_model(pose, placed)?;

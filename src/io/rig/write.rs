@@ -1,4 +1,4 @@
-//! Writing a rig: the JSON, and beside it the mesh and the weights.
+//! Writing of rigs: the JSON file, the mesh and the weights.
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;
@@ -18,16 +18,16 @@ use crate::skeleton::Bone;
 use crate::skinning::SkinWeights;
 
 impl Rig {
-    /// Writes the rig to `path`, its mesh and weights beside it under the same name with the
-    /// extensions `ply` and `dmat` (both binary). All files are whole before the first is replaced.
+    /// Writes the rig to `path`. The mesh and the weights go to the same folder and name with the extensions `ply` and
+    /// `dmat` (both binary). All files are complete before the first is replaced.
     ///
-    /// Reading it again gives the same rig to the bit, except for angles that no number of degrees
-    /// converts to; they are off by rounding.
+    /// Reading the files gives exactly the same rig, except for angles that no number of degrees converts to; these are
+    /// off by rounding.
     ///
     /// # Errors
-    /// A [`WriteError`] naming the file: it cannot be written, `path` has one of those extensions
-    /// itself or is not Unicode, a bone has a name that the format cannot hold (see the
-    /// [module](super)), or the weights are for another number of vertices or bones.
+    /// A [`WriteError`] that names the file: it cannot be written, or `path` ends in `.ply` or `.dmat` or is not
+    /// Unicode. Also a bone name that the format does not allow (see the [module](super)), or weights for a different
+    /// number of vertices or bones.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let refuse = |problem: &str| {
@@ -67,14 +67,14 @@ impl Rig {
         let weights = weights
             .as_deref()
             .map(|bytes| (weights_path.as_path(), bytes));
-        // The JSON comes last: it names the others.
+        // The JSON comes last, as it refers to the others.
         let files = mesh.into_iter().chain(weights);
         let files: Vec<_> = files.chain([(path, json.as_bytes())]).collect();
         write_files(&files)
     }
 
-    /// The rig's JSON, a bone or track a line. The mesh and the weights, where there are any, are
-    /// referred to by the names given; the weights' table is [`Rig::weights_table`].
+    /// The rig as JSON, one line per bone or track. A mesh and weights are referred to by the given names.
+    /// [`Rig::weights_table`] is the table for `weights_file`.
     #[must_use]
     pub fn to_json(&self, model_file: &str, weights_file: &str) -> String {
         let ids = match &self.weights {
@@ -109,15 +109,14 @@ impl Rig {
         )
     }
 
-    /// The table that goes with [`to_json`](Self::to_json): a row per vertex, a column for each
-    /// bone that moves any.
+    /// The weights table for [`to_json`](Self::to_json): a row per vertex, a column for each bone with weights.
     #[must_use]
     pub fn weights_table(&self) -> Option<DMatrix<f64>> {
         self.weights.as_ref().map(|weights| columns(weights).1)
     }
 }
 
-/// Each bone's column, −1 for a bone that moves no vertex, and the table of the others.
+/// The column of each bone (−1 for a bone without weights), and the table of these columns.
 fn columns(weights: &SkinWeights) -> (Vec<i64>, DMatrix<f64>) {
     let mut ids = vec![-1; weights.bone_count()];
     for influence in weights.iter().flatten() {
@@ -133,7 +132,7 @@ fn columns(weights: &SkinWeights) -> (Vec<i64>, DMatrix<f64>) {
     (ids, weights.to_table().select_columns(&kept))
 }
 
-/// Strings, numbers and arrays of them always serialise.
+/// Serialises a value to one line. Strings, numbers and arrays of them always serialise.
 fn line(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }

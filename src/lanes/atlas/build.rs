@@ -1,4 +1,6 @@
-//! Filling the atlas: random configurations, each put into the cell of its key.
+//! Construction of the seed atlas from random configurations.
+//!
+//! Each sample goes into the cell of its key until that cell is full.
 
 use std::f64::consts::TAU;
 
@@ -10,10 +12,10 @@ use crate::random::mix;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// A joint's axis and a point on it.
+/// Axis of a joint and a point on it.
 type Axis = (Vector3<f64>, Vector3<f64>);
 
-/// A configuration and where it brings the last frame.
+/// A sampled configuration with its key and the pose of its last frame.
 struct Sample<'a> {
     key: Key,
     q: &'a [f64],
@@ -22,7 +24,7 @@ struct Sample<'a> {
 }
 
 impl Atlas {
-    /// Samples a chain; none for chains too short or too long.
+    /// Samples the configurations of a chain. Returns `None` unless it has 4 to `MAX_ATLAS_JOINTS` joints.
     pub(crate) fn new(links: &Links, resolution: Resolution, seed: u64) -> Option<Self> {
         let n = links.links.len();
         if !(4..=MAX_ATLAS_JOINTS).contains(&n) {
@@ -51,7 +53,7 @@ impl Atlas {
         };
         let samples = cells * resolution.samples;
         let mut state = mix(seed ^ 0xA71A5);
-        // From where and how far a value may lie; the ends, by which goals are reduced, stay at zero.
+        // Lower end and width of each joint's range; zero for the joints that the key factors out.
         let ranges: Vec<(f64, f64)> = (links.links.iter().enumerate())
             .map(|(i, link)| {
                 if i == lead || i == n - 1 && link.kind.turns() {
@@ -69,7 +71,7 @@ impl Atlas {
                 *q = lower + unit * span;
             }
         };
-        // The range of the keys, from a first few samples.
+        // Range of the keys, estimated from a few samples.
         let mut q = vec![0.0; n];
         let mut joints = vec![(Vector3::zero(), Vector3::zero()); n];
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -106,7 +108,7 @@ impl Atlas {
         Some(atlas)
     }
 
-    /// Puts a sample into a cell, with the derivative of its joint values by the key.
+    /// Stores a sample in a cell, with the derivative of its joint values with respect to the key.
     fn store(&mut self, cell: usize, slot: usize, sample: &Sample, links: &Links) {
         let n = self.joints;
         let (centre, h) = self.direction_frame(cell);
@@ -114,7 +116,7 @@ impl Atlas {
         if self.lead_turns {
             key.shift = elementary::atan2(place.translation.y, place.translation.x);
         }
-        // The sample, turned so that its shift and roll are zero.
+        // The sample, rotated so that its shift and roll are zero.
         let (roll_y, roll_x) = self.roll_parts(&key, h);
         let roll = if self.last_turns {
             elementary::atan2(roll_y, roll_x)
@@ -127,7 +129,7 @@ impl Atlas {
         if self.last_turns {
             canonical[n - 1] -= roll;
         }
-        // Geometry in the half plane's frame.
+        // Geometry in the frame of the half plane.
         let turn = if self.lead_turns { -key.shift } else { 0.0 };
         let turned = Matrix3::identity().rotated_about_z(elementary::sin_cos(turn));
         let lift = if self.lead_turns { 0.0 } else { -key.shift };
@@ -165,7 +167,7 @@ impl Atlas {
             turn_towards(h),
             turn_towards(centre.cross(h)),
         ];
-        // The lower triangle of J Jᵀ. Counted by hand, as in lanes: a debug build spent most of its time here.
+        // Lower triangle of J Jᵀ. Index loops, as iterators are slow in a debug build.
         let mut m = [[0.0; 6]; 6];
         let mut r = 0;
         while r < 6 {
@@ -205,7 +207,7 @@ impl Atlas {
     }
 }
 
-/// The joint that goals are reduced by, and where its axis meets the first joint's frame.
+/// Index of the leading joint, whose symmetry reduces goals, and a point of its axis in the first joint's frame.
 fn leading(links: &[Link]) -> (usize, Vector3<f64>) {
     let (first, second) = (&links[0], &links[1]);
     let one_axis = first.twist.0.abs() < 1e-9 && first.twist.1 > 0.0;
@@ -219,8 +221,9 @@ fn leading(links: &[Link]) -> (usize, Vector3<f64>) {
     (1, at)
 }
 
-/// The placement of the frame after the last turn, its origin on the last axis, in the frame of the
-/// first joint moved to where the leading axis meets it; every joint's axis and a point on it go into `joints`.
+/// Pose of the last joint's frame after its rotation, relative to the point `lead_at` in the first joint's frame.
+///
+/// Writes the axis of every joint and a point on it to `joints`.
 fn forward(links: &Links, lead_at: Vector3<f64>, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
     let mut r = Matrix3::<f64>::identity();
     let mut p = Vector3::<f64>::zero() - lead_at;
@@ -245,15 +248,16 @@ fn forward(links: &Links, lead_at: Vector3<f64>, q: &[f64], joints: &mut [Axis])
     Placement::new(r, p)
 }
 
-/// Turns two columns of a rotation about the third, in place: operators on vectors and matrices are calls
-/// and copies in a debug build, and there are half a million turns in an atlas.
+/// Rotates two columns of a rotation matrix about the third, in place.
+///
+/// Operators on vectors and matrices are calls and copies in a debug build.
 fn turn(a: &mut Vector3<f64>, b: &mut Vector3<f64>, (sin, cos): (f64, f64)) {
     (a.x, b.x) = (a.x * cos + b.x * sin, b.x * cos - a.x * sin);
     (a.y, b.y) = (a.y * cos + b.y * sin, b.y * cos - a.y * sin);
     (a.z, b.z) = (a.z * cos + b.z * sin, b.z * cos - a.z * sin);
 }
 
-/// p ← p + by · along, in place likewise.
+/// Adds `by · along` to `p` in place.
 fn add_scaled(p: &mut Vector3<f64>, along: &Vector3<f64>, by: f64) {
     p.x += along.x * by;
     p.y += along.y * by;

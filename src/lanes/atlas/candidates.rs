@@ -1,8 +1,8 @@
-//! The seeds that a look-up finds.
+//! Start configurations found by a look-up in the atlas.
 
 use super::table::{MAX_ATLAS_JOINTS, PER_CELL};
 
-/// What a look-up gives: seeds in the order in which they should be tried.
+/// Start configurations of one cell, with the order in which to try them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidates {
     pub(crate) count: usize,
@@ -19,7 +19,7 @@ impl Candidates {
         }
     }
 
-    /// Writes candidate `index` into `q`, unclamped.
+    /// Writes candidate `index` into `q`, not clamped to the bounds.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill(&self, index: usize, q: &mut [f64]) {
         let slot = usize::from(self.order[index % PER_CELL]) % PER_CELL;

@@ -1,24 +1,24 @@
-//! The key of a goal, and the cell it falls in.
+//! Key of a goal and its cell in the atlas.
 
 use super::table::Atlas;
 use crate::lanes::links::frame_along;
 use crate::spatial::{Placement, Vector3};
 
-/// A goal reduced by the symmetries of the leading and last joint.
+/// A goal reduced by the symmetries of the leading and the last joint; lengths of the solver.
 #[derive(Clone, Copy)]
 pub(super) struct Key {
-    /// What a sliding leading joint adds, in lengths of the solver (as are all here).
+    /// Value of a prismatic leading joint; for a revolute one its angle, set only while a sample is stored.
     pub(super) shift: f64,
-    /// Distance and height (or the two coordinates across a sliding leading joint).
+    /// Radius about a revolute leading axis and height along it; the two coordinates across a prismatic one.
     pub(super) place: [f64; 2],
-    /// Last axis, in the half plane's frame.
+    /// Last joint's axis, in the frame of the half plane.
     pub(super) axis: Vector3<f64>,
-    /// First column of the orientation, in the half plane's frame.
+    /// First column of the orientation, in the frame of the half plane.
     pub(super) side: Vector3<f64>,
 }
 
 impl Atlas {
-    /// Reduces a goal, given as the placement of the frame after the last turn.
+    /// Reduces a goal, given as the pose of the last joint's frame after its rotation.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn key(&self, place: &Placement<f64>) -> Key {
         let p = place.translation;
@@ -53,7 +53,7 @@ impl Atlas {
         self.cell_number(self.bins(key))
     }
 
-    /// The cell so many cells from a key's own along each coordinate, if the table goes so far.
+    /// Number of the cell offset by `beside` from the key's cell; `None` outside the table.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn cell_beside(&self, key: &Key, beside: [i8; 4]) -> Option<usize> {
         let mut bins = self.bins(key);
@@ -76,7 +76,7 @@ impl Atlas {
         ((i * r.height + j) * r.direction + k) * r.direction + l
     }
 
-    /// A key's cell along each coordinate.
+    /// Index of a key's cell along each coordinate.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bins(&self, key: &Key) -> [usize; 4] {
         let bin = |value: f64, count: usize| (value.max(0.0) as usize).min(count - 1);
@@ -96,7 +96,7 @@ impl Atlas {
         [i, j, k, l]
     }
 
-    /// The middle direction of a cell and a unit vector across it.
+    /// Central direction of a cell and a unit vector perpendicular to it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn direction_frame(&self, cell: usize) -> (Vector3<f64>, Vector3<f64>) {
         let d = self.resolution.direction;
@@ -114,7 +114,7 @@ impl Atlas {
         (centre, frame_along(centre).x)
     }
 
-    /// Sine and cosine, times a common factor, of the turn about the last axis.
+    /// Sine and cosine of the rotation about the last axis from `h`, times a common factor.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn roll_parts(&self, key: &Key, h: Vector3<f64>) -> (f64, f64) {
         let x = key.side;

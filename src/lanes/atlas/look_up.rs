@@ -1,4 +1,4 @@
-//! Finding the seeds of a goal.
+//! Look-up of start configurations for a goal.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
 impl TooledAtlas {
-    /// Seeds for a goal, best first. `found` has none when called.
+    /// Writes the start configurations for a goal to `found`, best first. `found` must be empty.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn look_up<V: LaneScalar>(
         &self,
@@ -23,7 +23,9 @@ impl TooledAtlas {
         self.look_up_beside::<V>(links, goal_from_first, [0; 4], found);
     }
 
-    /// Seeds for a goal, best first, from the cell that is so many cells from the goal's own, if there is one.
+    /// Writes the start configurations of the cell offset by `beside` from the goal's cell, best first.
+    ///
+    /// `found` must be empty; it stays so if the table has no such cell.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn look_up_beside<V: LaneScalar>(
         &self,
@@ -87,7 +89,7 @@ impl TooledAtlas {
             axis.dot(Vector3::constant(h)),
             axis.dot(Vector3::constant(across)),
         ];
-        // The joints that goals are reduced by, bit by bit: every joint asks.
+        // Bit mask of the two joints that the key factors out, as a cheap test per joint.
         let reduced = 1_u32 << atlas.lead | 1 << (n - 1);
         let mut score = V::Four::zero();
         let per_joint = links.links.iter().zip(q_rows).zip(slopes.chunks_exact(4));
@@ -121,7 +123,7 @@ impl TooledAtlas {
                 found.q[i][s] = q.lane(s);
             }
         }
-        // Sorting network for four; the index makes keys differ, empty slots come last.
+        // Sorting network for four slots; empty slots come last.
         let mut keys = [(0.0, 0u8); PER_CELL];
         for (s, key) in keys.iter_mut().enumerate() {
             let score = if s < count {

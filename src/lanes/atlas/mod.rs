@@ -1,12 +1,10 @@
-//! The seed atlas: where in joint space to begin for a given goal.
+//! Seed atlas: a table from goals to start configurations.
 //!
-//! Turning the first joint turns the whole arm about its axis, and turning the last one turns the
-//! tool about its own: neither needs to be tabulated. What remains of a goal is four numbers, its
-//! key: distance from the first axis and height along it, and the direction of the last axis seen
-//! in the half plane through the goal. A grid over the keys holds in every cell a few
-//! configurations found there by sampling, each with the derivative of the joint values by the
-//! key. A seed is then a table look-up, a first-order correction and two angles. The tool on the last
-//! joint plays no part, so arms that differ in their tools share an atlas.
+//! Rotating the first joint rotates the whole arm, and rotating the last one rotates the tool about its axis. The table
+//! factors out both. A goal then has a key of four numbers: radius, height, and the direction of the last axis in the
+//! half plane through the goal. Each cell of a grid over the keys holds a few sampled configurations, with their
+//! derivative by the key. A look-up corrects them to first order and adds two angles. The tool plays no part, so arms
+//! with different tools share an atlas.
 
 mod build;
 mod candidates;

@@ -1,11 +1,11 @@
-//! The atlas as it lies in memory.
+//! Memory layout of the seed atlas.
 
 use crate::spatial::Vector3;
 
-/// Longer chains have no atlas: random restarts suffice there.
+/// Largest number of joints with an atlas; for longer chains random starts suffice.
 pub(super) const MAX_ATLAS_JOINTS: usize = 12;
 
-/// Configurations a cell holds.
+/// Largest number of configurations in a cell.
 pub(super) const PER_CELL: usize = 4;
 
 /// Number of cells along each coordinate of the key.
@@ -14,7 +14,7 @@ pub(crate) struct Resolution {
     pub(crate) radius: usize,
     pub(crate) height: usize,
     pub(crate) direction: usize,
-    /// Samples a cell, on average.
+    /// Average number of samples per cell.
     pub(crate) samples: usize,
 }
 
@@ -29,24 +29,27 @@ impl Default for Resolution {
     }
 }
 
-/// One number of the cell's configurations each.
+/// One number of each of a cell's configurations.
 pub(super) type Row = [f32; PER_CELL];
 
-/// The table.
+/// Table of start configurations over a grid of keys.
 #[derive(Debug)]
 pub(crate) struct Atlas {
     pub(super) joints: usize,
     pub(super) resolution: Resolution,
     pub(super) low: [f64; 2],
     pub(super) scale: [f64; 2],
-    /// Per cell: joint values (one row a joint), key (five rows), derivative (four rows a joint).
+    /// Rows of each cell: joint values (one row per joint), key (five rows), derivative (four rows per joint).
     pub(super) rows: Vec<Row>,
-    /// Number of configurations, by cell.
+    /// Number of configurations in each cell.
     pub(super) counts: Vec<u8>,
-    /// The joint that goals are reduced by: the first, or the second where both stand along one axis and the first slides but a little,
-    /// as a torso does that lifts an arm. That slide is sampled as the joints between are: goals reduced by it leave most seeds beyond its ends.
+    /// Index of the leading joint, by which goals are reduced.
+    ///
+    /// It is the second joint if the first two have one axis and the first is prismatic with a short range, as in a
+    /// lifting torso. Otherwise it is the first. The short prismatic joint is sampled like those in between: a
+    /// reduction by it would put most starts outside its range.
     pub(super) lead: usize,
-    /// Where its axis meets the first joint's frame.
+    /// Point of the leading axis in the first joint's frame.
     pub(super) lead_at: Vector3<f64>,
     pub(super) lead_turns: bool,
     pub(super) last_turns: bool,
@@ -55,7 +58,7 @@ pub(crate) struct Atlas {
 }
 
 impl Atlas {
-    /// Bytes held.
+    /// Memory of the table, in bytes.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(self.rows.as_slice()) + self.counts.len()
     }

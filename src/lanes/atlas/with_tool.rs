@@ -1,8 +1,8 @@
-//! An atlas as a chain with a tool sees it.
+//! Seed atlas of a chain with a tool.
 //!
-//! The atlas is of the chain alone: its tip is the last joint's frame. A tool moves what a chain's
-//! links count from: their unit of length, and how far origins slid along the first and the last
-//! axis. These three numbers lead back, so that arms that differ in their tools share one atlas.
+//! The atlas describes the chain without a tool: its tip is the last joint's frame. A tool changes the links' unit of
+//! length and moves their first and last origin along their axes. Three numbers undo that, so arms with different tools
+//! share one atlas.
 
 use std::sync::Arc;
 
@@ -11,24 +11,24 @@ use crate::lanes::chain::Chain;
 use crate::lanes::links::Links;
 use crate::spatial::{Placement, Vector3};
 
-/// A shared atlas and the way to it from the links of a chain with a tool.
+/// A shared atlas and the conversion to it from the links of a chain with a tool.
 #[derive(Clone, Debug)]
 pub(crate) struct TooledAtlas {
     pub(crate) atlas: Arc<Atlas>,
-    /// Lengths of the atlas in a length of the links.
+    /// Lengths of the atlas per length of the links.
     lengths: f64,
-    /// Lengths of the links in a length of the atlas.
+    /// Lengths of the links per length of the atlas.
     pub(super) own_lengths: f64,
-    /// How far the links' first origin lies beyond the atlas's, along the first axis, in lengths of
-    /// the links.
+    /// Offset of the links' first origin from the atlas's, along the first axis, in lengths of the links.
     first: f64,
-    /// How far the links' last origin lies before the atlas's, along the last axis, likewise.
+    /// Offset of the atlas's last origin from the links', along the last axis, in lengths of the links.
     last: f64,
 }
 
 impl TooledAtlas {
-    /// The atlas of a chain whose links these are: one that is there already, of the same joints with
-    /// whatever tool, or a new one. None for chains too short or too long.
+    /// Atlas of a chain with these links: the shared one, which must be of the same joints, or a new one.
+    ///
+    /// Returns `None` if the chain has too few or too many joints for an atlas.
     pub(crate) fn new(
         chain: &Chain,
         links: &Links,
@@ -50,8 +50,9 @@ impl TooledAtlas {
         })
     }
 
-    /// From a placement of the frame after the last turn in the first joint's, both as the links have
-    /// them, to the same as the atlas has them, from where the leading axis is.
+    /// Converts the pose of the last joint's frame after its rotation from the links' terms to the atlas's.
+    ///
+    /// The input is relative to the first joint, the result to the leading axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(&self, mut place: Placement<f64>) -> Placement<f64> {
         let along_first = Vector3::new(0.0, 0.0, self.first);

@@ -1,25 +1,25 @@
-//! The bounds of a motion as an interior method sees them: slacks, their multipliers, and what they add to a step.
+//! Barrier of the bounds of a trajectory: slacks, multipliers and their contributions to a step.
 
 use super::block_banded::BlockBanded;
 use super::bounds::FrameBounds;
 use super::length_bounds::LengthBound;
 use crate::scalar::elementary;
 
-/// A step goes at most so much of the way to where the first slack or multiplier would be zero.
+/// Largest fraction of the step to the first zero slack or multiplier that is taken.
 const TO_THE_BOUNDARY: f64 = 0.995;
-/// So many slacks are multiplied before their logarithm is taken.
+/// Number of slacks that are multiplied before one logarithm is taken.
 const TOGETHER: usize = 8;
 
-/// One bound: 0 ≤ s = room − sign · (x[at] − x[before]).
+/// Bound 0 ≤ s = room − sign · (x[at] − x[before]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bound {
     pub(super) at: usize,
-    /// The same variable a frame before, for a bound on a move.
+    /// Index of the same variable one sample before, for a bound on a displacement.
     pub(super) before: Option<usize>,
-    /// 1 where it holds from above, −1 where from below.
+    /// Sign of the bound: 1 for an upper bound, −1 for a lower one.
     pub(super) sign: f64,
     room: f64,
-    /// How large what it bounds is: a range, or a move.
+    /// Scale of the bounded quantity: a range or a displacement.
     pub(super) size: f64,
 }
 
@@ -36,25 +36,25 @@ impl Bound {
     }
 }
 
-/// Every bound of some frames, with its slack s and its multiplier z.
+/// All bounds of some samples, with slacks s and multipliers z.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Barrier<'a> {
     pub(super) bounds: Vec<Bound>,
-    /// Those of lengths, whose slacks and multipliers come after the others'.
+    /// Bounds of lengths. Their slacks and multipliers follow those of `bounds`.
     pub(super) lengths: Vec<LengthBound<'a>>,
     pub(super) slacks: Vec<f64>,
     pub(super) multipliers: Vec<f64>,
-    /// How the slacks change by a step.
+    /// Linear changes of the slacks by a step.
     slack_steps: Vec<f64>,
-    /// By how much less than that those of lengths do, all the way.
+    /// Quadratic decreases of the slacks of lengths by a full step.
     bends: Vec<f64>,
-    /// How much of that a step already allows for.
+    /// Part of `bends` that the current step compensates.
     allowed: Vec<f64>,
     multiplier_steps: Vec<f64>,
 }
 
 impl<'a> Barrier<'a> {
-    /// The bounds of frames in a row; those of frames that are fixed bind nothing.
+    /// Creates the bounds of consecutive samples. Bounds between fixed samples are left out.
     pub(super) fn new(limits: &'a FrameBounds, fixed: &[bool]) -> Self {
         let n = limits.most.len();
         let mut bounds = Vec::new();
@@ -109,12 +109,12 @@ impl<'a> Barrier<'a> {
         self.slacks.is_empty()
     }
 
-    /// How many bounds there are.
+    /// Number of bounds.
     pub(super) fn len(&self) -> usize {
         self.slacks.len()
     }
 
-    /// Takes the slacks of x; a variable of the first bound that has none, if any.
+    /// Computes the slacks at x. Returns a variable of the first bound without positive slack, if there is one.
     pub(super) fn look(&mut self, x: &[f64]) -> Option<usize> {
         let (slacks, of_lengths) = self.slacks.split_at_mut(self.bounds.len());
         for (slack, bound) in slacks.iter_mut().zip(&self.bounds) {
@@ -133,20 +133,20 @@ impl<'a> Barrier<'a> {
         })
     }
 
-    /// Takes multipliers of which all have s z = μ.
+    /// Sets the multipliers to s z = μ.
     pub(super) fn centre(&mut self, mu: f64) {
         for (multiplier, slack) in self.multipliers.iter_mut().zip(&self.slacks) {
             *multiplier = mu / slack;
         }
     }
 
-    /// Σ s z: how much lower the cost can be at most, but for its bending.
+    /// Returns the complementarity gap Σ s z, a bound on the remaining decrease for a linear cost.
     pub(super) fn gap(&self) -> f64 {
         let pairs = self.slacks.iter().zip(&self.multipliers);
         pairs.map(|(slack, multiplier)| slack * multiplier).sum()
     }
 
-    /// −Σ ln s at a place; infinite beyond a bound.
+    /// Returns −Σ ln s at x; infinity beyond a bound.
     pub(super) fn cost(&self, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for bounds in self.bounds.chunks(TOGETHER) {
@@ -170,14 +170,14 @@ impl<'a> Barrier<'a> {
         sum
     }
 
-    /// The bounds of lengths with their slacks and multipliers.
+    /// Returns the bounds of lengths with their slacks and multipliers.
     pub(super) fn with_lengths(&self) -> impl Iterator<Item = (&LengthBound<'a>, f64, f64)> {
         let pairs = self.slacks.iter().zip(&self.multipliers);
         let own = self.lengths.iter().zip(pairs.skip(self.bounds.len()));
         own.map(|(bound, (slack, multiplier))| (bound, *slack, *multiplier))
     }
 
-    /// Adds Σ (z/s) a aᵀ, and how lengths bend.
+    /// Adds Σ (z/s) a aᵀ and the curvature of the lengths to the Hessian.
     pub(super) fn add_to(&self, variables: usize, hessian: &mut BlockBanded) {
         let stiffness = self.multipliers.iter().zip(&self.slacks);
         for (bound, (multiplier, slack)) in self.bounds.iter().zip(stiffness) {
@@ -194,7 +194,7 @@ impl<'a> Barrier<'a> {
         }
     }
 
-    /// Adds to what a step goes by: the push inward of a barrier of this μ.
+    /// Adds the barrier gradient for μ to the right-hand side of a step.
     pub(super) fn add_push(&self, mu: f64, downhill: &mut [f64]) {
         for (bound, slack) in self.bounds.iter().zip(&self.slacks) {
             let push = bound.sign * mu / slack;
@@ -208,7 +208,7 @@ impl<'a> Barrier<'a> {
         }
     }
 
-    /// Takes the steps of slacks and multipliers that go with a step of x towards s z = μ.
+    /// Computes the steps of slacks and multipliers for a step of x towards s z = μ.
     pub(super) fn take_step(&mut self, step: &[f64], mu: f64) {
         for (k, bound) in self.bounds.iter().enumerate() {
             let (slack, multiplier) = (self.slacks[k], self.multipliers[k]);
@@ -227,33 +227,33 @@ impl<'a> Barrier<'a> {
         }
     }
 
-    /// Takes note of how lengths bend along the last step; whether any do.
+    /// Stores the curvature of lengths along the last step. Returns whether there is any.
     pub(super) fn bend(&mut self) -> bool {
         self.allowed.copy_from_slice(&self.bends);
         self.allowed.iter().any(|bend| *bend > 0.0)
     }
 
-    /// Lets go of that.
+    /// Clears the stored curvature.
     pub(super) fn forget_bends(&mut self) {
         self.allowed.fill(0.0);
     }
 
-    /// Adds to what a step goes by: as much inward as lengths bend.
+    /// Adds the stored curvature of lengths to the right-hand side of a step, as an inward force.
     pub(super) fn add_bends(&self, downhill: &mut [f64]) {
         for ((bound, slack, multiplier), bend) in self.with_lengths().zip(&self.allowed) {
             bound.add_push(multiplier * bend / slack, downhill);
         }
     }
 
-    /// How much of the step slacks and multipliers may go.
+    /// Returns the largest fractions of the step for slacks and for multipliers.
     pub(super) fn longest(&self) -> (f64, f64) {
         let (of_slacks, of_multipliers) = self.longest_straight();
         let plain = self.bounds.len();
         let steps = self.slacks[plain..].iter().zip(&self.slack_steps[plain..]);
-        // The share α of a step at which all of the slack that may go is gone: s + α ds − α² bend = (1 − 0.995) s.
+        // Fraction α at which the allowed part of the slack is used up: s + α ds − α² bend = (1 − 0.995) s.
         let ends = steps.zip(&self.bends).map(|((slack, by), bend)| {
             let root = (by * by + 4.0 * bend * TO_THE_BOUNDARY * slack).sqrt();
-            // Whichever of both forms loses no digits.
+            // The form without cancellation.
             match *by < 0.0 {
                 true => 2.0 * TO_THE_BOUNDARY * slack / (root - by),
                 false => (root + by) / (2.0 * bend),
@@ -274,7 +274,7 @@ impl<'a> Barrier<'a> {
         )
     }
 
-    /// Σ s z after shares of the step.
+    /// Returns Σ s z after fractions of the step.
     pub(super) fn gap_after(&self, of_slacks: f64, of_multipliers: f64) -> f64 {
         let slacks = self.slacks.iter().zip(&self.slack_steps);
         let multipliers = self.multipliers.iter().zip(&self.multiplier_steps);
@@ -293,7 +293,7 @@ impl<'a> Barrier<'a> {
         straight - bent.sum::<f64>()
     }
 
-    /// Moves the multipliers by a share of their step.
+    /// Moves the multipliers by a fraction of their step.
     pub(super) fn move_multipliers(&mut self, share: f64) {
         for (multiplier, step) in self.multipliers.iter_mut().zip(&self.multiplier_steps) {
             *multiplier += share * step;

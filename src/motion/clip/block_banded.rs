@@ -1,25 +1,25 @@
-//! A symmetric matrix of blocks near its diagonal, factorised in time and memory linear in how many they are.
+//! Symmetric block-banded matrix with a Cholesky factorisation in linear time and memory.
 
 use crate::solver::dot;
 
-/// Entries that the inner loops take at once, in both directions: blocks are padded to a multiple of it.
+/// Tile size of the inner loops in both directions. Blocks are padded to a multiple of it.
 const TILE: usize = 4;
-/// Pivots below this share of the largest diagonal entry are none.
+/// Pivot, relative to the largest diagonal entry, below which the matrix is not positive definite.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// The upper triangle of a symmetric matrix whose block (s, t) is zero where |s − t| is above the bandwidth.
+/// Upper triangle of a symmetric matrix whose block (s, t) is zero if |s − t| exceeds the bandwidth.
 #[derive(Clone, Debug)]
 pub(super) struct BlockBanded {
     blocks: usize,
     order: usize,
     padded: usize,
-    /// Of a row: the columns of its own block and of so many next ones, padded.
+    /// Row length: the padded columns of the diagonal block and of `bandwidth` following blocks.
     width: usize,
     entries: Vec<f64>,
 }
 
 impl BlockBanded {
-    /// Zero: so many blocks of an order, each beside so many next ones.
+    /// Creates a zero matrix of `blocks` diagonal blocks of an order.
     pub(super) fn new(blocks: usize, order: usize, bandwidth: usize) -> Self {
         let padded = order.next_multiple_of(TILE);
         let width = (bandwidth + 1) * padded;
@@ -34,7 +34,7 @@ impl BlockBanded {
         own
     }
 
-    /// Sets every entry to zero, and the padding to the identity.
+    /// Sets all entries to zero, and the padding to the identity.
     pub(super) fn clear(&mut self) {
         self.entries.fill(0.0);
         for block in 0..self.blocks {
@@ -49,31 +49,31 @@ impl BlockBanded {
         self.entries.copy_from_slice(&other.entries);
     }
 
-    /// Where a row begins: the columns of its own block first.
+    /// Returns the start of a row. The columns of the diagonal block come first.
     fn at(&self, block: usize, row: usize) -> usize {
         (block * self.padded + row) * self.width
     }
 
-    /// Adds to an entry of the block (`block`, `block + ahead`); on the diagonal only where `row ≤ column`.
+    /// Adds to an entry of the block (`block`, `block + ahead`). Diagonal blocks accept `row ≤ column` only.
     pub(super) fn add(&mut self, block: usize, ahead: usize, row: usize, column: usize, by: f64) {
         let at = self.at(block, row) + ahead * self.padded + column;
         self.entries[at] += by;
     }
 
-    /// A row of a block on the diagonal.
+    /// Returns a row of a diagonal block.
     pub(super) fn row_mut(&mut self, block: usize, row: usize) -> &mut [f64] {
         let at = self.at(block, row);
         &mut self.entries[at..at + self.order]
     }
 
-    /// The largest diagonal entry.
+    /// Returns the largest diagonal entry.
     pub(super) fn largest(&self) -> f64 {
         let rows = (0..self.blocks).flat_map(|block| (0..self.order).map(move |k| (block, k)));
         rows.map(|(block, k)| self.entries[self.at(block, k) + k])
             .fold(0.0, f64::max)
     }
 
-    /// Adds to the whole diagonal.
+    /// Adds to all diagonal entries.
     pub(super) fn add_to_diagonal(&mut self, by: f64) {
         for block in 0..self.blocks {
             for k in 0..self.order {
@@ -82,7 +82,7 @@ impl BlockBanded {
         }
     }
 
-    /// Takes one unknown out: its row and column become the identity's.
+    /// Eliminates one unknown: its row and column become those of the identity.
     pub(super) fn take_out(&mut self, block: usize, unknown: usize) {
         let bandwidth = self.width / self.padded - 1;
         for above in block.saturating_sub(bandwidth)..=block {
@@ -97,8 +97,10 @@ impl BlockBanded {
         self.entries[at + unknown] = 1.0;
     }
 
-    /// Cholesky's A = UᵀU in place, block row by block row (Golub & Van Loan 2013, "Matrix Computations", 4.3.5);
-    /// the diagonal then holds the inverses of U's. False where a pivot is none: not positive definite.
+    /// Computes Cholesky's A = UᵀU in place, block row by block row (Golub & Van Loan 2013, "Matrix Computations",
+    /// 4.3.5).
+    ///
+    /// The diagonal then holds the inverses of U's. Returns false if the matrix is not positive definite.
     pub(super) fn factorise(&mut self) -> bool {
         let Self {
             blocks,
@@ -111,7 +113,7 @@ impl BlockBanded {
         for block in 0..blocks {
             let (_, from_here) = self.entries.split_at_mut(block * size);
             let (own, below) = from_here.split_at_mut(size);
-            // Its own rows, four at a time …
+            // Rows of the diagonal block, four at a time.
             for first in (0..padded).step_by(TILE) {
                 let (_, rest) = own.split_at_mut(first * width);
                 let (four, later) = rest.split_at_mut(TILE * width);
@@ -123,7 +125,7 @@ impl BlockBanded {
                     subtract_products(rows, row, four, row, width);
                 }
             }
-            // … and what they take off the blocks below.
+            // Updates of the blocks below.
             for (k, next) in below.chunks_exact_mut(size).enumerate() {
                 let shift = (k + 1) * padded;
                 if shift >= width {
@@ -137,7 +139,7 @@ impl BlockBanded {
         true
     }
 
-    /// Solves A x = b in place, after [`factorise`](Self::factorise); `room` is memory.
+    /// Solves A x = b in place after [`factorise`](Self::factorise). `room` is a buffer.
     pub(super) fn solve(&self, b: &mut [f64], room: &mut Vec<f64>) {
         let Self {
             blocks,
@@ -172,7 +174,7 @@ impl BlockBanded {
     }
 }
 
-/// Factorises four rows, whose diagonal begins at the column `first`.
+/// Factorises four rows whose diagonal begins at column `first`.
 fn factorise_rows(rows: &mut [f64], first: usize, width: usize, least: f64) -> bool {
     for k in 0..TILE {
         let (_, from_here) = rows.split_at_mut(k * width);
@@ -196,8 +198,9 @@ fn factorise_rows(rows: &mut [f64], first: usize, width: usize, least: f64) -> b
     true
 }
 
-/// Four rows, from the column `from` of theirs on, lose AᵀB: A the four columns of `factor` that begin at `columns`,
-/// B all from there on.
+/// Subtracts AᵀB from four rows, starting at their column `from`.
+///
+/// A is the four columns of `factor` that begin at `columns`. B is all columns from there on.
 fn subtract_products(rows: &mut [f64], from: usize, factor: &[f64], columns: usize, width: usize) {
     let tiles = (width - columns) / TILE;
     for tile in 0..tiles {

@@ -1,74 +1,74 @@
-//! Where each variable may be and how far it may go from frame to frame, and a motion well within that.
+//! Bounds of variables and of their displacements between samples, and a strictly feasible start.
 
 use super::draw_together::{Together, groups};
 use super::length_limits::LengthLimit;
 use crate::problem::Problem;
 
-/// Shares of the moves, and of the ranges about their middles, that a motion well within its bounds is looked for in.
+/// Fractions of the displacement bounds and ranges, tried in this order, for a trajectory well within its bounds.
 const SHARES: [f64; 6] = [0.5, 0.9, 0.99, 0.999, 0.999_99, 0.999_999_9];
-/// How a start is drawn off its bounds.
+/// Displacement of a start off its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inward {
-    /// So far towards a motion well within them …
+    /// Fraction of the distance to a trajectory well within the bounds.
     share: f64,
-    /// … where a variable has not this share of its range and of its moves as room.
+    /// Clearance from the bounds, relative to range and displacement bound, above which a variable is not moved.
     room: f64,
 }
 
 impl Inward {
-    /// Every variable: a start is no more than that.
+    /// Moves every variable: the start is only a rough guess.
     pub(super) const ALL: Self = Self {
         share: 0.02,
         room: f64::INFINITY,
     };
-    /// What is at its bounds alone, and little: the start is good.
+    /// Moves only variables at their bounds, slightly: the start is good.
     pub(super) const LITTLE: Self = Self {
         share: 0.005,
         room: 0.0025,
     };
 }
 
-/// Bounds that are the same in all frames.
+/// Bounds that are equal for all samples.
 #[derive(Clone, Debug)]
 pub(super) struct FrameBounds {
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
-    /// How far a variable goes from a frame to the next; infinite for no limit.
+    /// Largest displacement of each variable between samples; infinity for no limit.
     pub(super) most: Vec<f64>,
-    /// Where both bounds are one: it stays.
+    /// For each variable, whether both bounds are equal.
     pub(super) still: Vec<bool>,
-    /// Of several variables together.
+    /// Bounds on several variables together.
     pub(super) lengths: Vec<LengthLimit>,
 }
 
-/// How far a frame may go from the one before.
+/// Displacement bounds between consecutive samples.
 #[derive(Clone, Debug)]
 pub(in crate::motion) struct Moves {
-    /// Each variable by itself; infinite for no limit.
+    /// Bound of each variable; infinity for no limit.
     pub(in crate::motion) most: Vec<f64>,
-    /// Several together.
+    /// Bounds on several variables together.
     pub(super) together: Vec<LengthLimit>,
 }
 
 impl Moves {
-    /// The first joint that is limited in several variables at once.
+    /// Returns the name of the first joint with a bound on several variables together.
     pub(in crate::motion) fn first_together(&self, problem: &Problem) -> Option<String> {
         let first = self.together.first()?.variables[0];
         Some(problem.names().joints[first].clone())
     }
 }
 
-/// A variable whose ends are too far apart for its speed.
+/// Variable that cannot get from one fixed sample to the next within its velocity limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TooFar {
     pub(super) variable: usize,
 }
 
-/// The ends of a range over some frames.
+/// Lower and upper ends of a range at each sample.
 type Band = [Vec<f64>; 2];
 
 impl FrameBounds {
-    /// Of a problem, with how far each variable goes from frame to frame, and what of several goes together.
+    /// Creates the bounds of a problem with displacement bounds.
     pub(super) fn new(problem: &Problem, moves: Moves) -> Self {
         let (mut lower, mut upper) = (problem.lower().to_vec(), problem.upper().to_vec());
         let still: Vec<bool> = lower
@@ -78,7 +78,7 @@ impl FrameBounds {
             .collect();
         let map = problem.parameters();
         for ball in map.balls().iter().filter(|ball| ball.swing.is_some()) {
-            // Their ellipse is within that box.
+            // The swing ellipse is within that box.
             lower[ball.variable..ball.variable + 2].fill(f64::NEG_INFINITY);
             upper[ball.variable..ball.variable + 2].fill(f64::INFINITY);
         }
@@ -94,8 +94,9 @@ impl FrameBounds {
         }
     }
 
-    /// Where a variable may be in each of some frames, so that all others can be reached from there at a share of its
-    /// moves, within a share of its range. Of fixed frames the band says nothing: they stay where x has them.
+    /// Returns the range of a variable at each sample from which all other samples can be reached.
+    ///
+    /// Displacement bounds and ranges are scaled by `share`. The range at fixed samples is their value.
     fn band(&self, x: &Frames<'_>, variable: usize, share: f64) -> Option<Band> {
         let (low, high) = (self.lower[variable], self.upper[variable]);
         let middle = 0.5 * (low + high);
@@ -116,15 +117,15 @@ impl FrameBounds {
         };
         (1..frames).for_each(|frame| narrow(frame, frame - 1));
         (1..frames).rev().for_each(|frame| narrow(frame - 1, frame));
-        // What cannot reach a fixed frame is told by the frames beside it.
+        // The neighbours of a fixed sample show whether it is unreachable.
         let open = |frame: usize| x.fixed[frame] || lower[frame] <= upper[frame];
         (0..frames).all(open).then_some([lower, upper])
     }
 
-    /// Draws a motion to where no bound is broken, and off all of them: fixed frames stay.
+    /// Projects a trajectory into its bounds and moves it off them. Fixed samples stay.
     ///
     /// # Errors
-    /// A variable that cannot come from one fixed frame to the next.
+    /// Returns an error if a variable cannot get from one fixed sample to the next.
     pub(super) fn draw_within(&self, x: &mut Frames<'_>, inward: Inward) -> Result<(), TooFar> {
         let frames = x.frames();
         for variable in (0..self.most.len()).filter(|&variable| self.is_bounded(variable)) {
@@ -168,7 +169,7 @@ impl FrameBounds {
                 continue;
             }
             let free: Vec<usize> = (0..frames).filter(|&frame| !x.fixed[frame]).collect();
-            // One that has no range of its own stands off its moves by keeping still.
+            // A variable without a range of its own gets clear of its displacement bounds by staying constant.
             let still = free.first().map_or(0.0, |&frame| x.at(frame, variable));
             let anchored = x.fixed.contains(&true);
             for frame in free {
@@ -186,7 +187,8 @@ impl FrameBounds {
         Ok(())
     }
 
-    /// How far a motion stays off a variable's bounds, as a share of the way between them, and of its moves.
+    /// Returns the smallest clearance of a trajectory from a variable's bounds, relative to its range and displacement
+    /// bound.
     fn room(&self, x: &Frames<'_>, variable: usize) -> f64 {
         let (low, high) = (self.lower[variable], self.upper[variable]);
         let range = Some(high - low)
@@ -217,7 +219,7 @@ impl FrameBounds {
     }
 }
 
-/// The variables of some frames in a row, and which frames are fixed.
+/// Variables of consecutive samples, with flags of fixed samples.
 #[derive(Debug)]
 pub(super) struct Frames<'a> {
     pub(super) x: &'a mut [f64],
@@ -259,8 +261,10 @@ impl Frames<'_> {
     }
 }
 
-/// The longest move of which neither |b − a|, nor that divided by the time, nor times the rate of frames, is above a
-/// speed's, rounding and all: for values up to a size.
+/// Returns the longest displacement that respects a velocity limit in floating-point arithmetic.
+///
+/// Neither |b − a|, nor its quotient by the time step, nor its product with the sample rate exceeds the limit. `size`
+/// bounds the absolute values.
 pub(super) fn longest_move(speed: f64, time_step_s: f64, size: f64) -> f64 {
     let most = speed * time_step_s * (1.0 - 8.0 * f64::EPSILON);
     let rounding = 2.0 * f64::EPSILON * size;

@@ -1,4 +1,4 @@
-//! Collects what a motion should do, and checks it once.
+//! Builder of a [`MotionProblem`].
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::problem::{Problem, ProblemBuilder, TaskId};
 use crate::robot::Robot;
 use crate::task::{Quantity, Residual, Task};
 
-/// Collects the tasks, weights and limits of a [`MotionProblem`]; [`build`](Self::build) checks them.
+/// Builder of a [`MotionProblem`] from tasks, weights and limits. [`build`](Self::build) checks them.
 #[derive(Clone)]
 pub struct MotionProblemBuilder<'m> {
     model: &'m Model,
@@ -25,13 +25,13 @@ pub struct MotionProblemBuilder<'m> {
     follow: Vec<Follow>,
     weights: Vec<(usize, Vec<f64>)>,
     rate_costs: Vec<RateCost>,
-    /// By number of a configuration.
+    /// Velocity limit of each number of a configuration.
     speeds: Vec<f64>,
-    /// Of free joints: their first slides, and how fast all three go together.
+    /// Velocity limits of free joints: coordinate of the first prismatic joint, and speed of all three together, m/s.
     free_speeds: Vec<(usize, f64)>,
     contacts: Vec<Contact>,
     ends: [Option<Vec<f64>>; 2],
-    /// The first name or number that was wrong.
+    /// First invalid name or number.
     wrong: Option<MotionError>,
 }
 
@@ -62,13 +62,13 @@ impl<'m> MotionProblemBuilder<'m> {
         }
     }
 
-    /// Which joints are free, locked or coupled. Without it every joint is free.
+    /// Sets the free, locked and mimic joints. By default every joint is free.
     pub fn parameters(&mut self, map: ParameterMap) -> &mut Self {
         self.problem.parameters(map);
         self
     }
 
-    /// Narrows a joint's limits in all frames, as [`ProblemBuilder::bound`].
+    /// Narrows a joint's limits at all samples, as [`ProblemBuilder::bound`].
     pub fn bound<'a>(&mut self, joint: impl Into<JointRef<'a>>, limits: Limits) -> &mut Self {
         match joint.into().resolve(self.model) {
             Ok(joint) => drop(self.problem.bound(joint, limits)),
@@ -77,19 +77,20 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
-    /// The tolerance of all tasks that do not set their own, as [`ProblemBuilder::tolerance`].
+    /// Sets the default tolerance of tasks, as [`ProblemBuilder::tolerance`].
     pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
         self.problem.tolerance(quantity, tolerance);
         self
     }
 
-    /// Adds a task of every frame, as [`ProblemBuilder::add`].
+    /// Adds a task at every sample, as [`ProblemBuilder::add`].
     pub fn add<R: Residual>(&mut self, task: impl Into<Task<R>>) -> TaskId<R> {
         self.problem.add(task)
     }
 
-    /// Moves a task's target: `set` is asked for every frame, again and again, and puts the task's residual where it is
-    /// in that frame, always the same.
+    /// Sets a task's target per sample. `set` receives the sample index and modifies the task's residual.
+    ///
+    /// `set` is called repeatedly and must always produce equal targets for equal indices.
     pub fn follow<R: Residual>(
         &mut self,
         task: TaskId<R>,
@@ -102,21 +103,22 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
-    /// What multiplies a task's rows in each frame, beside its own weights: one number a frame, at least 0.
+    /// Sets factors of a task's rows per sample, in addition to its weights: one number per sample, at least 0.
     pub fn weights<R: Residual>(&mut self, task: TaskId<R>, by_frame: &[f64]) -> &mut Self {
         self.weights.push((task.index(), by_frame.to_vec()));
         self
     }
 
-    /// What velocities, accelerations or jerks cost; several add up.
+    /// Adds a cost of velocities, accelerations or jerks.
     pub fn rate_cost(&mut self, cost: RateCost) -> &mut Self {
         self.rate_costs.push(cost);
         self
     }
 
-    /// How fast a joint moves at most, in rad/s or m/s: hard, from each frame to the next. A ball turns by no larger angle,
-    /// about whatever axis; a free joint has parts of its own, `NAME/x`, …, `NAME/rotation`, or both limits of
-    /// [`max_free_speed`](Self::max_free_speed).
+    /// Sets the velocity limit of a joint between consecutive samples, rad/s or m/s.
+    ///
+    /// For a ball joint it limits the rotation angle about any axis. A free joint has components `NAME/x`, …,
+    /// `NAME/rotation`, or both limits of [`max_free_speed`](Self::max_free_speed).
     pub fn max_speed<'a>(&mut self, joint: impl Into<JointRef<'a>>, speed: f64) -> &mut Self {
         let resolved = joint.into().resolve(self.model);
         let coordinate = resolved.map(|joint| (joint, self.model.coordinate(joint)));
@@ -135,9 +137,10 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
-    /// How fast a free joint moves at most: hard, from each frame to the next. Its place goes no farther than `linear` m/s in
-    /// whatever direction, and its rotation turns no faster than `angular` rad/s about whatever axis. `name` is the joint's own,
-    /// as given to [`ModelBuilder::free`](crate::model::ModelBuilder::free).
+    /// Sets the velocity limits of a free joint between consecutive samples.
+    ///
+    /// `linear` limits the translation in any direction, m/s. `angular` limits the rotation about any axis, rad/s.
+    /// `name` is the name given to [`ModelBuilder::free`](crate::model::ModelBuilder::free).
     pub fn max_free_speed(&mut self, name: &str, linear: f64, angular: f64) -> &mut Self {
         let joints = self.model.free_joints().iter();
         let slides = joints.map(|id| (id, &self.model.joints()[id.index()].name));
@@ -163,7 +166,7 @@ impl<'m> MotionProblemBuilder<'m> {
         }
     }
 
-    /// How fast all joints of a robot move at most, as its file says: see [`Robot::velocity_limit`].
+    /// Sets the velocity limits of all joints from a robot file: see [`Robot::velocity_limit`].
     pub fn max_speeds_of(&mut self, robot: &Robot) -> &mut Self {
         for joint in robot.model().joint_ids() {
             let coordinate = self.model.coordinate(joint);
@@ -180,19 +183,19 @@ impl<'m> MotionProblemBuilder<'m> {
         }
     }
 
-    /// Holds points of a frame still over a span.
+    /// Adds a contact: points of a frame that stay fixed over a span of samples.
     pub fn contact(&mut self, contact: Contact) -> &mut Self {
         self.contacts.push(contact);
         self
     }
 
-    /// The configuration of the first frame.
+    /// Fixes the configuration of the first sample.
     pub fn first(&mut self, q: &[f64]) -> &mut Self {
         self.ends[0] = Some(q.to_vec());
         self
     }
 
-    /// The configuration of the last frame.
+    /// Fixes the configuration of the last sample.
     pub fn last(&mut self, q: &[f64]) -> &mut Self {
         self.ends[1] = Some(q.to_vec());
         self
@@ -202,11 +205,16 @@ impl<'m> MotionProblemBuilder<'m> {
         self.wrong.get_or_insert(wrong.into());
     }
 
-    /// Checks everything and compiles the kinematics.
+    /// Checks all inputs and compiles the kinematics.
     ///
     /// # Errors
-    /// The first thing that is wrong, by name: what [`ProblemBuilder::build`] refuses, no frame, weights or settings out
-    /// of range, spans beyond the frames, goals on several levels, fixed frames beyond limits.
+    /// Returns the first error found:
+    ///
+    /// - those of [`ProblemBuilder::build`];
+    /// - no samples, or invalid spans;
+    /// - weights or settings out of range;
+    /// - required tasks on several levels;
+    /// - fixed samples beyond limits.
     pub fn build(self) -> Result<MotionProblem, MotionError> {
         let Self {
             model,
@@ -266,7 +274,7 @@ impl<'m> MotionProblemBuilder<'m> {
     }
 }
 
-/// What is weighed together would silently break a level's promise.
+/// Returns an error for required tasks on several levels, because all tasks are weighted together.
 fn refuse_levels(problem: &Problem) -> Result<(), MotionError> {
     let levels = &problem.names().task_levels;
     let below = (0..problem.tasks()).find(|&task| levels[task] > 0);

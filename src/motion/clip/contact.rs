@@ -1,12 +1,13 @@
-//! What stands still over some frames.
+//! Contacts of a trajectory.
 
 use std::ops::Range;
 
 use crate::model::FrameId;
 use crate::spatial::Vector3;
 
-/// Points of a frame that stand still over a span of a motion, wherever they stand: a place is found with the motion.
-/// Where they should stand, a task says.
+/// Points of a coordinate frame that stay fixed in the world over a span of samples.
+///
+/// The solver finds their position. Use a task to prescribe it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
     pub(super) frame: FrameId,
@@ -15,7 +16,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The frame's origin stands still over the frames of `span`.
+    /// Creates a contact of the frame's origin over the samples of `span`.
     #[must_use]
     pub fn new(frame: FrameId, span: Range<usize>) -> Self {
         Self {
@@ -26,22 +27,23 @@ impl Contact {
     }
 
     setters! {
-        /// These points instead, in the frame's coordinates, metres: three that are on no line hold its pose.
+        /// Sets the points in the frame's coordinates, metres. Three points that are not collinear fix the frame's
+        /// pose.
         pub fn at(mut self, points: impl IntoIterator<Item = impl Into<Vector3<f64>>>) {
             self.points = points.into_iter().map(Into::into).collect();
         }
     }
 
     getters! {
-        /// What stands still.
+        /// Coordinate frame of the contact.
         pub fn frame(&self) -> FrameId = self.frame;
-        /// Over which frames.
+        /// Range of samples of the contact.
         pub fn span(&self) -> Range<usize> = self.span.clone();
-        /// The points of it, in its own coordinates, metres.
+        /// Points in the frame's coordinates, metres.
         pub fn points(&self) -> &[Vector3<f64>] = &self.points;
     }
 
-    /// Whether it stands still from a frame of the motion to the next.
+    /// Returns whether the contact is active at a sample and the next.
     pub(super) fn holds_from(&self, frame: usize) -> bool {
         self.span.contains(&frame) && self.span.contains(&(frame + 1))
     }

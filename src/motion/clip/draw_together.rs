@@ -1,5 +1,7 @@
-//! A motion within limits of lengths: what moves together is led from frame to frame no farther than it may, and so that a
-//! fixed frame ahead can still be reached.
+//! Feasible start for limits on several variables together.
+//!
+//! Variables are led from sample to sample within their displacement bounds, such that the next fixed sample stays
+//! reachable.
 
 use std::f64::consts::TAU;
 
@@ -10,14 +12,14 @@ use crate::bisection::bisect;
 use crate::model::BallVariables;
 use crate::spatial::{Quaternion, Vector3};
 
-/// Shares of the moves that a way to a fixed frame is looked for in, where those of a start do not lead there.
+/// Fractions of the displacement bounds that are tried for a path to a fixed sample if that of the start is too small.
 const SHARES: [f64; 4] = [0.999, 0.999_99, 0.999_999_9, 1.0];
-/// What halves a way until hardly anything is left of it.
+/// Number of halvings of a bisection.
 const HALVINGS: usize = 40;
-/// So far a twist is kept off its ends where it is put, as a share of what there is.
+/// Clearance of a twist from its ends, relative to its range.
 const OFF_ENDS: f64 = 1e-3;
 
-/// Three variables that move together, with all limits of theirs.
+/// Three variables with all limits on them.
 pub(super) struct Together<'a> {
     bounds: &'a FrameBounds,
     limits: &'a [LengthLimit],
@@ -26,7 +28,7 @@ pub(super) struct Together<'a> {
 }
 
 impl<'a> Together<'a> {
-    /// Limits of the same variables.
+    /// Creates it from limits on the same variables.
     pub(super) fn new(bounds: &'a FrameBounds, limits: &'a [LengthLimit]) -> Self {
         Self {
             bounds,
@@ -36,10 +38,10 @@ impl<'a> Together<'a> {
         }
     }
 
-    /// Draws frames to within a share of the limits; fixed ones stay.
+    /// Moves samples to within a fraction of the limits. Fixed samples stay.
     ///
     /// # Errors
-    /// A fixed frame that cannot be reached from the one before.
+    /// Returns an error if a fixed sample cannot be reached from the one before.
     pub(super) fn draw(&self, x: &mut Frames<'_>, share: f64) -> Result<(), TooFar> {
         for frame in (0..x.frames()).filter(|&frame| !x.fixed[frame]) {
             self.draw_inside(x.frame_mut(frame), share);
@@ -47,7 +49,7 @@ impl<'a> Together<'a> {
         if !self.limits.iter().any(LengthLimit::is_of_move) {
             return Ok(());
         }
-        // Between fixed frames, before the first and after the last.
+        // Stretches between fixed samples, before the first and after the last.
         let mut begin = 0;
         for end in 0..=x.frames() {
             if end == x.frames() || x.fixed[end] {
@@ -58,7 +60,7 @@ impl<'a> Together<'a> {
         Ok(())
     }
 
-    /// Puts a frame within a cone and an angle.
+    /// Moves a sample to within its swing and angle limits.
     fn draw_inside(&self, x: &mut [f64], share: f64) {
         for limit in self.limits.iter().filter(|limit| !limit.is_of_move()) {
             let is_inside = |x: &[f64]| limit.rho(x, x).norm() <= share * limit.most;
@@ -81,7 +83,7 @@ impl<'a> Together<'a> {
         }
     }
 
-    /// A place within a limit of one frame: of a swing, that which turns alike.
+    /// Returns a point within a limit of one sample: zero swing, and the twist nearest to zero.
     fn inside(&self, limit: &LengthLimit) -> [f64; 3] {
         let third = self.variables[2];
         let (low, high) = (self.bounds.lower[third], self.bounds.upper[third]);
@@ -91,7 +93,7 @@ impl<'a> Together<'a> {
         [0.0, 0.0, 0.0_f64.clamp(low + off, high - off)]
     }
 
-    /// Leads the frames from a fixed one, or from the first, to before the next fixed one, or to the last.
+    /// Moves the samples of a stretch, which begins at a fixed or the first sample and ends before the next fixed one.
     fn draw_stretch(
         &self,
         x: &mut Frames<'_>,
@@ -113,7 +115,7 @@ impl<'a> Together<'a> {
                 variable: self.variables[0],
             })?;
             if self.line(x.frame(begin), goal) > most * steps {
-                // What is known to lead there is the straight way alone.
+                // Only the straight path is known to lead there.
                 for frame in begin + 1..end {
                     let at = (frame - begin) as f64 / steps;
                     let place = self.between(x.frame(begin), goal, at);
@@ -133,7 +135,7 @@ impl<'a> Together<'a> {
                 goal.is_none_or(|goal| self.line(place, goal) <= most * left)
             };
             if frame == begin {
-                // None before it: anywhere from where the next fixed one is reached.
+                // Without a predecessor, the sample may be anywhere from which the next fixed one is reachable.
                 if let Some(goal) = goal.as_ref().filter(|_| !reaches(&wanted)) {
                     let at = most * left / self.line(goal, &wanted);
                     let place = self.between(goal, &wanted, at * (1.0 - f64::EPSILON));
@@ -174,7 +176,7 @@ impl<'a> Together<'a> {
         }
     }
 
-    /// As far as a move may go from one frame towards another.
+    /// Returns the farthest point on the path between two samples within the displacement bounds.
     fn towards(&self, from: &[f64], to: &[f64], most: f64) -> [f64; 3] {
         let mut at = to.to_vec();
         if self.moved(from, to) <= most {
@@ -187,7 +189,7 @@ impl<'a> Together<'a> {
         self.between(from, to, within)
     }
 
-    /// How much of its longest move one from a frame to another is.
+    /// Returns the displacement between two samples relative to its bound.
     fn moved(&self, from: &[f64], to: &[f64]) -> f64 {
         let moves = self.limits.iter().filter(|limit| limit.is_of_move());
         let together = moves.map(|limit| limit.rho(from, to).norm() / limit.most);
@@ -201,7 +203,7 @@ impl<'a> Together<'a> {
         together.chain(alone).fold(0.0, f64::max)
     }
 
-    /// A share of the way from one place to another: of a ball without limits the shortest turn, otherwise straight.
+    /// Interpolates between two samples: by the shortest rotation for a ball joint without limits, else linearly.
     fn between(&self, from: &[f64], to: &[f64], share: f64) -> [f64; 3] {
         match &self.ball {
             Some(ball) if !is_bounded(ball) => {
@@ -216,7 +218,7 @@ impl<'a> Together<'a> {
         }
     }
 
-    /// The difference of two places; of a twist without ends the shorter way round.
+    /// Returns the difference of two samples; for an unlimited twist the shorter direction.
     fn way(&self, from: &[f64], to: &[f64]) -> [f64; 3] {
         let mut way = self.variables.map(|variable| to[variable] - from[variable]);
         let swings = self.ball.is_some_and(|ball| ball.swing.is_some());
@@ -227,12 +229,12 @@ impl<'a> Together<'a> {
         way
     }
 
-    /// No less than what all moves along the way between two places come to together, as a share of the longest one.
+    /// Returns an upper bound on the path length between two samples, relative to the displacement bound.
     fn line(&self, from: &[f64], to: &[f64]) -> f64 {
         let Some(ball) = self.ball.filter(is_bounded) else {
             return self.moved(from, to);
         };
-        // No rotation vector is longer than what it turns by, and a swing and a twist add up.
+        // A rotation vector is at most as long as the sum of its parts, swing and twist.
         let [first, second, third] = self.way(from, to);
         let turn = match ball.swing {
             None => Vector3::new(first, second, third).norm(),
@@ -242,7 +244,7 @@ impl<'a> Together<'a> {
         moves.map(|limit| turn / limit.most).fold(0.0, f64::max)
     }
 
-    /// The longest of so many equal steps between two places.
+    /// Returns the longest of `steps` equal steps between two samples, relative to its bound.
     fn longest_step(&self, from: &[f64], to: &[f64], steps: usize) -> f64 {
         let (mut last, mut next) = (from.to_vec(), from.to_vec());
         let mut longest = 0.0_f64;
@@ -256,7 +258,7 @@ impl<'a> Together<'a> {
     }
 }
 
-/// Which limits are of the same variables, one after the other.
+/// Groups consecutive limits on the same variables.
 pub(super) fn groups(limits: &[LengthLimit]) -> impl Iterator<Item = &[LengthLimit]> {
     limits.chunk_by(|a, b| a.variables == b.variables)
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with a motion that is asked for.
+//! Errors of trajectory optimisation.
 
 use super::rate_cost::RateCostError;
 use crate::bad_option::BadOption;
@@ -7,112 +7,112 @@ use crate::model::{ModelError, UnknownName};
 use crate::problem::ProblemError;
 use crate::solver::SearchError;
 
-/// Why a motion cannot be solved for.
+/// Reason why a trajectory cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MotionError {
-    /// What the tasks of a frame are told wrong.
+    /// A task is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// A number out of its range.
+    /// A number is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// A name that the model does not have.
+    /// The model does not have the name.
     #[error(transparent)]
     Name(#[from] UnknownName),
-    /// A configuration that is none of the model's.
+    /// A configuration is not valid for the model.
     #[error(transparent)]
     Configuration(#[from] ModelError),
-    /// A first motion that no search begins.
+    /// The initial trajectory cannot start a search.
     #[error(transparent)]
     Search(#[from] SearchError),
-    /// A start that the frames cannot be solved from.
+    /// The start configuration is invalid.
     #[error(transparent)]
     Start(#[from] SolveError),
-    /// The caller's flag ended the search.
+    /// The caller's flag cancelled the search.
     #[error("the search was cancelled")]
     Cancelled,
-    /// No frame.
+    /// The trajectory has no samples.
     #[error("a motion of no frames")]
     NoFrames,
-    /// Numbers for another count of frames.
+    /// A list has the wrong length.
     #[error("{what}: {given} numbers instead of {expected}")]
     Length {
-        /// What the numbers are.
+        /// Name of the list.
         what: String,
-        /// How many are given.
+        /// Given length.
         given: usize,
-        /// How many there must be.
+        /// Expected length.
         expected: usize,
     },
-    /// A weight of a frame that is negative or not finite.
+    /// A weight of a sample is negative or not finite.
     #[error(
         "task {task}: its weight {weight} in frame {frame} is not a finite number of at least 0"
     )]
     BadWeight {
-        /// The task.
+        /// Name of the task.
         task: String,
-        /// The frame.
+        /// Index of the sample.
         frame: usize,
-        /// The weight.
+        /// Given weight.
         weight: f64,
     },
-    /// A goal below others.
+    /// A required task has a lower level than others.
     #[error(
         "task {task} is at level {level}: whole motions weigh all tasks together, so leave levels out and weigh it by `times`"
     )]
     Level {
-        /// The task.
+        /// Name of the task.
         task: String,
-        /// Its level.
+        /// Level of the task.
         level: usize,
     },
-    /// A speed limit of a ball, where movements are followed frame by frame.
+    /// A ball joint has a velocity limit, which the online retargeter does not support.
     #[error(
         "joint `{joint}` turns as a ball, whose speed limit a follower does not keep: leave it out of the robot's file"
     )]
     SpeedOfBall {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A contact over frames that there are not, or over less than two.
+    /// A contact spans fewer than two samples, or samples that do not exist.
     #[error(
         "a contact over the frames {start} to {end}, end excluded: it needs two of the motion's {frames} frames"
     )]
     BadSpan {
-        /// The first frame.
+        /// First sample of the span.
         start: usize,
-        /// The one after the last.
+        /// One after the last sample of the span.
         end: usize,
-        /// How many frames there are.
+        /// Number of samples.
         frames: usize,
     },
-    /// A fixed frame beyond a limit.
+    /// A fixed sample is beyond a limit.
     #[error(
         "joint `{joint}`: the fixed frame has it at {value}, beyond its limits [{lower}, {upper}]"
     )]
     FixedBeyond {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Its value there.
+        /// Value of the joint.
         value: f64,
-        /// Its lower limit.
+        /// Lower limit.
         lower: f64,
-        /// Its upper limit.
+        /// Upper limit.
         upper: f64,
     },
-    /// Fixed frames that a joint is too slow for.
+    /// A joint cannot get from one fixed sample to the next within its velocity limit.
     #[error(
         "joint `{joint}` cannot come from one fixed frame to the next as slowly as its speed limit wants"
     )]
     TooFar {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A residual that is not finite.
+    /// A residual or its derivative is not finite.
     #[error("frame {frame}: a residual or its derivative is not finite")]
     NotFinite {
-        /// The frame.
+        /// Index of the sample.
         frame: usize,
     },
 }

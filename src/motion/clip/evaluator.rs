@@ -1,4 +1,4 @@
-//! Cost, gradient and JᵀJ of some frames in a row.
+//! Cost, gradient and Hessian of consecutive samples.
 
 use nalgebra::DMatrix;
 
@@ -8,10 +8,10 @@ use super::held_points::HeldPoints;
 use super::{MotionCounts, MotionError, MotionProblem};
 use crate::solver::{InnerProducts, dot, half_squared};
 
-/// The step of differences, as a share of a unit.
+/// Step of finite differences, relative to a variable's unit.
 const ASIDE: f64 = 1e-6;
 
-/// What evaluates frames of one motion, with its memory.
+/// Evaluator of samples of one trajectory, with its memory.
 pub(super) struct Evaluator<'a> {
     motion: &'a MotionProblem,
     residuals: FrameResiduals<'a>,
@@ -21,18 +21,18 @@ pub(super) struct Evaluator<'a> {
     gram: Vec<f64>,
     all: Vec<usize>,
     ways: Vec<f64>,
-    /// Whether frames bend as they do, or as JᵀJ says.
+    /// True for the full Hessian of each sample, false for JᵀJ.
     pub(super) curved: bool,
     pub(super) held: HeldPoints<'a>,
     pub(super) counts: MotionCounts,
 }
 
-/// Frames in a row, and how many of the first are only there for the others' differences.
+/// Consecutive samples, the first of which only contribute to differences.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
-    /// The first, of all the motion's.
+    /// Index of the first sample in the trajectory.
     pub(super) first: usize,
-    /// How many of them are held.
+    /// Number of leading samples that stay fixed.
     pub(super) held: usize,
 }
 
@@ -57,13 +57,13 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Each task's rows in a frame, all but its weight there.
+    /// Returns each task's rows at a sample, without the sample's weights.
     pub(super) fn unweighed(&mut self, frame: usize, x: &[f64]) -> &[f64] {
         self.residuals.unweighed(frame, x, &mut self.residual);
         &self.residual
     }
 
-    /// Jᵀr of a frame's tasks, by a step.
+    /// Writes Jᵀr of a sample's tasks, by a step.
     fn frame_gradient(&mut self, frame: usize, x: &[f64], gradient: &mut [f64]) {
         self.counts.gradients += 1;
         self.residuals.residual(frame, x, &mut self.residual);
@@ -73,7 +73,7 @@ impl<'a> Evaluator<'a> {
         self.motion.space.by_steps(x, 1, gradient);
     }
 
-    /// The Hessian of ½‖r‖² of a frame's tasks by a step, from differences of its exact gradient; symmetric.
+    /// Computes the symmetric Hessian of ½‖r‖² of a sample's tasks by a step, from differences of its exact gradient.
     fn frame_hessian(&mut self, frame: usize, x: &[f64], gradient: &[f64]) {
         let n = x.len();
         let mut aside = vec![0.0; n];
@@ -93,7 +93,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// ½‖r‖² of a frame's tasks, and, beside it, of its loops.
+    /// Returns ½‖r‖² of a sample's tasks, and of its loops.
     pub(super) fn frame_cost(&mut self, frame: usize, x: &[f64]) -> [f64; 2] {
         self.counts.residuals += 1;
         self.residuals.residual(frame, x, &mut self.residual);
@@ -101,7 +101,7 @@ impl<'a> Evaluator<'a> {
         [half_squared(tasks), half_squared(loops)]
     }
 
-    /// Moves the rests of loops by how far they are open in frames that are not fixed; how far that is at most.
+    /// Updates the multipliers of loops at samples that are not fixed. Returns the largest closure error.
     pub(super) fn tighten_loops(&mut self, at: Stretch, x: &[f64], fixed: &[bool]) -> f64 {
         let n = self.motion.variables();
         let frames = x.chunks_exact(n).zip(fixed).enumerate();
@@ -116,13 +116,13 @@ impl<'a> Evaluator<'a> {
         most
     }
 
-    /// For frames that were not solved before.
+    /// Resets the multipliers for other samples.
     pub(super) fn begin(&mut self, frames: usize) {
         self.held.begin(frames);
         self.residuals.begin();
     }
 
-    /// The cost of what the frames' tasks and the differences between frames ask, and, beside it, of what is held and closed.
+    /// Returns the cost of tasks and rates, and the penalty of contacts and loops.
     pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> [f64; 2] {
         let n = self.motion.variables();
         let (mut tasks, mut loops) = (0.0, 0.0);
@@ -134,7 +134,7 @@ impl<'a> Evaluator<'a> {
         [tasks + self.rates(at, x), self.held.cost(at, x) + loops]
     }
 
-    /// The differences between frames, whose ways are kept.
+    /// Returns the cost of rates, and stores the differences between samples.
     pub(super) fn rates(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let n = self.motion.variables();
         let frames = x.len() / n;
@@ -149,10 +149,10 @@ impl<'a> Evaluator<'a> {
             .sum()
     }
 
-    /// The same costs, with the gradient and JᵀJ of their sum.
+    /// Returns the same costs, and adds the gradient and Hessian of their sum.
     ///
     /// # Errors
-    /// A frame with a number that is not finite.
+    /// Returns an error if a sample has a number that is not finite.
     pub(super) fn linearise(
         &mut self,
         at: Stretch,
@@ -202,7 +202,7 @@ impl<'a> Evaluator<'a> {
         Ok([tasks + rates, held + loops])
     }
 
-    /// J of a frame's tasks by steps of its variables.
+    /// Computes J of a sample's tasks by steps of its variables.
     fn differentiate(&mut self, frame: usize, x: &[f64]) {
         self.counts.jacobians += 1;
         self.residuals.jacobian(frame, x, &mut self.jacobian);

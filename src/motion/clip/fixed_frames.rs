@@ -1,4 +1,4 @@
-//! Frames whose configuration is given.
+//! Samples with a given configuration.
 
 use super::MotionError;
 use super::length_limits::{LengthLimit, Measure};
@@ -6,10 +6,10 @@ use crate::model::{Limits, Source, quaternion_at};
 use crate::problem::Problem;
 use crate::search::check_start;
 
-/// What is on the edge of a cone, a twist or an angle is told to be so far beyond it by rounding, in radians and as a share.
+/// Tolerance of swing, twist and angle limits for rounding, in radians and relative.
 const ON_EDGE: f64 = 1e-9;
 
-/// The variables of a configuration that a frame is fixed at.
+/// Returns the variables of a fixed configuration.
 pub(super) fn fixed_frame(problem: &Problem, q: &[f64]) -> Result<Vec<f64>, MotionError> {
     check_start(problem, q)?;
     let map = problem.parameters();
@@ -31,7 +31,7 @@ pub(super) fn fixed_frame(problem: &Problem, q: &[f64]) -> Result<Vec<f64>, Moti
     Ok(x)
 }
 
-/// Refuses a frame that has a ball beyond its cone, its range of twist or its whole angle.
+/// Returns an error if a ball joint is beyond its swing, twist or angle limit.
 fn refuse_beyond_balls(problem: &Problem, q: &[f64]) -> Result<(), MotionError> {
     let map = problem.parameters();
     let mut x = vec![0.0; problem.variables()];

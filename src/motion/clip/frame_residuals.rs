@@ -1,8 +1,8 @@
-//! The tasks of one frame of a motion, with its targets and its weights, and the model's loops.
+//! Residuals of one sample of a trajectory: tasks with their targets and weights, and the model's loops.
 //!
-//! Loops close by the method of multipliers: springs that start soft, so that steps may leave the curved valley of closed
-//! configurations, whose rests are moved until nothing is open, and that stiffen where this is slow (Nocedal & Wright
-//! 2006, "Numerical optimization", 17.3).
+//! Loops are closed by the method of multipliers. Their penalty starts soft, so that steps can leave the curved set of
+//! closed configurations. The multipliers move until nothing is open, and the penalty increases if that is slow
+//! (Nocedal & Wright 2006, "Numerical optimization", 17.3).
 
 use nalgebra::DMatrix;
 
@@ -10,28 +10,28 @@ use super::MotionProblem;
 use crate::problem::{Evaluation, Question, Scratch, Targets};
 use crate::solver::{ConfigurationSpace, LeastSquares};
 
-/// r and J of frames of a motion, with the memory to evaluate them.
+/// Evaluator of r and J of samples of a trajectory.
 pub(super) struct FrameResiduals<'a> {
     motion: &'a MotionProblem,
     scratch: Scratch,
     targets: Targets,
-    /// The frame whose targets those are.
+    /// Sample of the current targets.
     at: Option<usize>,
-    /// Whether derivatives at the edges of balls are by steps that tell those apart, or by the variables.
+    /// True for derivatives by steps that respect the limits of ball joints, false for derivatives by the variables.
     edges: bool,
-    /// Where the rows that close loops begin …
+    /// Index of the first loop row.
     rows_of_tasks: usize,
-    /// … and, by frame and such row, how far its rest is off zero.
+    /// Scaled multiplier (offset) of each loop row, sample by sample.
     rests: Vec<f64>,
-    /// What a metre or radian that a loop is open costs, as a weight.
+    /// Weight of a closure error, per metre or radian.
     stiffness: f64,
-    /// How far loops were open when rests were last moved.
+    /// Largest closure error at the last multiplier update.
     open: f64,
 }
 
-/// How stiff a loop's springs are at first, as a share of what they become at most.
+/// Initial penalty of loops, relative to its maximum.
 const SOFT: f64 = 0.01;
-/// What is open falls to this share when rests are moved, or springs become so much stiffer.
+/// Ratio of closure errors above which the penalty increases, and the factor of the increase.
 const FAST: f64 = 0.25;
 const STIFFEN: f64 = 10.0;
 
@@ -51,12 +51,12 @@ impl<'a> FrameResiduals<'a> {
     }
 
     getters! {
-        /// How many rows are of tasks; those of loops come after them.
+        /// Number of task rows. Loop rows follow them.
         pub(super) fn rows_of_tasks(&self) -> usize = self.rows_of_tasks;
     }
 
     setters! {
-        /// Derivatives by the variables everywhere.
+        /// Selects derivatives by the variables everywhere.
         pub(super) fn by_variables(mut self) { self.edges = false }
     }
 
@@ -73,12 +73,12 @@ impl<'a> FrameResiduals<'a> {
         Evaluation::new(question, &mut self.scratch)
     }
 
-    /// Each task's rows, all but its weight in the frame.
+    /// Writes each task's rows, without the sample's weights.
     pub(super) fn unweighed(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
         self.evaluation(frame).residual(x, residual);
     }
 
-    /// r of a frame.
+    /// Writes r of a sample.
     pub(super) fn residual(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
         self.unweighed(frame, x, residual);
         let loops = &mut residual[self.rows_of_tasks..];
@@ -89,7 +89,7 @@ impl<'a> FrameResiduals<'a> {
         self.weigh(frame, residual);
     }
 
-    /// ∂r/∂x of a frame, by its variables.
+    /// Writes ∂r/∂x of a sample, by its variables.
     pub(super) fn jacobian(&mut self, frame: usize, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.evaluation(frame).jacobian(x, jacobian);
         let rows = jacobian.nrows();
@@ -100,7 +100,7 @@ impl<'a> FrameResiduals<'a> {
         }
     }
 
-    /// Writes Jᵀr of a frame by its variables, for its r, which is changed.
+    /// Writes Jᵀr of a sample by its variables. `residual` is r, and is modified.
     pub(super) fn gradient(
         &mut self,
         frame: usize,
@@ -114,12 +114,12 @@ impl<'a> FrameResiduals<'a> {
             .gradient(x, residual, gradient, jacobian);
     }
 
-    /// Lets go of how far loops were open: for other frames.
+    /// Resets the last closure error for other samples.
     pub(super) fn begin(&mut self) {
         self.open = f64::INFINITY;
     }
 
-    /// Stiffens the springs of loops, which keep their pull, where these have not closed fast enough since the last time.
+    /// Increases the penalty of loops if the closure error has not decreased fast enough. The forces stay unchanged.
     pub(super) fn stiffen(&mut self, open: f64) {
         if open > FAST * self.open {
             let stiffer = (STIFFEN * self.stiffness).min(self.motion.stiffness);
@@ -132,7 +132,7 @@ impl<'a> FrameResiduals<'a> {
         self.open = open;
     }
 
-    /// Moves the rests of a frame's loops by how far they are open; how far that is at most, in metres and radians.
+    /// Updates the multipliers of a sample's loops. Returns the largest closure error, metres or radians.
     pub(super) fn tighten(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) -> f64 {
         self.unweighed(frame, x, residual);
         let loops = &residual[self.rows_of_tasks..];
@@ -143,7 +143,7 @@ impl<'a> FrameResiduals<'a> {
         self.motion.open_by(residual)
     }
 
-    /// Multiplies the rows of each task by its weight in a frame.
+    /// Multiplies the rows of each task by its weight at a sample.
     fn weigh(&self, frame: usize, rows: &mut [f64]) {
         for (index, task) in self.motion.problem.compiled_tasks().iter().enumerate() {
             let weight = match task.is_loop {
@@ -158,7 +158,7 @@ impl<'a> FrameResiduals<'a> {
     }
 }
 
-/// One frame by itself, within bounds of its own.
+/// Least-squares problem of a single sample with its own bounds.
 pub(super) struct FrameAlone<'r, 'a> {
     pub(super) residuals: &'r mut FrameResiduals<'a>,
     pub(super) frame: usize,

@@ -1,5 +1,6 @@
-//! Points that stand still, by the method of multipliers: stiff springs from frame to frame, whose rest lengths are
-//! moved until nothing slips (Hestenes 1969, "Multiplier and gradient methods"; Powell 1969).
+//! Contacts by the method of multipliers (Hestenes 1969, "Multiplier and gradient methods"; Powell 1969).
+//!
+//! Stiff springs connect the points of consecutive samples. Their rest lengths move until nothing slides.
 
 use nalgebra::DMatrix;
 
@@ -11,21 +12,21 @@ use crate::problem::{Evaluation, Problem, Question, Scratch};
 use crate::solver::{LeastSquares, dot};
 use crate::task::{Point, Quantity};
 
-/// Rows of a point.
+/// Number of rows per point.
 const ROWS: usize = 3;
 
-/// A metre of slip costs a held point so many times the largest weight of a length.
+/// Weight of sliding, relative to the largest weight of a length.
 const STIFFER: f64 = 300.0;
 
-/// The springs of some frames in a row, with the memory to evaluate them.
+/// Contact springs of consecutive samples, with the memory to evaluate them.
 pub(super) struct HeldPoints<'a> {
     motion: &'a MotionProblem,
     scratch: Option<Scratch>,
-    /// What a metre of slip costs, as a weight.
+    /// Weight of sliding, per metre.
     stiffness: f64,
-    /// By frame and row: how far the rest of a spring to the next frame is off zero, metres.
+    /// Rest offset of the spring to the next sample, metres, by sample and row.
     rests: Vec<f64>,
-    /// Where the points of two frames stand, and how they move with steps of theirs.
+    /// Positions of the points at two samples, and their Jacobians by steps.
     places: [Vec<f64>; 2],
     jacobians: [DMatrix<f64>; 2],
 }
@@ -47,13 +48,13 @@ impl<'a> HeldPoints<'a> {
         self.places[0].len()
     }
 
-    /// Lets go of what was learnt: for so many other frames.
+    /// Resets the rest offsets for `frames` other samples.
     pub(super) fn begin(&mut self, frames: usize) {
         self.rests.clear();
         self.rests.resize(frames * self.rows(), 0.0);
     }
 
-    /// Puts the points of a frame second, and those that were there first.
+    /// Evaluates the points of a sample into the second entries. The previous ones move to the first.
     fn look(&mut self, x: &[f64], differentiate: bool) {
         let (Some(held), Some(scratch)) = (&self.motion.held, &mut self.scratch) else {
             return;
@@ -70,14 +71,13 @@ impl<'a> HeldPoints<'a> {
         }
     }
 
-    /// Whether any point is held from a frame to the next.
+    /// Returns whether any contact is active at a sample and the next.
     fn holds_from(&self, frame: usize) -> bool {
         let mut contacts = self.motion.contacts.iter();
         contacts.any(|contact| contact.holds_from(frame))
     }
 
-    /// Goes through the rows that are held from each frame to the next, with how far they slip: what to do with both
-    /// frames' local numbers, the row and its slip.
+    /// Calls `found` with local sample index, row and sliding for each active row between consecutive samples.
     fn each(
         &mut self,
         at: Stretch,
@@ -91,7 +91,7 @@ impl<'a> HeldPoints<'a> {
         let n = self.motion.variables();
         let frames = x.len() / n;
         let mut seen = None;
-        // Between two held frames nothing moves.
+        // Fixed samples do not move relative to each other.
         for local in at.held.saturating_sub(1)..frames.saturating_sub(1) {
             if !self.holds_from(at.first + local) {
                 continue;
@@ -115,7 +115,7 @@ impl<'a> HeldPoints<'a> {
         }
     }
 
-    /// ½ w² Σ (slip + rest)².
+    /// Returns the penalty ½ w² Σ (slip + rest)².
     pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         self.each(at, x, false, |own, local, row, slip| {
@@ -125,7 +125,7 @@ impl<'a> HeldPoints<'a> {
         0.5 * sum
     }
 
-    /// The same cost, adding its gradient and JᵀJ.
+    /// Returns the same penalty, and adds its gradient and JᵀJ.
     pub(super) fn linearise(
         &mut self,
         at: Stretch,
@@ -164,7 +164,7 @@ impl<'a> HeldPoints<'a> {
         0.5 * sum
     }
 
-    /// Moves the springs' rests by what slips; how much that is at most, from a frame to the next, metres.
+    /// Updates the rest offsets. Returns the largest sliding between consecutive samples, metres.
     pub(super) fn tighten(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let mut most = 0.0_f64;
         self.each(at, x, false, |own, local, row, slip| {
@@ -175,10 +175,10 @@ impl<'a> HeldPoints<'a> {
         most
     }
 
-    /// How far a held point is from where its contact began, at most, metres.
+    /// Returns the largest distance of a contact point from its position at the start of the contact, metres.
     pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let mut most = 0.0_f64;
-        // A contact holds over one span.
+        // A contact has one span.
         let mut sums = vec![[0.0; ROWS]; self.rows() / ROWS];
         self.each(at, x, false, |_, _, row, slip| {
             let sum = &mut sums[row / ROWS];
@@ -191,7 +191,7 @@ impl<'a> HeldPoints<'a> {
     }
 }
 
-/// The points of contacts as one problem.
+/// Builds one problem from the points of all contacts.
 pub(super) fn points_of(
     model: &Model,
     map: &ParameterMap,
@@ -218,7 +218,7 @@ pub(super) fn points_of(
     Ok(any.then(|| points.build()).transpose()?)
 }
 
-/// What a metre of slip costs a held point: far more than the tasks pull it by.
+/// Returns the weight of contact sliding per metre, which is far above the weights of tasks.
 pub(super) fn stiffness(problem: &Problem) -> f64 {
     let blocks = problem
         .compiled_tasks()

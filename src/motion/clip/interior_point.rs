@@ -1,8 +1,9 @@
-//! Bounded nonlinear least squares over many frames: a primal-dual interior method whose Hessian is Gauss-Newton's.
+//! Primal-dual interior-point method for bounded nonlinear least squares over many samples.
 //!
-//! Every iterate is strictly within all bounds. A step solves the Newton equations of the barrier problem
-//! F(x) − μ Σ ln s, with multipliers z of their own (Nocedal & Wright 2006, "Numerical optimization", 19.3); μ falls as
-//! fast as a step with μ = 0 promises (Mehrotra 1992, "On the implementation of a primal-dual interior point method").
+//! Every iterate is strictly feasible. A step solves the Newton equations of the barrier problem F(x) − μ Σ ln s with
+//! multipliers z (Nocedal & Wright 2006, "Numerical optimization", 19.3). μ decreases as fast as a step with μ = 0
+//! predicts (Mehrotra 1992, "On the implementation of a primal-dual interior point method"). The Hessian is that of
+//! Gauss-Newton at first.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,63 +15,63 @@ use super::{MotionError, MotionProblem, MotionTermination};
 use crate::model::Loop;
 use crate::solver::dot;
 
-/// Σ s z of the start, as a share of the cost.
+/// Initial Σ s z, relative to the cost.
 const FIRST_GAP: f64 = 0.1;
-/// What a step must win of what its slope promises (Armijo), and how often it is halved to do so.
+/// Smallest ratio of actual to predicted decrease (Armijo), and maximum number of halvings.
 const SUFFICIENT: f64 = 1e-4;
 const HALVINGS: usize = 12;
-/// The damping that is tried first where a step wins nothing, as a share of the largest diagonal entry; what it is
-/// multiplied by, and how it falls off.
+/// First damping after a failed step, relative to the largest diagonal entry, and the factors of its increase and
+/// decrease.
 const FIRST_DAMPING: f64 = 1e-6;
 const MORE_DAMPING: f64 = 10.0;
 const LESS_DAMPING: f64 = 0.1;
-/// Least damping, so that what nothing asks for stays; and the most that is tried.
+/// Smallest damping, which keeps undetermined variables fixed, and largest damping that is tried.
 const LEAST_DAMPING: f64 = 1e-13;
 const MOST_DAMPING: f64 = 1e3;
-/// μ falls to no less than this share of what it was.
+/// Smallest ratio of successive values of μ.
 const LEAST_CENTRING: f64 = 1e-4;
-/// Σ s z falls to no less than this share of what is to win otherwise, lest a bound be hugged before its time.
+/// Smallest Σ s z relative to the other predicted decrease; keeps the iterates away from bounds at first.
 const LEAST_GAP: f64 = 0.3;
-/// So many steps are Gauss-Newton's at most; then frames bend as they do.
+/// Number of Gauss-Newton steps before the full Hessian is used.
 const PLAIN_STEPS: usize = 10;
-/// The springs of what is held are tightened so often at most; those of loops start softer.
+/// Maximum number of multiplier updates; more with loops, whose penalty starts softer.
 const MOST_TIGHTENINGS: usize = 6;
 const MOST_TIGHTENINGS_OF_LOOPS: usize = 30;
 
-/// When to stop.
+/// Stopping criteria and options.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// What is still to win, as a share of the cost.
+    /// Tolerance of the predicted decrease, relative to the cost.
     pub(super) tolerance: f64,
     pub(super) iterations: usize,
-    /// Whether frames may bend as they do.
+    /// True to use the full Hessian after the first steps.
     pub(super) curvature: bool,
-    /// How a start is drawn off its bounds.
+    /// Displacement of the start off its bounds.
     pub(super) inward: Inward,
-    /// What may still slip from a frame to the next, metres.
+    /// Largest sliding between consecutive samples, metres.
     pub(super) slip_m: f64,
 }
 
-/// Frames in a row that are solved as one.
+/// Consecutive samples that are solved together.
 pub(super) struct Window<'a, 'e> {
     pub(super) motion: &'a MotionProblem,
     pub(super) evaluator: &'e mut Evaluator<'a>,
     pub(super) at: Stretch,
     pub(super) fixed: Vec<bool>,
-    /// Ends the search once it is set.
+    /// Flag that cancels the search.
     pub(super) cancelled: Option<&'e AtomicBool>,
 }
 
-/// What came of it, but for where the frames stand.
+/// Result of a search. The variables are updated in place.
 pub(super) struct Outcome<'a> {
     pub(super) termination: MotionTermination,
     pub(super) iterations: usize,
     pub(super) barrier: Barrier<'a>,
-    /// Before the last step.
+    /// Cost before the last step.
     pub(super) cost: f64,
 }
 
-/// Room for steps.
+/// Scratch memory of steps.
 struct Step {
     hessian: BlockBanded,
     factor: BlockBanded,
@@ -164,7 +165,7 @@ impl<'a> Window<'a, '_> {
         self.evaluator.linearise(self.at, x, hessian, gradient)
     }
 
-    /// One step: what it promised to win, and Σ s z after it; `None` where no step wins anything.
+    /// Takes one step. Returns its predicted decrease and the new Σ s z, or `None` if no step decreases the merit.
     fn step(
         &mut self,
         x: &mut [f64],
@@ -177,7 +178,7 @@ impl<'a> Window<'a, '_> {
         loop {
             self.factorise(step, largest);
             barrier.forget_bends();
-            // What a step straight to the bounds leaves of Σ s z tells how far μ may fall.
+            // The Σ s z after a full step with μ = 0 determines how far μ may decrease.
             let mu = match barrier.is_empty() {
                 true => 0.0,
                 false => {
@@ -207,7 +208,7 @@ impl<'a> Window<'a, '_> {
                     false => f64::INFINITY,
                 };
                 let enough = merit - SUFFICIENT * share * downhill;
-                // Where rounding is all that a step wins, it is taken.
+                // Steps whose decrease is within rounding are accepted.
                 if trial_cost <= enough + 4.0 * f64::EPSILON * merit.abs() {
                     x.copy_from_slice(&trial);
                     barrier.move_multipliers(of_multipliers);
@@ -217,7 +218,7 @@ impl<'a> Window<'a, '_> {
                     if share == longest {
                         step.damping *= LESS_DAMPING;
                     } else {
-                        // JᵀJ foretold too much.
+                        // JᵀJ overestimated the decrease.
                         step.was_cut = true;
                     }
                     let promised = 0.5 * downhill.max(0.0) / share;
@@ -232,7 +233,7 @@ impl<'a> Window<'a, '_> {
         }
     }
 
-    /// Factorises the damped system, damped as much as that takes.
+    /// Factorises the system, with as much damping as needed.
     fn factorise(&mut self, step: &mut Step, largest: f64) {
         loop {
             step.factor.copy_from(&step.hessian);
@@ -246,7 +247,7 @@ impl<'a> Window<'a, '_> {
         }
     }
 
-    /// Solves for the step with a barrier of this μ; how steep the barrier problem falls along it.
+    /// Solves for the step with barrier parameter μ. Returns the slope of the barrier problem along it.
     fn aim(&self, step: &mut Step, barrier: &Barrier<'_>, mu: f64) -> f64 {
         let way = &mut step.way;
         for (way, slope) in way.iter_mut().zip(&step.gradient) {
@@ -260,8 +261,10 @@ impl<'a> Window<'a, '_> {
         dot(&downhill, way)
     }
 
-    /// Turns the step inward by what its lengths bend, so that edges are followed and not left; how steep the barrier problem
-    /// falls along it. Where it would not, the step stays.
+    /// Corrects the step for the curvature of length bounds, so that it follows them instead of being cut.
+    ///
+    /// Returns the slope of the barrier problem along the step. Returns `None` and keeps the step if that is not a
+    /// descent direction.
     fn aim_bent(&self, step: &mut Step, barrier: &mut Barrier<'_>, mu: f64) -> Option<f64> {
         let straight = step.way.clone();
         let mut steepest: Vec<f64> = step.gradient.iter().map(|slope| -slope).collect();
@@ -291,7 +294,7 @@ impl<'a> Window<'a, '_> {
         }
     }
 
-    /// Nothing of a step moves a fixed frame, or a variable whose bounds are one.
+    /// Zeroes the entries of fixed samples and of variables with equal bounds.
     fn keep_fixed(&self, way: &mut [f64]) {
         let still = &self.motion.bounds.still;
         for (way, &fixed) in way.chunks_exact_mut(still.len()).zip(&self.fixed) {

@@ -1,22 +1,22 @@
-//! A limit of a length in one frame, as an interior method sees it.
+//! Length limit at one sample, as a bound of the interior-point method.
 //!
-//! Its slack s = (m² − ‖ρ‖²) / (2m) is smooth, bends one way only and is near the edge how far that is. Bending is part of
-//! a step's model: with the multiplier z the Lagrangian's Hessian has (z/m) JᵀJ for it.
+//! The slack s = (m² − ‖ρ‖²) / (2m) is smooth and concave, and approximates the distance from the limit near it. Its
+//! curvature is part of a step's model: with multiplier z it adds (z/m) JᵀJ to the Hessian of the Lagrangian.
 
 use super::block_banded::BlockBanded;
 use super::length_limits::{LengthLimit, Measured};
 use crate::spatial::Vector3;
 
-/// One limit in one frame.
+/// One length limit at one sample.
 #[derive(Clone, Debug)]
 pub(super) struct LengthBound<'a> {
     pub(super) limit: &'a LengthLimit,
     pub(super) frame: usize,
-    /// Where the frame's variables begin, and those of the frame that it is measured from.
+    /// Index of the sample's first variable, and of the sample that it is measured from.
     to: usize,
     from: usize,
     stride: usize,
-    /// At the last look.
+    /// Result of the last [`look`](Self::look).
     measured: Measured,
 }
 
@@ -38,7 +38,7 @@ impl<'a> LengthBound<'a> {
         [self.from, self.to].map(|at| &x[at..at + self.stride])
     }
 
-    /// A variable that it is about.
+    /// Returns the index of one of its variables.
     pub(super) fn at(&self) -> usize {
         self.to + self.limit.variables[0]
     }
@@ -48,14 +48,14 @@ impl<'a> LengthBound<'a> {
         self.limit.slack(self.limit.rho(from, to))
     }
 
-    /// Takes ρ and its derivatives at x; the slack.
+    /// Computes ρ and its derivatives at x. Returns the slack.
     pub(super) fn look(&mut self, x: &[f64]) -> f64 {
         let [from, to] = self.frames(x);
         self.measured = self.limit.measure(from, to);
         self.limit.slack(self.measured.rho)
     }
 
-    /// How ρ changes by a step.
+    /// Returns the linear change of ρ by a step.
     fn way(&self, step: &[f64]) -> Vector3<f64> {
         let [from, to] = [self.from, self.to].map(|at| {
             let [a, b, c] = self.limit.variables.map(|variable| step[at + variable]);
@@ -68,7 +68,7 @@ impl<'a> LengthBound<'a> {
         }
     }
 
-    /// How the slack changes by a share α of a step: α times the first, less α² times the second.
+    /// Returns (a, b) such that the slack changes by α a − α² b along a fraction α of a step.
     pub(super) fn along(&self, step: &[f64]) -> (f64, f64) {
         let way = self.way(step);
         let most = self.limit.most;
@@ -78,13 +78,13 @@ impl<'a> LengthBound<'a> {
         )
     }
 
-    /// ∂s by the variables of the frame, and by those of the frame before.
+    /// Returns ∂s by the variables of the sample, and by those of the sample before.
     fn slopes(&self) -> [[f64; 3]; 2] {
         let inward = self.measured.rho * (-1.0 / self.limit.most);
         [self.measured.by_to, self.measured.by_from].map(|by| by.transpose_mul(inward).to_array())
     }
 
-    /// Adds to what a step goes by: so much of a push inward.
+    /// Adds an inward force of size `push` to the right-hand side of a step.
     pub(super) fn add_push(&self, push: f64, downhill: &mut [f64]) {
         let [by_to, by_from] = self.slopes();
         for (k, variable) in self.limit.variables.into_iter().enumerate() {
@@ -95,7 +95,7 @@ impl<'a> LengthBound<'a> {
         }
     }
 
-    /// Adds stiff · ∂s ∂sᵀ + (z/m) JᵀJ.
+    /// Adds stiff · ∂s ∂sᵀ + (z/m) JᵀJ to the Hessian.
     pub(super) fn add_to(&self, stiff: f64, multiplier: f64, hessian: &mut BlockBanded) {
         let [slope_to, slope_from] = self.slopes();
         let bend = multiplier / self.limit.most;

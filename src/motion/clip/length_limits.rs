@@ -1,38 +1,39 @@
-//! Limits of the length of up to three numbers together: how far a body slides or turns from a frame to the next, how far
-//! a ball swings or turns in all.
+//! Limits on the length of up to three variables together.
+//!
+//! They limit translations and rotations between samples, and swing and rotation angles of ball joints.
 
 use super::space::{is_bounded, rotation, turn_slopes};
 use crate::model::{BallVariables, ParameterMap, Source};
 use crate::spatial::{Matrix3, Vector3};
 
-/// For the rounding of quaternions and of what is told from them, in radians, and as a share.
+/// Tolerance for rounding of quaternions, in radians and relative.
 const ROUNDING: f64 = 1e-14;
-/// Turned by more than this a rotation is any.
+/// Largest rotation angle. A limit of at least that has no effect.
 const FARTHEST_TURN: f64 = std::f64::consts::PI;
 
-/// What is limited.
+/// Measure of a length limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Measure {
-    /// How far three variables, by these factors, go from the frame before.
+    /// Translation of three variables from the previous sample, scaled by factors.
     Slide([f64; 3]),
-    /// By what angle a ball turns from the frame before.
+    /// Rotation angle of a ball joint from the previous sample.
     Turn(BallVariables),
-    /// How far a ball swings, stretched so that its ellipse is a circle: of the geometric mean of the half axes.
+    /// Swing of a ball joint, scaled so that its ellipse becomes a circle with the geometric mean of the half axes.
     Swing(BallVariables, [f64; 2]),
-    /// By what angle a ball is turned from its zero.
+    /// Rotation angle of a ball joint from zero.
     Angle(BallVariables),
 }
 
-/// ‖ρ‖ ≤ most in every frame, for three numbers ρ of three variables.
+/// Limit ‖ρ‖ ≤ most at every sample, for a vector ρ of three variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LengthLimit {
     pub(super) measure: Measure,
-    /// In ascending order.
+    /// Indices of the variables, ascending.
     pub(super) variables: [usize; 3],
     pub(super) most: f64,
 }
 
-/// ρ, and by what it changes with steps of the variables of both frames.
+/// Value of ρ, with its derivatives by steps of both samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured {
     pub(super) rho: Vector3<f64>,
@@ -56,7 +57,7 @@ fn diagonal(by: [f64; 3]) -> Matrix3<f64> {
 }
 
 impl LengthLimit {
-    /// Of the cones and whole angles of balls.
+    /// Creates the swing and angle limits of ball joints.
     pub(super) fn of_balls(map: &ParameterMap) -> Vec<Self> {
         let mut limits = Vec::new();
         for ball in map.balls().iter().filter(|ball| is_bounded(ball)) {
@@ -80,7 +81,7 @@ impl LengthLimit {
         limits
     }
 
-    /// Of how far a ball turns from a frame to the next; none where it may turn anywhere.
+    /// Creates a limit on the rotation of a ball joint between samples; `None` if it has no effect.
     pub(super) fn of_turn(ball: &BallVariables, angle: f64) -> Option<Self> {
         (angle < FARTHEST_TURN).then(|| Self {
             measure: Measure::Turn(*ball),
@@ -89,8 +90,9 @@ impl LengthLimit {
         })
     }
 
-    /// Of how far three slides, of which the first has this number of a configuration, go together from a frame to the next;
-    /// none where nothing moves them.
+    /// Creates a limit on the translation of three prismatic joints between samples, the first with coordinate `first`.
+    ///
+    /// Returns `None` if no variable moves them.
     pub(super) fn of_slides(map: &ParameterMap, first: usize, most: f64) -> Option<Self> {
         let mut variables = [usize::MAX; 3];
         let mut squares = [0.0; 3];
@@ -108,7 +110,7 @@ impl LengthLimit {
         }
         let any = variables[0];
         let mut parts = [0, 1, 2].map(|k| match variables[k] {
-            // What does not move counts nothing.
+            // Components without a variable have factor 0.
             usize::MAX => (any, 0.0),
             variable => (variable, squares[k].sqrt()),
         });
@@ -120,7 +122,7 @@ impl LengthLimit {
         })
     }
 
-    /// The ball that is limited, if it is one.
+    /// Returns the limited ball joint, if there is one.
     pub(super) fn ball(&self) -> Option<&BallVariables> {
         match &self.measure {
             Measure::Slide(_) => None,
@@ -128,12 +130,12 @@ impl LengthLimit {
         }
     }
 
-    /// Whether it is of a frame and the one before.
+    /// Returns whether it limits a displacement from the previous sample.
     pub(super) fn is_of_move(&self) -> bool {
         matches!(self.measure, Measure::Slide(_) | Measure::Turn(_))
     }
 
-    /// ρ of a frame; `from` is the one before, if that counts.
+    /// Returns ρ of a sample. `from` is the previous sample, used for displacements only.
     pub(super) fn rho(&self, from: &[f64], to: &[f64]) -> Vector3<f64> {
         let [a, b, c] = self.variables;
         match &self.measure {
@@ -151,7 +153,7 @@ impl LengthLimit {
         }
     }
 
-    /// ρ and its derivatives; none by the frame before where that does not count.
+    /// Returns ρ and its derivatives. Those by the previous sample are zero if it is not used.
     pub(super) fn measure(&self, from: &[f64], to: &[f64]) -> Measured {
         let rho = self.rho(from, to);
         let none = diagonal([0.0; 3]);
@@ -175,7 +177,7 @@ impl LengthLimit {
         }
     }
 
-    /// (most² − ‖ρ‖²) / (2 most): near the edge how far that is.
+    /// Returns the slack (most² − ‖ρ‖²) / (2 most), which approximates the distance from the limit near it.
     pub(super) fn slack(&self, rho: Vector3<f64>) -> f64 {
         let length = rho.norm();
         0.5 * (self.most - length) * (1.0 + length / self.most)

@@ -1,4 +1,4 @@
-//! How far variables go from a frame to the next at most, by their limits of speed.
+//! Displacement bounds between samples from velocity limits.
 
 use std::f64::consts::PI;
 
@@ -9,10 +9,10 @@ use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::{ParameterMap, Source};
 use crate::problem::Problem;
 
-/// How large values of a variable without limits are taken to be, where rounding is told, in radians or metres.
+/// Assumed absolute value of a variable without limits, for rounding errors, radians or metres.
 const UNBOUNDED_SIZE: f64 = 1e4;
 
-/// How far each variable goes from a frame to the next, those that follow it included, and balls.
+/// Returns the displacement bounds of all variables, including those from mimic joints, and of ball joints.
 pub(in crate::motion) fn longest_moves(
     problem: &Problem,
     speeds: &[f64],
@@ -61,7 +61,7 @@ pub(in crate::motion) fn longest_moves(
     Ok(Moves { most, together })
 }
 
-/// How far the place of a free joint goes, in whatever direction, whose slides begin with a coordinate.
+/// Returns the bound on the translation of a free joint, in any direction. `first` is its first coordinate.
 pub(super) fn longest_slide(
     map: &ParameterMap,
     first: usize,

@@ -1,5 +1,7 @@
-//! Whole clips, solved as one: many frames of one model with tasks, smoothness, hard limits of position and speed, and
-//! contacts that hold.
+//! Trajectory optimisation: all samples of a motion solved as one problem.
+//!
+//! The problem has tasks, smoothness costs, hard limits of position and velocity, and contacts. Identifiers call the
+//! samples of a trajectory frames.
 
 mod barrier;
 mod block_banded;

@@ -1,4 +1,4 @@
-//! Tasks of many frames of one model, put together.
+//! Trajectory optimisation problem.
 
 use std::fmt;
 use std::ops::Range;
@@ -13,10 +13,10 @@ use crate::model::Model;
 use crate::problem::{Problem, ProblemError, Share, Targets};
 use crate::search::slide_per_radian;
 
-/// What moves the targets of one task to where they are in a frame.
+/// Function that sets the targets of one task at a sample.
 pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemError> + Send + Sync>;
 
-/// The motion of one model over T frames as one bounded nonlinear least-squares problem:
+/// Trajectory of one model over T samples as a bounded nonlinear least-squares problem:
 ///
 /// ```text
 /// minimise    Σ_t ½ ‖w_t ∘ r_t(q_t)‖²  +  Σ_k ½ w_k² Σ_t ‖Δᵏ q_t / Δtᵏ‖²
@@ -26,9 +26,9 @@ pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemEr
 ///             points of frames standing still over their spans, the model's loops closed
 /// ```
 ///
-/// r_t are the tasks of a frame, whose targets and weights change from frame to frame; the k-th difference Δᵏ, of
-/// velocities, accelerations or jerks, is a [`RateCost`](super::RateCost). All tasks are weighed together, preferences as
-/// well; goals on several levels are refused. [`MotionSolver`](super::MotionSolver) solves it.
+/// The r_t are the tasks at a sample. Their targets and weights change from sample to sample. The k-th difference Δᵏ,
+/// of velocities, accelerations or jerks, is a [`RateCost`](super::RateCost). All tasks are weighted together, soft
+/// tasks too. Required tasks on several levels are an error. [`MotionSolver`](super::MotionSolver) solves the problem.
 ///
 /// ```
 /// use kinopt::model::{Limits, Model};
@@ -44,7 +44,7 @@ pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemEr
 /// let tip = builder.frame("tip", Some(elbow), link);
 /// let model = builder.build()?;
 ///
-/// // A target that leaps in the middle, at 60 frames a second; the elbow turns by 6 rad/s at most.
+/// // A target with a jump in the middle, at 60 samples per second. The elbow is limited to 6 rad/s.
 /// let mut motion = MotionProblem::builder(&model, 40, 1.0 / 60.0);
 /// let hand = motion.add(Point::new(tip, [1.5, 0.5, 0.0]));
 /// motion.follow(hand, |frame, point| {
@@ -69,15 +69,15 @@ pub struct MotionProblem {
     pub(super) space: FrameSpace,
     pub(super) bounds: FrameBounds,
     pub(super) follow: Vec<Follow>,
-    /// By task, one a frame; empty for 1 in all.
+    /// Weights by task and sample; empty for 1 at all samples.
     pub(super) weights: Vec<Vec<f64>>,
     pub(super) rate_costs: Vec<CompiledRateCost>,
     pub(super) contacts: Vec<Contact>,
-    /// The points of all contacts, as residuals to the world's origin.
+    /// Points of all contacts, as residuals to the world's origin.
     pub(super) held: Option<Problem>,
-    /// What a metre that they slip costs, or that a loop is open, as a weight.
+    /// Weight of contact sliding and of loop closure errors, per metre.
     pub(super) stiffness: f64,
-    /// The first and the last frame, as variables.
+    /// Fixed variables of the first and the last sample.
     pub(super) ends: [Option<Vec<f64>>; 2],
 }
 
@@ -92,28 +92,28 @@ impl fmt::Debug for MotionProblem {
 }
 
 impl MotionProblem {
-    /// Starts a motion of `frames` frames that are `time_step_s` seconds apart, with every joint free.
+    /// Creates a builder for `frames` samples that are `time_step_s` seconds apart, with all joints free.
     #[must_use]
     pub fn builder(model: &Model, frames: usize, time_step_s: f64) -> MotionProblemBuilder<'_> {
         MotionProblemBuilder::new(model, frames, time_step_s)
     }
 
     getters! {
-        /// How many frames there are.
+        /// Number of samples.
         pub fn frames(&self) -> usize = self.frames;
-        /// The time from a frame to the next, in seconds.
+        /// Time between samples, seconds.
         pub fn time_step_s(&self) -> f64 = self.time_step_s;
-        /// The tasks of one frame, with the targets that they were built with.
+        /// Tasks of one sample, with their initial targets.
         pub fn problem(&self) -> &Problem = &self.problem;
-        /// What stands still, and when.
+        /// Contacts with their spans.
         pub fn contacts(&self) -> &[Contact] = &self.contacts;
-        /// How many numbers a configuration has.
+        /// Length of a configuration.
         pub fn configuration_len(&self) -> usize = self.problem.configuration_len();
-        /// How many variables a frame has.
+        /// Number of variables of a sample.
         pub(super) fn variables(&self) -> usize = self.problem.variables();
     }
 
-    /// What of a variable counts as much as a radian.
+    /// Returns the equivalent of one radian for a variable.
     pub(super) fn unit(&self, variable: usize) -> f64 {
         match self.problem.names().variable_is_angle[variable] {
             true => 1.0,
@@ -121,13 +121,13 @@ impl MotionProblem {
         }
     }
 
-    /// How far from its own frame a frame's cost reaches.
+    /// Returns the largest distance between samples that share a cost.
     pub(super) fn bandwidth(&self) -> usize {
         let orders = self.rate_costs.iter().map(|cost| cost.order);
         orders.fold(1, usize::max)
     }
 
-    /// The first of the rows that close the model's loops, which come after the tasks'.
+    /// Returns the index of the first loop row. Loop rows follow those of tasks.
     pub(super) fn rows_of_tasks(&self) -> usize {
         let tasks = self.problem.compiled_tasks().iter();
         let mut loops = tasks.filter(|task| task.is_loop);
@@ -140,7 +140,7 @@ impl MotionProblem {
         self.rows_of_tasks() < self.problem.rows()
     }
 
-    /// How far loops are open at most, in metres and radians, by rows that are not weighed.
+    /// Returns the largest loop closure error in unweighted rows, metres or radians.
     pub(super) fn open_by(&self, residual: &[f64]) -> f64 {
         let errors = self.problem.errors(Share::All, residual);
         let tasks = self.problem.compiled_tasks();
@@ -148,7 +148,7 @@ impl MotionProblem {
         loops.map(|block| block.error).fold(0.0, f64::max)
     }
 
-    /// A task's weight in a frame.
+    /// Returns a task's weight at a sample.
     pub(super) fn weight(&self, task: usize, frame: usize) -> f64 {
         let weights = self
             .weights
@@ -157,21 +157,21 @@ impl MotionProblem {
         weights.copied().unwrap_or(1.0)
     }
 
-    /// Whether any task has a weight of its own in some frames.
+    /// Returns whether any task has a weight other than 1 at a sample.
     pub(super) fn weighs(&self, frame: usize) -> bool {
         (0..self.weights.len()).any(|task| self.weight(task, frame) != 1.0)
     }
 
-    /// Moves targets to where they are in a frame.
+    /// Sets the targets of a sample.
     pub(super) fn move_targets(&self, frame: usize, targets: &mut Targets) {
         for follow in &self.follow {
-            // Built with these very tasks.
+            // Cannot fail, because the problem is built with these tasks.
             let moved = follow(frame, targets);
             debug_assert!(moved.is_ok(), "a task of another problem");
         }
     }
 
-    /// Whether a frame of a stretch of frames stays where it is given.
+    /// Returns for each sample of a window whether it is fixed.
     pub(super) fn fixed(&self, window: &Range<usize>, held: usize) -> Vec<bool> {
         let [first, last] = self.ends.each_ref().map(Option::is_some);
         let is_fixed = |frame: usize| {

@@ -1,4 +1,4 @@
-//! Solves motions: all frames as one, or window by window.
+//! Solver of trajectories, as one problem or in windows.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,30 +12,31 @@ use super::{MotionError, MotionProblem, MotionSolution};
 use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption};
 use crate::search::check_start;
 
-/// How a motion is cut into windows: each is solved with some frames ahead of its own, which the next one solves anew
-/// from where the first ended. Neighbours agree at their seam, as the second begins with the first one's last frames
-/// held, and what is beyond the frames ahead hardly pulls.
+/// Division of a trajectory into windows.
+///
+/// Each window is solved with some samples ahead, which the next window solves again. The last samples of a window stay
+/// fixed in the next one, so the trajectory is continuous at the seam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Windows {
-    /// How many frames a window keeps.
+    /// Number of samples that a window keeps.
     pub frames: usize,
-    /// How many more it looks at.
+    /// Number of additional samples that a window solves.
     pub ahead: usize,
 }
 
 impl Windows {
-    /// Windows that keep so many frames and look at so many more.
+    /// Creates windows that keep `frames` samples and solve `ahead` more.
     #[must_use]
     pub fn new(frames: usize, ahead: usize) -> Self {
         Self { frames, ahead }
     }
 }
 
-/// Solves a [`MotionProblem`]: a first motion frame by frame, then all frames together.
+/// Solver of a [`MotionProblem`]: an initial trajectory sample by sample, then all samples together.
 ///
-/// Memory and time are linear in the frames; in windows, memory is that of one.
+/// Memory and time are linear in the number of samples. With windows, the memory is that of one window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionSolver {
     tolerance: f64,
@@ -47,7 +48,7 @@ pub struct MotionSolver {
 }
 
 impl Default for MotionSolver {
-    /// To 1e-8 of the cost and 1e-8 m of slip a frame, 200 iterations a window, with curvature, all frames as one.
+    /// Returns a solver with tolerance 1e-8, sliding 1e-8 m, 200 iterations per window, curvature, and no windows.
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
@@ -62,31 +63,34 @@ impl Default for MotionSolver {
 
 impl MotionSolver {
     setters! {
-        /// Ends where a step promises, and bounds withhold, no more than this share of the cost. At least 0.
+        /// Sets the tolerance: the predicted decrease and the complementarity gap, relative to the cost. At least 0.
         pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
-        /// At most so many iterations a window.
+        /// Sets the maximum number of iterations per window.
         pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
-        /// Whether frames bend as they do, after ten steps or where a step had to be cut, or as JᵀJ says all the time:
-        /// less exact where targets are far out of reach, and much less work a step.
+        /// Sets whether the full Hessian is used, after ten steps or after a shortened step. Otherwise it is always
+        /// JᵀJ.
+        ///
+        /// That is less accurate for targets far out of reach, but much cheaper per step.
         pub fn with_curvature(mut self, curvature: bool) { self.curvature = curvature }
-        /// What is held slips by no more than this from a frame to the next, in metres, where six rounds suffice. At least 0.
+        /// Sets the largest sliding of contacts between consecutive samples, metres, if six multiplier updates suffice.
+        /// At least 0.
         pub fn with_slip(mut self, metres: f64) { self.slip_m = metres }
-        /// In windows, or all frames as one.
+        /// Sets the windows; `None` solves all samples together.
         pub fn with_windows(mut self, windows: Option<Windows>) { self.windows = windows }
     }
 
-    /// Takes the start for a good one, which is hardly moved off its bounds.
+    /// Treats the start as good and moves it only slightly off its bounds.
     #[must_use]
     pub(in crate::motion) fn with_good_start(mut self) -> Self {
         self.inward = Inward::LITTLE;
         self
     }
 
-    /// Solves a motion, from a configuration near its first frame's.
+    /// Solves a trajectory from a configuration near that of its first sample.
     ///
     /// # Errors
-    /// A start that is none of the model's, options out of range, fixed frames that speed limits part, residuals that
-    /// are not finite.
+    /// Returns an error if `start` is invalid, an option is out of range, velocity limits separate fixed samples, or a
+    /// residual is not finite.
     pub fn solve(
         &self,
         motion: &MotionProblem,
@@ -99,10 +103,10 @@ impl MotionSolver {
         self.minimise(motion, x, &mut |_| (), None)
     }
 
-    /// Solves a motion from one near it: a configuration a frame, one after the other. It need not keep any limit.
+    /// Solves a trajectory from an initial one: one configuration per sample, one after another. It may violate limits.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_near(
         &self,
         motion: &MotionProblem,
@@ -111,10 +115,11 @@ impl MotionSolver {
         self.solve_near_with_progress(motion, start, &mut |_| ())
     }
 
-    /// The same; `progress` hears after each window how many frames are done.
+    /// Solves like [`solve_near`](Self::solve_near). `progress` receives the number of solved samples after each
+    /// window.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_near_with_progress(
         &self,
         motion: &MotionProblem,
@@ -124,7 +129,8 @@ impl MotionSolver {
         self.solve_near_unless(motion, start, progress, None)
     }
 
-    /// As [`solve_near_with_progress`](Self::solve_near_with_progress), until the flag is set, which every iteration reads.
+    /// Solves like [`solve_near_with_progress`](Self::solve_near_with_progress). Every iteration checks the flag
+    /// `cancelled`.
     pub(in crate::motion) fn solve_near_unless(
         &self,
         motion: &MotionProblem,
@@ -208,7 +214,7 @@ impl MotionSolver {
     }
 }
 
-/// The variables of a configuration.
+/// Returns the variables of a configuration.
 fn variables(motion: &MotionProblem, q: &[f64]) -> Result<Vec<f64>, MotionError> {
     check_start(&motion.problem, q)?;
     let mut x = vec![0.0; motion.variables()];

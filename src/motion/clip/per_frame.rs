@@ -1,16 +1,16 @@
-//! A first motion, frame by frame: each from where the last one ended, no faster than allowed.
+//! Initial trajectory, sample by sample: each starts at the previous result, within the velocity limits.
 
 use super::frame_residuals::{FrameAlone, FrameResiduals};
 use super::{MotionError, MotionProblem};
 use crate::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};
 
-/// Steps of the first frame, and of every other, at most.
+/// Maximum number of iterations of the first sample, and of the others.
 const FIRST_STEPS: usize = 200;
 const STEPS: usize = 8;
-/// A frame of a start need not be more exact.
+/// Gradient tolerance; an initial trajectory need not be more accurate.
 const GRADIENT_TOLERANCE: f64 = 1e-4;
 
-/// Writes all frames, from variables for the first.
+/// Writes all samples, starting with the variables `start`.
 pub(super) fn per_frame(
     motion: &MotionProblem,
     residuals: &mut FrameResiduals<'_>,

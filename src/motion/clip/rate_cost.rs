@@ -1,4 +1,4 @@
-//! What it costs that joints move, change their velocity, or change their acceleration.
+//! Costs of velocities, accelerations and jerks.
 
 use super::block_banded::BlockBanded;
 use super::space::FrameSpace;
@@ -6,11 +6,11 @@ use crate::bad_option::{BadOption, NOT_NEGATIVE};
 use crate::model::UnknownName;
 use crate::problem::Problem;
 
-/// The k-th difference of a motion's variables x over its frames, as a cost: ½ Σ ‖w Δᵏx / Δtᵏ‖², where Δt is the time
-/// between two frames.
+/// Cost of the k-th difference of a trajectory's variables x over its samples: ½ Σ ‖w Δᵏx / Δtᵏ‖², with the time step
+/// Δt.
 ///
-/// Rotations are compared in their turned axes: Δx of a ball is log(R_tᵀ R_{t+1}), radians, and of a free joint's place
-/// metres along the parent's axes. A joint that follows another is counted with that one.
+/// Rotations are compared in the rotated frame: Δx of a ball joint is log(R_tᵀ R_{t+1}), radians. Δx of a free joint's
+/// position is in metres along the parent's axes. A mimic joint counts with its source joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateCost {
     order: usize,
@@ -19,19 +19,19 @@ pub struct RateCost {
 }
 
 impl RateCost {
-    /// Velocities, per rad/s or m/s.
+    /// Creates a cost of velocities. The weight is per rad/s or m/s.
     #[must_use]
     pub fn velocity(weight: f64) -> Self {
         Self::of_order(1, weight)
     }
 
-    /// Accelerations, per rad/s² or m/s².
+    /// Creates a cost of accelerations. The weight is per rad/s² or m/s².
     #[must_use]
     pub fn acceleration(weight: f64) -> Self {
         Self::of_order(2, weight)
     }
 
-    /// Jerks, per rad/s³ or m/s³.
+    /// Creates a cost of jerks. The weight is per rad/s³ or m/s³.
     #[must_use]
     pub fn jerk(weight: f64) -> Self {
         Self::of_order(3, weight)
@@ -46,14 +46,14 @@ impl RateCost {
     }
 
     setters! {
-        /// Multiplies the weight of one joint, by name; of a free joint its parts have names of their own, as
-        /// `root_joint/x` and `root_joint/rotation`.
+        /// Multiplies the weight of one joint. A free joint has components, as `root_joint/x` and
+        /// `root_joint/rotation`.
         pub fn times(mut self, joint: impl Into<String>, factor: f64) {
             self.by_joint.push((joint.into(), factor));
         }
     }
 
-    /// With its weights by variable, for frames so many seconds apart.
+    /// Computes the weights by variable for a time step, seconds.
     pub(super) fn compile(
         &self,
         problem: &Problem,
@@ -86,7 +86,7 @@ impl RateCost {
     }
 }
 
-/// What can be wrong with a rate cost.
+/// Error of a rate cost.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum RateCostError {
     #[error(transparent)]
@@ -95,28 +95,28 @@ pub(super) enum RateCostError {
     Name(#[from] UnknownName),
 }
 
-/// Of so many ways between frames, their difference.
+/// Coefficients of consecutive sample differences in a difference of each order.
 const OF_WAYS: [&[f64]; 3] = [&[1.0], &[-1.0, 1.0], &[1.0, -2.0, 1.0]];
-/// The same of frames.
+/// Coefficients of consecutive samples in a difference of each order.
 const OF_FRAMES: [&[f64]; 3] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]];
 
-/// A rate cost of one problem.
+/// Rate cost of one problem.
 #[derive(Clone, Debug)]
 pub(super) struct CompiledRateCost {
     pub(super) order: usize,
-    /// By variable.
+    /// Weight of each variable.
     weights: Vec<f64>,
 }
 
 impl CompiledRateCost {
-    /// One difference, in units of the weights: of the `order` ways that begin at a frame.
+    /// Returns one unweighted difference, from the `order` sample differences at the start of `ways`.
     fn difference(&self, ways: &[f64], variable: usize) -> f64 {
         let n = self.weights.len();
         let parts = OF_WAYS[self.order - 1].iter().enumerate();
         parts.map(|(k, by)| by * ways[k * n + variable]).sum()
     }
 
-    /// The cost of the ways (one after the other) that begin at all frames from `first` on.
+    /// Returns the cost of the differences that begin at samples from `first` on. `ways` are the sample differences.
     pub(super) fn cost(&self, ways: &[f64], first: usize) -> f64 {
         let n = self.weights.len();
         let frames = ways.len() / n + 1;
@@ -131,7 +131,7 @@ impl CompiledRateCost {
         0.5 * sum
     }
 
-    /// Adds the gradient and JᵀJ of that cost, for the frames x between which those ways are.
+    /// Adds the gradient and JᵀJ of that cost. `ways` are the differences between the samples x.
     pub(super) fn add_to(
         &self,
         space: &FrameSpace,
@@ -163,7 +163,7 @@ impl CompiledRateCost {
         }
     }
 
-    /// The same of rotations, whose difference bends with both ends of each way.
+    /// Adds the terms of rotations, whose differences are nonlinear in both ends.
     fn add_balls(
         &self,
         space: &FrameSpace,
@@ -183,7 +183,7 @@ impl CompiledRateCost {
         for (ball, first) in slopes[0].iter().map(|ball| ball.first).enumerate() {
             let squared = self.weights[first] * self.weights[first];
             let rows = [0, 1, 2].map(|k| self.difference(ways, first + k));
-            // ∂(Σ c_k way_k) by a step of each frame.
+            // Derivatives of the combined difference by a step of each sample.
             let mut by_frame = [[[0.0; 3]; 3]; 4];
             for (k, by) in of_ways.iter().enumerate() {
                 let own = &slopes[k][ball];

@@ -1,4 +1,4 @@
-//! What came of a motion: where it goes, what it misses in which frame, and which limits are in its way.
+//! Solution of a trajectory: configurations, task errors and active limits of each sample.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,68 +10,68 @@ use crate::problem::{ReportNames, Share};
 use crate::solver::Side;
 use crate::task::{Quantity, Role};
 
-/// Why a motion's search ended.
+/// Reason why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum MotionTermination {
-    /// Nothing more is to be won within the tolerance, and what is held stands still.
+    /// The predicted decrease is within tolerance. Contacts stay fixed, or their multiplier updates are used up.
     Stationary,
-    /// No step won anything.
+    /// No step decreased the cost.
     SmallStep,
-    /// Too many iterations in some window.
+    /// A window reached the iteration limit.
     IterationLimit,
 }
 
-/// How often a motion's parts were evaluated and factorised.
+/// Numbers of evaluations and factorisations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MotionCounts {
-    /// Frames whose residual was evaluated.
+    /// Number of samples whose residual was evaluated.
     pub residuals: usize,
-    /// Frames whose Jacobian was.
+    /// Number of samples whose Jacobian was evaluated.
     pub jacobians: usize,
-    /// Frames whose gradient was, by itself.
+    /// Number of samples whose gradient was evaluated without a Jacobian.
     pub gradients: usize,
-    /// Frames whose rows of the normal equations were factorised.
+    /// Number of samples whose rows of the normal equations were factorised.
     pub factored_frames: usize,
 }
 
-/// Whose bound it is.
+/// Kind of a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum MotionBound {
-    /// The joint's own limit.
+    /// Joint limit.
     Position,
-    /// Its speed, from the frame before to this one.
+    /// Velocity limit between the previous sample and this one.
     Speed,
 }
 
-/// A limit that holds a motion back in a frame.
+/// Active limit at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MotionLimit<'a> {
-    /// The joint's name.
+    /// Name of the joint.
     pub joint: &'a str,
-    /// What is limited.
+    /// Kind of the bound.
     pub bound: MotionBound,
-    /// Which end: of a speed, whether it falls or rises.
+    /// Lower or upper bound. For a velocity it is the sign of the motion.
     pub side: Side,
-    /// How fast the cost would fall beyond it, per radian or metre.
+    /// Multiplier: decrease of the cost per radian or metre beyond the bound.
     pub push: f64,
 }
 
-/// The error of one task's rows of one quantity in one frame.
+/// Error of one task in one quantity at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MotionMiss<'a> {
-    /// The task's name.
+    /// Name of the task.
     pub task: &'a str,
-    /// The unit of the error.
+    /// Unit of the error.
     pub quantity: Quantity,
-    /// Euclidean norm of the rows, whatever their weight.
+    /// Euclidean norm of the unweighted rows.
     pub error: f64,
 }
 
@@ -94,7 +94,7 @@ struct Missed {
     error: f64,
 }
 
-/// A motion, and the truth about it.
+/// Trajectory with a report.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -115,39 +115,41 @@ pub struct MotionSolution {
 
 impl MotionSolution {
     getters! {
-        /// All configurations, frame after frame, within all limits of position and speed, to the bit.
+        /// Configurations of all samples, one after another, exactly within all limits of position and velocity.
         pub fn q(&self) -> &[f64] = &self.q;
-        /// How many frames there are.
+        /// Number of samples.
         pub fn frames(&self) -> usize = self.costs.len();
-        /// ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
+        /// Cost ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
         pub fn cost(&self) -> f64 = self.costs.iter().sum::<f64>() + self.rates;
-        /// What of the cost is of velocities, accelerations and jerks.
+        /// Part of the cost from velocities, accelerations and jerks.
         pub fn cost_of_rates(&self) -> f64 = self.rates;
-        /// Why the search ended; of windows, why that of the worst did.
+        /// Reason why the search ended; with windows, that of a window that did not converge, if any.
         pub fn termination(&self) -> MotionTermination = self.termination;
-        /// Iterations of all windows.
+        /// Number of iterations of all windows.
         pub fn iterations(&self) -> usize = self.iterations;
-        /// Evaluations and factorisations of all windows.
+        /// Numbers of evaluations and factorisations of all windows.
         pub fn counts(&self) -> MotionCounts = self.counts;
-        /// How far a point that is held still is from where its contact began, at most, in metres.
+        /// Largest distance of a contact point from its position at the start of its contact, metres.
         pub fn slip(&self) -> f64 = self.slip;
-        /// How far a loop of the model is open in any frame, at most, in metres and radians: within
-        /// [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE), or the frames that leave it open name it among what they miss.
+        /// Largest closure error of a loop at any sample, metres or radians.
+        ///
+        /// If it exceeds [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE), [`missed`](Self::missed) lists the loop at
+        /// those samples.
         pub fn loop_gap(&self) -> f64 = self.loop_gap;
-        /// Whether every goal is within its tolerance in every frame.
+        /// Returns whether every required task is within its tolerance at every sample.
         pub fn reached(&self) -> bool = self.missed.is_empty();
-        /// ½ ‖w ∘ r‖² of a frame's tasks.
+        /// Cost ½ ‖w ∘ r‖² of a sample's tasks.
         pub fn frame_cost(&self, frame: usize) -> Option<f64> = self.costs.get(frame).copied();
     }
 
-    /// The configuration of a frame.
+    /// Returns the configuration of a sample.
     #[must_use]
     pub fn frame(&self, frame: usize) -> Option<&[f64]> {
         let n = self.configuration_len;
         self.q.get(frame * n..(frame + 1) * n)
     }
 
-    /// The goals that a frame misses, beyond their tolerances.
+    /// Returns the required tasks with errors beyond their tolerances at a sample.
     pub fn missed(&self, frame: usize) -> impl Iterator<Item = MotionMiss<'_>> {
         let own = of_frame(&self.missed, frame, |missed| missed.frame);
         own.iter().map(|missed| MotionMiss {
@@ -157,7 +159,7 @@ impl MotionSolution {
         })
     }
 
-    /// The limits that hold a frame back.
+    /// Returns the active limits of a sample.
     pub fn active_limits(&self, frame: usize) -> impl Iterator<Item = MotionLimit<'_>> {
         let own = of_frame(&self.held, frame, |held| held.frame);
         own.iter().map(|held| MotionLimit {
@@ -173,17 +175,17 @@ impl MotionSolution {
     }
 }
 
-/// The part of a list in order of frames that is of one.
+/// Returns the entries of one sample from a list sorted by sample.
 fn of_frame<T>(list: &[T], frame: usize, of: impl Fn(&T) -> usize) -> &[T] {
     let begin = list.partition_point(|own| of(own) < frame);
     let end = list.partition_point(|own| of(own) <= frame);
     &list[begin..end]
 }
 
-/// A push that would win less than this share of the cost over the whole room of its bound is none.
+/// Multiplier times size, relative to the cost, below which a limit counts as inactive.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Collects what windows come to.
+/// Collects the results of windows.
 pub(super) struct Report<'a> {
     motion: &'a MotionProblem,
     termination: MotionTermination,
@@ -201,7 +203,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Takes the outcome of a window whose first frame is `first`, and of which some frames are kept.
+    /// Adds the result of a window that begins at sample `first` and keeps the samples in `kept`.
     pub(super) fn take(&mut self, outcome: &Outcome<'_>, first: usize, kept: Range<usize>) {
         self.iterations += outcome.iterations;
         if outcome.termination != MotionTermination::Stationary {
@@ -213,7 +215,7 @@ impl<'a> Report<'a> {
             true => MotionBound::Speed,
             false => MotionBound::Position,
         };
-        // The product of slack and push is nearly the same for all: one of them is small.
+        // The product of slack and multiplier is nearly the same for all bounds, so one of them is small.
         let holds = |slack: f64, push: f64, size: f64| {
             let (room_left, pushed) = (slack / size, push * size / outcome.cost);
             pushed > NEGLIGIBLE && pushed > room_left
@@ -248,9 +250,9 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Measures the whole.
+    /// Evaluates the complete trajectory.
     pub(super) fn finish(mut self, evaluator: &mut Evaluator<'_>, x: &[f64]) -> MotionSolution {
-        // Of each window those of lengths come last.
+        // Bounds of lengths come last within each window.
         self.held.sort_by_key(|held| held.frame);
         let motion = self.motion;
         let problem = &motion.problem;

@@ -1,32 +1,33 @@
-//! Where one frame of a motion stands, and the way from one frame to the next.
+//! Manifold of the variables of one sample.
 
 use std::f64::consts::PI;
 
 use crate::model::{BallVariables, ParameterMap};
 use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_log_jacobian};
 
-/// The variables of a frame as a manifold: numbers, and rotations that are compared in their turned axes, log(RᵀR'), and
-/// moved in them, R exp(δ) (Solà, Deray & Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
+/// Variables of a sample as a manifold of numbers and rotations.
 ///
-/// A ball within a cone or an angle is moved by its variables instead, in which those are an ellipse, a range and a ball:
-/// they keep it off every place where its variables are singular.
+/// Rotations are compared in the rotated frame, log(RᵀR'), and moved in it, R exp(δ) (Solà, Deray & Atchuthan 2018, "A
+/// micro Lie theory for state estimation in robotics"). A ball joint with swing or angle limits is moved by its
+/// variables instead. The limits keep these away from singularities.
 #[derive(Clone, Debug)]
 pub(super) struct FrameSpace {
     balls: Vec<BallVariables>,
 }
 
-/// Whether a ball is moved by its variables, as it has limits.
+/// Returns whether a ball joint has limits, so that steps move its variables.
 pub(super) fn is_bounded(ball: &BallVariables) -> bool {
     ball.swing.is_some() || ball.angle.is_some_and(|angle| angle < PI)
 }
 
-/// The rotation of a ball.
+/// Returns the rotation of a ball joint.
 pub(super) fn rotation(ball: &BallVariables, x: &[f64]) -> Quaternion<f64> {
     let own = ball.of(x).unwrap_or([f64::NAN; 3]);
     ball.chart.rotation(own)
 }
 
-/// How a rotation vector changes by steps of the ball that it leads to, whose turn by that vector is its last.
+/// Returns the derivative of the rotation vector `turn`, which leads to the ball's rotation, by steps of that ball
+/// joint.
 pub(super) fn turn_slopes(ball: &BallVariables, x: &[f64], turn: Vector3<f64>) -> Matrix3<f64> {
     let by_turn = rotation_log_jacobian(-turn);
     match is_bounded(ball) {
@@ -40,12 +41,12 @@ pub(super) fn turn_slopes(ball: &BallVariables, x: &[f64], turn: Vector3<f64>) -
     }
 }
 
-/// Three variables that a rotation's difference depends on, with its derivatives, row by row.
+/// Derivatives of the difference of two rotations, row by row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BallSlopes {
-    /// The first of the three.
+    /// Index of the first of the three variables.
     pub(super) first: usize,
-    /// By the frame from which, and by the frame to which the way leads.
+    /// Derivatives by the first and by the second sample.
     pub(super) by_from: [[f64; 3]; 3],
     pub(super) by_to: [[f64; 3]; 3],
 }
@@ -57,7 +58,7 @@ impl FrameSpace {
         }
     }
 
-    /// Whether a variable is a number by itself.
+    /// Returns whether a variable is a number, not part of a rotation.
     pub(super) fn is_number(&self, variable: usize) -> bool {
         let mut balls = self.balls.iter();
         !balls.any(|ball| (ball.variable..ball.variable + 3).contains(&variable))
@@ -88,7 +89,7 @@ impl FrameSpace {
         }
     }
 
-    /// How the rotations' part of a [`difference`](Self::difference) changes with steps of both ends.
+    /// Returns the derivatives of the rotations in a [`difference`](Self::difference) by steps of both samples.
     pub(super) fn slopes<'a>(
         &'a self,
         way: &'a [f64],
@@ -110,13 +111,13 @@ impl FrameSpace {
         })
     }
 
-    /// Turns the columns of a Jacobian by the variables (column-major, so many rows) into those by a step.
+    /// Converts Jacobian columns by the variables (column-major, `rows` rows) to columns by a step.
     pub(super) fn by_steps(&self, x: &[f64], rows: usize, entries: &mut [f64]) {
         for ball in self.balls.iter().filter(|ball| !is_bounded(ball)) {
             let Some([a, b, c]) = ball.of(x) else {
                 continue;
             };
-            // ẋ = J_r(x)⁻¹ ω in turned axes, and J_r(x) = J_l(−x).
+            // ẋ = J_r(x)⁻¹ ω in the rotated frame, with J_r(x) = J_l(−x).
             let by = rotation_log_jacobian(-Vector3::new(a, b, c));
             let at = |column: usize, row: usize| (ball.variable + column) * rows + row;
             for row in 0..rows {

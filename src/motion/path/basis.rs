@@ -1,21 +1,23 @@
-//! Directions in which joints may move without moving what counts of the tool.
+//! Null space of the arm's task Jacobian.
 
-/// Rows that are smaller than this share of the largest are none.
+/// Pivot, relative to the largest, below which a row counts as zero.
 const NO_ROW: f64 = 1e-6;
 
-/// A basis of the null space of a matrix of six rows, stored column by column; Gauss-Jordan elimination with complete pivoting
-/// (Golub & Van Loan 2013, "Matrix Computations", ch. 3.4). Room for it is used again.
+/// Basis of the null space of a matrix with six rows, stored column by column.
+///
+/// Gauss-Jordan elimination with complete pivoting (Golub & Van Loan 2013, "Matrix Computations", ch. 3.4). The buffers
+/// are reused.
 #[derive(Debug, Default)]
 pub(super) struct NullSpace {
     matrix: Vec<[f64; 6]>,
     order: Vec<usize>,
-    /// The directions, one after another, n numbers each.
+    /// Basis vectors, one after another, n numbers each.
     pub(super) directions: Vec<f64>,
     pub(super) count: usize,
 }
 
 impl NullSpace {
-    /// Finds it. `scales` are what a unit of each joint counts as.
+    /// Computes the basis. `scales` are the weights of one unit of each joint.
     pub(super) fn of(&mut self, slopes: &[f64], scales: &[f64]) {
         let n = scales.len();
         self.matrix.clear();
@@ -44,7 +46,7 @@ impl NullSpace {
                 column.swap(rank, row);
             }
             let own = self.matrix[pivot];
-            // Those before are unit columns.
+            // Columns of earlier pivots are unit vectors.
             for &column in &self.order[rank..] {
                 let column = &mut self.matrix[column];
                 column[rank] /= own[rank];
@@ -73,7 +75,7 @@ impl NullSpace {
         }
     }
 
-    /// The largest entry that is left: its row, its place in the order, its size.
+    /// Returns the largest remaining entry: row, index into `order`, absolute value.
     fn pivot(&self, rank: usize) -> Option<(usize, usize, f64)> {
         let mut best: Option<(usize, usize, f64)> = None;
         for place in rank..self.order.len() {

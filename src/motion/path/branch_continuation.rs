@@ -1,7 +1,7 @@
-//! Carries the configurations of a station on to the next, or back.
+//! Continuation of the configurations of one station to a neighbouring station.
 //!
-//! Each goes on as it came, which leads straight through places where branches meet, or where that fails from where it stands; and
-//! where the step is long and both come too far, in small parts along the path.
+//! Each configuration starts with its last motion, which passes straight through points where branches meet. If that
+//! fails, it starts at rest. If a long step fails too, it is followed in small parts along the path.
 
 use super::knots::NEAR;
 use super::layers::{Growth, Layer};
@@ -10,19 +10,19 @@ use super::straight_way::between;
 use crate::arm::{Arm, Ends, QueryError};
 use crate::spatial::Placement;
 
-/// The share of the last motion that a step begins with.
+/// Fraction of the last motion added to the start of a step.
 const MOMENTUM: f64 = 0.9;
-/// Where fewer than this are surely free, the shapes are looked at too.
+/// Number of collision-free configurations by the sphere check below which the exact shapes are checked too.
 pub(super) const FEW: usize = 8;
-/// Parts of a part in which a joint moves far, as it does near where branches meet.
+/// Subdivisions of a part in which a joint moves far, as it does near points where branches meet.
 pub(super) const SMALLER: usize = 20;
-/// Parts of a step at most.
+/// Maximum number of parts of a step.
 pub(super) const MOST_PARTS: f64 = 10_000.0;
 
-/// Room for it.
+/// Scratch memory of the continuation.
 #[derive(Debug, Default)]
 pub(super) struct Carrier {
-    /// Which configurations were carried last, and how they came there.
+    /// Range of the last continued configurations, with their motions.
     moving: std::ops::Range<usize>,
     motions: Vec<f64>,
     stand: Vec<f64>,
@@ -30,24 +30,25 @@ pub(super) struct Carrier {
     ends: Ends,
     again: Ends,
     limits: Vec<f64>,
-    /// What the configurations carried came to, if to anything, and whether in parts.
+    /// For each configuration: `None` if it failed, else whether it was followed in parts.
     came: Vec<Option<bool>>,
     free: Vec<bool>,
     failed: Vec<usize>,
-    /// What is known where they come to.
+    /// Index of the configurations known at the next station.
     known: Sorted,
     end: Vec<f32>,
 }
 
 impl Carrier {
-    /// Forgets how configurations came.
+    /// Discards the stored motions.
     pub(super) fn forget(&mut self) {
         self.motions.clear();
         self.moving = 0..0;
     }
 
-    /// Carries a station's configurations, from the one at `first` on, to the station after or before it, where they stand behind
-    /// what stands there.
+    /// Continues the configurations of station `from`, starting with index `first`, to the neighbouring station `to`.
+    ///
+    /// Appends the results to the layer of `to`.
     pub(super) fn carry(
         &mut self,
         growth: &Growth<'_>,
@@ -57,7 +58,7 @@ impl Carrier {
     ) -> Result<(), QueryError> {
         let n = growth.width();
         let most = match to > from {
-            // The rest is for what is carried back.
+            // A quarter is reserved for configurations continued backwards.
             true => growth.most - growth.most / 4,
             false => growth.most,
         };
@@ -109,7 +110,8 @@ impl Carrier {
         Ok(())
     }
 
-    /// Where each configuration comes to at the next station, into `ends` and `came`; those of `moving` know how they came.
+    /// Continues each configuration to the next station, into `ends` and `came`. Those in `moving` start with their
+    /// motion.
     fn follow(
         &mut self,
         growth: &Growth<'_>,
@@ -158,7 +160,7 @@ impl Carrier {
         let both = self.came.iter().zip(&self.free);
         let sure = both.filter(|(came, free)| came.is_some() && **free).count();
         if sure < FEW {
-            // Spheres may be wider than the shapes.
+            // The spheres of the fast check enclose the shapes.
             growth.note_free(ends[1], &self.ends.q, true, &mut self.free)?;
         }
         for (came, free) in self.came.iter_mut().zip(&self.free) {
@@ -167,7 +169,7 @@ impl Carrier {
         Ok(())
     }
 
-    /// Takes those ends that reach and are near to where they began.
+    /// Accepts results that reach the target within the joint limits of the step.
     fn take_near(&mut self, n: usize, in_parts: bool) {
         for (place, outcome) in self.ends.outcomes.iter().enumerate() {
             if self.came[place].is_some() || !outcome.reached {
@@ -182,7 +184,7 @@ impl Carrier {
         }
     }
 
-    /// Those that failed begin from where they stand.
+    /// Restarts the failed configurations without motion.
     fn stand_failed(&mut self, n: usize) {
         self.starts.clear();
         for &place in &self.failed {
@@ -199,7 +201,7 @@ impl Carrier {
         }
     }
 
-    /// Follows those that failed in parts of a long step, all of them together; where a part is too long for one, in smaller ones.
+    /// Follows the failed configurations in parts of a long step. Parts with a long joint move are subdivided.
     fn follow_in_parts(
         &mut self,
         growth: &Growth<'_>,
@@ -241,7 +243,7 @@ impl Carrier {
     }
 }
 
-/// Configurations that are followed in parts of a step: their places where it begins, and where they have come to.
+/// Configurations followed in parts of a step: their indices at its start, and their current values.
 #[derive(Debug, Default)]
 struct Followed {
     places: Vec<usize>,
@@ -259,7 +261,7 @@ impl Followed {
         self.q.append(&mut others.q);
     }
 
-    /// Those that reach a target go on to it; those that do so with a long move are given back as they stood.
+    /// Advances the configurations that reach the target. Returns those with a too long joint move, unchanged.
     fn go_on(
         &mut self,
         growth: &Growth<'_>,

@@ -1,5 +1,7 @@
-//! Bridges over steps at which a branch is left: for an arm with joints to spare both branches are often of one self-motion, and what
-//! was a leap in one step is a move that the knots around it share.
+//! Removal of reconfigurations by self-motion.
+//!
+//! For a redundant arm, the branches before and after a reconfiguration are often connected by a self-motion. A bridge
+//! distributes that motion over the neighbouring knots.
 
 use std::ops::Range;
 
@@ -8,12 +10,12 @@ use super::knot_configurations::Way;
 use super::layers::Growth;
 use crate::arm::Ends;
 
-/// A bridge begins and ends so many knots from the leap at most; the shortest that stands is taken.
+/// Maximum number of knots between the reconfiguration and an end of its bridge. The shortest valid bridge is used.
 const LONGEST: usize = 128;
-/// Every so many knots of a bridge are looked at first.
+/// Knot stride of the first, coarse check of a bridge.
 const COARSE: usize = 8;
 
-/// Bridges every leap that it can. Neither a knot that is reached nor a step that is joined is lost by it.
+/// Bridges every reconfiguration that it can. Reached knots and continuous steps are preserved.
 pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let mut ends = Ends::default();
     for knot in 1..way.joined.len() {
@@ -24,7 +26,7 @@ pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError
         while half <= LONGEST && !way.joined[knot] {
             half *= 2;
             let (first, last) = piers(growth, way, knot, half);
-            // A longer one finds no room.
+            // A longer bridge has the same ends.
             if tried.replace((first, last)) == Some((first, last)) {
                 break;
             }
@@ -38,12 +40,13 @@ pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError
     Ok(())
 }
 
-/// Whether the path leads to a knot from the one before, and both are reached.
+/// Returns whether the path leads to a knot from the one before, and both are reached.
 pub(super) fn is_led(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
     way.reached[knot - 1] && way.reached[knot] && growth.knots.is_led_to(knot)
 }
 
-/// The knots that a bridge stands on: as far from the leap as asked, where nothing else is left or missed on the way.
+/// Returns the end knots of a bridge: up to `half` knots away, without other reconfigurations or unreached knots in
+/// between.
 fn piers(growth: &Growth<'_>, way: &Way, knot: usize, half: usize) -> (usize, usize) {
     let goes_on = |at: &usize| way.joined[*at] && is_led(growth, way, *at);
     let before = (1..knot).rev().take_while(goes_on).take(half - 1).count();
@@ -52,8 +55,9 @@ fn piers(growth: &Growth<'_>, way: &Way, knot: usize, half: usize) -> (usize, us
     (knot - 1 - before, knot + after)
 }
 
-/// The configurations between two knots that go evenly from the one's to the other's; none where one of them misses, touches something or a
-/// joint would have to move too far.
+/// Returns the configurations between two knots, guided by linear interpolation.
+///
+/// Returns `None` if a knot is not reached or in collision, or if a joint would have to move too far.
 fn span(
     growth: &Growth<'_>,
     way: &Way,
@@ -65,7 +69,7 @@ fn span(
     let steps = (last - first) as f64;
     let tool = knots.tool(last);
     let mut rows = Vec::new();
-    // Most that do not stand are told by few of their knots.
+    // Few knots are enough to reject most invalid bridges.
     for stride in [COARSE, 1] {
         let stops = (first + 1..last).filter(|knot| (knot - first).is_multiple_of(stride));
         let stops: Vec<usize> = stops.collect();
@@ -99,7 +103,8 @@ fn span(
     Ok(free.iter().all(|free| *free).then(|| inner.to_vec()))
 }
 
-/// Whether the steps after these knots may lead from the one configuration to the other; certainly, if there is one.
+/// Returns whether the steps after these knots can lead from one configuration to the other. For one step the check is
+/// exact.
 fn is_short(growth: &Growth<'_>, way: &Way, knots: Range<usize>, pair: &[f64]) -> bool {
     let (from, to) = pair.split_at(growth.width());
     let in_time = || {

@@ -1,49 +1,53 @@
-//! Where a tool is to be, point after point.
+//! Cartesian path of a tool.
 
 use super::PathError;
 use super::straight_way::between;
 use crate::spatial::Placement;
 
-/// How a path is gone.
+/// Order in which the points of a path are visited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Traversal {
-    /// From the first point to the last. The default.
+    /// From the first point to the last. This is the default.
     #[default]
     Open,
-    /// Round and round: after the last point the first one again, in the configuration that it was begun in (a joint
-    /// without limits perhaps whole turns on). The step back to the first point counts as any other.
+    /// Repeatedly: the last point is followed by the first, in its initial configuration.
+    ///
+    /// A joint without limits may end whole revolutions further. The step back to the first point counts like any
+    /// other.
     Cyclic,
-    /// Round once from whichever point is best, and back to that one, in whatever configuration.
+    /// Once around, from the best point back to that point, in any configuration.
     AnyStart,
 }
 
-/// A path of the tool: points in the arm's base, each a `base_from_tool`, metres. Between two points the tool goes straight, and
-/// turns evenly by the shorter way; of a [spline](Self::spline) it is known how far that is from the curve.
+/// Cartesian path: points in the base frame of the arm, each a `base_from_tool`, metres.
+///
+/// Between two points the tool moves linearly and rotates at a constant rate by the smaller angle. A
+/// [spline](Self::spline) also stores its distance from these segments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CartesianPath {
     pub(super) points: Vec<Placement<f64>>,
-    /// Empty where there are none.
+    /// Times of the points, seconds; empty if the path has no times.
     pub(super) times: Vec<f64>,
-    /// The tool of every point; empty where all are for the first.
+    /// Tool index of every point; empty if all points use tool 0.
     pub(super) tools: Vec<usize>,
-    /// How far a curve is from the straight step to every point, metres; empty where steps are straight.
+    /// Bound on the distance of the curve from the straight step to every point, metres; empty for straight steps.
     pub(super) bulges: Vec<f64>,
     pub(super) traversal: Traversal,
 }
 
 impl CartesianPath {
-    /// A path through these points, in order.
+    /// Creates a path through these points, in order.
     ///
     /// # Errors
-    /// No point, or one that is not finite or not a rigid motion to 1e-6.
+    /// Returns an error if there is no point, or if a point is not finite or not rigid to 1e-6.
     pub fn new(base_from_tools: impl Into<Vec<Placement<f64>>>) -> Result<Self, PathError> {
         let points = base_from_tools.into();
         if points.is_empty() {
             return Err(PathError::Empty);
         }
         for (index, point) in points.iter().enumerate() {
-            // The limit that questions to an arm have.
+            // The limit that arm queries use.
             let checked = point.check_rigid(0.9e-6);
             checked.map_err(|problem| PathError::Point { index, problem })?;
         }
@@ -56,10 +60,10 @@ impl CartesianPath {
         })
     }
 
-    /// The same path with a time for every point, seconds, each later than the one before.
+    /// Sets a time for every point, seconds. Times must increase.
     ///
     /// # Errors
-    /// Another number of times than points, or a time that is not after the one before.
+    /// Returns an error if the count differs from that of the points, or if times do not increase.
     pub fn with_times(mut self, seconds: impl Into<Vec<f64>>) -> Result<Self, PathError> {
         let times = seconds.into();
         self.check_count("times", times.len())?;
@@ -78,11 +82,13 @@ impl CartesianPath {
         Ok(self)
     }
 
-    /// The same path, whose points are for different tools: one number a point, 0 the solver's own arm, 1 and so on
-    /// [those added](super::PathSolver::with_tools). Between points of different tools the path says nothing.
+    /// Sets the tool index of every point. Index 0 is the solver's arm, 1 and up are [added
+    /// tools](super::PathSolver::with_tools).
+    ///
+    /// Steps between points of different tools are not constrained by the path.
     ///
     /// # Errors
-    /// Another number of tools than points.
+    /// Returns an error if the count differs from that of the points.
     pub fn with_tools(mut self, tools: impl Into<Vec<usize>>) -> Result<Self, PathError> {
         let tools = tools.into();
         self.check_count("tools", tools.len())?;
@@ -91,9 +97,9 @@ impl CartesianPath {
     }
 
     setters! {
-        /// The same path, gone otherwise. Default [`Traversal::Open`].
+        /// Sets the traversal. Default [`Traversal::Open`].
         pub fn with_traversal(mut self, traversal: Traversal) { self.traversal = traversal }
-        /// The same path seen from elsewhere: every point p becomes `base_from_path` p.
+        /// Transforms the path: every point p becomes `base_from_path` p.
         pub fn moved(mut self, base_from_path: &Placement<f64>) {
             for point in &mut self.points {
                 *point = (*base_from_path * *point).made_rigid();
@@ -102,13 +108,13 @@ impl CartesianPath {
     }
 
     getters! {
-        /// The points.
+        /// Points, `base_from_tool`.
         pub fn points(&self) -> &[Placement<f64>] = &self.points;
-        /// How it is gone.
+        /// Order in which the points are visited.
         pub fn traversal(&self) -> Traversal = self.traversal;
-        /// When the tool is to be at each point, seconds, where that is said.
+        /// Times of the points, seconds, if the path has times.
         pub fn times(&self) -> Option<&[f64]> = Some(self.times.as_slice()).filter(|times| !times.is_empty());
-        /// The [tool](Self::with_tools) of each point, where they are not all for the first.
+        /// [Tool index](Self::with_tools) of each point, or `None` if all points use tool 0.
         pub fn tools(&self) -> Option<&[usize]> = Some(self.tools.as_slice()).filter(|tools| !tools.is_empty());
     }
 
@@ -123,14 +129,15 @@ impl CartesianPath {
         }
     }
 
-    /// The same way with so many more points in each of the steps to these knots (rising); and which knots are those of before.
+    /// Inserts `count` points into each of the steps to these knots (ascending). Also returns the new indices of the
+    /// old knots.
     pub(super) fn with_points_between(&self, steps: &[usize], count: usize) -> (Self, Vec<usize>) {
         let closes = self.traversal == Traversal::Cyclic && self.points.len() > 1;
         let mut finer = Self {
             points: Vec::new(),
             times: Vec::new(),
             tools: Vec::new(),
-            // What the curve is beside the steps counts where all is told, which is of the points of before.
+            // The distances of the curve are only used for the report, which uses the original points.
             bulges: Vec::new(),
             traversal: self.traversal,
         };
@@ -157,7 +164,7 @@ impl CartesianPath {
         (finer, own)
     }
 
-    /// The same path begun at another point of a closed one; that point comes at the end once more.
+    /// Rotates a closed path to begin at another point, which is repeated at the end.
     pub(super) fn entered_at(&self, entry: usize) -> Self {
         let turned = |list: &[usize]| -> Vec<usize> {
             let mut list = list.to_vec();

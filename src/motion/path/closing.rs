@@ -1,4 +1,4 @@
-//! Paths that are gone round and round: which configurations of the last station are those of the first.
+//! Closure of cyclic paths: matching configurations of the first and the last station.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,14 @@ use super::PathError;
 use super::layers::{Growth, Layer};
 use crate::arm::Ends;
 
-/// Configurations of the first station that are tried.
+/// Maximum number of configurations of the first station that are tried.
 const MOST_STARTS: usize = 16;
 
 impl Growth<'_> {
-    /// The pairs of configurations of the first and the last station that are the same, but for whole turns of joints without
-    /// limits; those that the last one lacks are added to it.
+    /// Returns pairs of equal configurations of the first and the last station, up to whole revolutions of unlimited
+    /// joints.
+    ///
+    /// Adds configurations of the first station to the last one if it lacks them.
     pub(super) fn close(&self, layers: &mut [Layer]) -> Vec<(usize, usize)> {
         let n = self.middle.len();
         let Some((first, last)) = layers.split_first_mut() else {
@@ -40,7 +42,7 @@ impl Growth<'_> {
         pairs
     }
 
-    /// The first station's configuration as solved, and the same at the end, by as many whole turns on as were gone.
+    /// Returns the solved first configuration, and the last one, which differs by the whole revolutions of the path.
     pub(super) fn closing_ends(
         &self,
         layers: &[Layer],
@@ -70,7 +72,7 @@ impl Growth<'_> {
         Ok((start, end))
     }
 
-    /// The whole turns in an angle of a joint without limits.
+    /// Returns the whole revolutions in an angle of a joint without limits, radians; 0 for other joints.
     pub(super) fn whole_turns(&self, joint: usize, angle: f64) -> f64 {
         let mut limits = self.arms.own().limits();
         let free = limits.nth(joint).is_some_and(|limits| {

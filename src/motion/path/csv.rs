@@ -1,4 +1,4 @@
-//! Paths from tables: CSV with a header or without.
+//! Reading of paths from CSV files, with or without a header.
 
 use std::fmt;
 use std::path::Path;
@@ -7,36 +7,36 @@ use super::{CartesianPath, PathError};
 use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// Longer files are not read.
+/// Largest file size, bytes.
 const LENGTH_LIMIT: u64 = 1 << 30;
-/// A quaternion may be longer or shorter than 1 by so much, as rounded numbers make it; it is then made 1.
+/// Largest deviation of a quaternion's norm from 1, due to rounding. Quaternions are then normalised.
 const LENGTH_TOLERANCE: f64 = 1e-3;
-/// The largest number of a tool.
+/// Largest tool index.
 const MOST_TOOLS: f64 = 255.0;
 
-/// Which order quaternions are in where no header says it.
+/// Order of quaternion elements in files without a header.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum QuaternionOrder {
-    /// w, x, y, z. The default.
+    /// w, x, y, z. This is the default.
     #[default]
     WFirst,
     /// x, y, z, w.
     WLast,
 }
 
-/// What the columns of a table were taken for, counted from 0. Its text says it to people.
+/// Meaning of the columns of a file; indices count from 0. Its `Display` text counts from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CsvColumns {
-    /// x, y and z, metres.
+    /// Columns of x, y and z, metres.
     pub position: [usize; 3],
-    /// w, x, y and z; none where the table has positions alone, and all orientations are the base's.
+    /// Columns of w, x, y and z; `None` if the file has positions only. All orientations are then the base's.
     pub quaternion: Option<[usize; 4]>,
-    /// Seconds; none where the table has no times.
+    /// Column of the time, seconds; `None` if the file has no times.
     pub time: Option<usize>,
-    /// Which tool each point is for, as [`CartesianPath::with_tools`] has it; none where all are for the first.
+    /// Column of the tool index of [`CartesianPath::with_tools`]; `None` if all points use tool 0.
     pub tool: Option<usize>,
-    /// Whether a header named them.
+    /// True if a header names the columns.
     pub by_name: bool,
 }
 
@@ -68,15 +68,31 @@ impl fmt::Display for CsvColumns {
 }
 
 impl CartesianPath {
-    /// Reads a table of points: `x, y, z` in metres and a quaternion, with a `time` in seconds or without, in the order that a header
-    /// names (`x`, `pos_x`, `target-POS_X`, `qw`, `rot_w`, `target-ROT_W`, `time`, `t`, …); a column `tool` has the number of each point's
-    /// [tool](Self::with_tools). Without such names seven columns
-    /// are x, y, z and a quaternion in the `order` given, eight the same after a time or a number of the row (numbers that count by one, or do not rise, are
-    /// the row's), three x, y, z alone and four those after a time. Columns are parted by commas, semicolons, tabs or blanks.
+    /// Reads a table of points from a CSV file: `x, y, z` in metres, and optionally a quaternion and a `time` in
+    /// seconds.
+    ///
+    /// Columns are separated by commas, semicolons, tabs or blanks. A header may name them in any order (`x`, `pos_x`,
+    /// `target-POS_X`, `qw`, `rot_w`, `target-ROT_W`, `time`, `t`, …). A column `tool` has the [tool
+    /// index](Self::with_tools) of each point. Without known names, the number of columns decides:
+    ///
+    /// | columns | meaning |
+    /// |---|---|
+    /// | 3 | x, y, z |
+    /// | 4 | time, x, y, z |
+    /// | 7 | x, y, z, quaternion in the given `order` |
+    /// | 8 | time, x, y, z, quaternion |
+    ///
+    /// Times that increase by one, or do not increase, are treated as row numbers and ignored.
     ///
     /// # Errors
-    /// A file that cannot be read, another number of columns, what is no number, a quaternion whose length is not 1 to 0.001, a tool that is no whole
-    /// number from 0 on; with the line.
+    /// Returns an error, with the line, if:
+    ///
+    /// - the file cannot be read;
+    /// - the number of columns is not supported;
+    /// - a field is not a finite number;
+    /// - a quaternion's norm differs from 1 by more than 0.001;
+    /// - a tool is not an integer from 0 to 255;
+    /// - the points or times are invalid.
     pub fn read(
         path: impl AsRef<Path>,
         order: QuaternionOrder,
@@ -86,10 +102,10 @@ impl CartesianPath {
         })
     }
 
-    /// As [`read`](Self::read), from bytes; `name` is for messages.
+    /// Reads a table from bytes, like [`read`](Self::read). Errors report `name` as the file.
     ///
     /// # Errors
-    /// As there.
+    /// Returns the errors of [`read`](Self::read).
     pub fn from_csv(
         bytes: &[u8],
         name: &str,
@@ -153,7 +169,7 @@ impl CartesianPath {
     }
 }
 
-/// What has been read.
+/// Points read so far.
 #[derive(Default)]
 struct Table {
     points: Vec<Placement<f64>>,
@@ -223,7 +239,7 @@ fn split(line: &str) -> impl Iterator<Item = &str> {
 }
 
 impl CsvColumns {
-    /// By a header's names, if it has those of a position.
+    /// Finds the columns by the names of a header. Returns `None` if it does not name a position.
     fn named(header: &[&str]) -> Option<Self> {
         let names: Vec<String> = header.iter().map(|name| plain(name)).collect();
         let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
@@ -259,7 +275,7 @@ impl CsvColumns {
         })
     }
 
-    /// By how many there are.
+    /// Assigns the columns by their count.
     fn counted(count: usize, order: QuaternionOrder) -> Result<Self, String> {
         let (first, turns) = match count {
             3 => (0, false),
@@ -287,7 +303,7 @@ impl CsvColumns {
     }
 }
 
-/// A column's name in small letters and digits alone, without what it is a part of: `target-POS_X` is `posx`.
+/// Reduces a column name to lower-case letters and digits of its last part: `target-POS_X` is `posx`.
 fn plain(name: &str) -> String {
     let last = name.rsplit(['-', '/', ':']).next().unwrap_or(name);
     let letters = last.chars().filter(char::is_ascii_alphanumeric);

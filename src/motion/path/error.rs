@@ -1,4 +1,4 @@
-//! What can be wrong with a path, and with what is asked of one.
+//! Errors of paths and path solvers.
 
 use thiserror::Error;
 
@@ -7,127 +7,129 @@ use crate::arm::QueryError;
 use crate::bad_option::BadOption;
 use crate::spatial::RigidDefect;
 
-/// Why a path cannot be taken or solved. A point out of reach is no error: see [`PathSolution::missed`](super::PathSolution::missed).
+/// Reason why a path cannot be created, solved or timed.
+///
+/// An unreachable point is not an error: see [`PathSolution::missed`](super::PathSolution::missed).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PathError {
-    /// No point at all.
+    /// The path has no points.
     #[error("the path has no points: it needs at least one")]
     Empty,
-    /// A point that is not finite or not a rigid motion to 1e-6.
+    /// A point is not finite or not rigid to 1e-6.
     #[error("point {index} of the path: {problem}")]
     Point {
-        /// Which point, from 0.
+        /// Index of the point.
         index: usize,
-        /// What is wrong.
+        /// Reason why it is invalid.
         problem: RigidDefect,
     },
-    /// A list that is not as long as the path.
+    /// A list and the path have different lengths.
     #[error("{what} has {given} entries, the path has {points} points")]
     Count {
-        /// Which list.
+        /// Name of the list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         given: usize,
-        /// Points of the path.
+        /// Number of points of the path.
         points: usize,
     },
-    /// A time that is not finite or not after the one before.
+    /// A time is not finite or not after the previous one.
     #[error(
         "the time of point {index} is {value} s, after {before} s: times rise from point to point"
     )]
     Time {
-        /// Which point, from 0.
+        /// Index of the point.
         index: usize,
-        /// Its time, seconds.
+        /// Time of the point, seconds.
         value: f64,
-        /// The time before it, seconds.
+        /// Time of the previous point, seconds.
         before: f64,
     },
-    /// Keys that no curve of finite numbers goes through.
+    /// The keys do not define a finite curve.
     #[error(transparent)]
     Curve(#[from] KeyError),
-    /// A tool that there is not.
+    /// The tool does not exist.
     #[error("point {index} is for tool {tool}, and there are {tools} tools, counted from 0")]
     Tool {
-        /// Which point, from 0.
+        /// Index of the point.
         index: usize,
-        /// Its tool.
+        /// Tool index of the point.
         tool: usize,
-        /// How many tools there are.
+        /// Number of tools.
         tools: usize,
     },
-    /// Another arm's tool.
+    /// A tool belongs to an arm with other joints.
     #[error("tool {0} is of an arm with other joints: `Arm::with_tool` makes those of one arm")]
     OtherJoints(usize),
-    /// An option out of its range.
+    /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// An option that has one number a joint, given another number of them.
+    /// An option with one number per joint has the wrong length.
     #[error("option {option} has {given} numbers, the arm has {} free joints: {}", joints.len(), joints.join(", "))]
     JointCount {
-        /// Which option.
+        /// Name of the option.
         option: &'static str,
-        /// Numbers given.
+        /// Number of given values.
         given: usize,
-        /// The free joints, base to tip.
+        /// Names of the free joints, base to tip.
         joints: Vec<String>,
     },
-    /// Limits that are not one a joint.
+    /// Limits with one number per joint have the wrong length.
     #[error("{option} has {given} numbers, the path's rows have {joints}")]
     Limits {
-        /// Which limits.
+        /// Name of the limits.
         option: &'static str,
-        /// Numbers given.
+        /// Number of given values.
         given: usize,
-        /// Numbers of a row.
+        /// Length of a row.
         joints: usize,
     },
-    /// A limit of one joint that is out of its range.
+    /// A limit of one joint is out of its range.
     #[error("{option} of {joint} is {value}: {allowed}")]
     JointLimit {
         /// Name of the option.
         option: &'static str,
         /// Name of the joint, or its index.
         joint: String,
-        /// The value given.
+        /// Given value.
         value: f64,
         /// Allowed values.
         allowed: &'static str,
     },
-    /// A step that no acceleration limit bounds.
+    /// A step is not bounded by any acceleration limit.
     #[error(
         "acceleration_limits: {joint} moves to row {row}, and no joint that moves there has a finite limit"
     )]
     Unbounded {
         /// Name of the joint that moves most, or its index.
         joint: String,
-        /// The row that the step leads to.
+        /// Index of the row that the step leads to.
         row: usize,
     },
-    /// A row of joint values that is not finite.
+    /// A row of joint values is not finite.
     #[error("row {row} of joint values is not finite")]
     Row {
         /// Index of the row.
         row: usize,
     },
-    /// A configuration to begin or end with that does not stand at the path's end.
+    /// The given start or end configuration does not reach the path's first or last point.
     #[error(
         "the {which} configuration does not stand at the path's {which} point: its tool is {metres:.2e} m and {radians:.2e} rad \
          off (or a joint is beyond its limits, or it touches something)"
     )]
     End {
-        /// `start` or `end`.
+        /// Either `start` or `end`.
         which: &'static str,
-        /// How far its tool is from that point, metres.
+        /// Distance of the tool from the point, metres.
         metres: f64,
-        /// How far it is turned from it, radians.
+        /// Rotation of the tool from the point, radians.
         radians: f64,
     },
-    /// Two wishes that do not go together.
+    /// Options exclude each other.
     #[error("{0}")]
     Conflict(&'static str),
-    /// A question to the arm.
+    /// A query to the arm failed.
     #[error(transparent)]
     Query(#[from] QueryError),
 }

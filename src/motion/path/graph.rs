@@ -1,20 +1,21 @@
-//! The way through the layers with the fewest reconfigurations, and of those the shortest: dynamic programming
-//! over edges that are never written down. Two configurations of neighbouring stations are joined if no joint moves further
-//! than it may; any others are joined by a reconfiguration.
+//! Shortest path through the layers with the fewest reconfigurations.
+//!
+//! Dynamic programming over implicit edges. Two configurations of neighbouring stations are connected if no joint moves
+//! further than allowed. All other pairs are connected by a reconfiguration.
 
 use super::layers::{Growth, Layer};
 use super::sorted::Sorted;
 use super::turns::Turns;
 
-/// What it costs to come to a configuration: reconfigurations first.
+/// Cost of a path to a configuration: number of reconfigurations, then length.
 type Cost = (u32, f64);
 const NEVER: Cost = (u32::MAX, f64::INFINITY);
 
-/// The configurations chosen, one a station, and what they cost.
+/// Selected configurations, one per station, with their cost.
 #[derive(Clone, Debug)]
 pub(super) struct Chosen {
     pub(super) places: Vec<u32>,
-    /// Whether the step to a station is no reconfiguration.
+    /// For each station, whether the step to it is no reconfiguration.
     pub(super) joined: Vec<bool>,
     pub(super) cost: Cost,
 }
@@ -29,14 +30,15 @@ impl Chosen {
     }
 }
 
-/// Which configurations of the first and the last station count; all, if none is said.
+/// Allowed configurations of the first and the last station; `None` allows all.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Between {
     pub(super) first: Option<usize>,
     pub(super) last: Option<usize>,
 }
 
-/// Two configurations, by place, that are near each other but of two branches: those of a station and of the one before.
+/// Pair of configurations, by index, that are near each other but on different branches: at a station and the one
+/// before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FalseEdge {
     pub(super) station: usize,
@@ -44,7 +46,7 @@ pub(super) struct FalseEdge {
     pub(super) to: u32,
 }
 
-/// The way with the fewest reconfigurations. `weights` weigh the joints; `apart` are not joined, however near they are.
+/// Returns the path with the fewest reconfigurations. `weights` weigh the joints. Pairs in `apart` are not connected.
 pub(super) fn fewest_reconfigurations(
     growth: &Growth<'_>,
     layers: &[Layer],
@@ -52,14 +54,14 @@ pub(super) fn fewest_reconfigurations(
     between: Between,
     apart: &[FalseEdge],
 ) -> Chosen {
-    // Most paths have one without, and those to leave a branch by are all pairs.
+    // Most paths need none, and edges with reconfigurations are all pairs.
     without_reconfiguration(growth, layers, weights, between, apart).unwrap_or_else(|| {
         let chosen = best(growth, layers, weights, between, apart, true);
         chosen.unwrap_or_else(|| Chosen::none(layers.len()))
     })
 }
 
-/// The shortest way without a reconfiguration, if there is one.
+/// Returns the shortest path without reconfigurations, if there is one.
 pub(super) fn without_reconfiguration(
     growth: &Growth<'_>,
     layers: &[Layer],
@@ -70,7 +72,7 @@ pub(super) fn without_reconfiguration(
     best(growth, layers, weights, between, apart, false)
 }
 
-/// The best way; none where it has to leave a branch and may not.
+/// Returns the best path, or `None` if it needs a reconfiguration and `may_leave` is false.
 fn best(
     growth: &Growth<'_>,
     layers: &[Layer],
@@ -131,7 +133,7 @@ fn best(
                 Vec::new()
             },
         };
-        // Most were carried on in order, each from the one after that which the last came from.
+        // Most configurations continue in order, so the index after the last predecessor is a good guess.
         let mut guess = 0;
         let ends = layers[to].q.chunks_exact(n).enumerate();
         let ends = ends.map(|(place, q)| {
@@ -170,10 +172,10 @@ fn best(
     Some(chosen)
 }
 
-/// Joints of a padded row.
+/// Number of joints of a padded row, for SIMD comparison.
 const PADDED: usize = 8;
 
-/// The first of these numbers, and fillers after them.
+/// Returns a row padded with `filler`.
 fn pad(row: &[f32], filler: f32) -> [f32; PADDED] {
     let mut padded = [filler; PADDED];
     for (padded, value) in padded.iter_mut().zip(row) {
@@ -182,7 +184,7 @@ fn pad(row: &[f32], filler: f32) -> [f32; PADDED] {
     padded
 }
 
-/// Of an end that is given no other configuration counts.
+/// Excludes all configurations but the given one, if there is one.
 fn keep_only(given: Option<usize>, costs: &mut [Cost]) {
     let others = costs.iter_mut().enumerate();
     for (_, cost) in others.filter(|(place, _)| given.is_some_and(|given| given != *place)) {
@@ -190,30 +192,30 @@ fn keep_only(given: Option<usize>, costs: &mut [Cost]) {
     }
 }
 
-/// Set in a place before where the step from it is a reconfiguration.
+/// Bit set in a predecessor index if the step is a reconfiguration.
 const JUMPED: u16 = 1 << 15;
 
-/// One step from station to station.
+/// One step between stations.
 struct Step<'a> {
     layer: &'a Layer,
     apart: &'a [FalseEdge],
     from: &'a [f32],
-    /// The same in rows of one length, if joints are few, and what is near in each.
+    /// Padded rows of `from` and padded limits; `padded` is empty if the arm has more joints.
     padded: &'a [[f32; PADDED]],
     padded_limits: [f32; PADDED],
     costs: &'a [Cost],
     limits: &'a [f32],
-    /// How far joints may move by the path's times alone; empty where these do not count.
+    /// Joint displacement limits from the path's times alone; empty if times do not count.
     in_time: &'a [f32],
     weights: &'a [f32],
     turns: &'a Turns,
     turns_left_out: bool,
     sorted: &'a Sorted,
-    /// The configurations before that came with the fewest reconfigurations, by their lengths, rising.
+    /// Predecessors with the fewest reconfigurations, sorted by length.
     cheapest: Vec<usize>,
 }
 
-/// Those with the fewest reconfigurations, by length.
+/// Returns the configurations with the fewest reconfigurations, sorted by length.
 fn cheapest(costs: &[Cost]) -> Vec<usize> {
     let least = costs.iter().map(|cost| cost.0).min().unwrap_or(0);
     let mut cheapest: Vec<usize> = (0..costs.len())
@@ -224,7 +226,7 @@ fn cheapest(costs: &[Cost]) -> Vec<usize> {
 }
 
 impl Step<'_> {
-    /// What the best way to a configuration costs, and where it comes from: perhaps from the one guessed.
+    /// Returns the cost of the best path to a configuration, and its predecessor. `guess` is tried first.
     fn best_to(&self, own: usize, q: &[f32], guess: usize) -> (Cost, u16) {
         let mut best = (NEVER, 0);
         let link = self.layer.linked_to(own);
@@ -245,12 +247,12 @@ impl Step<'_> {
         best
     }
 
-    /// Takes a reconfiguration if that is better: from one of those that came with the fewest, as from another it is one more.
+    /// Considers reconfigurations from the predecessors with the fewest of them. Any other predecessor costs one more.
     fn leave_for(&self, best: &mut (Cost, u16), own: usize, q: &[f32]) {
         for &place in &self.cheapest {
             let cost = self.costs[place];
             let left = (cost.0.saturating_add(1), cost.1);
-            // The others are as long and longer before their step.
+            // The remaining predecessors are longer.
             if !is_less(&left, &best.0) {
                 break;
             }
@@ -274,7 +276,7 @@ impl Step<'_> {
             true => cost.0,
             false => cost.0.saturating_add(1),
         };
-        // Its length is worth knowing only then, and only if it is not beyond what is better.
+        // The length is computed only if it can matter, and only up to the best known.
         if !is_less(&(reconfigurations, cost.1), &best.0) {
             return;
         }
@@ -302,17 +304,17 @@ impl Step<'_> {
         self.apart.iter().any(same)
     }
 
-    /// Whether a step from there, which small parts lead along, is none that a joint has no time for.
+    /// Returns whether a step that was followed in parts respects the velocity limits.
     fn is_in_time(&self, place: usize, q: &[f32]) -> bool {
         let moves = self.row(place).iter().zip(q).enumerate();
         let mut moves = moves.zip(self.in_time);
         moves.all(|((joint, (a, b)), most)| self.turns.difference(joint, *a, *b).abs() <= *most)
     }
 
-    /// Whether a step from there is short enough to be on one branch.
+    /// Returns whether a step is short enough to be on one branch.
     fn is_near(&self, place: usize, q: &[f32], padded: &[f32; PADDED]) -> bool {
         if let (false, Some(row)) = (self.turns_left_out, self.padded.get(place)) {
-            // All joints at once: which of them is too far is anyone's guess.
+            // Compares all joints at once, without branches.
             let mut near = true;
             for joint in 0..PADDED {
                 near &= (row[joint] - padded[joint]).abs() <= self.padded_limits[joint];
@@ -324,7 +326,7 @@ impl Step<'_> {
         (moves.enumerate()).all(|(joint, ((a, b), most))| difference(joint, *b, *a) <= *most)
     }
 
-    /// The length of a step; none where it is certainly longer than so much.
+    /// Returns the length of a step, or `None` if it exceeds `most`.
     fn length_within(&self, a: &[f32], b: &[f32], most: f32) -> Option<f32> {
         let (mut sum, most) = (0.0, most * most);
         for (joint, ((a, b), weight)) in a.iter().zip(b).zip(self.weights).enumerate() {
@@ -341,7 +343,7 @@ impl Step<'_> {
     }
 }
 
-/// Whether one cost is less: costs are numbers or without end.
+/// Returns whether one cost is less. Costs are never NaN.
 fn is_less(a: &Cost, b: &Cost) -> bool {
     a.0 < b.0 || a.0 == b.0 && a.1 < b.1
 }

@@ -1,4 +1,4 @@
-//! From the configurations chosen at stations to one at every knot.
+//! Configurations of all knots, from those selected at stations.
 
 use super::PathError;
 use super::graph::{Chosen, FalseEdge};
@@ -6,20 +6,21 @@ use super::layers::{Growth, LAST_ATTEMPTS, Layer};
 use super::step_bounds::StepBounds;
 use crate::arm::Ends;
 
-/// A configuration for every knot.
+/// Joint path with one configuration per knot.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
     pub(super) q: Vec<f64>,
-    /// Whether the step to a knot stays on its branch.
+    /// For each knot, whether the step to it stays on its branch.
     pub(super) joined: Vec<bool>,
-    /// How far joints may move in the step to a knot, as a multiple of the bound: more than 1 where a long step was followed in parts.
+    /// For each knot, the allowed joint displacement of the step to it, relative to the bound. It exceeds 1 if a long
+    /// step was followed in parts.
     pub(super) allowance: Vec<f64>,
-    /// Whether a knot's target is reached (and free, as far as its configuration was found to be).
+    /// For each knot, whether its target is reached (and collision-free, as far as checked).
     pub(super) reached: Vec<bool>,
 }
 
 impl Way {
-    /// How many targets are missed, and how many branches left: the less the better.
+    /// Number of unreached targets, and number of reconfigurations. Smaller is better.
     pub(super) fn rank(&self) -> (usize, usize) {
         let count = |flags: &[bool]| flags.iter().filter(|flag| !**flag).count();
         (count(&self.reached), count(&self.joined))
@@ -29,7 +30,8 @@ impl Way {
         &self.q[knot * n..(knot + 1) * n]
     }
 
-    /// The way through these of its knots (rising, the first among them), each of whose steps is joined where all between are.
+    /// Returns the joint path through a subset of the knots (ascending, with the first). A step is joined if all steps
+    /// between are.
     pub(super) fn through(&self, knots: &[usize], bounds: &StepBounds) -> Self {
         let n = self.q.len() / self.reached.len().max(1);
         let mut way = Self {
@@ -52,7 +54,7 @@ impl Way {
     }
 }
 
-/// The way through what was chosen.
+/// Returns the joint path through the selected configurations.
 pub(super) fn fill(
     growth: &Growth<'_>,
     layers: &[Layer],
@@ -75,7 +77,7 @@ pub(super) fn fill(
         .continue_all(tool, &knots.targets, &way.q, &mut ends)?;
     for (knot, outcome) in ends.outcomes.iter().enumerate() {
         way.reached[knot] = outcome.reached;
-        // A miss stays where its neighbours are, unless that is a station's own.
+        // An unreached knot keeps the interpolated configuration, or that of its station.
         if outcome.reached {
             let end = &ends.q[knot * n..(knot + 1) * n];
             way.q[knot * n..(knot + 1) * n].copy_from_slice(end);
@@ -97,7 +99,7 @@ pub(super) fn fill(
     Ok(way)
 }
 
-/// Between stations that are joined, where even motion would be; before a reconfiguration, where the branch stands.
+/// Interpolates linearly between connected stations. Before a reconfiguration, the configuration stays constant.
 fn guess(growth: &Growth<'_>, layers: &[Layer], chosen: &Chosen) -> Vec<f64> {
     let (knots, n) = (growth.knots, growth.middle.len());
     let at = |station: usize| {
@@ -131,7 +133,7 @@ fn guess(growth: &Growth<'_>, layers: &[Layer], chosen: &Chosen) -> Vec<f64> {
     q
 }
 
-/// Ends that were given stay as they were given; those of a ring until it is shortened.
+/// Restores the given ends. The ends of a cyclic path stay fixed until it is shortened.
 fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
     let n = growth.middle.len();
     if let Some(start) = growth.start {
@@ -145,7 +147,7 @@ fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
     }
 }
 
-/// The steps between stations that were chosen as joined, but between whose knots a branch is left.
+/// Returns the connected steps between stations whose knots leave a branch.
 pub(super) fn false_edges(growth: &Growth<'_>, chosen: &Chosen, way: &Way) -> Vec<FalseEdge> {
     let steps = growth.knots.stations.windows(2).enumerate();
     let breaks = steps.filter(|(before, knots)| {
@@ -162,7 +164,7 @@ pub(super) fn false_edges(growth: &Growth<'_>, chosen: &Chosen, way: &Way) -> Ve
     breaks.map(|(before, _)| edge(before)).collect()
 }
 
-/// Steps at which a branch was left, but which have become as short as any: by the shortening their ends came together.
+/// Marks reconfigurations as joined if shortening has made their step short enough.
 pub(super) fn rejoin(growth: &Growth<'_>, way: &mut Way) {
     let n = growth.middle.len();
     for knot in 1..way.reached.len() {
@@ -172,7 +174,7 @@ pub(super) fn rejoin(growth: &Growth<'_>, way: &mut Way) {
     }
 }
 
-/// Steps that are too long are tried once more, each from where the last one ended.
+/// Solves the knots of too long steps again, each from the previous knot.
 fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.middle.len());
     let mut ends = Ends::default();
@@ -192,7 +194,7 @@ fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
             arm.continue_all(target, from, &mut ends)?;
             let reached = ends.outcomes.first().is_some_and(|outcome| outcome.reached);
             let follows = growth.bounds.allow(knots, knot, from, &ends.q);
-            // A branch is left where it was to be left, but not earlier than that.
+            // A reconfiguration moves to the station, but not to an earlier knot.
             let leaves = !way.joined[knot] && knots.stations.binary_search(&knot).is_ok();
             if reached && !leaves && (follows || !way.reached[knot]) {
                 to.copy_from_slice(&ends.q);
@@ -204,8 +206,10 @@ fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     Ok(())
 }
 
-/// What is missed still is tried from where the next knot is, as a branch may begin before the station that it was found at, then from
-/// the one before: on its branch, else on any.
+/// Solves unreached knots from the next knot, then from the previous one, because a branch may begin before its
+/// station.
+///
+/// The search stays on the branch if possible.
 fn mend_misses(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let last = growth.knots.len().saturating_sub(1);
     for next in (1..=last).rev() {
@@ -217,7 +221,7 @@ fn mend_misses(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     Ok(())
 }
 
-/// Reaches a knot that is missed from one beside it that is not.
+/// Solves an unreached knot from a reached neighbour.
 fn reach_from(
     growth: &Growth<'_>,
     way: &mut Way,
@@ -252,7 +256,7 @@ fn reach_from(
     Ok(())
 }
 
-/// Notes of the steps to a knot and from it whether they are short enough.
+/// Updates whether the steps to and from a knot are short enough.
 fn note_joined(growth: &Growth<'_>, way: &mut Way, knot: usize) {
     let (knots, n) = (growth.knots, growth.middle.len());
     for to in [knot, knot + 1] {
@@ -264,8 +268,9 @@ fn note_joined(growth: &Growth<'_>, way: &mut Way, knot: usize) {
     }
 }
 
-/// Where nothing is reached no branch is left for it: of several leaps from what is reached to what is next reached the last one stays.
-/// Up to there every miss is as near as its branch comes without a leap, or stands still.
+/// Keeps one reconfiguration, the last, per run of unreached knots.
+///
+/// Each unreached knot before it is as near to its target as its branch allows without a jump, or stays constant.
 fn stay_on_branch(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.middle.len());
     let mut ends = Ends::default();

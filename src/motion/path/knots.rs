@@ -1,26 +1,25 @@
-//! The path as it is solved: its points, and those of them at which branches are compared.
+//! Knots of a path, and the stations among them.
 
 use super::cartesian_path::{CartesianPath, Traversal};
 use super::tools::Tools;
 use crate::spatial::Placement;
 
-/// How far the tool goes from one comparison of branches to the next, radians (metres as the arm counts them), where points are as near
-/// as that.
+/// Spacing of stations along the tool's path, radians (metres converted by the arm's scale), if knots are dense enough.
 pub(super) const NEAR: f64 = 0.05;
 
-/// The points in the order in which they are gone; of a cyclic path the first comes once more.
+/// Points in the order of traversal. A cyclic path repeats its first point at the end.
 #[derive(Debug)]
 pub(super) struct Knots {
     pub(super) targets: Vec<Placement<f64>>,
-    /// Empty where all are the first.
+    /// Tool index of each knot; empty if all use tool 0.
     tools: Vec<u32>,
-    /// How far the tool has come, radians.
+    /// Length of the tool's path up to each knot, radians.
     pub(super) way: Vec<f64>,
-    /// Seconds; empty where there are none that count.
+    /// Times, seconds; empty if times do not count.
     pub(super) times: Vec<f64>,
-    /// The knots at which branches are compared: the first, the last, and every so many.
+    /// Knots at which branches are compared: the first, the last, and some in between.
     pub(super) stations: Vec<usize>,
-    /// Whether the last knot is the first point again.
+    /// True if the last knot repeats the first point.
     pub(super) closed: bool,
 }
 
@@ -46,7 +45,7 @@ impl Knots {
             closed,
         };
         for knot in 1..knots.len() {
-            // Between tools the path says nothing of the way.
+            // A tool change has no defined path.
             let length = match knots.is_led_to(knot) {
                 true => {
                     let arm = arms.of(knots.tool(knot));
@@ -67,7 +66,7 @@ impl Knots {
             let end = knot + 1 == self.len();
             let far = !end && self.way[knot + 1] - self.way[last] > NEAR;
             let changes = !self.is_led_to(knot) || !end && !self.is_led_to(knot + 1);
-            // A path that stands still is looked at now and then.
+            // Limits the distance of stations while the tool is at rest.
             let many = knot - last >= 1000;
             if end || far || changes || many {
                 self.stations.push(knot);
@@ -76,7 +75,7 @@ impl Knots {
         }
     }
 
-    /// Compares branches at these knots too; whether that is new.
+    /// Adds stations at these knots. Returns whether any is new.
     pub(super) fn add_stations(&mut self, knots: &[usize]) -> bool {
         let before = self.stations.len();
         self.stations.extend_from_slice(knots);
@@ -93,7 +92,7 @@ impl Knots {
         self.tools.get(knot).map_or(0, |tool| *tool as usize)
     }
 
-    /// Whether the path says how the tool comes to a knot from the one before.
+    /// Returns whether the path defines the motion to a knot from the one before.
     pub(super) fn is_led_to(&self, knot: usize) -> bool {
         self.tool(knot) == self.tool(knot - 1)
     }

@@ -1,7 +1,7 @@
-//! Distinct solutions at every station of a path, grown along it.
+//! Distinct solutions at every station of a path.
 //!
-//! At a station stand those of the last one, carried on (each on its own branch, or its own place in the null space), and now and
-//! then new ones. What begins at a station is carried back as well, so that every branch is known as far as it goes.
+//! Each station has the continued solutions of the previous station (on their branch, or self-motion), and sometimes
+//! new ones. New solutions are continued backwards too, so that every branch is known over its whole extent.
 
 use std::f64::consts::TAU;
 
@@ -14,57 +14,58 @@ use super::tools::Tools;
 use super::turns::Turns;
 use crate::arm::{Ends, QueryError};
 
-/// Configurations nearer to each other than this are one, radians (of every joint).
+/// Distance below which two configurations are merged, radians (for every joint).
 const MERGING: f32 = 0.03;
-/// Attempts at the first station, and at the others where few branches are known.
+/// Number of attempts at the first station, and at later stations with few known branches.
 const FIRST_ATTEMPTS: u32 = 96;
 const ATTEMPTS: u32 = 8;
-/// Stations from one such look to the next.
+/// Number of stations between such searches.
 const LOOKS: usize = 4;
-/// Attempts where nothing is known.
+/// Number of attempts if no configuration is known.
 pub(super) const LAST_ATTEMPTS: u32 = 200;
-/// A joint so near to its limit, radians, is turned over as well where a whole turn fits.
+/// Distance from a joint limit, radians, below which the configuration one revolution back is added.
 const NEAR_LIMIT: f64 = 0.4;
 
-/// Said of a configuration that was not followed from any before it in parts of a step.
+/// Link of a configuration that was not followed in parts from any predecessor.
 pub(super) const UNLINKED: u16 = u16::MAX;
 
-/// The configurations of one station. Single precision is enough to go on from.
+/// Configurations of one station. Single precision suffices as a start.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layer {
     pub(super) q: Vec<f32>,
-    /// The configuration of the last station that each was followed from (or to) in parts, or whose like it was taken for; empty where none was.
+    /// For each configuration, that of the previous station from (or to) which it was followed in parts, or merged;
+    /// empty if none.
     pub(super) links: Vec<u16>,
-    /// Whether there was no room for more.
+    /// True if further configurations were dropped.
     pub(super) full: bool,
-    /// Whether none was found that reaches the target and is free; then the nearest that was found is here.
+    /// True if no configuration reaches the target without collision. The layer then has the nearest one found.
     pub(super) missed: bool,
 }
 
-/// What is grown, and how far.
+/// Generator of the layers, with its settings.
 #[derive(Debug)]
 pub(super) struct Growth<'a> {
     pub(super) arms: &'a Tools<'a>,
     pub(super) knots: &'a Knots,
     pub(super) bounds: &'a StepBounds,
-    /// Most configurations of a station, of which a quarter is for those that are carried back.
+    /// Maximum number of configurations per station. A quarter is reserved for backward continuation.
     pub(super) most: usize,
-    /// Where fewer than this are carried on, more are looked for.
+    /// Number of continued configurations below which a station searches for more.
     pub(super) looked_for: usize,
-    /// Where the path begins and ends, if that is given.
+    /// Given configurations at the start and end of the path.
     pub(super) start: Option<&'a [f64]>,
     pub(super) end: Option<&'a [f64]>,
-    /// Of a ring that may begin in any configuration, how far the joints have come at its end: both of those move together.
+    /// For a cyclic path with a free start, joint displacement over one cycle. Both ends then move together.
     pub(super) ring: Option<Vec<f64>>,
-    /// What joints that turn without end count from, how near one configuration may be to another by joint, and which joints slide.
+    /// Reference values of unlimited joints, merging distances, and flags of prismatic joints.
     pub(super) middle: Vec<f64>,
     pub(super) merging: Vec<f32>,
     pub(super) slides: Vec<bool>,
-    /// Of which joints configurations are known without whole turns.
+    /// Joints whose whole revolutions are ignored.
     pub(super) turns: Turns,
 }
 
-/// Room for looks at a station.
+/// Scratch memory of searches at a station.
 #[derive(Debug, Default)]
 struct Room {
     ends: Ends,
@@ -73,7 +74,7 @@ struct Room {
 }
 
 impl<'a> Growth<'a> {
-    /// Merging distances by joint, and the middle of the limits.
+    /// Computes the merging distances and the centres of the joint limits.
     pub(super) fn new(
         arms: &'a Tools<'a>,
         knots: &'a Knots,
@@ -103,13 +104,13 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// One layer a station.
+    /// Returns one layer per station.
     pub(super) fn layers(&self) -> Result<Vec<Layer>, PathError> {
         let stations = &self.knots.stations;
         let mut room = Room::default();
         let mut carrier = Carrier::default();
         let mut layers: Vec<Layer> = vec![Layer::default(); stations.len()];
-        // How many of a layer came from the one before.
+        // Number of configurations that came from the previous station.
         let mut carried = vec![0_usize; stations.len()];
         match self.start {
             Some(start) => layers[0].take_folded(start, &self.turns),
@@ -135,7 +136,7 @@ impl<'a> Growth<'a> {
         carrier.forget();
         let first = usize::from(self.start.is_some());
         for to in (first..layers.len().saturating_sub(1)).rev() {
-            // What came from before was there already.
+            // The first `carried` configurations came from the previous station.
             match layers[to].missed || layers[to + 1].missed {
                 true => carrier.forget(),
                 false => carrier.carry(self, &mut layers, (to + 1, to), carried[to + 1])?,
@@ -148,7 +149,7 @@ impl<'a> Growth<'a> {
         self.middle.len()
     }
 
-    /// Adds what stands near a limit with that joint a whole turn back: where the joint would wind itself up.
+    /// Adds configurations near a joint limit with that joint one revolution back, to avoid winding up.
     fn turn_over(&self, layer: &mut Layer, knot: usize, room: &mut Room) -> Result<(), QueryError> {
         let n = self.width();
         room.reached.clear();
@@ -174,13 +175,13 @@ impl<'a> Growth<'a> {
         self.add(layer, knot, self.most, false, room)
     }
 
-    /// The place of a configuration of a layer that is as good as this one.
+    /// Returns the index of a configuration of the layer within the merging distance.
     pub(super) fn find(&self, layer: &Layer, q: &[f64]) -> Option<usize> {
         let mut known = layer.q.chunks_exact(q.len());
         known.position(|known| self.is_as_good(known, q.iter().map(|q| *q as f32)))
     }
 
-    /// The same where those of the layer are sorted.
+    /// Returns the same index with the help of `sorted`.
     pub(super) fn find_sorted(&self, layer: &Layer, sorted: &Sorted, q: &[f32]) -> Option<usize> {
         let n = q.len();
         let known = |place: usize| &layer.q[place * n..(place + 1) * n];
@@ -199,7 +200,7 @@ impl<'a> Growth<'a> {
         moves.all(|(joint, ((a, b), most))| self.turns.difference(joint, b, *a).abs() <= *most)
     }
 
-    /// Looks for configurations at a station by attempts of its own.
+    /// Searches for configurations at a station by independent attempts.
     fn look(
         &self,
         layer: &mut Layer,
@@ -210,7 +211,7 @@ impl<'a> Growth<'a> {
     ) -> Result<(), QueryError> {
         let n = self.width();
         let arm = self.arms.of(self.knots.tool(knot));
-        // Joints without limits come out near to those known.
+        // Joints without limits end near the known configurations.
         let near: Vec<f64> = match layer.q.get(..n) {
             Some(known) => known.iter().map(|q| f64::from(*q)).collect(),
             None => self.start.map_or(self.middle.clone(), <[f64]>::to_vec),
@@ -225,13 +226,13 @@ impl<'a> Growth<'a> {
         let most = self.most - self.most / 4;
         self.add(layer, knot, most, false, room)?;
         if layer.count(n) < FEW {
-            // Spheres may be wider than the shapes.
+            // The spheres of the fast check enclose the shapes.
             self.add(layer, knot, most, true, room)?;
         }
         Ok(())
     }
 
-    /// Adds the room's configurations that are free and not there yet.
+    /// Adds the candidates in `room` that are collision-free and new.
     fn add(
         &self,
         layer: &mut Layer,
@@ -254,7 +255,7 @@ impl<'a> Growth<'a> {
         Ok(())
     }
 
-    /// Which configurations are free.
+    /// Writes whether each configuration is collision-free.
     pub(super) fn note_free(
         &self,
         knot: usize,
@@ -276,7 +277,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Where nothing was found looks harder, and then makes do with what is nearest.
+    /// Searches harder at an empty station, and finally takes the nearest configuration.
     fn make_do(&self, layers: &mut [Layer], at: usize, room: &mut Room) -> Result<(), QueryError> {
         let n = self.width();
         let knot = self.knots.stations[at];
@@ -314,14 +315,14 @@ impl Layer {
         self.q.extend(q.iter().map(|q| *q as f32));
     }
 
-    /// Takes a configuration without the whole turns that are left out.
+    /// Adds a configuration, folded by the ignored revolutions.
     pub(super) fn take_folded(&mut self, q: &[f64], turns: &Turns) {
         let first = self.q.len();
         self.take(q);
         turns.fold(&mut self.q[first..]);
     }
 
-    /// Notes that a configuration was followed from one before.
+    /// Records the predecessor of a configuration.
     pub(super) fn link(&mut self, place: usize, before: usize) {
         if self.links.len() <= place {
             self.links.resize(place + 1, UNLINKED);
@@ -331,7 +332,7 @@ impl Layer {
         }
     }
 
-    /// The configuration before that one was followed from, if it was.
+    /// Returns the predecessor of a configuration, if it has one.
     pub(super) fn linked_to(&self, place: usize) -> Option<usize> {
         let link = self.links.get(place).copied().unwrap_or(UNLINKED);
         (link != UNLINKED).then_some(usize::from(link))

@@ -1,4 +1,4 @@
-//! Steps in which a joint goes further than in a step: a branch is left in each to which small parts of the tool's way do not lead.
+//! Verification of steps with a long joint displacement: small parts of the tool's segment must connect both ends.
 
 use super::PathError;
 use super::branch_continuation::{MOST_PARTS, SMALLER};
@@ -9,21 +9,21 @@ use super::layers::Growth;
 use super::straight_way::between;
 use crate::arm::Ends;
 
-/// Parts of the tool's way in a step at least.
+/// Minimum number of parts of a step.
 const FEWEST_PARTS: f64 = 100.0;
-/// How near they lead, as a share of the longest step.
+/// Largest distance between the result of the parts and the end of the step, relative to the step bound.
 const AGREES: f64 = 5e-3;
 
-/// What an arm does in small parts with what it has to spare.
+/// Null-space motion while a step is followed in parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Spare {
-    /// It is left where it is.
+    /// Stays at its start.
     Left,
-    /// It goes evenly to where the step ends.
+    /// Moves linearly to the end of the step.
     GoesAlong,
 }
 
-/// The steps in which the tool goes far, both of whose ends are reached, and in which a branch is left; rising.
+/// Returns the reconfigurations with a long tool segment and two reached ends, ascending.
 pub(super) fn left(growth: &Growth<'_>, way: &Way) -> Vec<usize> {
     let steps = 1..way.joined.len();
     steps
@@ -31,7 +31,7 @@ pub(super) fn left(growth: &Growth<'_>, way: &Way) -> Vec<usize> {
         .collect()
 }
 
-/// Leaves the branch in the long steps that are not led.
+/// Marks long steps that cannot be followed in parts as reconfigurations.
 pub(super) fn leave_unled(
     growth: &Growth<'_>,
     way: &mut Way,
@@ -47,7 +47,7 @@ pub(super) fn leave_unled(
     Ok(())
 }
 
-/// Joins the steps in which the tool goes far and a branch was left, but which are led.
+/// Joins reconfigurations with a long tool segment that can be followed in parts.
 pub(super) fn join_led(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.width());
     for knot in left(growth, way) {
@@ -68,7 +68,7 @@ fn goes_far(growth: &Growth<'_>, knot: usize) -> bool {
     growth.knots.way[knot] - growth.knots.way[knot - 1] > NEAR
 }
 
-/// Whether a joint goes further than in a step, however much time there is.
+/// Returns whether a joint moves further than the step bound, independent of times.
 fn is_long(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
     let n = growth.width();
     growth
@@ -77,7 +77,8 @@ fn is_long(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
         > 1.0 + 1e-9
 }
 
-/// Whether the arm comes from knot to knot, to which the path leads, if it follows the tool's way in small parts, without a long move in any.
+/// Returns whether the arm gets from knot to knot by following the tool's segment in small parts without a long joint
+/// move.
 fn do_parts_lead(
     growth: &Growth<'_>,
     way: &Way,
@@ -92,7 +93,7 @@ fn do_parts_lead(
     let count = parts * SMALLER;
     let (mut q, end) = (way.row(knot - 1, n).to_vec(), way.row(knot, n));
     let (mut start, mut ends) = (Vec::with_capacity(n), Ends::default());
-    // Where a joint goes too far in a part, it is gone in smaller ones.
+    // Parts with a too long joint move are subdivided.
     let (mut at, mut stride) = (0, SMALLER);
     while at < count {
         let next = at + stride;
@@ -105,7 +106,7 @@ fn do_parts_lead(
         if next == count {
             arm.continue_all(&[to], &start, &mut ends)?;
         } else {
-            // Where the arm is stretched out, the straight way may be some micrometres out of reach.
+            // At full extension the straight segment may be some micrometres out of reach.
             let target = between(&from, &to, next as f64 / count as f64);
             arm.carry_all(&target, &start, &mut ends)?;
         }

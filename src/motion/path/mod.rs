@@ -1,8 +1,8 @@
-//! Cartesian paths of arms, with the fewest reconfigurations.
+//! Cartesian paths of arms with the fewest reconfigurations, and their timing.
 //!
-//! A [`CartesianPath`] says where the tool is to be, point after point; a [`PathSolver`] finds joints for all of it: those that
-//! leave their branch least often, and of these the shortest. The [`PathSolution`] says where a branch had to be left, how
-//! far the tool strays from the path between two points (a bound, not a sample), and which points are missed.
+//! A [`CartesianPath`] is a sequence of tool poses. A [`PathSolver`] computes a joint path with the fewest
+//! reconfigurations, and among these the shortest. The [`PathSolution`] reports reconfigurations, unreached points, and
+//! an upper bound on the deviation between points.
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] {
@@ -14,7 +14,7 @@
 //! let robot = Robot::read("models/franka_panda.urdf")?;
 //! let arm = Arm::new(&robot, "base", "flange")?;
 //! let begin = arm.base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])?;
-//! // Half a metre to the side, a point each five millimetres.
+//! // 0.5 m sideways, with points 5 mm apart.
 //! let along = |k: u32| Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
 //! let points = (0..=100).map(|k| Placement::new(begin.rotation, begin.translation + along(k)));
 //! let path = CartesianPath::new(points.collect::<Vec<_>>())?;

@@ -1,4 +1,4 @@
-//! What is checked before a path is solved: options in their ranges, ends that stand where they are to, what goes together.
+//! Validation of path solver options: ranges, given ends and combinations.
 
 use super::cartesian_path::{CartesianPath, Traversal};
 use super::error::PathError;
@@ -63,7 +63,7 @@ impl PathSolver<'_> {
         let Some(q) = q else { return Ok(()) };
         let tool = path.tools.get(point).copied().unwrap_or(0);
         let arm = self.tools.of(tool);
-        // Checks that it is finite.
+        // Checks that `q` is finite.
         arm.base_from_tool(q)?;
         let (metres, radians, reached) = arm.errors_at(&path.points[point], q)?;
         let mut within = q.iter().zip(arm.limits());

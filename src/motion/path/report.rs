@@ -1,4 +1,4 @@
-//! What is true of a way: lengths, reconfigurations, missed points with their reasons, what blocks, and how far the tool is off between.
+//! Report on a joint path: length, reconfigurations, unreached points, collisions and deviation.
 
 use super::cartesian_path::CartesianPath;
 use super::deviation::{self, LedStep};
@@ -10,7 +10,7 @@ use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
 use super::solver::PathSolver;
 
 impl PathSolver<'_> {
-    /// What is true of a way, of which these knots touch something.
+    /// Reports on a joint path. The knots in `touching` are in collision.
     pub(super) fn tell(
         &self,
         path: &CartesianPath,
@@ -28,7 +28,7 @@ impl PathSolver<'_> {
         let mut steps = Vec::new();
         for knot in 0..knots.len() {
             let q = way.row(knot, n);
-            // The first comes again at a cyclic path's end.
+            // A cyclic path repeats its first point at the end.
             if knot < count {
                 solution.q.extend_from_slice(q);
                 let touches = touching.binary_search(&knot).is_ok();
@@ -92,7 +92,7 @@ impl PathSolver<'_> {
         Ok(())
     }
 
-    /// Why a point is missed, if it is.
+    /// Returns the reason if a point is unreached or in collision.
     fn missed(
         &self,
         knots: &Knots,

@@ -1,9 +1,10 @@
-//! The freedom that the targets leave is spent on a short way: all knots at once.
+//! Shortening of a joint path in the null space of its targets, all knots at once.
 //!
-//! Every configuration moves along the null space of its own target, q + N z, so that Σ wᵢ |q(i+1) − q(i)|² becomes least, which is a
-//! block-tridiagonal system in z; with wᵢ one over the length of a step its minimum is the shortest way (Weiszfeld's method). Then
-//! each is brought back onto its target, and the round is kept if the way has become shorter, no joint leaves its limits, no
-//! step grows longer than it may, and nothing touches. A ring is gone round: its last knot is the first one again.
+//! Every configuration moves in the null space of its own target, q + N z, to minimise Σ wᵢ |q(i+1) − q(i)|². This is a
+//! block-tridiagonal system in z. With wᵢ the inverse length of a step, the minimum is the shortest path (Weiszfeld's
+//! method). Each configuration is then projected back onto its target. A round is accepted if the path is shorter,
+//! joints are within limits, steps are short enough, and nothing collides. The last knot of a cyclic path is the first
+//! one again.
 
 use super::PathError;
 use super::basis::NullSpace;
@@ -13,24 +14,25 @@ use super::tridiagonal::Tridiagonal;
 use crate::arm::Ends;
 use crate::spatial::Placement;
 
-/// The longest move of a joint in one round, radians.
+/// Longest joint displacement per round, radians.
 const LONGEST_MOVE: f64 = 0.25;
-/// A step's weight counts it as no shorter than this share of the mean.
+/// Smallest step length used in a weight, relative to the mean.
 const SHORTEST_SHARE: f64 = 0.1;
-/// A round that shortens the way by less than this share is the last.
+/// Relative decrease of the length at which the rounds stop.
 const WORTH_WHILE: f64 = 1e-3;
 
-/// Rounds over some of the knots, in order.
+/// Settings of the shortening.
 pub(super) struct Shortening<'a, 'b> {
     pub(super) growth: &'a Growth<'b>,
     pub(super) weights: &'a [f64],
-    /// Most rounds.
+    /// Maximum number of rounds.
     pub(super) rounds: usize,
-    /// Of a ring, how far the joints have come at its end: the first configuration moves as well, and the last one with it.
+    /// For a cyclic path with a free start, joint displacement over one cycle. The first and the last configuration
+    /// then move together.
     pub(super) ring: Option<&'a [f64]>,
 }
 
-/// What one round works with.
+/// Scratch memory of a round.
 #[derive(Default)]
 struct Room {
     null_space: NullSpace,
@@ -40,14 +42,14 @@ struct Room {
     #[cfg(feature = "collision")]
     free: Vec<bool>,
     system: Tridiagonal,
-    /// Knots that stay where they are.
+    /// Knots that do not move.
     held: Vec<bool>,
-    /// Whether a knot's last move failed.
+    /// For each knot, whether its last move failed.
     failed: Vec<bool>,
 }
 
 impl Shortening<'_, '_> {
-    /// Shortens a way.
+    /// Shortens a joint path.
     pub(super) fn run(&self, way: &mut Way) -> Result<(), PathError> {
         let arm = self.growth.arms.own();
         if !arm.is_redundant() || way.reached.len() < 2 {
@@ -81,7 +83,7 @@ impl Shortening<'_, '_> {
         length(q, self.weights)
     }
 
-    /// Solves for where all knots would go.
+    /// Solves for the displacements of all knots.
     fn aim(&self, way: &Way, room: &mut Room) -> Result<(), PathError> {
         let (knots, n) = (self.growth.knots, self.weights.len());
         let arm = self.growth.arms.own();
@@ -121,7 +123,8 @@ impl Shortening<'_, '_> {
         Ok(())
     }
 
-    /// Goes a share of the way there and back onto the targets; the length if that is a better way, which is then taken.
+    /// Moves by a fraction of the displacements and projects onto the targets. Returns the new length if the path is
+    /// better.
     fn step(
         &self,
         way: &mut Way,
@@ -168,7 +171,7 @@ impl Shortening<'_, '_> {
             }
         }
         self.tie(&mut ends.q);
-        // A step that has become too long is taken back with its neighbours.
+        // Reverts steps that have become too long, with their neighbours.
         let mut settled = false;
         for _ in 0..8 {
             settled = true;
@@ -186,7 +189,7 @@ impl Shortening<'_, '_> {
                     }
                     ends.q[both.clone()].copy_from_slice(&way.q[both]);
                     room.failed[knot] = true;
-                    // What a ring's end does its begin does.
+                    // The ends of a cyclic path move together.
                     let last = way.reached.len() - 1;
                     if self.ring.is_some() && (knot == 1 || knot == last) {
                         ends.q[..n].copy_from_slice(way.row(0, n));
@@ -209,7 +212,7 @@ impl Shortening<'_, '_> {
 }
 
 impl Shortening<'_, '_> {
-    /// Puts a ring's last configuration where its first one is, so many turns on.
+    /// Sets the last configuration of a cyclic path to the first one plus the displacement over one cycle.
     fn tie(&self, q: &mut [f64]) {
         let Some(turns) = self.ring else {
             return;
@@ -222,14 +225,14 @@ impl Shortening<'_, '_> {
     }
 }
 
-/// Weighted joint length of a path, one configuration after another.
+/// Returns the weighted joint length of a path, stored one configuration after another.
 pub(super) fn length(q: &[f64], weights: &[f64]) -> f64 {
     let n = weights.len();
     let rows = q.chunks_exact(n).zip(q.chunks_exact(n).skip(1));
     rows.map(|(a, b)| step_length(a, b, weights)).sum()
 }
 
-/// The root of the sum of (weight · difference)².
+/// Returns the root of the sum of (weight · difference)².
 pub(super) fn step_length(a: &[f64], b: &[f64], weights: &[f64]) -> f64 {
     let parts = a.iter().zip(b).zip(weights);
     let squares = parts.map(|((a, b), weight)| (weight * (a - b)) * (weight * (a - b)));

@@ -1,115 +1,121 @@
-//! What is known of a solved path.
+//! Solution of a path.
 
 use crate::search::Collision;
 
-/// A step in which the arm leaves its branch.
+/// Step in which the arm changes to another branch.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Reconfiguration {
-    /// The row of [`q`](PathSolution::q) that it leads to, from the one before; 0 for the step that closes a cyclic path.
+    /// Row of [`q`](PathSolution::q) that the step leads to; 0 for the step that closes a cyclic path.
     pub index: usize,
-    /// The joint that moves furthest, by its place in [`Arm::joints`](crate::Arm::joints).
+    /// Index in [`Arm::joints`](crate::Arm::joints) of the joint that moves furthest.
     pub joint: usize,
-    /// How far that moves, radians; a slide by the metres that weigh as much.
+    /// Displacement of that joint, radians; that of a prismatic joint is scaled to radians.
     pub distance: f64,
     /// Weighted joint length of the step.
     pub length: f64,
 }
 
-/// How far the tool is from the path at most while all joints move evenly from one row to the next, over all steps that are no
-/// reconfiguration. Upper bounds, not samples.
+/// Largest deviation of the tool from the path between points, while all joints move at constant rates.
+///
+/// The values are upper bounds over all steps that are no reconfiguration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Deviation {
-    /// Metres; what the goal leaves free does not count.
+    /// Position deviation, metres, beyond the goal bounds.
     pub metres: f64,
-    /// The row that the step leads to in which that is.
+    /// Row that the step with the largest position deviation leads to.
     pub metres_at: usize,
-    /// Radians.
+    /// Orientation deviation, radians.
     pub radians: f64,
-    /// The row that the step leads to in which that is.
+    /// Row that the step with the largest orientation deviation leads to.
     pub radians_at: usize,
 }
 
-/// A point that the tool does not reach.
+/// Point that the tool does not reach, or reaches in collision.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Missed {
-    /// The row of [`q`](PathSolution::q).
+    /// Row of [`q`](PathSolution::q).
     pub index: usize,
-    /// By how much, metres beyond what the goal leaves free.
+    /// Position error, metres, beyond the goal bounds.
     pub position_error: f64,
-    /// And radians.
+    /// Orientation error, radians, beyond the goal bounds.
     pub orientation_error: f64,
-    /// Why.
+    /// Reason why the point is not reached.
     pub reason: MissReason,
 }
 
-/// Why a point is missed.
+/// Reason why a point is not reached.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum MissReason {
-    /// It is farther from where the chain begins than the chain is long: certain.
+    /// The distance from the chain's root exceeds the length of the chain: provably unreachable.
     BeyondReach {
-        /// The distance, metres.
+        /// Distance from the root, metres.
         distance: f64,
-        /// The chain's length, metres.
+        /// Length of the chain, metres.
         reach: f64,
     },
-    /// The place can be reached, but something touches there; the deepest pair.
+    /// The pose can be reached, but in collision; with the deepest pair.
     Touches(Collision),
-    /// No configuration within the limits was found.
+    /// The search found no configuration within the limits.
     NotFound,
 }
 
-/// A step on which something touches, or comes too near to be told apart from that.
+/// Step in collision, or too near to a collision to exclude it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Blocked {
-    /// The row of [`q`](PathSolution::q) that it leads to; 0 for the step that closes a cyclic path.
+    /// Row of [`q`](PathSolution::q) that the step leads to; 0 for the step that closes a cyclic path.
     pub index: usize,
-    /// What is in the way.
+    /// Colliding pair.
     pub by: Collision,
 }
 
-/// Joints for a whole path.
+/// Joint path of a whole Cartesian path.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PathSolution {
-    /// One configuration a point, one after another, radians or metres, in the order in which the path is gone. A path that may be
-    /// entered anywhere has one more: its first point comes at the end again.
+    /// One configuration per point, one after another, radians or metres, in the order of traversal.
+    ///
+    /// A path with [`Traversal::AnyStart`](super::Traversal::AnyStart) repeats its first point at the end.
     pub q: Vec<f64>,
-    /// Numbers of a configuration.
+    /// Length of a configuration.
     pub joint_count: usize,
-    /// Which point of the path the first row is for: 0 unless it may be entered anywhere.
+    /// Index of the path point of the first row: 0 unless the path has
+    /// [`Traversal::AnyStart`](super::Traversal::AnyStart).
     pub entry: usize,
-    /// The steps in which the arm leaves its branch: in all others no joint moves further than
-    /// [asked](super::PathSolver::with_max_step), or the tool itself goes far and small parts of its way lead there.
+    /// Steps in which the arm changes to another branch.
+    ///
+    /// In other steps no joint moves further than [the limit](super::PathSolver::with_max_step), or small parts of a
+    /// long tool segment connect both ends.
     pub reconfigurations: Vec<Reconfiguration>,
-    /// Weighted joint length of all steps, those of reconfigurations too: the root of the sum of (weight · difference)², added up.
+    /// Weighted joint length of all steps, including reconfigurations: the sum of the roots of Σ (weight ·
+    /// difference)².
     pub length: f64,
-    /// How far the tool is from the path between the points.
+    /// Largest deviation of the tool from the path between the points.
     pub largest_deviation: Deviation,
-    /// The points that are not reached, in order.
+    /// Unreached points, in order.
     pub missed: Vec<Missed>,
-    /// The steps that are not surely free, of an arm that keeps clear of something; reconfigurations are none of them, as nothing is
-    /// said of how they are made.
+    /// Steps that are not provably collision-free, for an arm with collision avoidance. Reconfigurations are not
+    /// checked.
     pub blocked: Vec<Blocked>,
 }
 
 impl PathSolution {
-    /// One configuration a point.
+    /// Iterates over the configurations, one per point.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.q.chunks_exact(self.joint_count.max(1))
     }
 
-    /// Whether all points are reached without a reconfiguration, and all steps are free.
+    /// Returns whether all points are reached without reconfigurations, and all steps are collision-free.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.reconfigurations.is_empty() && self.missed.is_empty() && self.blocked.is_empty()

@@ -1,4 +1,4 @@
-//! The solver of paths: its options, and what one solve does.
+//! Solver of Cartesian paths.
 
 use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Traversal};
@@ -16,26 +16,26 @@ use super::tracked_path;
 use super::turns::Turns;
 use crate::arm::Arm;
 
-/// Configurations that are known of a station at most, at first and at last, and bytes of all.
+/// Configurations per station: first pass, first pass of an arm with one redundant joint, last pass; and memory limit,
+/// bytes.
 const FEW_SAMPLES: usize = 64;
-/// The first of an arm with one joint to spare.
 const FEW_OF_ONE: usize = 96;
 const SAMPLES: usize = 256;
 const MEMORY: usize = 200_000_000;
-/// Rounds of shortening.
+/// Maximum number of rounds of shortening.
 const ROUNDS: usize = 12;
-/// How often it is chosen again where steps turn out to be of two branches.
+/// Maximum number of new selections after steps turn out to connect different branches.
 const CHOICES: usize = 8;
-/// How often knots between stations that turn out to touch something become stations themselves.
+/// Maximum number of times that colliding knots between stations become stations.
 const LOOKS_BETWEEN: usize = 2;
-/// Points that are put into a long step in which a branch is left, one time after the other.
+/// Numbers of points inserted into a long reconfiguration, tried one after the other.
 const POINTS_BETWEEN: [usize; 3] = [1, 3, 7];
-/// Longer paths are left as they were chosen, points.
+/// Number of points above which a path is not shortened.
 const LONGEST_SHORTENED: usize = 200_000;
-/// Places at which a path that may be entered anywhere is tried.
+/// Maximum number of entries tried for a path with any start.
 const ENTRIES: usize = 8;
 
-/// Solves whole paths of an arm. Options are checked when it [solves](Self::solve).
+/// Solver of Cartesian paths of an arm. [`solve`](Self::solve) checks the options.
 #[derive(Clone, Debug)]
 pub struct PathSolver<'a> {
     pub(super) tools: Tools<'a>,
@@ -47,22 +47,24 @@ pub struct PathSolver<'a> {
     pub(super) end: Option<Vec<f64>>,
 }
 
-/// A way that was found.
+/// Joint path with its knots.
 struct FoundWay {
     knots: Knots,
     way: Way,
-    /// Which knots of it touch something, rising.
+    /// Knots in collision, ascending.
     touching: Vec<usize>,
 }
 
-/// How much of a way touches something, is missed, and how many branches it leaves: the less the better.
+/// Number of knots in collision, of unreached knots, and of reconfigurations. Smaller is better.
 fn rank(way: &Way, touching: &[usize]) -> (usize, (usize, usize)) {
     (touching.len(), way.rank())
 }
 
 impl<'a> PathSolver<'a> {
-    /// A solver for an arm: its tolerances, its goal (free axes, intervals), what it keeps clear of. Its search, its posture and
-    /// its bounds of moves do not count.
+    /// Creates a solver for an arm.
+    ///
+    /// The tolerances, goal bounds and collision avoidance of the arm apply. Its search, posture and joint step limits
+    /// do not.
     #[must_use]
     pub fn new(arm: &'a Arm) -> Self {
         Self {
@@ -77,34 +79,42 @@ impl<'a> PathSolver<'a> {
     }
 
     setters! {
-        /// What a radian or metre of each joint weighs in lengths, one positive number a joint. Default 1 for all.
+        /// Sets the weight of a radian or metre of each joint in lengths: one positive number per joint. Default 1 for
+        /// all.
         pub fn with_joint_weights(mut self, weights: &[f64]) { self.weights = Some(weights.to_vec()) }
-        /// The furthest that a joint may move from one point to the next on the same branch, radians (a slide by the
-        /// [metres that weigh as much](crate::arm::ArmBuilder::with_metres_per_radian)); positive. Further only where the tool itself goes
-        /// far, and small parts of its way, of which none is longer than half of that, lead there. Default 0.2.
+        /// Sets the largest joint displacement between two points on the same branch, radians; positive. Default 0.2.
+        ///
+        /// Prismatic joints are scaled by the [metres per radian](crate::arm::ArmBuilder::with_metres_per_radian).
+        /// Longer displacements are allowed only for a long tool segment that can be followed in small parts, each at
+        /// most half of this limit.
         pub fn with_max_step(mut self, radians: f64) { self.max_step = radians }
-        /// Whether a step in which a joint would have to move faster than its velocity limit, by the path's times, is a
-        /// reconfiguration too. Default false.
+        /// Sets whether a step that exceeds a joint's velocity limit, by the path's times, counts as a reconfiguration.
+        /// Default false.
         pub fn with_times_kept(mut self, kept: bool) { self.times_count = kept }
-        /// How many configurations are known of a place at most, from 4 to 4096; fewer where the path is very long. Default 256.
+        /// Sets the maximum number of configurations per station, from 4 to 4096; less for very long paths. Default
+        /// 256.
         pub fn with_samples(mut self, most: usize) { self.samples = most }
-        /// The configuration at the first point, radians or metres; its tool must be at that point. The path that [`Arm::track`] finds
-        /// from there is among those that are compared, so the solution is never worse. Default: any.
+        /// Sets the configuration at the first point, radians or metres. Its tool must be at that point. Default: any.
+        ///
+        /// The solver also compares the path that [`Arm::track`] finds from there, so the solution is never worse than
+        /// that.
         pub fn with_start(mut self, q: &[f64]) { self.start = Some(q.to_vec()) }
-        /// The same of the last point. Default: any.
+        /// Sets the configuration at the last point, radians or metres. Its tool must be at that point. Default: any.
         pub fn with_end(mut self, q: &[f64]) { self.end = Some(q.to_vec()) }
-        /// Other tools, 1 and so on for the [points that are for them](CartesianPath::with_tools): the
-        /// [same arm with another](Arm::with_tool).
+        /// Adds tools, with indices from 1, for [points with tools](CartesianPath::with_tools).
+        ///
+        /// Each is the [same arm with another tool](Arm::with_tool).
         pub fn with_tools(mut self, arms: impl IntoIterator<Item = &'a Arm>) {
             arms.into_iter().for_each(|arm| self.tools.add(arm));
         }
     }
 
-    /// Finds joints for a whole path: fewest missed points first, then fewest reconfigurations, then the shortest.
+    /// Solves a path: fewest unreached points first, then fewest reconfigurations, then the shortest joint path.
     ///
     /// # Errors
-    /// An option out of its range, a configuration to begin or end with that does not stand there, a tool that there is not. A point
-    /// out of reach is none: see [`PathSolution::missed`].
+    /// Returns an error if an option is out of its range, or if a tool does not exist. Returns an error if a given
+    /// start or end configuration does not reach its point. An unreachable point is not an error: see
+    /// [`PathSolution::missed`].
     pub fn solve(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         self.check(path)?;
         match path.traversal {
@@ -113,7 +123,7 @@ impl<'a> PathSolver<'a> {
         }
     }
 
-    /// From the first point to the last, and back to the first where that is asked for.
+    /// Solves an open or a cyclic path.
     fn solve_in_order(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         let found = |path: &CartesianPath| match path.traversal {
             Traversal::Open | Traversal::AnyStart => self.find_open(path),
@@ -122,7 +132,7 @@ impl<'a> PathSolver<'a> {
         let mut best = found(path)?;
         let bounds = self.bounds();
         for count in POINTS_BETWEEN {
-            // More points on the tool's way show branches that a long step has not found.
+            // Additional points can reveal branches that a long step misses.
             let growth = Growth::new(&self.tools, &best.knots, &bounds, 0);
             let left = long_steps::left(&growth, &best.way);
             if left.is_empty() {
@@ -161,7 +171,7 @@ impl<'a> PathSolver<'a> {
         })
     }
 
-    /// Which knots of a way touch something, rising.
+    /// Returns the knots in collision, ascending.
     fn touching(&self, knots: &Knots, way: &Way) -> Result<Vec<usize>, PathError> {
         let (bounds, n) = (self.bounds(), self.tools.own().joint_count());
         let growth = Growth::new(&self.tools, knots, &bounds, 0);
@@ -176,8 +186,9 @@ impl<'a> PathSolver<'a> {
         Ok(touching)
     }
 
-    /// The best way from the first of the knots to the last: where branches without their whole turns lead to one with turns that leaves
-    /// none, that; else what is best with them as well.
+    /// Returns the best joint path from the first knot to the last.
+    ///
+    /// Whole revolutions of joints are ignored first. If that result is not perfect, the search is repeated with them.
     fn best_open(&self, knots: &Knots) -> Result<Way, PathError> {
         let arm = self.tools.own();
         let with_turns = |turns| self.best_by_turns(knots, turns);
@@ -201,8 +212,8 @@ impl<'a> PathSolver<'a> {
         let bounds = self.bounds();
         let weights = self.weights();
         let all = self.most(knots);
-        // Of a self-motion there may be as many as asked: few are enough for most paths, and all are looked at where a way through few
-        // leaves a branch.
+        // A self-motion has arbitrarily many configurations. Few suffice for most paths, and all are used if few lead
+        // to a reconfiguration.
         let spare = self.tools.own().spare_joints();
         let few = match spare {
             0 => all,
@@ -216,11 +227,11 @@ impl<'a> PathSolver<'a> {
             growth.end = self.end.as_deref();
             growth.turns = turns.clone();
             if spare < 2 {
-                // As many as with all.
+                // The same number as in the last pass.
                 growth.looked_for = all / 2;
             }
             let layers = growth.layers()?;
-            // Where there was room for all, more would be the same.
+            // If no layer is full, a pass with more configurations would give the same result.
             let is_all = spare < 2 && !layers.iter().any(|layer| layer.full);
             let last = most == all || is_all;
             let between = Between::default();
@@ -242,7 +253,7 @@ impl<'a> PathSolver<'a> {
         best.ok_or(PathError::Empty)
     }
 
-    /// Round and round: for each of the first point's configurations the best way back to it.
+    /// Solves a cyclic path: for each of the first point's configurations, finds the best path back to it.
     fn find_cyclic(&self, path: &CartesianPath) -> Result<FoundWay, PathError> {
         let knots = Knots::of(path, &self.tools);
         let bounds = self.bounds();
@@ -290,12 +301,12 @@ impl<'a> PathSolver<'a> {
         })
     }
 
-    /// The better of a path that was found and the one that [`Arm::track`] finds from the start that is given.
+    /// Returns the better of a joint path and the one that [`Arm::track`] finds from the given start.
     fn compare_with_track(&self, mut found: FoundWay) -> Result<FoundWay, PathError> {
         let Some(start) = &self.start else {
             return Ok(found);
         };
-        // Of a long path whose points are all reached without a reconfiguration the length would not change much.
+        // For a long path without errors, only the length could improve, by little.
         let is_best = rank(&found.way, &found.touching) == (0, (0, 0));
         if is_best && found.knots.len() > LONGEST_SHORTENED {
             return Ok(found);
@@ -317,7 +328,7 @@ impl<'a> PathSolver<'a> {
         Ok(found)
     }
 
-    /// Round once from where that is best: a reconfiguration less, if the path is entered where one would be.
+    /// Solves a closed path from its best entry. An entry at a reconfiguration saves that reconfiguration.
     fn solve_anywhere(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         let mut best = self.solve_in_order(&path.entered_at(0))?;
         let breaks: Vec<usize> = best.reconfigurations.iter().map(|r| r.index).collect();
@@ -335,7 +346,7 @@ impl<'a> PathSolver<'a> {
         Ok(best)
     }
 
-    /// From what was chosen at the stations to a short way through all knots.
+    /// Expands the selection at the stations to a short joint path through all knots.
     fn along(
         &self,
         growth: &Growth<'_>,
@@ -351,7 +362,8 @@ impl<'a> PathSolver<'a> {
             }
         };
         let mut way = fill(&chosen)?;
-        // Stations are some way apart, and what is near at both may be of two branches: then it is chosen again without that step.
+        // Near configurations of two stations may be on different branches. The selection is then repeated without that
+        // step.
         let (mut apart, mut last) = (
             Vec::new(),
             knot_configurations::false_edges(growth, &chosen, &way),
@@ -372,16 +384,18 @@ impl<'a> PathSolver<'a> {
         Ok(way)
     }
 
-    /// Bridges, joins and shortens what steps it can. Neither a point that is reached nor a step that is joined is lost, but for long steps
-    /// that the tool's way does not lead along.
+    /// Bridges, joins and shortens the steps of a joint path.
+    ///
+    /// Reached points and joined steps are preserved, except for long steps that cannot be followed in parts.
     fn refine(&self, growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
         let weights = self.weights();
         bridge(growth, way)?;
         long_steps::join_led(growth, way)?;
-        // Of a ring what is between its ends first: all of it at once may drift far for little, and takes short steps then.
+        // A cyclic path is first shortened between fixed ends. With free ends it could drift far for little gain, which
+        // shortens its steps.
         let rings = [None, growth.ring.as_deref()];
         let rings = &rings[..1 + usize::from(growth.ring.is_some())];
-        // Its rounds take some 300 bytes a point.
+        // The rounds need about 300 bytes per point.
         for ring in rings
             .iter()
             .filter(|_| growth.knots.len() <= LONGEST_SHORTENED)
@@ -393,8 +407,7 @@ impl<'a> PathSolver<'a> {
                 ring: *ring,
             };
             shortening.run(way)?;
-            // It has drawn the branches together, and may have moved a long step off the tool's way.
-            // A bridge, whose steps are short, comes first.
+            // Shortening may have moved a long step off the tool's segment. Bridges have short steps and come first.
             long_steps::leave_unled(growth, way, Spare::Left)?;
             bridge(growth, way)?;
             long_steps::join_led(growth, way)?;
@@ -417,7 +430,7 @@ impl<'a> PathSolver<'a> {
         StepBounds::new(arm, self.max_step, speeds)
     }
 
-    /// Configurations of a station for which there is room.
+    /// Returns the number of configurations per station that fits into memory.
     fn most(&self, knots: &Knots) -> usize {
         let each = 4 * self.tools.own().joint_count() + 2;
         let room = MEMORY / (each * knots.stations.len().max(1));

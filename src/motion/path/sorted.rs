@@ -1,34 +1,35 @@
-//! Configurations by the joint in which they lie furthest apart, so that few are looked at where near ones are asked for.
+//! Index of configurations by one joint, for neighbour queries.
 
 use super::turns::Turns;
 
-/// Configurations in cells of one joint: one whose whole turns count, if there is one.
+/// Configurations in cells of the joint with the largest spread, among those whose revolutions count.
 #[derive(Debug, Default)]
 pub(super) struct Sorted {
     joint: Option<usize>,
-    /// How often it was used since that was chosen.
+    /// Number of uses since the joint was selected.
     age: usize,
-    /// Where the first cell begins, and cells a unit of the joint.
+    /// Lower end of the first cell, and cells per unit of the joint.
     low: f32,
     per_unit: f32,
-    /// Of each cell the last configuration, and of each configuration the one before in its cell.
+    /// Last configuration of each cell, and for each configuration the previous one in its cell.
     lasts: Vec<u16>,
     before: Vec<u16>,
 }
 
-/// A little more than asked, for what rounding leaves out.
+/// Factor of the query range, for rounding errors.
 const MORE: f32 = 1.001;
-/// Cells in what is near to one side, and at most.
+/// Cells per query distance, and maximum number of cells.
 const CELLS: f32 = 1.0;
 const MOST_CELLS: f32 = 512.0;
-/// The joint is chosen anew after so many stations: branches spread slowly.
+/// Number of stations after which the joint is selected again; branches spread slowly.
 const LASTING: usize = 8;
-/// Ends a cell.
+/// End of a cell's list.
 const NONE: u16 = u16::MAX;
 
 impl Sorted {
-    /// Sorts `known` by the joint in which those lie furthest apart that are looked up in it. `limits`: how near one is to another,
-    /// joint by joint.
+    /// Indexes `known` by the joint with the largest spread of the queries `asked`.
+    ///
+    /// `limits` is the query distance of each joint.
     pub(super) fn take(&mut self, known: &[f32], asked: &[f32], limits: &[f32], turns: &Turns) {
         let n = limits.len();
         if self.age.is_multiple_of(LASTING) {
@@ -50,7 +51,7 @@ impl Sorted {
             0.0
         };
         self.lasts.clear();
-        // No number where neither a joint's spread nor what is near in it is any.
+        // `cells` is NaN if both the spread and the query distance are zero.
         self.lasts.resize((cells as usize).max(1), NONE);
         self.before.clear();
         for (place, row) in known.chunks_exact(n).enumerate() {
@@ -58,7 +59,7 @@ impl Sorted {
         }
     }
 
-    /// Takes one more, which comes after those that are there.
+    /// Adds a configuration with the next index.
     pub(super) fn insert(&mut self, q: &[f32], place: usize) {
         debug_assert_eq!(place, self.before.len());
         let cell = self.cell(self.joint.map_or(0.0, |joint| q[joint]));
@@ -66,13 +67,13 @@ impl Sorted {
         self.lasts[cell] = place as u16;
     }
 
-    /// Where a value stands; the first and the last cell have what is beyond as well.
+    /// Returns the cell of a value. Values beyond the ends belong to the outer cells.
     fn cell(&self, value: f32) -> usize {
         let cell = ((value - self.low) * self.per_unit) as i32;
         (cell.max(0) as usize).min(self.lasts.len() - 1)
     }
 
-    /// Looks at those of which that joint is near, and at some that are not.
+    /// Visits all configurations within the query distance in the indexed joint, and some others.
     pub(super) fn each_near(&self, q: &[f32], limits: &[f32], mut look: impl FnMut(usize)) {
         let cells = match self.joint {
             Some(joint) => {
@@ -91,7 +92,7 @@ impl Sorted {
     }
 }
 
-/// The joint in which configurations lie furthest apart, for how near one is to another.
+/// Returns the joint with the largest spread relative to its limit.
 fn widest(from: &[f32], limits: &[f32], turns: &Turns) -> Option<usize> {
     let n = limits.len();
     let (mut low, mut high) = (vec![f32::MAX; n], vec![f32::MIN; n]);
@@ -118,7 +119,7 @@ mod tests {
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3};
 
-    /// Configurations of two joints on a grid, in no order.
+    /// Configurations of two joints on a grid, in scrambled order.
     fn grid() -> impl Iterator<Item = [f64; 2]> {
         let steps = |step: usize| 0.02 * (step as f64) - 0.4;
         (0..40 * 40).map(move |k| {
@@ -127,7 +128,7 @@ mod tests {
         })
     }
 
-    /// Of several within 0.03 of what is asked, the first that is known stands for all, whichever cell it is in.
+    /// Of several configurations within the merging distance, the first known one is found, independent of its cell.
     #[test]
     #[allow(clippy::unwrap_used)]
     fn the_first_of_those_as_good_is_found() {
@@ -158,7 +159,7 @@ mod tests {
         }
         sorted.take(&layer.q, &layer.q, &growth.merging, &growth.turns);
         for q in grid().step_by(7) {
-            // Within 0.03 are those 0.005 and 0.025 to one side, and 0.015 to the other.
+            // The grid values within 0.03 are those at −0.025, −0.005 and 0.015.
             let asked = q.map(|value| value + 0.005);
             let near = |known: &[f64; 2]| (0..2).all(|j| (known[j] - asked[j]).abs() < 0.03);
             let first = known.iter().position(near);

@@ -1,7 +1,8 @@
-//! Paths along curves.
+//! Spline paths.
 //!
-//! Positions follow the cubic Hermite segments of a Catmull-Rom spline over key times (Catmull & Rom 1974): the tangent at a
-//! key is the way between its neighbours over the time between them, one-sided at the ends. Orientations turn evenly from key to key.
+//! Positions follow the cubic Hermite segments of a Catmull-Rom spline over key times (Catmull & Rom 1974). The tangent
+//! at a key is the displacement between its neighbours divided by the time between them, one-sided at the ends.
+//! Orientations rotate at a constant rate from key to key.
 
 use glam::DVec3;
 
@@ -11,13 +12,15 @@ use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
 impl CartesianPath {
-    /// A curve through keys (`base_from_tool`), in so many even steps from key to key, at least 1; the keys are among its points. How
-    /// far the curve is from the straight steps counts in the [deviation](super::PathSolution::largest_deviation). Key times are
-    /// even where none are given; given ones become the points' times.
+    /// Creates a spline through keys (`base_from_tool`), sampled in `steps` uniform steps per segment, at least 1.
+    ///
+    /// The keys are among the points. The distance of the curve from the straight steps is part of the
+    /// [deviation](super::PathSolution::largest_deviation). Key times are uniform by default. Given times become the
+    /// points' times.
     ///
     /// # Errors
-    /// As [`new`](Self::new) and [`with_times`](Self::with_times), of the keys; no steps; keys so far apart that the ways between
-    /// them are not finite.
+    /// Returns the errors of [`new`](Self::new) and [`with_times`](Self::with_times) for the keys. Returns an error if
+    /// `steps` is 0, or if the distances of keys overflow.
     pub fn spline(
         keys: impl Into<Vec<Placement<f64>>>,
         key_times: Option<&[f64]>,
@@ -68,8 +71,10 @@ impl CartesianPath {
     }
 }
 
-/// How far a curve is at most from the straight way between two of its places: the second derivative is linear, so that it is
-/// longest at an end, and a chord is off by an eighth of it times the squared length.
+/// Returns a bound on the distance of a curve from the chord between two of its points.
+///
+/// The second derivative is linear, so its maximum is at an end. The distance is at most an eighth of it, times the
+/// squared length of the interval.
 fn bulge(curve: &Hermite<DVec3>, from: f64, to: f64) -> f64 {
     let bend = |t: f64| {
         (curve.start - curve.end) * (12.0 * t - 6.0)
@@ -86,7 +91,7 @@ mod tests {
 
     use super::{Hermite, bulge};
 
-    /// An S bends nowhere in its middle and most at its ends: either half is bounded by its outer end.
+    /// The curvature of an S-curve is zero in the middle and largest at its ends, so the outer end bounds either half.
     #[test]
     fn no_place_is_farther_from_its_chord_than_the_bulge() {
         let tangent = DVec3::new(1.0, 1.0, 0.0);

@@ -1,28 +1,28 @@
-//! How far joints may move from one knot to the next, and from one station to the next.
+//! Bounds on joint displacements between knots and between stations.
 
 use super::knots::Knots;
 use crate::arm::Arm;
 
-/// The longest move from station to station, radians: configurations farther apart count as of different branches.
+/// Longest joint displacement between stations, radians; beyond it, configurations count as different branches.
 const STATION_STEP: f64 = 0.3;
-/// The longest move in a part of a long step, as a share of a step's.
+/// Longest joint displacement in a part of a long step, relative to that of a step.
 const PART: f64 = 0.5;
-/// A bound may be exceeded by this share.
+/// Relative tolerance of the bounds.
 const ROUNDING: f64 = 1e-9;
 
-/// Bounds of the moves of joints.
+/// Bounds on joint displacements.
 #[derive(Debug)]
 pub(super) struct StepBounds {
-    /// Of a step, for each joint, radians or metres.
+    /// Bound of a step for each joint, radians or metres.
     max_step: Vec<f64>,
-    /// The same between stations.
+    /// Bound between stations for each joint, radians or metres.
     station_step: Vec<f64>,
-    /// Radians or metres a second; empty where times do not count.
+    /// Velocity limits, rad/s or m/s; empty if times do not count.
     speeds: Vec<f64>,
 }
 
 impl StepBounds {
-    /// `max_step` is in radians, a slide's by the metres that weigh as much.
+    /// Creates the bounds. `max_step` is in radians; prismatic joints are scaled by the arm.
     pub(super) fn new(arm: &Arm, max_step: f64, speeds: Vec<f64>) -> Self {
         let per_joint = |radians: f64| arm.scales().iter().map(|scale| radians / scale).collect();
         Self {
@@ -32,7 +32,7 @@ impl StepBounds {
         }
     }
 
-    /// Writes how far each joint may move from one knot to a later one.
+    /// Writes the displacement bound of each joint from one knot to a later one.
     pub(super) fn write(&self, knots: &Knots, from: usize, to: usize, limits: &mut Vec<f64>) {
         limits.clear();
         let steps = (to - from) as f64;
@@ -44,12 +44,12 @@ impl StepBounds {
         }
     }
 
-    /// Whether no joint moves further from one knot to the next than it may.
+    /// Returns whether no joint exceeds its bound from one knot to the next.
     pub(super) fn allow(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> bool {
         self.allow_times(1.0, knots, to, q_from, q_to)
     }
 
-    /// The same of a step that may be so many times as long, as small parts of it lead: not faster for that.
+    /// Returns the same for a step with `allowance` times the bound. Velocity limits stay unscaled.
     pub(super) fn allow_times(
         &self,
         allowance: f64,
@@ -64,12 +64,12 @@ impl StepBounds {
             && moves.all(|((a, b), most)| (a - b).abs() / most <= 1.0 + ROUNDING)
     }
 
-    /// How many times as long a step may be that small parts lead along: as long as it is, and a little more.
+    /// Returns the allowance of a step that was followed in parts: its length plus a margin of 5 %.
     pub(super) fn allowance(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
         (1.05 * self.least_excess(q_from, q_to)).max(1.0)
     }
 
-    /// How far each joint may move from one knot to a later one by their times, where these count.
+    /// Returns the displacement bound of each joint by velocity limits and times, if these count.
     pub(super) fn in_time(
         &self,
         knots: &Knots,
@@ -83,7 +83,7 @@ impl StepBounds {
         time.map(|time| self.speeds.iter().map(move |speed| time * speed))
     }
 
-    /// How far the joints move, as a multiple of what they may in a step, whatever time there is.
+    /// Returns the largest joint displacement relative to the step bound, independent of times.
     pub(super) fn least_excess(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
         let moves = q_from.iter().zip(q_to).zip(&self.max_step);
         moves.fold(0.0, |excess, ((a, b), most)| {
@@ -91,7 +91,7 @@ impl StepBounds {
         })
     }
 
-    /// Whether no joint moves further than it may in a part of a long step.
+    /// Returns whether no joint exceeds the bound of a part of a long step.
     pub(super) fn allow_part<'q>(&self, moves: impl Iterator<Item = (&'q f64, &'q f64)>) -> bool {
         let mut moves = moves.zip(&self.max_step);
         moves.all(|((a, b), most)| (a - b).abs() <= PART * most)
@@ -113,7 +113,7 @@ mod tests {
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3};
 
-    /// From a knot to a later one a joint has the time of all steps between, and may move by as many of them.
+    /// Between two knots a joint has the time of all steps in between, and may move by that many steps.
     #[test]
     #[allow(clippy::unwrap_used)]
     fn several_steps_have_the_time_of_all() {
@@ -141,7 +141,7 @@ mod tests {
                 (time - 0.01 * seconds).abs() < 1e-15,
                 "{from} to {to}: {time}"
             );
-            // Where steps are shorter than that, their number counts.
+            // The number of steps counts if steps are shorter than the time allows.
             let steps = limits_of(1e-4, from, to);
             assert_eq!(steps, 1e-4 * (to - from) as f64);
         }

@@ -1,8 +1,8 @@
-//! The tool's way from one point of a path to the next.
+//! Linear segment between two points of a path.
 
 use crate::spatial::Placement;
 
-/// A place on the straight way, turned evenly.
+/// Returns the pose at a fraction of the segment, with linear translation and constant rotation rate.
 pub(super) fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
     from.interpolated(to, share).made_rigid()
 }

@@ -1,10 +1,10 @@
-//! The arms of a path: one for each of its tools, of the same joints.
+//! Arms of a path: one per tool, with the same joints.
 
 use super::PathError;
 use crate::arm::{Arm, Ends, QueryError};
 use crate::spatial::Placement;
 
-/// The solver's own arm, and those with other tools.
+/// The solver's arm, followed by those with other tools.
 #[derive(Clone, Debug)]
 pub(super) struct Tools<'a> {
     arms: Vec<&'a Arm>,
@@ -44,7 +44,7 @@ impl<'a> Tools<'a> {
         }
     }
 
-    /// Goes on from each start to its target with the tool that is for it.
+    /// Solves each target from its start with the tool of its knot.
     pub(super) fn continue_all(
         &self,
         tool_of: impl Fn(usize) -> usize,

@@ -1,11 +1,13 @@
-//! The path that [`Arm::track`](crate::Arm::track) finds from a start.
+//! Joint path that [`Arm::track`](crate::Arm::track) finds from a start.
 
 use super::PathError;
 use super::knot_configurations::Way;
 use super::layers::Growth;
 
-/// Tracks all knots from a start, which stays the first configuration; the path, and the configuration that it has to end in, if any: `end`,
-/// or of a ring the start, with the whole turns that joints without limits have come on.
+/// Tracks all knots from a start, which stays the first configuration.
+///
+/// Also returns the required end: `end` if given, or for a cyclic path the start plus the whole revolutions of
+/// unlimited joints.
 pub(super) fn track(
     growth: &Growth<'_>,
     start: &[f64],

@@ -1,44 +1,42 @@
-//! A chain of configurations, each free along some directions, drawn together by weighted steps: the block-tridiagonal least
-//! squares, solved by elimination from end to end (Golub & Van Loan 2013, ch. 4.5), within the joints' limits.
+//! Block-tridiagonal least squares for a chain of configurations with free directions, within joint limits.
 //!
-//! Of a ring the first knot is the border: the others are a chain, solved for what draws them and for each direction of the first,
-//! which then follows from its Schur complement.
-//!
-//! A knot has as many unknowns as the arm has joints to spare, one or two, and fewer where joints are held: the banded matrix of
-//! whole clips, whose blocks are of one order and padded to four, would be mostly padding here.
+//! Weighted steps pull neighbouring knots together. The system is solved by elimination from end to end (Golub & Van
+//! Loan 2013, ch. 4.5). A closed chain is bordered by its first knot. The others are solved as a chain for each
+//! direction of the first. Its Schur complement then gives the first knot. Blocks are as large as the redundancy, one
+//! or two, so the banded matrix of clips would be mostly padding here.
 
 use crate::buffer::refill;
 
-/// How often joints that would leave their limits are held at them, and the rest is solved anew.
+/// Maximum number of solves, each with further joints locked at their limits.
 const HOLDINGS: usize = 8;
-/// Added to the diagonal, as a share of it.
+/// Damping of the diagonal, relative to its entries.
 const DAMPING: f64 = 1e-6;
-/// The same of a ring's first knot, with which all of them may drift.
+/// Damping of the first knot of a closed chain, with which all knots could drift.
 const DAMPING_OF_A_RING: f64 = 1e-3;
-/// What a joint may be beyond its limit, and what of a direction does not move a joint, radians or metres.
+/// Limit violation, and displacement of a joint by a direction, that count as zero, radians or metres.
 const NEGLIGIBLE: f64 = 1e-9;
 const NO_MOVE: f64 = 1e-6;
 
-/// The system and its solution, whose room is used again.
+/// System and solution, with reusable buffers.
 #[derive(Debug, Default)]
 pub(super) struct Tridiagonal {
     n: usize,
     squares: Vec<f64>,
-    /// All directions, one after another; where those of each knot begin, and in how many it is still free.
+    /// All directions, one after another; index of the first and number of free directions of each knot.
     directions: Vec<f64>,
     firsts: Vec<usize>,
     free: Vec<usize>,
-    /// Of the step to each knot; of a ring's first that from the last.
+    /// Weight of the step to each knot. The first is that of the closing step.
     weights: Vec<f64>,
-    /// Of a ring, how far the joints have come when they are back at the first knot.
+    /// For a closed chain, joint displacement over one cycle.
     turns: Option<Vec<f64>>,
-    /// What each joint moves by, and what of that is certain: it leads to the limits at which joints are held.
+    /// Displacement of each joint, and its fixed part, which moves joints to their limits.
     moves: Vec<f64>,
     offsets: Vec<f64>,
     diagonal: Vec<f64>,
-    /// Of a knot's block above the diagonal, solved by its own.
+    /// Blocks above the diagonal, multiplied by the inverse diagonal blocks.
     above: Vec<f64>,
-    /// What draws a knot, and of a ring how the first knot does, direction by direction.
+    /// Right-hand sides of each knot: its pull, and for a closed chain the coupling to the first knot, per direction.
     side: Vec<f64>,
     columns: usize,
     pull: Vec<f64>,
@@ -57,7 +55,7 @@ impl Tridiagonal {
         self.turns = None;
     }
 
-    /// Makes a ring of the knots: the step from the last to the first, which is so many turns on then.
+    /// Closes the chain by a step from the last knot to the first, which is `turns` further.
     pub(super) fn close(&mut self, turns: &[f64], weight: f64) {
         if let Some(first) = self.weights.first_mut() {
             *first = weight;
@@ -65,7 +63,7 @@ impl Tridiagonal {
         self.turns = Some(turns.to_vec());
     }
 
-    /// Adds a knot: the directions in which it is free, and what the step to it weighs.
+    /// Adds a knot with its free directions and the weight of the step to it.
     pub(super) fn push(&mut self, q: &[f64], directions: &[f64], weight: f64) {
         debug_assert_eq!(q.len(), self.n);
         self.firsts.push(self.directions.len() / self.n);
@@ -74,12 +72,12 @@ impl Tridiagonal {
         self.weights.push(weight);
     }
 
-    /// What each joint is to move by, knot by knot.
+    /// Displacement of each joint, knot by knot.
     pub(super) fn moves(&self) -> &[f64] {
         &self.moves
     }
 
-    /// Solves for the moves from q.
+    /// Solves for the displacements from q.
     pub(super) fn solve(&mut self, q: &[f64], limits: &[(f64, f64)]) {
         for numbers in [&mut self.moves, &mut self.offsets] {
             refill(numbers, q.len(), 0.0);
@@ -92,7 +90,8 @@ impl Tridiagonal {
         }
     }
 
-    /// Holds in each knot the joint that would leave its limits furthest at the limit, if the knot is free to; whether there is none.
+    /// Locks in each knot the joint with the largest limit violation at its limit, if a direction moves it. Returns
+    /// whether there is none.
     fn stay_within(&mut self, q: &[f64], limits: &[(f64, f64)]) -> bool {
         let n = self.n;
         let mut all = true;
@@ -115,8 +114,9 @@ impl Tridiagonal {
         all
     }
 
-    /// Moves a joint of a knot by so much, and takes from the knot's directions what would move it: each by a multiple of the one that moves it
-    /// most. Whether there is one.
+    /// Moves a joint of a knot by `by`, and removes its motion from the knot's directions by Gaussian elimination.
+    ///
+    /// Returns false if no direction moves the joint.
     fn hold(&mut self, knot: usize, joint: usize, by: f64) -> bool {
         let n = self.n;
         let first = self.firsts[knot];
@@ -147,13 +147,13 @@ impl Tridiagonal {
         true
     }
 
-    /// One elimination over the directions that are left.
+    /// Solves the system over the remaining directions.
     fn sweep(&mut self, q: &[f64]) {
         let count = self.weights.len();
         let most = self.free.iter().copied().max().unwrap_or(0);
         let ring = self.turns.is_some();
         self.columns = 1 + if ring { self.free[0] } else { 0 };
-        // Each knot has room for as many as the freest.
+        // All blocks have the size of the largest.
         self.diagonal.resize(most * most, 0.0);
         refill(&mut self.above, count * most * most, 0.0);
         refill(&mut self.side, count * most * self.columns, 0.0);
@@ -191,12 +191,12 @@ impl Tridiagonal {
         }
     }
 
-    /// Writes a knot's block, less what the one before was eliminated by, and divides by it.
+    /// Computes a knot's block, eliminates the previous knot, and divides by the diagonal block.
     fn eliminate(&mut self, q: &[f64], knot: usize, most: usize) {
         let (count, columns, own) = (self.weights.len(), self.columns, self.free[knot]);
         let ring = self.turns.is_some();
         self.write_own(q, knot, most);
-        // Of a ring the second knot's and the last one's steps to the first.
+        // In a closed chain, the second and the last knot are coupled to the first.
         for (at, weight) in self.steps(knot).into_iter().flatten() {
             if !(ring && at.knot == 0) {
                 continue;
@@ -208,7 +208,7 @@ impl Tridiagonal {
                 }
             }
         }
-        // What the knot before was eliminated by.
+        // Elimination of the previous knot.
         let before = self.weights[knot];
         let last = match knot {
             0 => 0,
@@ -228,7 +228,7 @@ impl Tridiagonal {
                 }
             }
         }
-        // The block to the right, and the side, by the diagonal's inverse.
+        // The right block and the right-hand sides, multiplied by the inverse diagonal block.
         let next = match knot + 1 < count {
             true => self.free[knot + 1],
             false => 0,
@@ -248,7 +248,7 @@ impl Tridiagonal {
         );
     }
 
-    /// Writes the diagonal's block of a knot, and the way that its neighbours draw it.
+    /// Writes a knot's diagonal block and the pull of its neighbours.
     fn write_own(&mut self, q: &[f64], knot: usize, most: usize) {
         let n = self.n;
         let mut pull = std::mem::take(&mut self.pull);
@@ -276,7 +276,7 @@ impl Tridiagonal {
         self.pull = pull;
     }
 
-    /// The neighbours of a knot, before and after, and what the steps to them weigh.
+    /// Returns the previous and next neighbours of a knot, with the weights of the steps.
     fn steps(&self, knot: usize) -> [Option<(Neighbour, f64)>; 2] {
         let count = self.weights.len();
         let ring = self.turns.is_some();
@@ -294,7 +294,7 @@ impl Tridiagonal {
         [before.map(|before| (before, self.weights[knot])), after]
     }
 
-    /// Two directions' product, by the weights of the joints.
+    /// Returns the weighted inner product of two directions.
     fn metric(&self, a: (usize, usize), b: (usize, usize)) -> f64 {
         let direction = |(knot, k): (usize, usize)| {
             let first = (self.firsts[knot] + k) * self.n;
@@ -309,7 +309,7 @@ impl Tridiagonal {
         &self.side[first..first + self.columns]
     }
 
-    /// A knot's unknowns from those of the next.
+    /// Substitutes the unknowns of the next knot.
     fn substitute(&mut self, knot: usize, most: usize) {
         let columns = self.columns;
         let next = match knot + 1 < self.free.len() {
@@ -327,7 +327,7 @@ impl Tridiagonal {
         }
     }
 
-    /// The first knot's unknowns of a ring, when the others are known for each of them.
+    /// Solves for the unknowns of the first knot of a closed chain.
     fn border(&mut self, q: &[f64], most: usize) -> Vec<f64> {
         let own = self.free[0];
         self.write_own(q, 0, most);
@@ -356,15 +356,16 @@ impl Tridiagonal {
     }
 }
 
-/// A knot's neighbour, and how many rounds on it is.
+/// Neighbour of a knot, and the number of cycles to it.
 #[derive(Clone, Copy)]
 struct Neighbour {
     knot: usize,
     rounds: f64,
 }
 
-/// Solves a small system for several right-hand sides in place, by elimination without pivoting: it is positive definite. Each matrix with its stride,
-/// and how many rows (the system's) or columns count.
+/// Solves a small positive definite system in place for several right-hand sides, without pivoting.
+///
+/// Each matrix comes with its stride and its number of rows (the system's) or columns.
 fn divide(
     (matrix, stride, own): (&mut [f64], usize, usize),
     (right, right_stride, next): (&mut [f64], usize, usize),
@@ -372,7 +373,7 @@ fn divide(
 ) {
     for k in 0..own {
         let pivot = matrix[k * stride + k];
-        // Nothing draws it anywhere.
+        // A zero pivot means that nothing pulls along this direction.
         let inverse = if pivot > 1e-300 { pivot.recip() } else { 0.0 };
         for row in 0..own {
             if row == k {
@@ -406,7 +407,8 @@ mod tests {
     use super::{DAMPING_OF_A_RING, Tridiagonal};
     use crate::scalar::elementary;
 
-    /// A chain in the plane between two fixed ends, whose inner knots must stay above a line: they come to lie on it, evenly.
+    /// A planar chain between two fixed ends, with inner knots limited to one side of a line: they lie on it, evenly
+    /// spaced.
     #[test]
     fn a_joint_at_its_limit_is_held_alone() {
         let count = 8;
@@ -421,7 +423,7 @@ mod tests {
                 true => [even, 0.1],
                 false => [even * even, 0.3 + 0.1 * f64::from(knot % 2)],
             };
-            // Two directions that are neither joint's own.
+            // Both directions move both joints.
             let free: &[f64] = if fixed { &[] } else { &[0.8, 0.6, 0.1, 0.9] };
             system.push(&own, free, if knot == 0 { 0.0 } else { 1.0 });
             q.extend(own);
@@ -436,7 +438,7 @@ mod tests {
         }
     }
 
-    /// A ring that stands in one knot is the chain from that round to it again: so far as the ring is turned on by, and no further.
+    /// A closed chain with one fixed knot equals the open chain over one cycle from that knot.
     #[test]
     fn a_ring_is_the_chain_from_where_it_stands() {
         let count = 7;
@@ -450,7 +452,7 @@ mod tests {
         };
         let weight = |knot: usize| 1.0 + 0.1 * (knot % count) as f64;
         let free = [0.8, 0.6, 0.1, 0.9];
-        // Of the knots of a ring that begins at each, the third stands.
+        // The third knot is fixed, for every first knot.
         let stands = 3;
         let solved = |first: usize, last: usize, is_ring: bool| {
             let (mut q, mut system) = (Vec::new(), Tridiagonal::default());
@@ -476,14 +478,14 @@ mod tests {
             let in_chain = (knot + count - stands) % count;
             for joint in 0..2 {
                 let (a, b) = (ring[2 * knot + joint], chain[2 * in_chain + joint]);
-                // The first knot of a ring is damped by as much.
+                // The first knot of a closed chain has additional damping.
                 assert!((a - b).abs() < 3.0 * DAMPING_OF_A_RING, "{knot}: {a} {b}");
             }
         }
         assert!(ring.iter().any(|by| by.abs() > 0.05), "{ring:?}");
     }
 
-    /// A knot between two that stand lies where both pull alike, each step by its own weight.
+    /// A free knot between two fixed ones is at their weighted mean.
     #[test]
     fn a_step_draws_by_its_weight() {
         let mut system = Tridiagonal::default();

@@ -1,5 +1,7 @@
-//! Joints that turn more than once round: branches are compared without their whole turns, which are chosen afterwards. Six joints of two
-//! turns each make of eight branches more than a hundred configurations, of which each would have to be known.
+//! Joints with a range of more than one revolution.
+//!
+//! Branches are compared without whole revolutions, which are selected afterwards. Otherwise six joints with two
+//! revolutions each would turn eight branches into more than a hundred configurations.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -8,27 +10,27 @@ use super::graph::Chosen;
 use super::layers::{Growth, Layer};
 use crate::arm::Arm;
 
-/// A joint whose range has so much more than a turn, radians, is never near a limit within half a turn of its middle.
+/// Range beyond one revolution, radians, that keeps the half revolutions about the centre away from the limits.
 const MORE_THAN_A_TURN: f64 = 1.0;
-/// Stations stand in single precision, radians.
+/// Tolerance of limits, radians; stations are stored in single precision.
 const ROUNDING: f64 = 1e-5;
 
-/// Which joints are taken without their whole turns.
+/// Joints whose whole revolutions are ignored.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Turns {
-    /// The middle of each joint's range, where it is taken so.
+    /// Centre of each joint's range, if its revolutions are ignored.
     middles: Vec<Option<f32>>,
 }
 
 impl Turns {
-    /// No joint is.
+    /// Ignores no revolutions.
     pub(super) fn kept(joints: usize) -> Self {
         Self {
             middles: vec![None; joints],
         }
     }
 
-    /// All joints with limits are that turn by more than a turn.
+    /// Ignores the revolutions of all limited joints with a range of sufficiently more than one revolution.
     pub(super) fn left_out(arm: &Arm) -> Self {
         let joints = arm.limits().zip(arm.slides());
         let middles = joints.map(|(limits, slides)| {
@@ -49,7 +51,7 @@ impl Turns {
         self.middles[joint].is_some()
     }
 
-    /// How far a joint is from one value to another, without whole turns where these are left out.
+    /// Returns the displacement of a joint, without whole revolutions if these are ignored.
     pub(super) fn difference(&self, joint: usize, from: f32, to: f32) -> f32 {
         match self.middles[joint] {
             None => to - from,
@@ -57,7 +59,7 @@ impl Turns {
         }
     }
 
-    /// Values within half a turn of the joint's middle, where turns are left out.
+    /// Moves values to within half a revolution of the centre, if revolutions are ignored.
     pub(super) fn fold(&self, q: &mut [f32]) {
         for (value, middle) in q.iter_mut().zip(&self.middles) {
             if let Some(middle) = middle {
@@ -72,13 +74,14 @@ fn without_turns(angle: f32) -> f32 {
     angle - turn * (angle / turn).round()
 }
 
-/// Whole turns by which a stretch may be turned, joint by joint.
+/// Whole revolutions by which a stretch of rows may be shifted, for each joint.
 type Allowed = Vec<RangeInclusive<i32>>;
 
 impl Growth<'_> {
-    /// What was chosen with its whole turns: one configuration a station, and where a branch is left. As far as a branch goes on within the
-    /// limits, turned by as many turns as it takes, it is not left; where that ends, the joints turn back (as of intervals that one point
-    /// hits, going as far as each hits is best).
+    /// Adds the whole revolutions to the selected configurations, and the additional reconfigurations.
+    ///
+    /// A branch is extended as far as one common shift by revolutions keeps it within the limits. At the end of such a
+    /// stretch the joints rotate back. Greedy extension is optimal, as in stabbing intervals with the fewest points.
     pub(super) fn with_turns(&self, layers: &[Layer], chosen: &Chosen) -> (Vec<Layer>, Chosen) {
         let n = self.width();
         let mut rows: Vec<Vec<f64>> = Vec::with_capacity(layers.len());
@@ -130,7 +133,8 @@ impl Growth<'_> {
         (layers.collect(), chosen)
     }
 
-    /// By how many turns a station's configuration may be turned: within the limits, and onto an end that is given.
+    /// Returns the revolutions by which a station's configuration may be shifted: within the limits, and onto a given
+    /// end.
     fn allowed_turns(&self, row: &[f64], station: usize, stations: usize) -> Allowed {
         let end = match station {
             0 => self.start,
@@ -156,7 +160,7 @@ impl Growth<'_> {
         turns.collect()
     }
 
-    /// Turns the rows of a stretch to the turns that are nearest to where the one before it ends.
+    /// Shifts the rows of a stretch by the allowed revolutions nearest to the end of the previous stretch.
     fn turn(&self, rows: &mut [Vec<f64>], begun: usize, allowed: &Allowed) {
         let before = begun.checked_sub(1).map(|before| rows[before].clone());
         for (joint, turns) in allowed.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Which captured joint drives which frame of a model.
+//! Mapping of captured joints to frames of a model.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,48 +14,48 @@ use super::capture::check_named_once;
 use crate::bad_option::{BadOption, Range};
 use crate::spatial::{Matrix3, Vector3};
 
-/// Weights whose squares, and scales and offsets whose products with places, stay finite.
+/// Ranges in which squared weights and scaled positions stay finite.
 const WEIGHT: Range = (|v| (0.0..=1e6).contains(&v), "within [0, 1e6]");
 const SCALE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
 const OFFSET: Range = (|v| v.abs() <= 1e6, "within [-1e6, 1e6] m");
 const FRAME_RATE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
 
-/// What a captured joint drives.
+/// Assignment of a captured joint to a frame of the model.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Drive {
-    /// The captured joint.
+    /// Name of the captured joint.
     pub joint: String,
-    /// The model's frame.
+    /// Name of the model's frame.
     pub frame: String,
-    /// The frame's point, in its coordinates, metres.
+    /// Driven point in the frame's coordinates, metres.
     pub offset: Vector3<f64>,
-    /// How much it counts beside the others.
+    /// Weight relative to other assignments.
     pub weight: f64,
-    /// How long the limb that it ends is, for a metre of the person's; `None` where that is measured.
+    /// Ratio of the model's limb length to the subject's, for the limb that ends here; `None` to measure it.
     pub scale: Option<f64>,
 }
 
-/// The axis of a capture that points upward.
+/// Upward axis of a capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UpAxis {
-    /// As in captures for animation.
+    /// The y axis, common in animation.
     Y,
-    /// As in robotics.
+    /// The z axis, common in robotics.
     #[default]
     Z,
 }
 
 impl UpAxis {
-    /// The turn that stands up along z what stands up along this axis: by a quarter about x, or none.
+    /// Returns the rotation that turns this axis into z: by 90° about x, or the identity.
     #[must_use]
     pub fn turned_to_z(self) -> Matrix3<f64> {
         let [x, y, z] = Vector3::UNITS.map(|axis| self.upright(axis));
         Matrix3::from_columns(x, y, z)
     }
 
-    /// A vector so turned, without a product.
+    /// Returns a vector rotated likewise, without a matrix product.
     pub(super) fn upright(self, at: Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Y => Vector3::new(at.x, -at.z, at.y),
@@ -73,19 +73,19 @@ impl From<UpAxis> for Vec3 {
     }
 }
 
-/// A map from a capture to a model.
+/// Mapping of a capture to a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BodyMap {
-    /// The captured joints in the order of an array, where the map says it.
+    /// Joint names in the order of an array, if the map has them.
     pub joints: Vec<String>,
-    /// Frames a second, where the map says it.
+    /// Capture frames per second, if the map has the rate.
     pub frame_rate: Option<f64>,
-    /// Which way is up, where the map says it.
+    /// Upward axis, if the map has it.
     pub up: Option<UpAxis>,
-    /// What drives what.
+    /// Assignments of captured joints to frames.
     pub drives: Vec<Drive>,
-    /// The captured joints that stand on something at times; `None` for those whose names tell of feet.
+    /// Captured joints that make contact; `None` for those with names of foot parts.
     pub contacts: Option<Vec<String>>,
 }
 
@@ -107,7 +107,7 @@ struct File {
     contacts: Option<Vec<String>>,
 }
 
-/// What a drive is in a file, where more than a frame's name is said.
+/// File format of an assignment with more than the name of a frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DriveInFull {
@@ -120,7 +120,7 @@ pub(super) struct DriveInFull {
     scale: Option<f64>,
 }
 
-/// What a drive is in a file.
+/// File format of an assignment.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub(super) enum DriveText {
@@ -128,7 +128,7 @@ pub(super) enum DriveText {
     InFull(DriveInFull),
 }
 
-/// As of an untagged enum, of which serde would say only that no variant fits.
+/// Untagged enum with a better error than that of serde, which only reports that no variant matches.
 impl<'de> Deserialize<'de> for DriveText {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct EitherWay;
@@ -201,7 +201,7 @@ impl DriveText {
 }
 
 impl BodyMap {
-    /// Reads a map from JSON:
+    /// Parses a map from JSON:
     ///
     /// ```json
     /// {"joints": ["Hips", "LeftFoot"], "fps": 120, "up": "z",
@@ -209,11 +209,12 @@ impl BodyMap {
     ///  "contacts": ["LeftFoot"]}
     /// ```
     ///
-    /// All may be left out. One file may hold the drives of several robots, under the names of their files: `robot` says which
-    /// of them is meant. A map without drives of that robot has none, and is [completed](Self::completed) by names.
+    /// All fields are optional. One file may contain the assignments of several robots, by the names of their files.
+    /// `robot` selects one of them. A map without assignments for that robot is [completed](Self::completed) by names.
     ///
     /// # Errors
-    /// Text that is none such, the error says where; `drives` of nothing, a joint of the array named twice, a rate that is not positive.
+    /// Returns an error, with its position, if the text is malformed. Returns an error if `drives` is empty, a joint
+    /// appears twice, or the frame rate is not positive.
     pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
         let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
         if text.trim_start().starts_with('[') {
@@ -255,7 +256,7 @@ impl BodyMap {
         })
     }
 
-    /// As [`from_json`](Self::from_json) reads it: a line for each drive, to be corrected by hand.
+    /// Formats the map as JSON for [`from_json`](Self::from_json), with one assignment per line for editing.
     #[must_use]
     pub fn to_json(&self) -> String {
         let text = |value: Value| value.to_string();
@@ -294,7 +295,7 @@ impl BodyMap {
 }
 
 impl Drive {
-    /// A joint that drives a frame's origin, counting as the others do.
+    /// Creates an assignment to the origin of a frame, with weight 1.
     #[must_use]
     pub fn new(joint: impl Into<String>, frame: impl Into<String>) -> Self {
         Self {
@@ -306,10 +307,10 @@ impl Drive {
         }
     }
 
-    /// Checks its numbers.
+    /// Checks the ranges of all numbers.
     ///
     /// # Errors
-    /// A weight, a scale or an offset out of its range.
+    /// Returns an error if a weight, a scale or an offset is out of its range.
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::check("weight", self.weight, WEIGHT)?;
         for offset in self.offset.to_array() {
@@ -319,7 +320,7 @@ impl Drive {
             .map_or(Ok(()), |scale| BadOption::check("scale", scale, SCALE))
     }
 
-    /// Whether its name tells of a foot.
+    /// Returns whether the joint's name contains that of a foot part.
     pub(super) fn is_of_a_foot(&self) -> bool {
         let name = self.joint.to_lowercase();
         ["foot", "toe", "ankle", "heel", "sole"]

@@ -1,50 +1,50 @@
-//! The parts of a body by which captures and models are matched.
+//! Body parts that relate captures and models.
 
 use serde::{Deserialize, Serialize};
 
-/// A part of a person's body, which a captured joint and a model's frame may both be.
+/// Part of a humanoid body: a captured joint or a frame of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum BodyPart {
-    /// What everything hangs on.
+    /// Pelvis, the root of the body.
     Pelvis,
-    /// The upper end of the spine.
+    /// Upper end of the spine.
     Chest,
-    /// The skull, or where it turns.
+    /// Head, or its joint.
     Head,
-    /// Where the left thigh turns.
+    /// Left hip joint.
     LeftHip,
-    /// Where the left shin turns.
+    /// Left knee joint.
     LeftKnee,
-    /// Where the left foot turns.
+    /// Left ankle joint.
     LeftAnkle,
-    /// The left foot's tip, or where its toes turn.
+    /// Tip of the left foot, or its toe joint.
     LeftToe,
-    /// Where the left upper arm turns.
+    /// Left shoulder joint.
     LeftShoulder,
-    /// Where the left forearm turns.
+    /// Left elbow joint.
     LeftElbow,
-    /// The left wrist or hand.
+    /// Left wrist or hand.
     LeftHand,
-    /// Where the right thigh turns.
+    /// Right hip joint.
     RightHip,
-    /// Where the right shin turns.
+    /// Right knee joint.
     RightKnee,
-    /// Where the right foot turns.
+    /// Right ankle joint.
     RightAnkle,
-    /// The right foot's tip, or where its toes turn.
+    /// Tip of the right foot, or its toe joint.
     RightToe,
-    /// Where the right upper arm turns.
+    /// Right shoulder joint.
     RightShoulder,
-    /// Where the right forearm turns.
+    /// Right elbow joint.
     RightElbow,
-    /// The right wrist or hand.
+    /// Right wrist or hand.
     RightHand,
 }
 
 impl BodyPart {
-    /// All of them, with the names that files call them by.
+    /// All parts with their names in files.
     pub const ALL: [(Self, &'static str); 17] = [
         (Self::Pelvis, "pelvis"),
         (Self::Chest, "chest"),
@@ -65,14 +65,14 @@ impl BodyPart {
         (Self::RightHand, "right_hand"),
     ];
 
-    /// Its name in files, such as `left_knee`.
+    /// Name in files, such as `left_knee`.
     #[must_use]
     pub fn name(self) -> &'static str {
         let own = Self::ALL.iter().find(|(part, _)| *part == self);
         own.map_or("", |(_, name)| name)
     }
 
-    /// Whether it stands on something at times: ankles and toes.
+    /// Returns whether the part makes contact: ankles and toes.
     #[must_use]
     pub fn stands(self) -> bool {
         matches!(

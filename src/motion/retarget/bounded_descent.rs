@@ -1,52 +1,52 @@
-//! A few steps of Gauss-Newton within bounds, for a problem that begins near its end.
+//! Bounded Gauss-Newton method for problems with a good start.
 //!
-//! A step is the damped model's own minimum within the bounds, by an active set: what would go beyond a bound stays on it and
-//! the rest is solved anew. A step that is only clamped leaves what hangs on a stopped joint elsewhere than it should
-//! be, frame after frame.
+//! A step minimises the damped model within the bounds by an active set. Variables that would leave their bounds are
+//! fixed there, and the rest is solved again. Clamped steps would leave the end effectors of clamped joints off their
+//! targets at every sample.
 
 use nalgebra::DMatrix;
 
 use crate::problem::{Evaluation, NormalEquations, Problem};
 use crate::solver::{BranchedMatrix, LeastSquares, dot, half_squared};
 
-/// The first damping, as a share of the size of JᵀJ, and how it follows success and failure.
+/// Initial damping, relative to the scale of JᵀJ, its bounds, and its factors after success and failure.
 const DAMPING: f64 = 1e-8;
 const LEAST_DAMPING: f64 = 1e-10;
 const MOST_DAMPING: f64 = 1.0;
-/// Damping up to this hardly shortens a step.
+/// Damping up to which a step is hardly shortened.
 const LIGHT_DAMPING: f64 = 1e-7;
 const AFTER_SUCCESS: f64 = 0.2;
 const AFTER_FAILURE: f64 = 30.0;
-/// So often the step is solved anew with other variables on their bounds.
+/// Maximum number of active set changes per step.
 const ROUNDS: usize = 8;
-/// So often a step that wins nothing is corrected, before it is damped.
+/// Maximum number of second-order corrections of a step before damping increases.
 const CORRECTIONS: usize = 2;
-/// A step that wins less than this share of the cost is the last, and so is one after which the cost is within this share
-/// what the model told: the next one's would win no more than it was off.
+/// Relative decrease of the cost below which the descent ends. It also ends if the model predicted the cost this
+/// accurately, because the next step would gain no more than the prediction error.
 const FLAT: f64 = 1e-4;
 
-/// Memory, and the damping that was learnt.
+/// Scratch memory, and the current damping.
 #[derive(Clone, Debug)]
 pub(super) struct BoundedDescent {
     residual: Vec<f64>,
     trial_residual: Vec<f64>,
     equations: NormalEquations,
-    /// Those of where a refused step leads.
+    /// Normal equations at the end of a rejected step.
     equations_there: NormalEquations,
     factor: BranchedMatrix,
-    /// JᵀJ times the step.
+    /// Product of JᵀJ and the step.
     curved: Vec<f64>,
     step: Vec<f64>,
     right: Vec<f64>,
     held: Vec<bool>,
     trial: Vec<f64>,
     damping: f64,
-    /// How large a diagonal entry of JᵀJ is of what is not stiff.
+    /// Scale of the diagonal of JᵀJ, without stiff rows.
     size: f64,
 }
 
 impl BoundedDescent {
-    /// For a problem; `size` is about that of the largest diagonal entry of JᵀJ, without stiff rows.
+    /// Creates the memory for a problem. `size` is about the largest diagonal entry of JᵀJ without stiff rows.
     pub(super) fn new(problem: &Problem, size: f64) -> Self {
         let (rows, n) = (problem.rows(), problem.variables());
         let equations = NormalEquations::new(problem);
@@ -66,12 +66,13 @@ impl BoundedDescent {
         }
     }
 
-    /// r where the last descent ended.
+    /// Residual r at the end of the last descent.
     pub(super) fn residual(&self) -> &[f64] {
         &self.residual
     }
 
-    /// Goes downhill from x, which is within the bounds, in at most so many steps. Whether all is finite; else x stays.
+    /// Descends from x, which must be within the bounds, in at most `steps` steps. Returns false and keeps x if a cost
+    /// is not finite.
     pub(super) fn descend(
         &mut self,
         problem: &mut Evaluation<'_>,
@@ -100,8 +101,8 @@ impl BoundedDescent {
         cost.is_finite()
     }
 
-    /// The cost after a step that wins, damped as much as that takes, and what the model told of it, if it did; none where none
-    /// wins.
+    /// Returns the cost after an accepted step and the cost that the model predicted, if it did. Returns `None` if no
+    /// step decreases the cost.
     fn try_steps(
         &mut self,
         problem: &mut Evaluation<'_>,
@@ -149,9 +150,11 @@ impl BoundedDescent {
         }
     }
 
-    /// The cost after a second step, from where the refused one leads, if that is lower than it was at x; the model is that of there
-    /// then. What counts only there, as the ground does under a foot that stands at its edge, the model at x does not know, and
-    /// would lead there again and again (a watchdog: Chamberlain, Powell, Lemarechal & Pedersen 1982).
+    /// Returns the cost after a second step from the end of the rejected one, if it is lower than at x (a watchdog:
+    /// Chamberlain, Powell, Lemarechal & Pedersen 1982).
+    ///
+    /// The second step uses the model at its start. The model at x misses residuals that act only there, such as the
+    /// ground under a foot at its edge. It would repeat the rejected step.
     fn go_on(&mut self, problem: &mut Evaluation<'_>, x: &[f64], cost: f64) -> Option<f64> {
         self.trial.copy_from_slice(x);
         self.step_on(problem);
@@ -169,7 +172,7 @@ impl BoundedDescent {
         (is_solved && lower < cost).then_some(lower)
     }
 
-    /// By how much the model's cost changes by the step.
+    /// Returns the change of the model's cost by the step.
     fn change_by_step(&mut self) -> f64 {
         self.equations
             .matrix()
@@ -177,8 +180,10 @@ impl BoundedDescent {
         dot(self.equations.gradient(), &self.step) + 0.5 * dot(&self.curved, &self.step)
     }
 
-    /// Moves the trial by what its own residual asks of the same model: a long step along what is held bends off it, and would
-    /// be refused for that alone (Maratos 1978; Nocedal & Wright 2006, "Numerical optimization", 18.3).
+    /// Corrects the trial with its own residual and the same model (second-order correction).
+    ///
+    /// Otherwise long steps along stiff rows would be rejected because of curvature (Maratos 1978; Nocedal & Wright
+    /// 2006, "Numerical optimization", 18.3).
     fn correct(&mut self, problem: &mut Evaluation<'_>, x: &[f64]) {
         let mut no_memory = DMatrix::zeros(0, 0);
         problem.gradient(x, &self.trial_residual, &mut self.right, &mut no_memory);
@@ -192,12 +197,13 @@ impl BoundedDescent {
         }
     }
 
-    /// Writes the step to the damped model's minimum within the bounds; false where the model has none.
+    /// Writes the step to the minimum of the damped model within the bounds. Returns false if the model has no minimum.
     fn solve(&mut self, problem: &Evaluation<'_>, x: &[f64]) -> bool {
         let n = x.len();
         let (lower, upper) = (problem.lower(), problem.upper());
         self.step.fill(0.0);
-        // What stands at a bound and is pushed against it stays there, unless what else moves pulls it off.
+        // Variables at a bound stay there if the gradient pushes outward, until the step of the others pulls them
+        // inward.
         for (k, held) in self.held.iter_mut().enumerate() {
             let slope = self.equations.gradient()[k];
             *held = (x[k] <= lower[k] && slope > 0.0) || (x[k] >= upper[k] && slope < 0.0);
@@ -221,7 +227,7 @@ impl BoundedDescent {
         self.step.iter().all(|step| step.is_finite())
     }
 
-    /// Lets go of what is held and would rather move inward; whether anything is.
+    /// Releases fixed variables that are pulled inward. Returns whether there were any.
     fn let_go(&mut self, x: &[f64], lower: &[f64]) -> bool {
         if !self.held.contains(&true) {
             return false;
@@ -244,7 +250,7 @@ impl BoundedDescent {
         any
     }
 
-    /// Writes the step of what is not held; false where the model has none.
+    /// Writes the step of the variables that are not fixed. Returns false if the model has no minimum.
     fn solve_free(&mut self) -> bool {
         for (right, slope) in self.right.iter_mut().zip(self.equations.gradient()) {
             *right = -slope;

@@ -1,4 +1,4 @@
-//! Captured movements: where joints are, frame by frame.
+//! Motion capture: joint positions of each capture frame.
 
 use super::RetargetError;
 use crate::animation::{Armature, Clip, Cursor, Playback};
@@ -6,27 +6,31 @@ use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::UnknownName;
 use crate::spatial::Vector3;
 
-/// Frames of a clip that are sampled at most: a day at 100 a second, over 10 GB of 53 joints.
+/// Maximum number of capture frames of a clip: a day at 100 frames per second, over 10 GB for 53 joints.
 pub(super) const MOST_FRAMES: usize = 10_000_000;
 
-/// Places farther than this from the origin, in the capture's unit, are refused: doubles tell no more than a tenth of a thousandth there.
+/// Largest coordinate, in the capture's unit; the resolution of doubles there is about 1e-4.
 pub(super) const FARTHEST: f64 = 1e12;
 
-/// Places of named joints in frames a fixed time apart, in any unit of length.
+/// Positions of named joints in capture frames at a constant rate, in any unit of length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
     names: Vec<String>,
-    /// Frame after frame, joint after joint.
+    /// Positions, frame by frame, joint by joint.
     places: Vec<Vector3<f64>>,
     frame_rate: f64,
 }
 
 impl Capture {
-    /// Of places as they stand in an array of (frames, joints, 3), at so many frames a second.
+    /// Creates a capture from an array of shape (frames, joints, 3) and a rate in capture frames per second.
     ///
     /// # Errors
-    /// No frame, numbers that are no whole frames, a name twice, a number that is not finite or beyond ±1e12, a rate that is not
-    /// positive.
+    /// Returns an error if:
+    ///
+    /// - there is no frame, or the array has incomplete frames;
+    /// - a name appears twice;
+    /// - a number is not finite or beyond ±1e12;
+    /// - the rate is not positive.
     pub fn new(
         names: Vec<String>,
         numbers: &[f64],
@@ -64,11 +68,11 @@ impl Capture {
         })
     }
 
-    /// Of a clip's bones, at so many frames a second from its beginning to its end.
+    /// Creates a capture from the bone positions of a clip, sampled from its start to its end.
     ///
     /// # Errors
-    /// As [`new`](Self::new), no frame where the clip [is empty](Clip::is_empty); more than 10 million frames; a clip of another
-    /// armature counts as one without frames.
+    /// Returns the errors of [`new`](Self::new). Returns an error if the clip [is empty](Clip::is_empty), belongs to
+    /// another armature, or has more than 10 million samples.
     pub fn of_clip(
         armature: &Armature,
         clip: &Clip,
@@ -104,18 +108,18 @@ impl Capture {
     }
 
     getters! {
-        /// The joints' names.
+        /// Names of the joints.
         pub fn names(&self) -> &[String] = &self.names;
-        /// How many frames there are.
+        /// Number of capture frames.
         pub fn frames(&self) -> usize = self.places.len() / self.names.len();
-        /// Frames a second.
+        /// Capture frames per second.
         pub fn frame_rate(&self) -> f64 = self.frame_rate;
     }
 
-    /// A joint's number.
+    /// Returns the index of a joint.
     ///
     /// # Errors
-    /// A name that there is not; the error lists the valid ones.
+    /// Returns an error that lists the valid names if the joint does not exist.
     pub fn joint(&self, name: &str) -> Result<usize, UnknownName> {
         let found = self.names.iter().position(|own| own == name);
         found.ok_or_else(|| {
@@ -127,7 +131,7 @@ impl Capture {
         })
     }
 
-    /// Where all joints are in a frame.
+    /// Returns the positions of all joints in a capture frame.
     #[must_use]
     pub fn frame(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.names.len();
@@ -135,7 +139,7 @@ impl Capture {
     }
 }
 
-/// Refuses a joint that is named twice.
+/// Returns an error if a joint appears twice.
 pub(super) fn check_named_once(names: &[String]) -> Result<(), RetargetError> {
     let mut seen = std::collections::BTreeSet::new();
     match names.iter().find(|name| !seen.insert(name.as_str())) {

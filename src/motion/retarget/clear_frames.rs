@@ -1,26 +1,26 @@
-//! Frames that touch nothing: each begins where the last one stood free, and is taken only where it is free too.
+//! Collision-free online retargeting: each sample starts collision-free and is accepted only if its end is too.
 
 use super::problem_of_frame::ProblemOfFrame;
 use crate::problem::{AnyClearanceCheck, Fence};
 
-/// A frame that is not free goes so often half as far.
+/// Maximum number of halvings of a step in collision.
 const HALVINGS: usize = 6;
 
-/// The same problem with a clearance that holds, and what tells whether a configuration is free.
+/// Problem with collision avoidance, and the collision check.
 #[derive(Clone, Debug)]
 pub(super) struct ClearFrames {
     holding: ProblemOfFrame,
-    /// Where the clearance's rows begin.
+    /// Index of the first row of collision avoidance.
     first_row: usize,
     check: Box<dyn AnyClearanceCheck>,
-    /// Whether the last frame was next to something, so that this one begins with the clearance.
+    /// True if collision avoidance was active at the last sample. The next one then starts with it.
     near: bool,
     q: Vec<f64>,
     from: Vec<f64>,
 }
 
 impl ClearFrames {
-    /// `size` is as of [`ProblemOfFrame::new`], `rows` how many there are without the clearance.
+    /// Creates it. `size` is that of [`ProblemOfFrame::new`], `rows` the number of rows without collision avoidance.
     pub(super) fn new(fence: &Fence, rows: usize, size: f64) -> Self {
         let problem = fence.holding();
         Self {
@@ -34,11 +34,11 @@ impl ClearFrames {
     }
 
     getters! {
-        /// Whether the last frame is next to something.
+        /// True if collision avoidance was active at the last sample.
         pub(super) fn is_near(&self) -> bool = self.near;
     }
 
-    /// Follows from x, where nothing touches, to where nothing does; the frame's own problem is left where x is.
+    /// Solves from a collision-free x to a collision-free x. The problem `frame` without avoidance is tried first.
     pub(super) fn follow(
         &mut self,
         frame: &mut ProblemOfFrame,
@@ -72,7 +72,7 @@ impl ClearFrames {
         self.check.is_free(&self.q)
     }
 
-    /// Goes back the way that x came as far as it must: straight, on which speeds only fall.
+    /// Shortens the step to x until it is collision-free. The line back never increases velocities.
     fn go_back(&mut self, within: [&[f64]; 2], x: &mut [f64]) {
         for _ in 0..HALVINGS {
             self.holding.go_back(within, &self.from, 0.5, x);

@@ -1,4 +1,4 @@
-//! Where what stands does: targets that stay over each span.
+//! Contact targets: constant positions during contact.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use crate::motion::ContactDetection;
 use crate::motion::contact_detection::{mean_place, smooth};
 use crate::spatial::Vector3;
 
-/// What stands so near to the ground stands on it, metres.
+/// Height below which a contact is moved onto the ground, metres.
 const ON_GROUND: f64 = 0.04;
 
-/// A limb that stands over a span of frames.
+/// Contact of a limb over a span of capture frames.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Standing {
     pub(super) limb: usize,
@@ -18,8 +18,9 @@ pub(super) struct Standing {
 }
 
 impl ContactDetection {
-    /// Finds what stands, and puts targets (frame after frame) where it does: one place over each span, on the ground or
-    /// above it, with a smooth way there and back.
+    /// Finds contacts and modifies the targets (capture frame by capture frame) accordingly.
+    ///
+    /// Each contact gets one position, on the ground or above it, with a smooth blend to and from it.
     pub(super) fn plant(
         &self,
         limbs: &Limbs,
@@ -33,7 +34,7 @@ impl ContactDetection {
             let way: Vec<Vector3<f64>> =
                 (0..frames).map(|frame| targets[frame * n + limb]).collect();
             let spans = self.spans(&way, |frame| way[frame].z - own.clearance, rate);
-            // Nothing is below the ground.
+            // Moves positions below the ground up to it.
             let lift = |at: Vector3<f64>| Vector3::new(at.x, at.y, at.z.max(own.clearance));
             let lead = self.lead_frames(rate);
             for (frame, at) in way.iter().enumerate() {
@@ -61,7 +62,7 @@ impl ContactDetection {
     }
 }
 
-/// The frames that a stance draws to its place: its own, and so many before and after them as far as its neighbours.
+/// Returns the capture frames affected by a contact: its span and the blends, as far as the neighbouring contacts.
 fn drawn(spans: &[Range<usize>], k: usize, lead: usize, frames: usize) -> Range<usize> {
     let before = k.checked_sub(1).map_or(0, |last| spans[last].end);
     let after = spans.get(k + 1).map_or(frames, |next| next.start);

@@ -1,11 +1,11 @@
-//! A point of a frame that should be somewhere, counting more in some frames than in others.
+//! Position task of a frame's point with a variable weight.
 
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 use crate::task::{LocalJacobian, Point, Residual};
 
-/// r = w (x + R o − target): a [`Point`] whose weight moves as its target does.
+/// Residual r = w (x + R o − target): a [`Point`] with a weight that changes with its target.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DrivenPoint {
     point: Point,
@@ -20,13 +20,13 @@ impl DrivenPoint {
         }
     }
 
-    /// Where it should be, and how much that counts.
+    /// Sets the target and the weight.
     pub(super) fn set(&mut self, target: Vector3<f64>, weight: f64) {
         self.point.set_target(target);
         self.weight = weight;
     }
 
-    /// Where it is, for its residual there.
+    /// Returns the position of the point for its residual.
     pub(super) fn place(&self, residual: &[f64]) -> Vector3<f64> {
         let miss = Vector3::new(residual[0], residual[1], residual[2]);
         self.point.target() + miss * (1.0 / self.weight)

@@ -1,4 +1,4 @@
-//! What can be wrong with a capture, a map, or what is asked of both.
+//! Errors of retargeting.
 
 use crate::animation::{ChannelError, LocalError, ReachError};
 use crate::bad_option::BadOption;
@@ -6,136 +6,136 @@ use crate::model::{ModelError, UnknownName};
 use crate::motion::clip::MotionError;
 use crate::skeleton::SkeletonError;
 
-/// Why a movement cannot be brought onto a model.
+/// Reason why a motion cannot be retargeted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RetargetError {
-    /// A name that the capture or the model does not have.
+    /// The capture or the model does not have the name.
     #[error(transparent)]
     Name(#[from] UnknownName),
-    /// A number out of its range.
+    /// A number is out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// What the tasks of a frame, or the whole motion, refuse.
+    /// The tasks or the trajectory problem are invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// Bones that make no figure.
+    /// The bones do not form a valid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
-    /// A figure that cannot be put on a free base.
+    /// The skeleton cannot be put on a free base.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// An armature whose bones are not the figure's.
+    /// The bones of the armature and the skeleton differ.
     #[error("the armature has bone `{given}` where the figure has `{bone}`")]
     OtherBone {
-        /// The armature's, empty where it has no more.
+        /// Bone of the armature; empty if it has fewer bones.
         given: String,
-        /// The figure's.
+        /// Bone of the skeleton.
         bone: String,
     },
-    /// Bones that cannot stand so.
+    /// The bones cannot have that pose.
     #[error(transparent)]
     Pose(#[from] LocalError),
-    /// Angles that no pose is of.
+    /// The angles do not correspond to a pose.
     #[error(transparent)]
     Angles(#[from] ReachError),
-    /// Poses that make no clip.
+    /// The poses do not form a valid clip.
     #[error(transparent)]
     Clip(#[from] ChannelError),
-    /// Numbers that are no places of so many joints.
+    /// The count of numbers does not match whole capture frames.
     #[error("{numbers} numbers are no places of {joints} joints in whole frames")]
     NotFrames {
-        /// How many numbers are given.
+        /// Count of given numbers.
         numbers: usize,
-        /// How many joints are named.
+        /// Number of joints.
         joints: usize,
     },
-    /// A joint named twice.
+    /// A joint appears twice.
     #[error("joint `{joint}` is named twice")]
     NamedTwice {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A place that is not finite.
+    /// A position is not finite.
     #[error("frame {frame}: the place of joint `{joint}` is not finite")]
     NotFinite {
-        /// The frame.
+        /// Index of the capture frame.
         frame: usize,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A place where no body is.
+    /// A position is too far from the origin.
     #[error(
         "frame {frame}: the place of joint `{joint}` is beyond ±{most:e}",
         most = super::capture::FARTHEST
     )]
     TooFar {
-        /// The frame.
+        /// Index of the capture frame.
         frame: usize,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A capture without frames.
+    /// The capture has no frames.
     #[error("a capture of no frames")]
     NoFrames,
-    /// So many frames of a clip that memory would not do.
+    /// A clip has too many samples.
     #[error(
         "{duration} s at {frame_rate} frames a second are more than {most} frames",
         most = super::capture::MOST_FRAMES
     )]
     TooManyFrames {
-        /// How long the clip is, s.
+        /// Duration of the clip, seconds.
         duration: f64,
-        /// Frames a second.
+        /// Samples per second.
         frame_rate: f64,
     },
-    /// A map that drives nothing.
+    /// The map assigns no frame of the model.
     #[error("the map drives no frame of `{model}`")]
     NoDrives {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// A frame that two joints drive.
+    /// Two joints drive one frame.
     #[error("frame `{frame}` is driven by both `{first}` and `{second}`")]
     DrivenTwice {
-        /// The frame.
+        /// Name of the frame.
         frame: String,
-        /// One joint.
+        /// First joint.
         first: String,
-        /// The other.
+        /// Second joint.
         second: String,
     },
-    /// Names that tell of no body, so that no map can be guessed.
+    /// The names match no body parts, so no map can be guessed.
     #[error("{of} tell of no body, so a map must say which joint drives which frame: {names}")]
     NoBody {
-        /// Whose names.
+        /// Source of the names.
         of: &'static str,
-        /// The first of them.
+        /// First names.
         names: String,
     },
-    /// A capture and a model that have too few parts in common.
+    /// Capture and model have too few parts in common.
     #[error("a capture of {capture} and a model of {model} have too little in common")]
     NothingInCommon {
-        /// The capture's parts.
+        /// Parts of the capture.
         capture: String,
-        /// The model's.
+        /// Parts of the model.
         model: String,
     },
-    /// A capture without some joint of the skeleton that it is said to be.
+    /// The capture lacks joints of the given skeleton.
     #[error("these are not the joints of `{skeleton}`: {joints}")]
     OtherSkeleton {
-        /// The skeleton.
+        /// Name of the skeleton.
         skeleton: &'static str,
-        /// The first of the capture's joints.
+        /// First joints of the capture.
         joints: String,
     },
-    /// A map's text that is none.
+    /// The text of a map is invalid.
     #[error("{0}")]
     Map(String),
 }
 
 impl RetargetError {
-    /// Whether a map is wrong: its text, its numbers, or a name in it.
+    /// Returns whether the error is in a map: its text, its numbers, or a name.
     #[must_use]
     pub fn is_of_map(&self) -> bool {
         match self {

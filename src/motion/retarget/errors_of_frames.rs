@@ -1,20 +1,20 @@
-//! How far a movement is from where it should be, frame by frame.
+//! Position errors of a retargeted motion, sample by sample.
 
 use super::{RetargetError, Retargeted, Retargeting};
 use crate::kinematics::ForwardKinematics;
 
 impl Retargeting<'_> {
-    /// Which of a captured frame's joints drives each of [`driven`](Self::driven).
+    /// Returns for each of [`driven`](Self::driven) the index of its captured joint.
     #[must_use]
     pub fn driving(&self) -> Vec<usize> {
         self.limbs.all.iter().map(|limb| limb.joint).collect()
     }
 
-    /// How far each driven point is from where it should be, metres: frame after frame, in the order of
+    /// Returns the position errors of all driven points, metres: sample by sample, in the order of
     /// [`driven`](Self::driven).
     ///
     /// # Errors
-    /// A movement of another model.
+    /// Returns an error if the configurations do not fit the model.
     pub fn errors(&self, found: &Retargeted) -> Result<Vec<f64>, RetargetError> {
         let told =
             |error: crate::kinematics::KinematicsError| RetargetError::Map(error.to_string());

@@ -1,4 +1,4 @@
-//! The feet of a body that follows: over the ground, and over what they stand on.
+//! Feet of an online retargeter: ground contact and orientation.
 
 use super::RetargetError;
 use super::limbs::Limbs;
@@ -9,14 +9,14 @@ use crate::problem::{Problem, ProblemBuilder, Targets, TaskId};
 use crate::scalar::elementary;
 use crate::spatial::{Placement, Vector3};
 
-/// What a metre below the ground costs, for the most that any place counts.
+/// Weight of ground penetration per metre, relative to the largest weight of a point.
 const OVER: f64 = 15.0;
 
-/// The soles of a follower.
+/// Feet of an online retargeter.
 #[derive(Clone, Debug)]
 pub(super) struct Feet {
     all: Vec<Foot>,
-    /// Of each limb: how high it is over the ground that it stands on.
+    /// For each limb, its height above the ground in contact, metres.
     clearances: Vec<f64>,
     landing_weight: f64,
     weight: f64,
@@ -26,15 +26,16 @@ pub(super) struct Feet {
 struct Foot {
     sole: Sole,
     task: TaskId<OverGround>,
-    /// How high what each ball stands on is, where its limb stands.
+    /// Ground height under each ball while its limb is in contact, metres.
     heights: Vec<f64>,
-    /// How the foot was tilted when its last limb came to stand, and how in the last frame.
+    /// Tilts of the foot at the last touchdown, and at the last sample.
     tilts: Vec<f64>,
     last_tilts: Vec<f64>,
-    /// Whether it is held as it was tilted before it would have gone into what it stands on: where a leg can do no more, a foot
-    /// that is held at its ankle is tipped.
+    /// True if the foot is locked at its tilt before it would have penetrated the ground.
+    ///
+    /// An ankle lock alone lets a leg at its limits tip the foot.
     firmly: bool,
-    /// Where its frame is.
+    /// Pose of the foot's frame.
     placed: Placement<f64>,
 }
 
@@ -65,8 +66,10 @@ impl Feet {
         }
     }
 
-    /// Says what each foot does: it is held where all its limbs stand; else it stays over the ground, or over what those that do
-    /// stand on, and is the flatter the more firmly it stands.
+    /// Sets the task of each foot. A foot with all limbs in contact is locked.
+    ///
+    /// Other feet stay above the ground, or above the ground under their contacts. They become flatter with increasing
+    /// contact.
     pub(super) fn aim(
         &self,
         targets: &mut Targets,
@@ -98,7 +101,7 @@ impl Feet {
         Ok(())
     }
 
-    /// Takes note of where all are at x.
+    /// Stores the poses of all feet at x.
     pub(super) fn place(&mut self, frame: &mut ProblemOfFrame, x: &[f64]) {
         for foot in &mut self.all {
             if let Some(placed) = frame.first_frame(x, foot.task.index()) {
@@ -107,7 +110,7 @@ impl Feet {
         }
     }
 
-    /// Takes what limbs that have come to stand do for what their balls stand on: no higher than these are.
+    /// Updates the ground heights of new contacts: at most the height of the foot's balls.
     pub(super) fn land(&mut self, new: &[usize], anchors: &[Option<Vector3<f64>>]) {
         for foot in &mut self.all {
             for (height, (ball, limb)) in foot.heights.iter_mut().zip(&foot.sole.balls) {
@@ -124,8 +127,8 @@ impl Feet {
         }
     }
 
-    /// Has those held feet held firmly that would have gone by more than so many metres into what they stand on; whether there are
-    /// any that were not before.
+    /// Locks the orientation of feet that would penetrate the ground by more than `deeper` metres. Returns whether
+    /// there are new ones.
     pub(super) fn hold_firmly(&mut self, anchors: &[Option<Vector3<f64>>], deeper: f64) -> bool {
         let mut any = false;
         for foot in self.all.iter_mut().filter(|foot| foot.is_held(anchors)) {
@@ -142,8 +145,10 @@ impl Feet {
         any
     }
 
-    /// Pushes those that are not held, and deeper than so many metres by the residual of all tasks, out of what they are in;
-    /// whether there are any.
+    /// Raises the ground of unlocked feet that penetrate it by more than `deeper` metres. Returns whether there are
+    /// any.
+    ///
+    /// `residual` is that of all tasks.
     pub(super) fn push_out(
         &self,
         targets: &mut Targets,
@@ -160,7 +165,7 @@ impl Feet {
         any
     }
 
-    /// Whether one is deeper than so many metres; by the residual of all tasks.
+    /// Returns whether a foot penetrates the ground by more than `deeper` metres. `residual` is that of all tasks.
     pub(super) fn is_sunk(&self, problem: &Problem, residual: &[f64], deeper: f64) -> bool {
         let deepest = -deeper * self.weight;
         self.all.iter().any(|foot| {

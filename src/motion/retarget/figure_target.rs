@@ -1,4 +1,4 @@
-//! Figures to bring a movement onto: the bones of a rig, a scene or a capture, moving as a whole.
+//! Skeletons as targets of retargeting: the bones of a rig, a scene or a capture, on a free base.
 
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -11,10 +11,10 @@ use crate::robot::{BaseJoint, Robot};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Placement, Vector3};
 
-/// What a free base has of a configuration: x, y, z and a quaternion w, x, y, z.
+/// Length of the free base in a configuration: x, y, z and a quaternion w, x, y, z.
 const BASE: usize = 7;
 
-/// Bones on a free base as a [`Robot`], upright whichever way up their file has them, and back to poses of the file.
+/// Skeleton on a free base as a [`Robot`] with z up, and the conversion to poses of its file.
 ///
 /// ```
 /// use kinopt::animation::Armature;
@@ -23,7 +23,7 @@ const BASE: usize = 7;
 ///
 /// let rig = Rig::read("models/humanoid/humanoid.json")?;
 /// let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z)?;
-/// // A metre to the side, as it stands.
+/// // 1 m sideways, in the rest pose.
 /// let mut q = figure.robot().model().neutral();
 /// q[1] = 1.0;
 /// let armature = Armature::of_skeleton(&rig.skeleton);
@@ -40,15 +40,15 @@ pub struct FigureTarget {
     angles: PoseAngles,
     up: UpAxis,
     names: Vec<String>,
-    /// The bones that carry the rest of those that turn: these move with the base.
+    /// Topmost movable bones, which move with the base.
     topmost: Vec<BoneId>,
 }
 
 impl FigureTarget {
-    /// A skeleton in whose file `up` points upward.
+    /// Creates a target from a skeleton in whose file `up` is the upward axis.
     ///
     /// # Errors
-    /// What a skeleton or a robot refuses: a bone called as a joint of the base.
+    /// Returns an error if a bone has the name of a base joint, or if the skeleton is invalid.
     pub fn new(skeleton: &Skeleton, up: UpAxis) -> Result<Self, RetargetError> {
         let placed = match up {
             UpAxis::Y => skeleton.placed(Placement::new(up.turned_to_z(), Vector3::zero()))?,
@@ -78,11 +78,12 @@ impl FigureTarget {
         })
     }
 
-    /// The bones of an armature, those of `turning` free to turn and the others still: of a scene
-    /// [those of its skins](crate::io::gltf::Scene::turning_bones).
+    /// Creates a target from the bones of an armature. Bones in `turning` can rotate, the others are fixed.
+    ///
+    /// For a scene, pass [those of its skins](crate::io::gltf::Scene::turning_bones).
     ///
     /// # Errors
-    /// As [`new`](Self::new), and a bone with children that scales by different numbers along its axes.
+    /// Returns the errors of [`new`](Self::new), and an error for a bone with children and non-uniform scale.
     pub fn of_armature(
         armature: &Armature,
         turning: &BTreeSet<BoneId>,
@@ -92,17 +93,18 @@ impl FigureTarget {
     }
 
     getters! {
-        /// The figure as a robot on a free base, z upward: what a [`Retargeting`](super::Retargeting) is made for.
+        /// Skeleton as a robot on a free base with z up, the target of a [`Retargeting`](super::Retargeting).
         pub fn robot(&self) -> &Robot = &self.robot;
-        /// The axis that points upward in the file.
+        /// Upward axis of the file.
         pub fn up(&self) -> UpAxis = self.up;
     }
 
-    /// Poses of an armature whose first bones are the figure's, in the axes of its file, one a configuration of the
-    /// [robot](Self::robot); bones that do not turn are as in `stands`.
+    /// Returns poses of an armature in the axes of its file, one per configuration of the [robot](Self::robot).
+    ///
+    /// The first bones of the armature must be those of the skeleton. Bones that cannot rotate are as in `stands`.
     ///
     /// # Errors
-    /// An armature or a pose of other bones, and bones that would have to shear.
+    /// Returns an error if the armature or pose has other bones, or if a bone would need shear.
     pub fn poses(
         &self,
         armature: &Armature,
@@ -132,10 +134,10 @@ impl FigureTarget {
         frames.collect()
     }
 
-    /// A movement, so many frames a second, as a clip of an armature whose first bones are the figure's; all others are at rest.
+    /// Returns a clip of an armature from configurations at a rate in samples per second. Other bones are at rest.
     ///
     /// # Errors
-    /// As [`poses`](Self::poses), no frames, and a rate by which times do not rise.
+    /// Returns the errors of [`poses`](Self::poses), and an error for no samples or an invalid rate.
     pub fn clip(
         &self,
         name: impl Into<String>,
@@ -149,7 +151,7 @@ impl FigureTarget {
         Ok(Clip::through_poses(name, armature, &times, &poses)?)
     }
 
-    /// How the base moves the figure, in the axes of its file.
+    /// Returns the motion of the base in the axes of the file.
     fn moved(&self, base: &[f64]) -> Affine3A {
         let &[x, y, z, w, i, j, k] = base else {
             return Affine3A::IDENTITY;

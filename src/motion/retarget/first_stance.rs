@@ -1,4 +1,4 @@
-//! Where a body stands before its first frame is known.
+//! Initial pose before the first capture frame is solved.
 
 use super::limbs::Limbs;
 use crate::model::Source;
@@ -7,7 +7,7 @@ use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
 impl Limbs {
-    /// A configuration to begin from: the neutral one, its base where the root should be and turned as the body is.
+    /// Returns the neutral configuration, with the base at the root's target position and the best yaw for all targets.
     pub(super) fn first_stance(&self, robot: &Robot, places: &[Vector3<f64>]) -> Vec<f64> {
         let model = robot.model();
         let mut q = model.neutral();
@@ -41,7 +41,7 @@ impl Limbs {
         if base.clone().any(fixed) {
             return q;
         }
-        // Turned about the vertical through the body's middle.
+        // Rotation about the vertical axis through the mean position.
         let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
         let seen = Vector3::new(q[base.start], q[base.start + 1], q[base.start + 2]) - from;
         let seen = Vector3::new(c * seen.x - s * seen.y, s * seen.x + c * seen.y, seen.z);

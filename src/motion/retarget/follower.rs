@@ -1,4 +1,4 @@
-//! Follows places frame by frame, as they come.
+//! Online retargeter: follows target positions sample by sample.
 
 use super::clear_frames::ClearFrames;
 use super::driven_point::DrivenPoint;
@@ -14,26 +14,27 @@ use crate::solver::dot;
 use crate::spatial::Vector3;
 use crate::task::{Posture, Task};
 
-/// Steps of the first frame, and of every other, at most.
+/// Maximum number of iterations of the first sample, and of the others.
 const FIRST_STEPS: usize = 300;
 const STEPS: usize = 3;
-/// So many more while what is held has slipped, or a foot is in the ground, by more than this, metres.
+/// Additional iterations if a contact slides or a foot penetrates the ground by more than `SLIPPED` metres.
 const MORE_STEPS: usize = 6;
 const SLIPPED: f64 = 5e-4;
-/// A foot that is in the ground by more than that all the same is pushed out of it in so many rounds of as many more.
+/// Maximum number of ground corrections if a foot still penetrates the ground, each with `MORE_STEPS` iterations.
 const PUSHES: usize = 10;
-/// A foot that is held and would go deeper into what it stands on, metres, is held firmly.
+/// Penetration of a locked foot beyond which its orientation is locked, metres.
 const SUNK: f64 = 1e-3;
-/// What a place counts that is held, for the most that any place counts: so all others together hardly move it.
+/// Weight of a contact position, relative to the largest weight of a point, so that other points hardly move it.
 const HELD: f64 = 300.0;
 
-/// What a radian off the posture costs, in metres off a place …
+/// Weight of the posture, in metres of position per radian.
 const POSTURE: f64 = 0.02;
-/// … and one off where a live follower was in the last frame: what hardly moves any place is not to tremble.
+/// Weight of the previous configuration, in metres of position per radian; prevents jitter of undetermined joints.
 const STAY: f64 = 0.1;
 
-/// A body that follows places within its limits of position and speed, hard from each frame to the next: what stands is
-/// held where it came to stand.
+/// Online retargeter: follows target positions within the limits of position and velocity.
+///
+/// Points in contact are locked at their touchdown position.
 #[derive(Clone, Debug)]
 pub struct BodyFollower {
     frame: ProblemOfFrame,
@@ -42,17 +43,17 @@ pub struct BodyFollower {
     points: Vec<TaskId<DrivenPoint>>,
     hip_line: Option<TaskId<HipLine>>,
     feet: Feet,
-    /// What is between the posture and the last frame, and what of it each is.
+    /// Reference between the nominal posture and the previous configuration, and the nominal value of each coordinate.
     stay: TaskId<Posture>,
     posture: Vec<(usize, f64)>,
     reference: Vec<f64>,
     weights: Vec<f64>,
-    /// What a place counts more where it lands.
+    /// Factor of a point's weight at touchdown.
     landing_weight: f64,
-    /// The most that any place counts.
+    /// Largest weight of a point.
     heaviest: f64,
     anchors: Vec<Option<Vector3<f64>>>,
-    /// How far a place that was let go is still from its target, and for how many frames.
+    /// Offset of each released point from its target, and number of samples until it is zero.
     left: Vec<(Vector3<f64>, usize)>,
     release: usize,
     most: Vec<f64>,
@@ -63,12 +64,12 @@ pub struct BodyFollower {
     followed: bool,
 }
 
-/// The posture that what no place tells keeps to.
+/// Creates the posture task for undetermined joints.
 pub(super) fn posture(model: &Model) -> Task<Posture> {
     Task::new(Posture::of_joints(hinges(model))).times(POSTURE)
 }
 
-/// The joints that are no part of a free base, and where they are in the posture.
+/// Returns the joints that are not part of a free base, with their neutral values.
 fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
     let free = move |id: &JointId| {
         let first = model.free_joints();
@@ -144,25 +145,27 @@ impl BodyFollower {
     }
 
     getters! {
-        /// Where the body is.
+        /// Current configuration.
         pub fn q(&self) -> &[f64] = &self.q;
-        /// How it keeps clear, where it is to.
+        /// State of collision avoidance, if it is enabled.
         pub(super) fn clear(&self) -> Option<&ClearFrames> = self.clear.as_ref();
-        /// How many places it follows.
+        /// Number of points that it follows.
         pub fn places(&self) -> usize = self.points.len();
     }
 
-    /// Stands at a configuration, from which the first frame is searched.
+    /// Sets the configuration from which the first sample is solved.
     pub(super) fn stand_at(&mut self, q: &[f64]) {
         self.frame.problem().parameters().gather(q, &mut self.x);
     }
 
-    /// One frame: where the driven points should be, and how firmly each stands, from 0, not at all, to 1, where it is
-    /// held in place; in the order of [`Retargeting::driven`](super::Retargeting::driven). Returns the configuration. Where
-    /// the targets are not finite, the body stays.
+    /// Solves one sample and returns its configuration.
+    ///
+    /// `places` are the targets of the driven points, metres. `stands` is the contact of each point, from 0 (free) to 1
+    /// (locked). Both are in the order of [`Retargeting::driven`](super::Retargeting::driven). If a target is not
+    /// finite, the configuration stays unchanged.
     ///
     /// # Errors
-    /// Another number of places.
+    /// Returns an error if the number of targets or contacts is wrong.
     pub fn advance(
         &mut self,
         places: &[Vector3<f64>],
@@ -181,7 +184,7 @@ impl BodyFollower {
                 }));
             }
         }
-        // Nothing that stands is let go for them.
+        // Locked points stay locked.
         if !places.iter().all(Vector3::is_finite) || stands.iter().any(|stands| stands.is_nan()) {
             return Ok(&self.q);
         }
@@ -206,7 +209,7 @@ impl BodyFollower {
         Ok(&self.q)
     }
 
-    /// Moves the body to where this frame's targets lead; whether all is finite, else it stays.
+    /// Solves for the current targets. Returns false and keeps the configuration if a number is not finite.
     fn descend(&mut self) -> bool {
         let steps = if self.followed { STEPS } else { FIRST_STEPS };
         let (anchors, feet, targets) = (&self.anchors, &self.feet, &mut self.targets);
@@ -248,7 +251,7 @@ impl BodyFollower {
         whole
     }
 
-    /// Sets all targets: held ones stay, those that were let go come back to theirs.
+    /// Sets all targets: locked points stay, released ones blend back to their targets.
     fn aim(&mut self, places: &[Vector3<f64>], stands: &[f64]) -> Result<(), RetargetError> {
         for (k, (&place, &stands)) in places.iter().zip(stands).enumerate() {
             let held = stands >= 1.0;
@@ -263,7 +266,7 @@ impl BodyFollower {
             let own = self.weights[k].max(f64::MIN_POSITIVE);
             let weight = match self.anchors[k] {
                 Some(_) => HELD * self.heaviest,
-                // From 1 to that of what lands, without a leap.
+                // Continuous from 1 to the touchdown weight.
                 None => own * elementary::pow(self.landing_weight, stands.clamp(0.0, 1.0)),
             };
             let point = self.targets.get_mut(self.points[k])?;
@@ -286,7 +289,7 @@ impl BodyFollower {
         Ok(())
     }
 
-    /// How far a place that was let go is from its target in this frame.
+    /// Returns the offset of a released point from its target at this sample.
     fn still_left(&mut self, k: usize) -> Vector3<f64> {
         let (off, frames) = &mut self.left[k];
         if *frames == 0 {
@@ -297,7 +300,7 @@ impl BodyFollower {
         *off * (share * share * (3.0 - 2.0 * share))
     }
 
-    /// Takes for the anchors of what has come to stand where it stands.
+    /// Locks new contacts at their current position.
     fn anchor(&mut self, stands: &[f64]) -> Result<(), RetargetError> {
         let new = |k: &usize| stands[*k] >= 1.0 && self.anchors[*k].is_none();
         let new: Vec<usize> = (0..stands.len()).filter(new).collect();

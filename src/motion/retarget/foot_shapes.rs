@@ -1,41 +1,42 @@
-//! What of a body's shapes can touch the ground.
+//! Shapes of a model that can touch the ground.
 
 use crate::model::FrameId;
 use crate::robot::{Geometry, Robot};
 use crate::scalar::elementary;
 use crate::spatial::{Placement, Vector3};
 
-/// Corners that a round edge is taken for.
+/// Number of vertices that approximate a circle.
 const CORNERS: usize = 16;
 
-/// A body's shapes as balls fixed to its frames: each shape is the convex hull of its own, or nearly so where it is round.
+/// Shapes of a model as balls fixed to its frames: each shape is the convex hull of its balls, approximately for round
+/// ones.
 ///
-/// Of the feet among them [`Retargeting`](super::Retargeting) knows where the ground is, and keeps them out of it.
+/// [`Retargeting`](super::Retargeting) uses those of the feet for the ground height and to avoid ground penetration.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FootShapes {
     pub(super) balls: Vec<Ball>,
 }
 
-/// A ball that is fixed to a frame.
+/// Ball that is fixed to a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Ball {
     pub(super) frame: FrameId,
-    /// Its middle in the frame, metres.
+    /// Centre in the frame's coordinates, metres.
     pub(super) at: Vector3<f64>,
     pub(super) radius: f64,
 }
 
 impl Ball {
-    /// How high its lowest point is, where its frame is.
+    /// Returns the height of its lowest point, given the pose of its frame, metres.
     pub(super) fn height(&self, placed: &Placement<f64>) -> f64 {
         placed.apply(self.at).z - self.radius
     }
 }
 
 impl FootShapes {
-    /// Of the collision shapes that a robot's file describes by numbers; meshes are not opened.
+    /// Creates shapes from the primitive collision shapes of a robot's file. Mesh files are not read.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
         let mut own = Self::default();
@@ -48,7 +49,7 @@ impl FootShapes {
         own
     }
 
-    /// Of a robot's collision shapes and the hulls of its meshes, as far as these are found and are bodies.
+    /// Creates shapes from a robot's collision shapes and the hulls of its meshes. Missing meshes are left out.
     #[cfg(feature = "collision")]
     #[must_use]
     pub fn of_files(robot: &Robot) -> Self {
@@ -60,7 +61,7 @@ impl FootShapes {
         )
     }
 
-    /// Of a collision model's shapes, its meshes' hulls among them.
+    /// Creates shapes from a collision model, including the hulls of its meshes.
     #[cfg(feature = "collision")]
     #[must_use]
     pub fn of_collision_model(model: &crate::collision::CollisionModel) -> Self {
@@ -89,7 +90,7 @@ impl FootShapes {
                     let points = cloud.positions().iter().copied();
                     own.add(frame, placed, points, cloud.radius());
                 }
-                // Ground, and no part of a body.
+                // Ground, not part of a model.
                 ShapeKind::HalfSpace | ShapeKind::HeightField(_) => {}
             }
         }
@@ -154,7 +155,7 @@ impl FootShapes {
     }
 }
 
-/// Directions all around, as cosines and sines.
+/// Returns unit directions around a circle, as cosines and sines.
 fn around() -> impl Iterator<Item = (f64, f64)> {
     let turn = std::f64::consts::TAU / CORNERS as f64;
     (0..CORNERS).map(move |k| {

@@ -1,4 +1,4 @@
-//! What feet keep over in each frame of a whole movement.
+//! Foot constraints at each sample of a whole trajectory.
 
 use super::over_ground::{Footing, OverGround};
 use super::retargeting::as_map_error;
@@ -8,26 +8,27 @@ use crate::model::FrameId;
 use crate::motion::clip::MotionProblemBuilder;
 use crate::spatial::Placement;
 
-/// What a metre below the ground costs in a whole movement, for the most that any place counts: as much as one off what is held.
+/// Weight of ground penetration per metre, relative to the largest weight of a point; as large as that of contact
+/// sliding.
 const OVER: f64 = 200.0;
-/// What is held may be deeper than it came by so much, metres: where it stands it is on the edge, at which costs are not smooth.
+/// Allowed penetration of a locked foot beyond its reference, metres, because the cost is not smooth at the boundary.
 const SLACK: f64 = 2e-4;
-/// … but what is held is no deeper in the ground than this before, however it came.
+/// Largest penetration of a reference, metres.
 const DEEPEST: f64 = 4e-4;
 
-/// Where a foot is deeper than this in what it is kept over, metres, what each ball is kept over is raised by as much as it is deep.
+/// Penetration above which the ground under a foot is raised, metres.
 const SUNK: f64 = 9e-4;
 
-/// What each sole does in each frame.
+/// Task of each foot at each sample.
 #[derive(Clone, Debug)]
 pub(super) struct Footholds {
     soles: Vec<Vec<Footing>>,
-    /// By how much what each ball of each sole is kept over is raised, frame after frame, metres.
+    /// Raise of the ground under each ball, by foot and sample, metres.
     raised: Vec<Vec<f64>>,
 }
 
 impl Retargeting<'_> {
-    /// Where the soles are in all frames.
+    /// Returns the poses of all feet at all samples.
     fn placed_soles(&self, q: &[f64]) -> Result<Vec<Vec<Placement<f64>>>, RetargetError> {
         let model = self.robot.model();
         let soles = self.limbs.soles.iter().map(|sole| sole.frame);
@@ -38,8 +39,10 @@ impl Retargeting<'_> {
         placed.collect()
     }
 
-    /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do: over what they
-    /// stand on there too, as a foot that is held at its ankle alone is tipped by a leg that can do no more.
+    /// Creates foot constraints from an online result. Feet stay above the ground.
+    ///
+    /// Feet with all limbs in contact keep their tilt from the online result. With an ankle lock alone, a leg at its
+    /// limits would tip the foot.
     pub(super) fn footholds(&self, q: &[f64]) -> Result<Footholds, RetargetError> {
         let placed = self.placed_soles(q)?;
         let mut soles = Vec::with_capacity(self.limbs.soles.len());
@@ -52,7 +55,7 @@ impl Retargeting<'_> {
             let mut standing = vec![0; self.frames()];
             for (ball, (own, limb)) in sole.balls.iter().enumerate() {
                 for span in spans(*limb) {
-                    // As low as it came: what holds still is not lifted.
+                    // The lowest height of the contact, so that a resting foot is not lifted.
                     let heights = placed[span.clone()].iter();
                     let heights = heights.map(|placed| own.height(&placed[k]));
                     let lowest = heights.fold(f64::INFINITY, f64::min).max(-DEEPEST);
@@ -94,8 +97,8 @@ impl Retargeting<'_> {
         })
     }
 
-    /// Raises what feet are kept over where they are in it, as the spring that it is gives way to what presses on them: an augmented
-    /// Lagrangian's step. Whether one was deep.
+    /// Raises the ground under feet that penetrate it, as in an augmented Lagrangian method. Returns whether a
+    /// penetration was large.
     pub(super) fn raise_footholds(
         &self,
         q: &[f64],
@@ -127,7 +130,7 @@ impl Retargeting<'_> {
         Ok(deepest > SUNK)
     }
 
-    /// Has a movement keep its soles over these.
+    /// Adds the foot constraints to a trajectory problem.
     pub(super) fn keep_feet_over_ground(
         &self,
         footholds: &Footholds,

@@ -1,4 +1,4 @@
-//! Which way the hips are turned.
+//! Heading of the pelvis from the hip positions.
 
 use super::limbs::Limbs;
 use crate::model::FrameId;
@@ -6,13 +6,14 @@ use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 use crate::task::{LocalJacobian, Quantity, Residual, Rows};
 
-/// What a radian costs that the line of the hips is turned off, in metres off a place.
+/// Weight of the rotation of the hip line, in metres of position per radian.
 const TURN: f64 = 0.3;
-/// Hips nearer to each other than this, in metres, are on no line.
+/// Distance of the hips below which they define no line, metres.
 const NO_LINE: f64 = 1e-3;
 
-/// r = w (a − b − target): the way from one hip to the other. Hips are so near to each other that their places alone
-/// hardly tell which way a body is turned, and legs wind themselves up.
+/// Residual r = w (a − b − target) of the vector from one hip to the other.
+///
+/// Hips are so close that their positions alone hardly determine the heading of the pelvis, and legs would wind up.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HipLine {
     limbs: [usize; 2],
@@ -23,7 +24,8 @@ pub(super) struct HipLine {
 }
 
 impl HipLine {
-    /// Of the first two hips, if there are; `stood` is where all limbs end in some configuration.
+    /// Creates the task from the first two hips, if there are two. `stood` has the end positions of all limbs in a
+    /// configuration.
     pub(super) fn new(limbs: &Limbs, stood: &[Vector3<f64>]) -> Option<Self> {
         let [a, b] = *limbs.hips.first_chunk::<2>()?;
         let frames = [a, b].map(|k| limbs.all[k].frame);
@@ -37,7 +39,7 @@ impl HipLine {
         })
     }
 
-    /// Points the line where the hips' own places do; where these are one, it stays.
+    /// Sets the direction of the line from the targets of the hips. The direction stays if these coincide.
     pub(super) fn aim(&mut self, places: &[Vector3<f64>]) {
         let [a, b] = self.limbs;
         let way = places[a] - places[b];

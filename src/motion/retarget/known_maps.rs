@@ -1,4 +1,4 @@
-//! The skeletons and bodies that the library knows by heart: `maps/` in its sources.
+//! Built-in maps of skeletons and robots, from `maps/` of the sources.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ const BODIES: [(&str, &str); 4] = [
     ("nao", include_str!("../../../maps/bodies/nao.json")),
 ];
 
-/// A skeleton whose joints' names are known: `cmu`, `lafan1`, `mixamo` or `smpl`.
+/// Built-in skeleton with known joint names: `cmu`, `lafan1`, `mixamo` or `smpl`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KnownSkeleton {
     name: &'static str,
@@ -61,15 +61,15 @@ struct BodyFile {
 }
 
 impl KnownSkeleton {
-    /// Their names.
+    /// Names of the built-in skeletons.
     pub fn names() -> impl Iterator<Item = &'static str> {
         SKELETONS.iter().map(|(name, _)| *name)
     }
 
-    /// One of them by name.
+    /// Returns the built-in skeleton of a name.
     ///
     /// # Errors
-    /// A name that there is not; the error lists the valid ones.
+    /// Returns an error that lists the valid names if the skeleton does not exist.
     pub fn named(name: &str) -> Result<Self, RetargetError> {
         let known = SKELETONS.iter().find(|(own, _)| *own == name);
         let unknown = || UnknownName::new("skeleton", name, Self::names());
@@ -84,7 +84,7 @@ impl KnownSkeleton {
         })
     }
 
-    /// The first of them whose parts are all among a capture's joints.
+    /// Returns the first built-in skeleton whose parts are all among the joints of a capture.
     #[must_use]
     pub fn of_joints(joints: &[String]) -> Option<Self> {
         let all = Self::names().filter_map(|name| Self::named(name).ok());
@@ -93,13 +93,13 @@ impl KnownSkeleton {
     }
 
     getters! {
-        /// Its name.
+        /// Name of the skeleton.
         pub fn name(&self) -> &'static str = self.name;
-        /// Its joints in the order in which arrays have them; empty where that is not settled, as Mixamo's.
+        /// Joints in the order of arrays; empty if there is no fixed order, as for Mixamo.
         pub fn joints(&self) -> &[String] = &self.joints;
     }
 
-    /// The names of an array's joints: all of this skeleton's, or the first of them.
+    /// Returns the joint names of an array: all of the skeleton, or the first `joints` of them.
     #[must_use]
     pub fn joints_of_array(&self, joints: usize) -> Option<&[String]> {
         let last = self
@@ -110,7 +110,7 @@ impl KnownSkeleton {
         self.joints.get(..joints).filter(|_| joints >= least)
     }
 
-    /// Which of the joints each part is; `None` where one is missing. What stands before all names counts for nothing.
+    /// Returns the joint index of each part, or `None` if one is missing. Namespace prefixes of names are ignored.
     pub(super) fn parts_in(&self, joints: &[String]) -> Option<BTreeMap<BodyPart, usize>> {
         let own: Vec<String> = joints.iter().map(|name| bare(name)).collect();
         let place = |name: &String| own.iter().position(|own| *own == bare(name));
@@ -124,7 +124,7 @@ impl KnownSkeleton {
     }
 }
 
-/// A body whose frames' names are known.
+/// Built-in robot or character with known frame names.
 #[derive(Clone, Debug)]
 pub(super) struct KnownBody {
     pub(super) name: &'static str,
@@ -132,7 +132,7 @@ pub(super) struct KnownBody {
 }
 
 impl KnownBody {
-    /// The first of them whose frames a model has all.
+    /// Returns the first built-in body whose frames all exist in a model.
     pub(super) fn of_model(model: &Model) -> Result<Option<Self>, RetargetError> {
         for (name, text) in BODIES {
             let wrong = |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));

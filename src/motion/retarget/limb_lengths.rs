@@ -1,4 +1,4 @@
-//! How long limbs are, of a person and of a model.
+//! Limb lengths of a subject and of a model.
 
 use std::f64::consts::TAU;
 
@@ -9,12 +9,13 @@ use crate::kinematics::ForwardKinematics;
 use crate::model::{JointId, Model};
 use crate::spatial::{Placement, Vector3};
 
-/// Frames of a capture, and configurations of a model, that lengths are measured in.
+/// Number of capture frames, and of random configurations of a model, from which lengths are measured.
 const MEASURED: usize = 256;
-/// Lengths are those that so many of them do not exceed: a limb of two bones is as long as it gets.
+/// Quantile of the measured lengths that counts as limb length: that of a stretched limb of two bones, without
+/// outliers.
 const QUANTILE: f64 = 0.9;
 
-/// Where the driven frames are in random configurations of a model.
+/// Returns the positions of the driven points in random configurations of a model.
 pub(super) fn model_places(
     model: &Model,
     all: &[Limb],
@@ -34,7 +35,7 @@ pub(super) fn model_places(
     Ok(places)
 }
 
-/// Where the driving joints are in frames all over a capture.
+/// Returns the positions of the driving joints in capture frames spread over a capture.
 pub(super) fn capture_places(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec<Vector3<f64>> {
     let step = capture.frames().div_ceil(MEASURED).max(1);
     let frames = (0..capture.frames())
@@ -44,7 +45,7 @@ pub(super) fn capture_places(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec
     places.collect()
 }
 
-/// How long each limb is at its most, but for outliers; 0 for the root.
+/// Returns the length of each limb; 0 for the root.
 pub(super) fn lengths(all: &[Limb], places: &[Vector3<f64>]) -> Vec<f64> {
     let of_limb = |(k, limb): (usize, &Limb)| {
         let Some(parent) = limb.parent else {
@@ -57,7 +58,8 @@ pub(super) fn lengths(all: &[Limb], places: &[Vector3<f64>]) -> Vec<f64> {
     all.iter().enumerate().map(of_limb).collect()
 }
 
-/// The length of a model's limb at rest, if a joint inside of it has no limits: random configurations fold such a limb as no body does.
+/// Returns the length of a limb at rest if one of its joints has no limits, because random configurations would fold
+/// it.
 pub(super) fn rest_length(
     model: &Model,
     all: &[Limb],

@@ -1,10 +1,10 @@
-//! Which limb hangs on which.
+//! Hierarchy of limbs.
 
 use super::limbs::Limb;
 use crate::model::{FrameId, JointId, Model};
 use crate::spatial::Vector3;
 
-/// The joints from a frame up to the root.
+/// Returns the joints from a frame up to the root.
 pub(super) fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
     let mut above = model.frames()[frame.index()].joint;
     let joints = std::iter::from_fn(|| {
@@ -15,13 +15,13 @@ pub(super) fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
     joints.collect()
 }
 
-/// The joint that moves a frame, if any does.
+/// Returns the joint that moves a frame, if there is one.
 pub(super) fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
     let mut above = joints_above(model, frame).into_iter();
     above.find(|id| model.joints()[id.index()].kind.moves())
 }
 
-/// Where a limb's end is on the joint that moves it, beyond all that is fixed to that one.
+/// Returns the position of a limb's end in the frame of the joint that moves it.
 fn from_moving_joint(model: &Model, limb: &Limb) -> Vector3<f64> {
     let frame = &model.frames()[limb.frame.index()];
     let mut at = frame.joint_from_frame.apply(limb.offset);
@@ -35,14 +35,14 @@ fn from_moving_joint(model: &Model, limb: &Limb) -> Vector3<f64> {
     at
 }
 
-/// Puts parents first and finds them: the nearest driven frame towards the model's root, or the one nearest to it.
+/// Sorts limbs parents first and sets their parents: the nearest driven frame towards the root, or the root limb.
 pub(super) fn order(model: &Model, all: &mut [Limb]) {
     let moving = |limb: &Limb| {
         let above = joints_above(model, limb.frame);
         let moves = |joint: &JointId| model.joints()[joint.index()].kind.moves();
         above.into_iter().filter(moves).collect::<Vec<_>>()
     };
-    // Of those that one joint moves, the nearest to it first: a knee before the ankle at the shin's end.
+    // For equal chains the nearer end comes first: a knee before the ankle at the end of the shin.
     let off = |limb: &Limb| from_moving_joint(model, limb).norm();
     all.sort_by(|a, b| {
         let lengths = [a, b].map(|limb| moving(limb).len());
@@ -61,8 +61,8 @@ pub(super) fn order(model: &Model, all: &mut [Limb]) {
     }
 }
 
-/// The limbs between what stands and the root, without those at the root, which are hips, and those beyond what stands,
-/// which are feet; without any that stands, all.
+/// Returns the limbs between contact points and the root, without hips and feet. Returns those of all ends if `stands`
+/// is false.
 pub(super) fn leg_limbs(all: &[Limb], stands: bool) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
     for (end, limb) in all.iter().enumerate() {
@@ -83,7 +83,7 @@ pub(super) fn leg_limbs(all: &[Limb], stands: bool) -> Vec<usize> {
     found
 }
 
-/// The limbs that end at the root and carry what stands, but for what stands itself.
+/// Returns the limbs between the root and the legs: those that end at the root and carry contact points.
 pub(super) fn hips(all: &[Limb]) -> Vec<usize> {
     let mut found = Vec::new();
     for end in all.iter().filter(|limb| limb.stands) {

@@ -1,4 +1,4 @@
-//! Where a capture's joints are on a body of a model's size.
+//! Target positions of a model from captured joint positions.
 
 use super::hip_line::HipLine;
 use super::limb_lengths::{capture_places, lengths, model_places, quantile, rest_length};
@@ -11,54 +11,54 @@ use crate::model::{FrameId, Model, UnknownName};
 use crate::motion::contact_detection::mean_place;
 use crate::spatial::{Placement, Vector3};
 
-/// A limb shorter than this share of the body is none: it is as long as the model's.
+/// Limb length, relative to the body, below which a limb counts as missing and is not scaled.
 const NO_LIMB: f64 = 1e-6;
-/// The ground is as high as so many of the lowest places of what stands.
+/// Quantile of the heights of a contact point that counts as the ground.
 const GROUND_QUANTILE: f64 = 0.05;
 
-/// A driven frame, and the limb that it ends.
+/// Driven frame, with the limb that ends there.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limb {
-    /// The captured joint.
+    /// Index of the captured joint.
     pub(super) joint: usize,
     pub(super) frame: FrameId,
     pub(super) offset: Vector3<f64>,
     pub(super) weight: f64,
-    /// The limb that it hangs on, before it; `None` for the root.
+    /// Index of the parent limb, which comes earlier; `None` for the root.
     pub(super) parent: Option<usize>,
-    /// How many times as long as the person's the model's is.
+    /// Ratio of the model's limb length to the subject's.
     pub(super) scale: f64,
-    /// Whether it stands on something at times.
+    /// True if the point makes contact.
     pub(super) stands: bool,
-    /// Whether it is a point of another one's body rather than of the frame that the map names.
+    /// True if the point was moved from the mapped frame to the foot's frame.
     pub(super) is_heel: bool,
-    /// How high it is over the ground that the model stands on, metres.
+    /// Height above the ground in the model's stance, metres.
     pub(super) clearance: f64,
-    /// How high the person's is when it stands on the ground, in the capture's unit.
+    /// Height of the subject's joint on the ground, in the capture's unit.
     ground: f64,
 }
 
-/// All driven frames, parents first, and how a capture's places become theirs.
+/// All driven frames, parents first, with the conversion of captured positions.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limbs {
     pub(super) all: Vec<Limb>,
-    /// The limbs between the root and the legs.
+    /// Indices of the limbs between the root and the legs.
     pub(super) hips: Vec<usize>,
-    /// Which way they are turned.
+    /// Task of the pelvis heading.
     pub(super) hip_line: Option<HipLine>,
-    /// Of the feet that have a shape.
+    /// Contact geometry of feet with shapes.
     pub(super) soles: Vec<Sole>,
     up: UpAxis,
-    /// How many times as large as the person's the model's steps are.
+    /// Ratio of the model's steps to the subject's.
     pub(super) stride: f64,
-    /// How long a leg of the model is, metres; 0 where nothing stands.
+    /// Leg length of the model, metres; 0 without contact points.
     pub(super) leg: f64,
-    /// The axis that the model's root is above its feet along.
+    /// Axis along which the model's root is above its feet.
     pub(super) model_up: Option<UpAxis>,
 }
 
 impl Limbs {
-    /// The most that any place counts.
+    /// Returns the largest weight of a point.
     pub(super) fn heaviest(&self) -> f64 {
         let weights = self.all.iter().map(|limb| limb.weight);
         weights.fold(f64::MIN_POSITIVE, f64::max)
@@ -93,7 +93,7 @@ impl Limbs {
                 limb.scale = if real { own / person } else { 1.0 };
             }
         }
-        // Of the legs, from what stands up to the root: so steps and boxes fit them.
+        // Ratio of leg lengths, so that steps and obstacles fit the legs.
         let stands = all.iter().any(|limb| limb.stands);
         let in_legs = leg_limbs(&all, stands);
         let total = |lengths: &[f64]| -> f64 { in_legs.iter().map(|&limb| lengths[limb]).sum() };
@@ -135,7 +135,7 @@ impl Limbs {
         } else {
             0.0
         };
-        // The root is as much over what stands as the person's is.
+        // The root has the subject's height above contact points.
         let standing = all.iter().filter(|limb| limb.stands || !stands);
         let lowest = standing.min_by(|a, b| a.ground.total_cmp(&b.ground));
         let (ground, sole) = lowest.map_or((0.0, 0.0), |limb| (limb.ground, limb.clearance));
@@ -156,14 +156,17 @@ impl Limbs {
         Ok(own)
     }
 
-    /// Whether a limb is placed in the world, as the root and feet are, rather than at the end of its limb.
+    /// Returns whether a limb's target is in world coordinates, as for the root and feet, instead of relative to its
+    /// parent.
     fn is_in_world(&self, limb: &Limb) -> bool {
         limb.parent
             .is_none_or(|parent| limb.stands && !self.all[parent].stands)
     }
 
-    /// Where the driven frames should be, metres: hips and feet in a world scaled as the legs are, the root over the
-    /// hips, what hangs on them by the lengths of limbs.
+    /// Writes the target positions of the driven points, metres.
+    ///
+    /// The root and feet are scaled by the leg ratio in the world. Other limbs follow their parents with scaled
+    /// lengths.
     pub(super) fn place(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
         to.clear();
         let place = |limb: &Limb| self.up.upright(captured[limb.joint]);
@@ -174,7 +177,7 @@ impl Limbs {
                     to[parent] + (at - place(&self.all[parent])) * limb.scale
                 }
                 Some(_) => self.in_world(limb, at),
-                // Its hips are where the legs' lengths put them, however far it is from them.
+                // The root is placed relative to the hips, by the ratio of their limb lengths.
                 None => {
                     let off = |hip: &usize| at - place(&self.all[*hip]);
                     let own = |hip: &usize| off(hip) * self.all[*hip].scale;
@@ -197,15 +200,15 @@ impl Limbs {
         }
     }
 
-    /// A place in the model's world.
+    /// Converts a position to the model's world.
     fn in_world(&self, limb: &Limb, at: Vector3<f64>) -> Vector3<f64> {
         let over_ground = Vector3::new(at.x, at.y, at.z - limb.ground);
         over_ground * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
     }
 }
 
-/// How high the ground is that a body stands on in a configuration: as its soles are, or without any as the lowest of its frames
-/// and driven points.
+/// Returns the ground height in a stance: that of the lowest contact geometry, or else of the lowest frame or driven
+/// point.
 fn ground_of_stance(soles: &[Sole], stood: &[Vector3<f64>], placed: &[Placement<f64>]) -> f64 {
     let lowest = |heights: &mut dyn Iterator<Item = f64>| heights.fold(f64::INFINITY, f64::min);
     let of_soles = soles
@@ -220,8 +223,9 @@ fn ground_of_stance(soles: &[Sole], stood: &[Vector3<f64>], placed: &[Placement<
     }
 }
 
-/// Where an ankle stands and so does what is beyond it, a toe, the foot stands: so the ankle's point is taken for one of the
-/// foot, where it is in a configuration. Ankles' frames are often on the shin, which would have to stand still as well.
+/// Moves the contact points of ankles to the frame of the foot if a toe beyond them makes contact too.
+///
+/// Ankle frames often belong to the shin, which would have to stay fixed otherwise.
 fn put_heels_on_feet(model: &Model, all: &mut [Limb], placed: &[Placement<f64>]) {
     for ankle in 0..all.len() {
         let beyond = |toe: &&Limb| {
@@ -238,7 +242,7 @@ fn put_heels_on_feet(model: &Model, all: &mut [Limb], placed: &[Placement<f64>])
     }
 }
 
-/// The driven frames in the map's order, without limbs yet.
+/// Returns the driven frames in the order of the map, without parents and lengths.
 fn of_map(model: &Model, map: &BodyMap, capture: &Capture) -> Result<Vec<Limb>, RetargetError> {
     let mut all: Vec<Limb> = Vec::with_capacity(map.drives.len());
     for drive in &map.drives {

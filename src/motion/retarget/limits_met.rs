@@ -1,4 +1,4 @@
-//! Which limits a movement runs into, and when.
+//! Active limits of a motion, with their spans.
 
 use std::ops::Range;
 
@@ -6,26 +6,27 @@ use super::{Retargeted, Retargeting};
 use crate::motion::clip::MotionBound;
 use crate::solver::Side;
 
-/// So near to a limit, as a share of the room between both or of the longest move, it is met.
+/// Distance from a limit that counts as active, relative to the range or to the displacement bound.
 const NEAR: f64 = 1e-9;
 
-/// A limit that a joint is at over a span of frames.
+/// Limit that is active for a joint over a span of samples.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LimitMet {
-    /// The joint's name.
+    /// Name of the joint.
     pub joint: String,
-    /// What is limited.
+    /// Kind of the bound.
     pub bound: MotionBound,
-    /// Which end: of a speed, whether it falls or rises.
+    /// Lower or upper bound. For a velocity it is the sign of the motion.
     pub side: Side,
-    /// The frames.
+    /// Span of samples.
     pub frames: Range<usize>,
 }
 
 impl Retargeting<'_> {
-    /// The limits of position and speed that a movement is at, in the order of joints and frames. What joints follow others by
-    /// counts through those that they follow.
+    /// Returns the active limits of position and velocity, in the order of joints and samples.
+    ///
+    /// Limits of mimic joints count through their source joints.
     #[must_use]
     pub fn limits_met(&self, found: &Retargeted) -> Vec<LimitMet> {
         let model = self.robot.model();
@@ -70,7 +71,7 @@ impl Retargeting<'_> {
     }
 }
 
-/// Frames in order as spans without gaps.
+/// Groups ascending samples into spans without gaps.
 fn spans(
     frames: impl Iterator<Item = usize>,
     told: impl Fn(Range<usize>) -> LimitMet,

@@ -1,4 +1,4 @@
-//! A person's places as they come, on a model: nothing waits for what comes later.
+//! Live retargeting of captured positions, without look-ahead.
 
 use std::collections::VecDeque;
 
@@ -7,13 +7,13 @@ use super::{BodyFollower, RetargetError, Retargeting};
 use crate::motion::ContactDetection;
 use crate::spatial::Vector3;
 
-/// The places of so many frames back tell how fast something moves, as captures tremble.
+/// Number of capture frames over which the speed of a point is measured, because captures are noisy.
 const BACK: usize = 4;
 
-/// Follows a person live: one frame's places in, that frame's configuration out, in a bounded number of steps.
+/// Live retargeter: one capture frame in, its configuration out, in a bounded number of iterations.
 ///
-/// The [`Retargeting`] that it is made by has measured the person: their limbs and the ground. What stands is known here
-/// from the frames before alone, so a foot is held some frames later than where a whole capture is known.
+/// Its [`Retargeting`] has measured the limbs and ground of the subject. Contacts are detected from past capture frames
+/// only, so feet are locked some frames later than with a complete capture.
 #[derive(Clone, Debug)]
 pub struct LiveFollower {
     limbs: Limbs,
@@ -22,19 +22,18 @@ pub struct LiveFollower {
     frame_rate: f64,
     joints: usize,
     places: Vec<Vector3<f64>>,
-    /// Where the driven points should have been, the last frame at the end.
+    /// Previous targets of the driven points, the last ones at the end.
     before: VecDeque<Vec<Vector3<f64>>>,
-    /// Over how many frames each has been still.
+    /// Number of capture frames for which each point has been still.
     still: Vec<usize>,
     firmness: Vec<f64>,
 }
 
 impl Retargeting<'_> {
-    /// A follower of the same person on the same model for frames that are still to come, whose joints are the
-    /// capture's.
+    /// Creates a live retargeter for the same subject and model. Its capture frames have the joints of the capture.
     ///
     /// # Errors
-    /// As [`follower`](Self::follower).
+    /// Returns the errors of [`follower`](Self::follower).
     pub fn live(&self) -> Result<LiveFollower, RetargetError> {
         let limbs = self.limbs.clone();
         let driven = limbs.all.len();
@@ -54,19 +53,21 @@ impl Retargeting<'_> {
 
 impl LiveFollower {
     getters! {
-        /// Where the body is.
+        /// Current configuration.
         pub fn q(&self) -> &[f64] = self.follower.q();
-        /// How many joints a frame has.
+        /// Number of joints of a capture frame.
         pub fn joints(&self) -> usize = self.joints;
-        /// Frames a second, at which limits of speed hold.
+        /// Capture frames per second, the rate of the velocity limits.
         pub fn frame_rate(&self) -> f64 = self.frame_rate;
     }
 
-    /// Goes on to the next frame: where the capture's joints are, in its order, unit and axes. Returns the configuration.
-    /// Where a place is not finite, the body stays.
+    /// Retargets the next capture frame and returns its configuration.
+    ///
+    /// `captured` are joint positions in the capture's order, unit and axes. If a position is not finite, the
+    /// configuration stays unchanged.
     ///
     /// # Errors
-    /// Another number of joints.
+    /// Returns an error if the number of joints is wrong.
     pub fn step(&mut self, captured: &[Vector3<f64>]) -> Result<&[f64], RetargetError> {
         if captured.len() != self.joints {
             return Err(RetargetError::NotFrames {
@@ -82,7 +83,7 @@ impl LiveFollower {
         self.follower.advance(&self.places, &self.firmness)
     }
 
-    /// Tells what stands by how far it has come in the last frames, and keeps it over the ground.
+    /// Detects contacts from the speeds over the last capture frames, and keeps contact points above the ground.
     fn feel(&mut self) {
         let shortest = (self.contacts.shortest_s * self.frame_rate).ceil().max(1.0) as usize;
         let oldest = self.before.front();

@@ -1,4 +1,4 @@
-//! A map where none is given: from known names, and from what names tell.
+//! Guessed maps, from built-in maps and from names.
 
 use std::collections::BTreeMap;
 
@@ -12,31 +12,30 @@ use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
 use crate::spatial::Vector3;
 
-/// With fewer parts there is no body.
+/// Minimum number of parts of a body.
 const FEWEST: usize = 3;
-/// Frames so near to each other, as a share of the model's reach, are at one place.
+/// Distance below which two frames coincide, relative to the model's reach.
 const NEAR: f64 = 0.01;
-/// A body stands along an axis where it is so many times as far along it as along the others.
+/// Ratio of components above which a direction counts as an axis.
 const SURELY: f64 = 2.0;
 
-/// A map that was guessed, and by what.
+/// Guessed map, with its sources.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MapGuess {
-    /// The map.
+    /// Guessed map.
     pub map: BodyMap,
-    /// The known skeleton whose names the capture has.
+    /// Built-in skeleton that matches the capture.
     pub skeleton: Option<&'static str>,
-    /// The known body whose frames the model has.
+    /// Built-in body that matches the model.
     pub body: Option<&'static str>,
-    /// The axis along which the body stands, of y and z, where its parts tell, whether they drive anything or not.
+    /// Axis, y or z, along which the body is upright, if its parts determine it.
     pub up: Option<UpAxis>,
-    /// What is to be looked at: a map that drives nothing of the model, parts that one of both has not by its names, and proportions
-    /// that are no body's.
+    /// Warnings: a map without assignments, parts missing on one side, and implausible proportions.
     pub notes: Vec<String>,
 }
 
-/// The joints of a capture that are parts of a body by their names, and the known skeleton that they are of.
+/// Returns the joints of a capture by body part, and the matching built-in skeleton.
 fn parts_of_capture(capture: &Capture) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
     let known = KnownSkeleton::of_joints(capture.names());
     let skeleton = known.as_ref().map(KnownSkeleton::name);
@@ -47,24 +46,26 @@ fn parts_of_capture(capture: &Capture) -> (BTreeMap<BodyPart, usize>, Option<&'s
     (parts, skeleton)
 }
 
-/// What is told of a map without drives.
+/// Warning about a map without assignments.
 const LACKING: &str = "the map drives nothing of the target, so names tell what";
 
 impl BodyMap {
-    /// Guesses which joint of a capture drives which frame of a model: by the [known](KnownSkeleton) skeletons and bodies
-    /// where all their names are there, else by what names tell (`LeftUpLeg`, `l_thigh`, `left_hip_pitch_link`).
+    /// Guesses the assignment of captured joints to frames of a model.
+    ///
+    /// Uses built-in [skeletons](KnownSkeleton) and bodies if all their names exist, else the parts of names
+    /// (`LeftUpLeg`, `l_thigh`, `left_hip_pitch_link`).
     ///
     /// # Errors
-    /// A capture or a model whose names tell of no body; the error lists some of them.
+    /// Returns an error, with some of the names, if those of the capture or the model match no body.
     pub fn guess(capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
         let (joints, skeleton) = parts_of_capture(capture);
         Self::of_parts(capture, joints, skeleton, model)
     }
 
-    /// The map with drives [as names tell](Self::guess) where it has none, and what is to be looked at of the joints that drive.
+    /// Completes a map without assignments by [guessed](Self::guess) ones. Otherwise only checks the proportions.
     ///
     /// # Errors
-    /// Without drives what `guess` refuses.
+    /// Returns the errors of `guess` for a map without assignments.
     pub fn completed(self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
         if self.drives.is_empty() {
             let guess = Self::guess(capture, model)?;
@@ -94,10 +95,10 @@ impl BodyMap {
         })
     }
 
-    /// The map from a known skeleton to a model, which may be known as well.
+    /// Creates the map from a built-in skeleton to a model.
     ///
     /// # Errors
-    /// A joint of the skeleton that the capture has not, and a model whose names tell of no body.
+    /// Returns an error if the capture lacks a joint of the skeleton, or if the model's names match no body.
     pub fn from_skeleton(
         skeleton: &KnownSkeleton,
         capture: &Capture,
@@ -162,7 +163,7 @@ impl BodyMap {
                     driving.insert(part, joint);
                     drives.push(frame);
                 }
-                // What a known body has none of, it has none of.
+                // A built-in body is complete, so missing parts need no warning.
                 (Some(_), None) if body.is_some() => {}
                 (Some(_), None) => notes.push(format!("{name}: the model has none by its names")),
                 (None, Some(_)) => notes.push(format!("{name}: the capture has none by its names")),
@@ -175,7 +176,7 @@ impl BodyMap {
                 model: named(parts.keys()),
             });
         }
-        // As they are read from a file, so that what is written and read again answers the same.
+        // The order of a map file, so that a written and read map gives equal results.
         drives.sort_by(|a, b| a.joint.cmp(&b.joint));
         notes.extend(Proportions::of(capture, &driving).faults());
         let map = BodyMap {
@@ -193,7 +194,7 @@ impl BodyMap {
     }
 }
 
-/// The parts whose frames are at places of their own: two joints that drive one place would pull at it both.
+/// Returns the parts without those at the position of an earlier part, which would compete with it.
 fn apart(
     model: &Model,
     mut parts: BTreeMap<BodyPart, DriveText>,
@@ -222,7 +223,7 @@ fn apart(
     Ok(parts)
 }
 
-/// The axis along which the pelvis is above the ankles, in the mean over all frames.
+/// Returns the axis along which the pelvis is above the ankles, on average.
 fn stands_along(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Option<UpAxis> {
     let pelvis = *joints.get(&BodyPart::Pelvis)?;
     let ankles = [BodyPart::LeftAnkle, BodyPart::RightAnkle];
@@ -235,7 +236,7 @@ fn stands_along(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Option
     upward(above)
 }
 
-/// The axis that something is surely above something else along.
+/// Returns the dominant axis of a direction, y or z, if there is one.
 pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
     let [x, y, z] = above.to_array().map(f64::abs);
     match () {
@@ -245,7 +246,7 @@ pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
     }
 }
 
-/// The first of many names, for a message.
+/// Returns the first names of a list, for messages.
 fn some_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const LISTED: usize = 12;
     let all: Vec<&str> = names.collect();
@@ -256,7 +257,7 @@ fn some_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// Names of parts, one after another.
+/// Returns the names of parts, separated by commas.
 fn named<'p>(parts: impl Iterator<Item = &'p BodyPart>) -> String {
     let names: Vec<&str> = parts.map(|part| part.name()).collect();
     names.join(", ")

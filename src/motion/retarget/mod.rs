@@ -1,9 +1,9 @@
-//! People's movements on robots: captured places of joints become configurations of any model, within its limits of
-//! position and speed, with feet that stand where the person's stood.
+//! Motion retargeting: captured joint positions become configurations of a model.
 //!
-//! A [`Capture`] is where joints are in each frame, a [`BodyMap`] which of them drives which frame of the model.
-//! [`Retargeting`] fits the one to the other by the lengths of limbs, finds the ground and what stands still, and then
-//! follows [frame by frame](Retargeting::per_frame), as a live follower would, or solves the [whole](Retargeting::whole).
+//! The result respects the limits of position and velocity, and feet are in contact where the subject's feet were. A
+//! [`Capture`] has the joint positions of each capture frame. A [`BodyMap`] assigns captured joints to frames of the
+//! model. [`Retargeting`] scales the capture by limb lengths and finds the ground and contacts. It then solves [frame
+//! by frame](Retargeting::per_frame), like an online retargeter, or the [whole trajectory](Retargeting::whole).
 
 mod body_map;
 mod body_part;

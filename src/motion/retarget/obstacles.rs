@@ -1,4 +1,4 @@
-//! What a body keeps clear of while it follows, whatever tells it.
+//! Collision avoidance of retargeting, with type erasure.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,13 +8,13 @@ use crate::motion::clip::MotionProblemBuilder;
 use crate::problem::{AnyClearanceCheck, KeepClear, ProblemBuilder};
 use crate::task::Task;
 
-/// How much more a clearance counts than a place, in a whole movement.
+/// Weight of collision avoidance relative to a point, in a whole trajectory.
 const HOLDING: f64 = 100.0;
 
 type OfFrame = dyn Fn(&mut ProblemBuilder<'_>) + Send + Sync;
 type OfMotion = dyn Fn(&mut MotionProblemBuilder<'_>, Arc<[bool]>) + Send + Sync;
 
-/// A checker without its type.
+/// Type-erased collision checker.
 #[derive(Clone)]
 pub(super) struct Obstacles {
     of_frame: Arc<OfFrame>,
@@ -46,17 +46,17 @@ impl Obstacles {
         }
     }
 
-    /// A check with memory of its own.
+    /// Returns a check with its own memory.
     pub(super) fn check(&self) -> Box<dyn AnyClearanceCheck> {
         self.check.clone()
     }
 
-    /// A frame's tasks keep clear.
+    /// Adds collision avoidance to the tasks of a sample.
     pub(super) fn add_to(&self, tasks: &mut ProblemBuilder<'_>) {
         (self.of_frame)(tasks);
     }
 
-    /// A movement's do, in the frames that are near to something.
+    /// Adds collision avoidance to a trajectory, at the samples marked in `near`.
     pub(super) fn add_to_motion(&self, motion: &mut MotionProblemBuilder<'_>, near: Arc<[bool]>) {
         (self.of_motion)(motion, near);
     }

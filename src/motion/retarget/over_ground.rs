@@ -1,4 +1,4 @@
-//! A foot that stays over the ground, and stands flat on it.
+//! Task of a foot: no ground penetration, and orientation in contact.
 
 use super::sole::Sole;
 use crate::model::FrameId;
@@ -6,35 +6,36 @@ use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 use crate::task::{LocalJacobian, Quantity, Residual, Room, Rows};
 
-/// What a radian costs that a foot is tilted off level, in metres off a place.
+/// Weight of the tilt of a foot, in metres of position per radian.
 const TILTED: f64 = 0.15;
 
-/// What a radian costs that a foot which is held is turned, in metres off a place, for the most that any place counts …
+/// Weight of the tilt of a locked foot, in metres of position per radian, relative to the largest weight of a point.
 const TURNED: f64 = 1.5;
-/// … and one that is held firmly: by the lever of a foot as much as its place does.
+/// Weight of the tilt of a foot with locked orientation: that of its position times the length of a foot.
 const TURNED_FIRMLY: f64 = 30.0;
 
-/// r = w min(z − radius − height, 0) for each ball of a sole, then r = w ((R e)·z − tilt) for each direction that is to be level.
+/// Residual r = w min(z − radius − height, 0) for each ball of a foot, then r = w ((R e)·z − tilt) for each level
+/// direction.
 ///
-/// A foot that is held stays as tilted as it came down. Frame by frame it stays over nothing: what is above an edge is worth
-/// nothing and what is below it much, so that the few steps along a held foot would be refused.
+/// A locked foot keeps its tilt at touchdown. Online it has no ground rows, because their discontinuous slope would
+/// reject the few steps along a locked foot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OverGround {
     sole: Sole,
-    /// What a metre below the ground costs, and what a radian that a held foot is turned, if it is held firmly too.
+    /// Weights of ground penetration per metre, of the tilt of a locked foot per radian, and of a locked orientation.
     weights: [f64; 3],
     footing: Footing,
-    /// By how much what each ball stays over is raised, metres.
+    /// Raise of the ground under each ball, metres.
     raised: Vec<f64>,
 }
 
-/// What a foot does on the ground.
+/// Constraint of a foot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Footing {
-    /// It stays over heights, ball by ball, and is to be level, which counts so many times as much as in the air.
+    /// Stays above the ground heights of its balls, metres. `levelling` scales the weight of its tilt.
     Over { heights: Vec<f64>, levelling: f64 },
-    /// It stays as tilted as it is, direction by direction; firmly, where it would go into the ground else; and over heights, if
-    /// there are any.
+    /// Keeps the tilts of its level directions, and stays above the ground heights of its balls if there are any.
+    /// `firmly` selects the weight of a locked orientation.
     Held {
         tilts: Vec<f64>,
         firmly: bool,
@@ -43,7 +44,7 @@ pub(super) enum Footing {
 }
 
 impl Footing {
-    /// What each ball is kept over, if it is over anything.
+    /// Returns the ground heights of the balls.
     pub(super) fn heights_mut(&mut self) -> &mut [f64] {
         match self {
             Self::Over { heights, .. } | Self::Held { heights, .. } => heights,
@@ -52,7 +53,7 @@ impl Footing {
 }
 
 impl OverGround {
-    /// `heaviest`: the most that any place counts.
+    /// Creates the task. `heaviest` is the largest weight of a point.
     pub(super) fn new(sole: &Sole, over: f64, heaviest: f64) -> Self {
         Self {
             footing: Footing::Over {
@@ -65,20 +66,21 @@ impl OverGround {
         }
     }
 
-    /// Says what the foot does.
+    /// Sets the constraint of the foot.
     pub(super) fn set(&mut self, footing: &Footing) {
         self.footing.clone_from(footing);
         self.raised.fill(0.0);
     }
 
-    /// Where a ball is deeper than so many metres by the residual, raises what each stays over by as much as it is deep: the
-    /// spring that the ground is comes to rest on it, however it is pressed, as by an augmented Lagrangian (Nocedal & Wright 2006,
-    /// "Numerical optimization", 17.4). Whether any was.
+    /// Raises the ground under all balls by their penetration if one exceeds `deeper` metres. Returns whether one did.
+    ///
+    /// The ground is a soft penalty. Raising it, as an augmented Lagrangian method does (Nocedal & Wright 2006,
+    /// "Numerical optimization", 17.4), brings the foot to rest on the actual ground.
     pub(super) fn push_out(&mut self, residual: &[f64], deeper: f64) -> bool {
         let Footing::Over { heights, .. } = &mut self.footing else {
             return false;
         };
-        // As far as the spring is pressed what it pushes against is raised; the rest of it is depth.
+        // The penalty force balances the raise. The rest of the displacement is penetration.
         let pressed = residual.iter().map(|row| -row / self.weights[0]);
         let mut balls = pressed.clone().zip(&self.raised);
         if !balls.any(|(pressed, raised)| pressed - raised > deeper) {
@@ -91,7 +93,7 @@ impl OverGround {
         true
     }
 
-    /// What each direction's slope should be, and what a radian off it costs.
+    /// Returns the target slope of a direction and its weight per radian.
     fn tilt(&self, direction: usize) -> (f64, f64) {
         match &self.footing {
             Footing::Over { levelling, .. } => (0.0, TILTED * levelling),
@@ -160,7 +162,7 @@ impl Residual for OverGround {
         let foot = &frames[0];
         let level = &mut jacobian.angular_mut(0)[n..];
         for (k, (row, way)) in level.iter_mut().zip(&self.sole.level).enumerate() {
-            // (ω × e)·z = ω · (e × z)
+            // Uses (ω × e)·z = ω · (e × z).
             *row = (foot.rotation * *way).cross(up) * self.tilt(k).1;
         }
         let balls = self.sole.balls.iter().zip(self.heights()).enumerate();
@@ -185,7 +187,7 @@ mod tests {
     use crate::spatial::{Placement, Vector3};
     use crate::task::Residual;
 
-    /// Deep by 5 mm a ball is raised by as much, and by 1 mm more where it is deep by that still.
+    /// A ball 5 mm deep is raised by 5 mm, and by 1 mm more while it is still 1 mm deep.
     #[test]
     fn what_is_deep_is_raised_by_its_depth() {
         let mut builder = Model::builder("foot");

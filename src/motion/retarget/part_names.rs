@@ -1,11 +1,11 @@
-//! Which part of a body a joint's or frame's name tells of.
+//! Body parts from names of joints and frames.
 
 use std::collections::BTreeMap;
 
 use super::BodyPart;
 
-/// What parts are called, without side, case and what stands between words; what is said first is looked for first, as
-/// many rigs call a collarbone `shoulder` and an upper arm `arm`.
+/// Names of parts, without side, case and separators, in order of preference. Many rigs call a collarbone `shoulder`
+/// and an upper arm `arm`.
 const MIDDLE: [(BodyPart, &[&str]); 3] = [
     (
         BodyPart::Pelvis,
@@ -31,7 +31,7 @@ const MIDDLE: [(BodyPart, &[&str]); 3] = [
     (BodyPart::Head, &["head", "skull"]),
 ];
 
-/// As above, of what there is on either side.
+/// Names of paired parts, in order of preference.
 const SIDES: [([BodyPart; 2], &[&str]); 7] = [
     (
         [BodyPart::LeftKnee, BodyPart::RightKnee],
@@ -111,7 +111,7 @@ const SIDES: [([BodyPart; 2], &[&str]); 7] = [
     ),
 ];
 
-/// Words that say nothing of the part.
+/// Words that are ignored in names.
 const NOISE: [&str; 9] = [
     "link", "joint", "bone", "jnt", "def", "bip", "j", "b", "frame",
 ];
@@ -122,20 +122,22 @@ enum Side {
     Right,
 }
 
-/// What a name says: the side, and its other words as one.
+/// Side of a name, and its other words joined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct NameParts {
     side: Option<Side>,
     rest: String,
 }
 
-/// The place of each part among names: of several that tell of the same, the first.
+/// Returns the index of each part among names. The first of several matches counts.
 pub(super) fn parts_of<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<BodyPart, usize> {
     parts_where(names, |_, _| true)
 }
 
-/// The index of each part among names. `moves` says whether the second of two names moves on the first: of several names of an
-/// ankle, the first that moves on the knee counts, or the first of all if none does.
+/// Returns the index of each part among names.
+///
+/// `moves(a, b)` returns whether name `b` moves relative to name `a`. Of several matches for an ankle, the first that
+/// moves relative to the knee counts, or else the first.
 pub(super) fn parts_where<'a>(
     names: impl Iterator<Item = &'a str>,
     moves: impl Fn(usize, usize) -> bool,
@@ -178,8 +180,7 @@ pub(super) fn parts_where<'a>(
     found
 }
 
-/// A name without what stands before it in files of Mixamo, Maya and their like, in small letters and without anything
-/// between words: by which the joints of known skeletons are told.
+/// Returns a name in lower case, without namespace prefixes of Mixamo, Maya and similar tools, and without separators.
 pub(super) fn bare(name: &str) -> String {
     words(name).concat()
 }
@@ -195,7 +196,7 @@ fn name_parts(name: &str) -> NameParts {
             word => rest.push_str(word),
         }
     }
-    // All in small letters: `leftupleg`.
+    // Lower-case names such as `leftupleg`.
     if side.is_none() {
         for (start, own) in [("left", Side::Left), ("right", Side::Right)] {
             if let Some(after) = rest.strip_prefix(start).filter(|after| !after.is_empty()) {
@@ -207,13 +208,14 @@ fn name_parts(name: &str) -> NameParts {
     NameParts { side, rest }
 }
 
-/// Whether a word says nothing of a part, as the `Bip01` before all names of a file does.
+/// Returns whether a word is ignored, such as `Bip01` at the start of names.
 fn is_noise(word: &str) -> bool {
     NOISE.contains(&word.trim_end_matches(|c: char| c.is_ascii_digit()))
 }
 
-/// A name's words in small letters, split where their case rises and at whatever is no letter or digit. A number that stands
-/// by itself is none, unless it ends a word, as of `Spine1`.
+/// Splits a name into lower-case words at changes of case and at separators.
+///
+/// Numbers between separators are dropped. Numbers at the end of a word are kept, as in `Spine1`.
 fn words(name: &str) -> Vec<String> {
     let after = name.rsplit([':', '|']).next().unwrap_or(name);
     let after = match after.strip_prefix("mixamorig") {
@@ -227,7 +229,7 @@ fn words(name: &str) -> Vec<String> {
         let begins = match before {
             None => true,
             Some(before) if !before.is_alphanumeric() => true,
-            // `LeftArm` at A, `LHip` at H.
+            // A word begins at A in `LeftArm`, and at H in `LHip`.
             Some(before) => {
                 own.is_uppercase()
                     && (before.is_lowercase()

@@ -1,11 +1,11 @@
-//! What a frame asks, and the memory to follow it.
+//! Problem of one sample, with the memory to solve it.
 
 use super::bounded_descent::BoundedDescent;
 use crate::problem::{Evaluation, Problem, Question, Scratch, Targets};
 use crate::solver::LeastSquares;
 use crate::spatial::Placement;
 
-/// A problem that is solved frame after frame, each time from near its end.
+/// Problem that is solved sample by sample, each from the previous solution.
 #[derive(Clone, Debug)]
 pub(super) struct ProblemOfFrame {
     problem: Problem,
@@ -14,7 +14,7 @@ pub(super) struct ProblemOfFrame {
 }
 
 impl ProblemOfFrame {
-    /// `size` is as of [`BoundedDescent::new`].
+    /// Creates it. `size` is that of [`BoundedDescent::new`].
     pub(super) fn new(problem: Problem, size: f64) -> Self {
         Self {
             scratch: problem.scratch(),
@@ -25,11 +25,11 @@ impl ProblemOfFrame {
 
     getters! {
         pub(super) fn problem(&self) -> &Problem = &self.problem;
-        /// r where the last descent ended.
+        /// Residual r at the end of the last descent.
         pub(super) fn residual(&self) -> &[f64] = self.descent.residual();
     }
 
-    /// Goes downhill from x, which is within the bounds and stays there; whether all is finite, else x stays.
+    /// Descends from x within the bounds. Returns false and keeps x if a cost is not finite.
     pub(super) fn descend(
         &mut self,
         targets: &Targets,
@@ -47,18 +47,18 @@ impl ProblemOfFrame {
         whole
     }
 
-    /// r at x, without the clearance where there is one.
+    /// Writes r at x, without collision avoidance.
     pub(super) fn residual_at(&mut self, targets: &Targets, x: &[f64], residual: &mut [f64]) {
         let question = Question::from(&self.problem).with_targets(targets);
         Evaluation::new(question, &mut self.scratch).residual(x, residual);
     }
 
-    /// Where the first frame of a task is at x.
+    /// Returns the pose of a task's first frame at x.
     pub(super) fn first_frame(&mut self, x: &[f64], task: usize) -> Option<Placement<f64>> {
         Evaluation::new(&self.problem, &mut self.scratch).first_frame(x, task)
     }
 
-    /// Takes x back to `from`, all but a share of the way.
+    /// Moves x back to a fraction `share` of its distance from `from`.
     pub(super) fn go_back(
         &self,
         [lower, upper]: [&[f64]; 2],
@@ -94,7 +94,7 @@ mod tests {
         tasks.add(Posture::new(&model, &model.neutral()));
         let frame = ProblemOfFrame::new(tasks.build().unwrap(), 1.0);
         let mut x = [1.1];
-        // Of 0.8 a half, and of 0.4 a quarter.
+        // Half of 0.8, then a quarter of 0.4.
         for (share, left) in [(0.5, 0.4), (0.25, 0.1)] {
             frame.go_back([&[-2.0], &[2.0]], &[0.3], share, &mut x);
             assert!((x[0] - 0.3 - left).abs() < 1e-12, "{x:?}");

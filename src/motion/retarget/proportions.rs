@@ -1,11 +1,11 @@
-//! Whether what a map takes for limbs is as long as limbs are.
+//! Plausibility of limb lengths of a map.
 
 use std::collections::BTreeMap;
 
 use super::{BodyPart, Capture};
 use crate::spatial::Vector3;
 
-/// Limbs of both sides, and what they are called.
+/// Limbs of both sides, with their names.
 const LIMBS: [(&str, [BodyPart; 2], [BodyPart; 2]); 4] = [
     (
         "thigh",
@@ -28,17 +28,17 @@ const LIMBS: [(&str, [BodyPart; 2], [BodyPart; 2]); 4] = [
         [BodyPart::RightElbow, BodyPart::RightHand],
     ),
 ];
-/// The sides of a body are alike within this share.
+/// Largest relative difference of the two sides.
 const ALIKE: f64 = 0.25;
-/// A bone is no longer and no shorter anywhere than in the first frame, within this share.
+/// Largest relative variation of a bone's length over a capture.
 const RIGID: f64 = 0.2;
-/// Frames that are looked at.
+/// Number of capture frames that are checked.
 const FRAMES: usize = 64;
 
-/// How long limbs are in frames all over a capture.
+/// Limb lengths in capture frames spread over a capture.
 #[derive(Clone, Debug)]
 pub(super) struct Proportions {
-    /// Name, and shortest and longest on the left and on the right, in the capture's unit.
+    /// Name, and shortest and longest length on the left and on the right, in the capture's unit.
     limbs: Vec<(&'static str, [[f64; 2]; 2])>,
 }
 
@@ -63,7 +63,7 @@ impl Proportions {
         }
     }
 
-    /// What is no body's.
+    /// Returns messages about implausible lengths.
     pub(super) fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
         for (name, sides) in &self.limbs {

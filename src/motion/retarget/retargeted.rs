@@ -1,72 +1,72 @@
-//! A movement on a model, and how well it follows.
+//! Retargeted motion with a report.
 
 use crate::problem::Collision;
 use crate::spatial::Vector3;
 
-/// What stands and is farther than this from where it came to stand, metres, stands no more.
+/// Distance from its touchdown position at which a contact counts as lost, metres.
 const SLIPPED: f64 = 1e-3;
 
-/// A movement on a model.
+/// Retargeted motion.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Retargeted {
-    /// Configurations, frame after frame.
+    /// Configurations, sample by sample.
     pub q: Vec<f64>,
-    /// How many numbers a configuration has.
+    /// Length of a configuration.
     pub configuration_len: usize,
-    /// Frames a second.
+    /// Samples per second.
     pub frame_rate: f64,
-    /// The frames of the model that stand at times.
+    /// Names of the model's frames that make contact.
     pub standing: Vec<String>,
-    /// The point of each that stands, in its coordinates, metres: two of one frame are its ball and its toes, say.
+    /// Contact point of each of these frames, in its coordinates, metres. A frame may appear more than once.
     pub standing_at: Vec<Vector3<f64>>,
-    /// Whether each of them stands, frame after frame.
+    /// Flags whether each of these points is in contact, sample by sample.
     pub contacts: Vec<bool>,
-    /// How far the driven points are from where they should be, in the mean over all frames, metres.
+    /// Mean position error of the driven points over all samples, metres.
     pub mean_error: f64,
-    /// How far a point that stands is from where it came to stand, at most, metres.
+    /// Largest distance of a contact point from its touchdown position, metres (foot sliding).
     pub slip: f64,
-    /// How deep the lowest point of a foot with a shape is in the ground, at most, metres; 0 where none is.
+    /// Largest ground penetration of a foot with a shape, metres; 0 if there is none.
     pub sunk: f64,
-    /// What could not be held until the person let go of it, as limits win: from each of these frames on it stands no more.
+    /// Lost contacts: those that limits made impossible to hold until the subject released them.
     pub given_up: Vec<GivenUp>,
-    /// The frames in which something touches all the same, where the body is to keep clear: of a movement frame by frame only
-    /// those from the first on, until one is free.
+    /// Samples in collision, with collision avoidance. Online results have collisions only before the first
+    /// collision-free sample.
     pub touching: Vec<Touching>,
 }
 
-/// What touches in a frame.
+/// Collision at a sample.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Touching {
-    /// The frame.
+    /// Index of the sample.
     pub frame: usize,
-    /// The pair that is nearest, or deepest.
+    /// Nearest or deepest pair.
     pub pair: Collision,
 }
 
-/// What stood, and could be held no longer.
+/// Lost contact.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct GivenUp {
-    /// The first frame in which it has slipped by more than a millimetre.
+    /// First sample with more than 1 mm of foot sliding.
     pub frame: usize,
-    /// The frame of the model, as in [`Retargeted::standing`].
+    /// Name of the model's frame, as in [`Retargeted::standing`].
     pub standing: String,
 }
 
 impl Retargeted {
-    /// How many frames there are.
+    /// Number of samples.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.q.len() / self.configuration_len.max(1)
     }
 }
 
-/// Collects how far points are from their targets, and from where they came to stand.
+/// Accumulates position errors and foot sliding.
 #[derive(Debug)]
 pub(super) struct Measures {
     sum: f64,
@@ -74,11 +74,11 @@ pub(super) struct Measures {
     footing: Vec<Footing>,
     pub(super) slip: f64,
     pub(super) sunk: f64,
-    /// The frames in which limbs were given up.
+    /// Lost contacts: sample and limb.
     pub(super) given_up: Vec<(usize, usize)>,
 }
 
-/// Whether a limb stands, and where it came to.
+/// Contact state of a limb, with its touchdown position.
 #[derive(Clone, Copy, Debug)]
 enum Footing {
     None,
@@ -98,7 +98,7 @@ impl Measures {
         }
     }
 
-    /// Takes one limb of one frame, which should stand or not; whether it does.
+    /// Adds one limb at one sample. `stands` is its planned contact. Returns whether it is in contact.
     pub(super) fn take(
         &mut self,
         frame: usize,
@@ -145,7 +145,7 @@ mod tests {
             measures.take(frame, 0, at, at, stands)
         };
         assert!(take(0, 0.0, true) && take(1, 0.9e-3, true));
-        // A slide is told once, however long it is.
+        // A slide counts once, independent of its length.
         for frame in 2..9 {
             assert!(!take(frame, 2e-3 * frame as f64, true), "{frame}");
         }

@@ -1,4 +1,4 @@
-//! Fits a capture to a model, and brings the one onto the other.
+//! Retargeting of a capture to a model.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,26 +22,29 @@ use crate::problem::KeepClear;
 use crate::robot::Robot;
 use crate::spatial::Vector3;
 
-/// How a movement is brought onto a model.
+/// Options of retargeting.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct RetargetOptions {
-    /// Which way is up in the capture, unless the map says it.
+    /// Upward axis of the capture, unless the map has one.
     pub up: UpAxis,
-    /// When feet stand. The speed is that of a body whose legs are 0.9 m long: others' is as much less as they are smaller.
+    /// Contact detection. Its speed is for legs of 0.9 m, and is scaled by the model's leg length.
     pub contacts: ContactDetection,
-    /// The shapes of feet, which find the ground and are kept out of it; none are the shapes that the robot's file describes by
-    /// numbers.
+    /// Shapes of feet, used for the ground height and to avoid ground penetration.
+    ///
+    /// `None` uses the primitive collision shapes of the robot's file.
     pub shapes: Option<FootShapes>,
-    /// How much more a point counts where it lands on something. While it stands it is held wherever it came down, as its
-    /// own place may be none that a body of other proportions can keep.
+    /// Factor of a point's weight at touchdown.
+    ///
+    /// During contact the point is locked at its touchdown position, because its target may be unreachable for other
+    /// proportions.
     pub landing_weight: f64,
-    /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place.
+    /// For whole trajectories: weight of an acceleration of 1 rad/s², in metres of position.
     pub acceleration: f64,
-    /// Of whole movements: where each window ends, as a share of its cost.
+    /// For whole trajectories: tolerance of each window, relative to its cost.
     pub tolerance: f64,
-    /// Of whole movements: the windows that they are solved in.
+    /// For whole trajectories: windows of the solver.
     pub windows: Windows,
 }
 
@@ -61,33 +64,33 @@ impl Default for RetargetOptions {
 
 impl RetargetOptions {
     setters! {
-        /// Which way is up in the capture, unless the map says it.
+        /// Sets the upward axis of the capture, unless the map has one.
         pub fn with_up(mut self, up: UpAxis) { self.up = up }
-        /// When feet stand.
+        /// Sets the contact detection.
         pub fn with_contacts(mut self, contacts: ContactDetection) { self.contacts = contacts }
-        /// The shapes of feet.
+        /// Sets the shapes of feet.
         pub fn with_shapes(mut self, shapes: impl Into<Option<FootShapes>>) { self.shapes = shapes.into() }
-        /// How much more a point counts where it lands.
+        /// Sets the factor of a point's weight at touchdown.
         pub fn with_landing_weight(mut self, weight: f64) { self.landing_weight = weight }
-        /// What an acceleration of 1 rad/s² costs, in metres off a place.
+        /// Sets the weight of an acceleration of 1 rad/s², in metres of position.
         pub fn with_acceleration(mut self, metres: f64) { self.acceleration = metres }
-        /// Where each window ends, as a share of its cost.
+        /// Sets the tolerance of each window, relative to its cost.
         pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
-        /// The windows of whole movements.
+        /// Sets the windows of whole trajectories.
         pub fn with_windows(mut self, windows: Windows) { self.windows = windows }
     }
 }
 
-/// A capture fitted to a model: where its driven points should be in each frame, and which stand.
+/// Capture fitted to a model: targets and contacts of the driven points in each capture frame.
 #[derive(Clone, Debug)]
 pub struct Retargeting<'r> {
     pub(super) robot: &'r Robot,
     pub(super) options: RetargetOptions,
     pub(super) limbs: Limbs,
     pub(super) frame_rate: f64,
-    /// How many joints a captured frame has.
+    /// Number of joints of a capture frame.
     pub(super) joints: usize,
-    /// Frame after frame.
+    /// Target positions, capture frame by capture frame, metres.
     pub(super) targets: Arc<[Vector3<f64>]>,
     pub(super) standing: Vec<Standing>,
     pub(super) obstacles: Option<Obstacles>,
@@ -95,10 +98,11 @@ pub struct Retargeting<'r> {
 }
 
 impl<'r> Retargeting<'r> {
-    /// Fits a capture to a robot by a map: limbs by their lengths, the ground, and what stands.
+    /// Fits a capture to a robot by a map: scales limbs, and finds the ground and contacts.
     ///
     /// # Errors
-    /// Names that the map has and the capture or the robot has not, frames driven twice, numbers out of range.
+    /// Returns an error if the capture or the robot lacks a name of the map, or if a frame is driven twice. Returns an
+    /// error if a number is out of range.
     pub fn new(
         robot: &'r Robot,
         map: &BodyMap,
@@ -138,52 +142,57 @@ impl<'r> Retargeting<'r> {
         })
     }
 
-    /// Keeps the body clear of what a checker has, itself first of all: in no frame it touches anything, however places pull.
-    /// A frame that would is solved anew with the clearance among what it follows, from where the last one stood, and goes no
-    /// further than where it is free.
+    /// Enables collision avoidance with the obstacles and link pairs of a checker.
+    ///
+    /// A sample in collision is solved again from the previous one with collision avoidance. If that is in collision
+    /// too, the step is shortened until it is collision-free.
     #[must_use]
     pub fn keep_clear<C: KeepClear + Clone + Send + Sync + 'static>(mut self, of: &C) -> Self {
         self.obstacles = Some(Obstacles::of(of));
         self
     }
 
-    /// Ends a solve with [`MotionError::Cancelled`](crate::motion::clip::MotionError::Cancelled) once another thread sets the flag.
-    /// Every frame and every iteration reads it.
+    /// Cancels a solve with [`MotionError::Cancelled`](crate::motion::clip::MotionError::Cancelled) once another thread
+    /// sets the flag.
+    ///
+    /// Every sample and every iteration checks the flag.
     #[must_use]
     pub fn with_cancellation(mut self, cancelled: Arc<AtomicBool>) -> Self {
         self.cancelled = Some(cancelled);
         self
     }
 
-    /// Reports whether the target has legs but a fixed base, so that it cannot walk: see
-    /// [`Robot::with_base_joint`](crate::robot::Robot::with_base_joint).
+    /// Returns whether the target has legs but a fixed base, so that it cannot walk.
+    ///
+    /// See [`Robot::with_base_joint`](crate::robot::Robot::with_base_joint).
     #[must_use]
     pub fn legs_on_fixed_base(&self) -> bool {
         self.limbs.all.iter().any(|limb| limb.stands) && !self.robot.moves_as_a_whole()
     }
 
     getters! {
-        /// How many frames there are.
+        /// Number of capture frames.
         pub fn frames(&self) -> usize = self.targets.len() / self.limbs.all.len();
-        /// Frames a second.
+        /// Capture frames per second.
         pub fn frame_rate(&self) -> f64 = self.frame_rate;
-        /// The driven frames, in the order of [`targets`](Self::targets).
+        /// Driven frames of the model, in the order of [`targets`](Self::targets).
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
-        /// How many times as large as the person's the model's steps are.
+        /// Ratio of the model's steps to the subject's.
         pub fn stride(&self) -> f64 = self.limbs.stride;
-        /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
-        /// one upward; `None` where that cannot be told.
+        /// Axis along which the model's root is above its contact points in the neutral configuration.
+        ///
+        /// It is z, unless the file has another upward axis; `None` if it is ambiguous.
         pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
     }
 
-    /// Where the driven points should be in a frame, metres.
+    /// Returns the targets of the driven points in a capture frame, metres.
     #[must_use]
     pub fn targets(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.limbs.all.len();
         self.targets.get(frame * n..(frame + 1) * n)
     }
 
-    /// How firmly each driven point stands in a frame, led there and let go.
+    /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
     fn firmness(&self, frame: usize, firmness: &mut [f64]) {
         let lead = self.options.contacts.lead_frames(self.frame_rate);
         for (limb, firmness) in firmness.iter_mut().enumerate() {
@@ -198,15 +207,16 @@ impl<'r> Retargeting<'r> {
         }
     }
 
-    /// Which driven points stand in a frame.
+    /// Writes whether each driven point is in contact in a capture frame.
     fn stand(&self, frame: usize, stands: &mut [bool]) {
         for (limb, stands) in stands.iter_mut().enumerate() {
             *stands = self.next_to(limb, frame).any(|span| span.contains(&frame));
         }
     }
 
-    /// The spans over which a limb stands before a frame or in it, and after it: as they are in order of limbs and frames, a movement
-    /// of a million frames costs as much a frame as a short one.
+    /// Returns the contact spans of a limb next to a capture frame: the last one that begins up to it, and the next.
+    ///
+    /// A binary search keeps the cost per capture frame independent of the length of the motion.
     fn next_to(&self, limb: usize, frame: usize) -> impl Iterator<Item = &Range<usize>> {
         let before = |own: &Standing| (own.limb, own.span.start) <= (limb, frame);
         let after = self.standing.partition_point(before);
@@ -215,10 +225,10 @@ impl<'r> Retargeting<'r> {
         own.map(|own| &own.span)
     }
 
-    /// A follower that begins where the first frame wants it, for places that come one by one.
+    /// Creates an online retargeter that starts near the first targets, for targets that arrive one by one.
     ///
     /// # Errors
-    /// Speed limits that are none.
+    /// Returns an error if a velocity limit is invalid.
     pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
         let mut follower = BodyFollower::new(self)?;
         let first = self.targets(0).unwrap_or_default();
@@ -226,16 +236,16 @@ impl<'r> Retargeting<'r> {
         Ok(follower)
     }
 
-    /// Follows frame by frame, as a live follower does: no frame knows what comes.
+    /// Retargets sample by sample, without look-ahead.
     ///
     /// # Errors
-    /// As [`follower`](Self::follower).
+    /// Returns the errors of [`follower`](Self::follower).
     pub fn per_frame(&self) -> Result<Retargeted, RetargetError> {
         let (q, _) = self.follow_all()?;
         self.measure(q)
     }
 
-    /// All configurations of a follower, and the frames in which it was near to something.
+    /// Returns all configurations of an online retargeter, and flags of samples with active collision avoidance.
     pub(super) fn follow_all(&self) -> Result<(Vec<f64>, Vec<bool>), RetargetError> {
         let mut follower = self.follower()?;
         let mut q = Vec::with_capacity(self.frames() * follower.q().len());
@@ -254,7 +264,7 @@ impl<'r> Retargeting<'r> {
         Ok((q, near))
     }
 
-    /// Tells how well configurations follow.
+    /// Evaluates configurations.
     pub(super) fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
         let model = self.robot.model();
         let mut frames = self.driven();
@@ -313,7 +323,7 @@ impl<'r> Retargeting<'r> {
 }
 
 impl Retargeting<'_> {
-    /// The frames in which something touches; none where that is not asked for.
+    /// Returns the samples in collision; empty without collision avoidance.
     pub(super) fn touching(&self, q: &[f64]) -> Vec<Touching> {
         let Some(mut check) = self.obstacles.as_ref().map(Obstacles::check) else {
             return Vec::new();

@@ -1,10 +1,10 @@
-//! A residual that is looked at in some frames only.
+//! Residual that can be disabled at some samples.
 
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use crate::task::{LocalJacobian, Residual};
 
-/// The same residual, or 0.
+/// Wrapper that evaluates to the wrapped residual, or to 0.
 #[derive(Clone, Debug)]
 pub(super) struct Switchable<R> {
     of: R,
@@ -16,7 +16,7 @@ impl<R> Switchable<R> {
         Self { of, counts: true }
     }
 
-    /// Says whether it counts.
+    /// Enables or disables the residual.
     pub(super) fn set(&mut self, counts: bool) {
         self.counts = counts;
     }

@@ -1,4 +1,4 @@
-//! Whole movements: all frames as one problem.
+//! Retargeting of whole trajectories as one problem.
 
 use std::sync::Arc;
 
@@ -13,35 +13,35 @@ use crate::motion::clip::{MotionProblem, MotionSolver, RateCost};
 use crate::motion::contact_detection::smooth;
 use crate::spatial::Vector3;
 
-/// What a place counts in a whole movement that is held, for the most that any place counts …
+/// Weight of a contact position in a whole trajectory, relative to the largest weight of a point.
 const HELD: f64 = 200.0;
-/// … and a window takes no more iterations.
+/// Maximum number of iterations per window.
 const MOST_ITERATIONS: usize = 40;
-/// So often a whole movement is solved that comes to touch something.
+/// Maximum number of solves of a trajectory that ends in collision.
 const CLEAR_ROUNDS: usize = 3;
-/// … and so often again where feet are in what they are kept over.
+/// Maximum number of additional solves with raised ground under penetrating feet.
 const PUSHES: usize = 3;
 
 impl Retargeting<'_> {
-    /// Solves the whole movement: smooth, as each frame knows what comes, and what stands held where frame by frame it came down.
+    /// Solves the whole trajectory, which is smooth. Contacts are locked where the online result has them.
     ///
     /// # Errors
-    /// As [`follower`](Self::follower), and what [`MotionSolver`] refuses.
+    /// Returns the errors of [`follower`](Self::follower) and of [`MotionSolver`].
     pub fn whole(&self) -> Result<Retargeted, RetargetError> {
         self.whole_with_progress(&mut |_| ())
     }
 
-    /// The same; `progress` hears again and again how many frames are done.
+    /// Solves like [`whole`](Self::whole). `progress` receives the number of solved samples repeatedly.
     ///
     /// # Errors
-    /// As [`whole`](Self::whole).
+    /// Returns the errors of [`whole`](Self::whole).
     pub fn whole_with_progress(
         &self,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Retargeted, RetargetError> {
         let (mut q, mut near) = self.follow_all()?;
         let aims: Arc<[_]> = self.aims(&q)?.into();
-        // What a movement frame by frame keeps clear of, a smooth one may come to touch elsewhere.
+        // A smoothed trajectory may collide at other samples than the online result.
         for _ in 0..CLEAR_ROUNDS {
             self.widen(&mut near);
             let mut footholds = self.footholds(&q)?;
@@ -61,7 +61,7 @@ impl Retargeting<'_> {
         self.measure(q)
     }
 
-    /// All that is within reach of what counts does.
+    /// Marks all samples within the blend duration of a marked one.
     fn widen(&self, near: &mut [bool]) {
         let reach = self.options.contacts.lead_frames(self.frame_rate);
         let known = near.to_vec();
@@ -71,7 +71,7 @@ impl Retargeting<'_> {
         }
     }
 
-    /// The movement near `start` that is smooth, and keeps clear in the frames that are near to something.
+    /// Returns the smooth trajectory near `start`, with collision avoidance at the samples in `near`.
     fn smooth(
         &self,
         start: &[f64],
@@ -117,8 +117,9 @@ impl Retargeting<'_> {
         Ok(solved.q().to_vec())
     }
 
-    /// Where each driven point should be in each frame of a whole movement, and how much that counts: what stands should
-    /// where it came to in a movement frame by frame, as there are configurations of the body that do.
+    /// Returns target and weight of each driven point at each sample.
+    ///
+    /// Contacts have the positions of the online result, which are known to be reachable.
     fn aims(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
         let model = self.robot.model();
         let n = self.limbs.all.len();
@@ -137,7 +138,7 @@ impl Retargeting<'_> {
                 .map_err(as_map_error)?;
             let place = placed[*limb].apply(self.limbs.all[*limb].offset);
             stands.push(place);
-            // As it is led there and let go, so are its targets.
+            // Blends of the targets to and from the contact position.
             let off = place - self.targets[middle * n + limb];
             for away in 1..=lead {
                 let by = off * (1.0 - smooth(away as f64 / (lead + 1) as f64));

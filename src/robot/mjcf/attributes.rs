@@ -1,10 +1,10 @@
-//! Attributes of an element, its default classes behind it.
+//! Attributes of an element, with its default classes as fallback.
 
 use super::defaults::Defaults;
 use super::tree::Tag;
 use crate::robot::xml::{Fault, Read, RobotFileError, exactly};
 
-/// An element's own attributes, then those of its class, then of the classes around that.
+/// Attributes of an element, then of its default class, then of the enclosing classes.
 #[derive(Clone, Debug)]
 pub(super) struct Attributes<'a> {
     /// The element itself.
@@ -13,18 +13,18 @@ pub(super) struct Attributes<'a> {
 }
 
 impl<'a> Attributes<'a> {
-    /// Those of an element alone.
+    /// Attributes of an element without default classes.
     pub(super) fn own(tag: Tag<'a>) -> Self {
         let layers = vec![tag];
         Self { tag, layers }
     }
 
-    /// Those of an element of its class, or else of the class that the bodies around it say.
+    /// Attributes of an element with the class that it names, or else the `childclass` of the enclosing bodies.
     pub(super) fn of(tag: Tag<'a>, defaults: &Defaults<'a>, around: Option<&str>) -> Read<Self> {
         Self::named(tag, tag.name(), defaults, around)
     }
 
-    /// As [`of`](Self::of), of an element that classes know by another name.
+    /// As [`of`](Self::of), for an element that classes list under another tag name.
     pub(super) fn named(
         tag: Tag<'a>,
         name: &str,
@@ -37,7 +37,7 @@ impl<'a> Attributes<'a> {
         Ok(Self { tag, layers })
     }
 
-    /// The elements that say something of it, nearest first.
+    /// The tags that hold attributes of the element, highest priority first.
     pub(super) fn layers(&self) -> &[Tag<'a>] {
         &self.layers
     }
@@ -58,7 +58,7 @@ impl<'a> Attributes<'a> {
         Ok(Some(numbers))
     }
 
-    /// An attribute of one to `N` finite numbers, and how many there are; the others are 0.
+    /// An attribute of one to `N` finite numbers, and their count; missing numbers are 0.
     pub(super) fn up_to<const N: usize>(
         &self,
         attribute: &'static str,
@@ -78,12 +78,12 @@ impl<'a> Attributes<'a> {
         Ok(Some((numbers, count)))
     }
 
-    /// As [`numbers`](Self::numbers), of one.
+    /// An attribute of one finite number.
     pub(super) fn number(&self, attribute: &'static str) -> Read<Option<f64>> {
         Ok(self.numbers(attribute)?.map(|[value]| value))
     }
 
-    /// One of some words, by its place among them.
+    /// Index of an attribute's value in a list of valid words.
     pub(super) fn word(
         &self,
         attribute: &'static str,
@@ -103,7 +103,7 @@ impl<'a> Attributes<'a> {
         Ok(Some(place.ok_or_else(unknown)?))
     }
 
-    /// "true" or "false".
+    /// An attribute that is `true` or `false`.
     pub(super) fn flag(&self, attribute: &'static str) -> Read<Option<bool>> {
         let word = self.word(attribute, &["false", "true"])?;
         Ok(word.map(|word| word == 1))

@@ -1,4 +1,4 @@
-//! `<worldbody>` and the bodies, frames, joints, sites and shapes within.
+//! `<worldbody>` and the bodies, frames, joints, sites and geoms in it.
 
 use std::collections::HashMap;
 
@@ -16,14 +16,14 @@ use crate::robot::Inertial;
 use crate::robot::xml::{Fault, Read, RobotFileError};
 use crate::spatial::Placement;
 
-/// What makes bodies or joints and is not read.
+/// Elements that create bodies or joints and that the reader does not support.
 const UNSUPPORTED: [&str; 4] = ["replicate", "attach", "composite", "flexcomp"];
 
-/// A body and what stands on it, with the names of the file.
+/// A body and the elements fixed to it.
 #[derive(Clone, Debug)]
 pub(super) struct Body<'a> {
     pub(super) tag: Tag<'a>,
-    /// The body it stands on; `None` for the world itself.
+    /// Index of the parent body; `None` for the world.
     pub(super) parent: Option<usize>,
     pub(super) parent_from_body: Placement<f64>,
     pub(super) joints: Vec<JointElement<'a>>,
@@ -32,27 +32,27 @@ pub(super) struct Body<'a> {
     pub(super) inertial: Option<Inertial>,
 }
 
-/// A place on a body.
+/// A site: a named pose on a body.
 #[derive(Clone, Debug)]
 pub(super) struct Site<'a> {
     pub(super) tag: Tag<'a>,
     pub(super) body_from_site: Placement<f64>,
 }
 
-/// What reads bodies, and what was left out on the way.
+/// Reader of bodies, with the elements that it left out.
 pub(super) struct BodyReader<'r, 'a> {
     pub(super) compiler: &'r Compiler,
     pub(super) defaults: &'r Defaults<'a>,
     pub(super) meshes: &'r HashMap<String, Mesh>,
-    /// Faults of what no joint depends on.
+    /// Faults of elements that no joint depends on.
     pub(super) left_out: Vec<RobotFileError>,
 }
 
-/// An element whose contents are a body's, where it stands on that, and the class that holds around it.
+/// An element whose contents belong to a body, its pose in the body, and the default class that applies in it.
 type Waiting<'a> = (Tag<'a>, Placement<f64>, Option<&'a str>);
 
 impl<'a> BodyReader<'_, 'a> {
-    /// All bodies, the world first, parents before children, in MuJoCo's order.
+    /// All bodies in MuJoCo's order: the world first, parents before children.
     pub(super) fn read(&mut self, root: Tag<'a>) -> Read<Vec<Body<'a>>> {
         let mut worlds: Vec<Waiting<'a>> = Vec::new();
         for world in root.children_named("worldbody") {
@@ -60,7 +60,7 @@ impl<'a> BodyReader<'_, 'a> {
         }
         let first = worlds.first().map_or(root, |(world, ..)| *world);
         let mut bodies = Vec::new();
-        // Contents of the body, its parent, where it stands on that.
+        // Body element, its contents, index of the parent, pose in the parent.
         let mut waiting = vec![(first, worlds, None, Placement::identity())];
         while let Some((tag, contents, parent, parent_from_body)) = waiting.pop() {
             let index = bodies.len();
@@ -85,7 +85,7 @@ impl<'a> BodyReader<'_, 'a> {
         Ok(bodies)
     }
 
-    /// Reads what stands on a body, also within frames, and lists the bodies that it carries.
+    /// Reads the elements of a body, also those within `<frame>`, and lists the child bodies.
     fn fill(
         &mut self,
         body: &mut Body<'a>,

@@ -1,4 +1,4 @@
-//! Bodies, joints and sites of a document as a model.
+//! Conversion of the bodies, joints and sites of a document to a model.
 
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -14,23 +14,23 @@ use crate::robot::xml::{Fault, Mended, Read, Repair, RobotFileError, clean_sin_c
 use crate::robot::{Drive, Mimic};
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
-/// A model as it grows, and what goes with it.
+/// A model under construction, and data that is stored next to it.
 pub(super) struct Build<'a> {
     pub(super) builder: ModelBuilder,
     pub(super) names: ElementNames<'a>,
-    /// The configuration in which the file draws the robot: MuJoCo's `qpos0`.
+    /// MuJoCo's `qpos0`: the configuration in which the body poses are those of the file.
     pub(super) drawn: Vec<f64>,
     pub(super) drives: Vec<Drive>,
-    /// What is read otherwise than it looks.
+    /// Notes on attributes that are read differently from what they seem to state.
     pub(super) notes: Vec<Repair>,
     /// Line and name of the element of each mimic joint, in the order of [`couple`](Self::couple).
     pub(super) couplings: Vec<(u32, String)>,
 }
 
-/// Half a turn as files round it up, in radians.
+/// Angle π rounded up as in files, radians.
 const HALF_A_TURN_ROUNDED: f64 = PI + 1e-3;
 
-/// What something stands on, and where.
+/// The carrying joint, and a pose in its frame.
 type Stand = (Option<JointId>, Placement<f64>);
 
 impl<'a> Build<'a> {
@@ -45,7 +45,7 @@ impl<'a> Build<'a> {
         }
     }
 
-    /// Adds bodies, their joints and sites: the frames of bodies first, as links are counted by them.
+    /// Adds bodies, their joints and their sites. Frames of bodies come first because link indices equal body indices.
     pub(super) fn add(&mut self, bodies: &[Body<'a>]) -> Read<()> {
         let [mut joint_names, mut frame_names] = names::given(bodies)?;
         let mut stands: Vec<Stand> = Vec::with_capacity(bodies.len());
@@ -86,7 +86,7 @@ impl<'a> Build<'a> {
         Ok(())
     }
 
-    /// Adds a joint of a body that stands where the ones before it leave it.
+    /// Adds a joint of a body, at the pose after the joints of the body that come earlier.
     fn joint(
         &mut self,
         element: &JointElement<'a>,
@@ -101,7 +101,7 @@ impl<'a> Build<'a> {
         let anchored = at * Placement::translation(element.anchor);
         let axis = element.axis;
         let id = match element.kind {
-            // MuJoCo has it where its numbers say; where the file draws it is how it begins.
+            // The coordinates of a free joint are absolute poses; the pose of the file is only the initial one.
             Kind::Free => {
                 let Vector3 { x, y, z } = at.translation;
                 let Quaternion { w, v } = Quaternion::from_matrix(&at.rotation);
@@ -155,7 +155,7 @@ impl<'a> Build<'a> {
         }
     }
 
-    /// The joints that follow others; what couples them otherwise is left out.
+    /// Reads the mimic joints. Equalities of other kinds go to `left_out`.
     pub(super) fn couple(
         &mut self,
         equalities: &[Attributes<'_>],

@@ -1,26 +1,27 @@
-//! `<compiler>`: how the numbers of a file are meant.
+//! `<compiler>`: units and conventions of a file.
 
 use super::attributes::Attributes;
 use super::tree::Tag;
 use crate::robot::xml::{Fault, Read};
 
-/// What the `<compiler>` elements say, the later the stronger, for the whole document.
+/// Settings of the `<compiler>` elements of a document; later elements override earlier ones.
 #[derive(Clone, Debug)]
 pub(super) struct Compiler {
-    /// One unit of its angles in radians.
+    /// One unit of angle, in radians.
     pub(super) angle: f64,
-    /// The axes of Euler angles, each 0, 1 or 2, and whether it stays where it is rather than turn along.
+    /// The three axes of Euler angles: the axis index 0, 1 or 2, and whether the axis is fixed (extrinsic).
     pub(super) euler: [(usize, bool); 3],
-    /// Whether a range alone makes a joint limited.
+    /// A `range` alone makes a joint limited.
     pub(super) auto_limits: bool,
-    /// The folder of meshes, and whether folders that they name count.
+    /// Folder of mesh files.
     pub(super) mesh_folder: String,
+    /// Paths in the file names of meshes are removed.
     pub(super) strip_path: bool,
-    /// When masses come from shapes: never, where none is stated, always.
+    /// Source of inertias: never from geoms, from geoms for bodies without `inertial` (`None`), or always.
     pub(super) inertia_from_geom: Option<bool>,
-    /// The first and the last group of geoms that weigh anything.
+    /// First and last group of the geoms that have mass.
     weighing_groups: [f64; 2],
-    /// What all bodies weigh together, kilograms.
+    /// Prescribed total mass of all bodies, kilograms.
     pub(super) total_mass: Option<f64>,
 }
 
@@ -48,7 +49,7 @@ impl Compiler {
             Some(_) => self.angle = std::f64::consts::PI / 180.0,
             None => {}
         }
-        // MuJoCo itself reads global coordinates no more.
+        // MuJoCo rejects global coordinates as well.
         compiler.word("coordinate", &["local"])?;
         if let Some(text) = compiler.text("eulerseq") {
             self.euler = sequence(text).ok_or_else(|| {
@@ -69,7 +70,7 @@ impl Compiler {
         if let Some(groups) = compiler.numbers("inertiagrouprange")? {
             self.weighing_groups = groups;
         }
-        // One that is not above 0, as by default, changes nothing.
+        // A value that is not above 0, such as the default, means no scaling.
         if let Some(total) = compiler.number("settotalmass")? {
             self.total_mass = Some(total).filter(|total| *total > 0.0);
         }
@@ -80,13 +81,13 @@ impl Compiler {
         Ok(())
     }
 
-    /// Whether geoms of a group add to the mass of a body that states none.
+    /// Reports whether geoms of a group contribute to the inertia of bodies.
     pub(super) fn weighs_group(&self, group: f64) -> bool {
         let [first, last] = self.weighing_groups;
         (first..=last).contains(&group)
     }
 
-    /// Where a mesh lies, from the document's folder.
+    /// Path of a mesh file relative to the document's folder.
     pub(super) fn mesh_file(&self, file: &str) -> String {
         let name = match self.strip_path {
             true => file.rsplit(['/', '\\']).next().unwrap_or(file),

@@ -1,4 +1,4 @@
-//! What touches what: bodies, the bits of their geoms, and `<contact>`.
+//! `<contact>` and the contact bits of geoms: enabled collision pairs.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::model::UnknownName;
 use crate::robot::contacts::{ContactBody, ContactPlane, Contacts};
 use crate::robot::xml::{Fault, Read, RobotFileError};
 
-/// The contacts of a document; what of it is not kept is left out.
+/// Reads the contacts of a document. Faulty or unsupported elements go to `left_out`.
 pub(super) fn read(
     root: Tag<'_>,
     bodies: &[Body<'_>],
@@ -63,14 +63,14 @@ pub(super) fn read(
     contacts
 }
 
-/// `<option><flag filterparent="disable"/></option>`.
+/// Reads `<option><flag filterparent="disable"/></option>`.
 fn parents_count(root: Tag<'_>) -> bool {
     let options = root.children_named("option");
     let mut flags = options.flat_map(|option| option.children_named("flag"));
     flags.any(|flag| flag.text("filterparent") == Some("disable"))
 }
 
-/// Bodies by name.
+/// Body indices by name.
 fn body_names<'b>(bodies: &'b [Body<'_>]) -> HashMap<&'b str, usize> {
     let names = bodies.iter().enumerate().filter_map(|(index, body)| {
         let name = match index {
@@ -82,7 +82,7 @@ fn body_names<'b>(bodies: &'b [Body<'_>]) -> HashMap<&'b str, usize> {
     names.collect()
 }
 
-/// Geoms by name, each with its body.
+/// Geoms by name, each with the index of its body.
 fn geom_names<'b, 'd>(bodies: &'b [Body<'d>]) -> HashMap<&'b str, (usize, &'b Geom<'d>)> {
     let geoms = bodies.iter().enumerate().flat_map(|(index, body)| {
         let geoms = body.geoms.iter();
@@ -100,7 +100,7 @@ fn exclude(tag: Tag<'_>, names: &HashMap<&str, usize>, contacts: &mut Contacts) 
     Ok(())
 }
 
-/// Of links whose other geoms are kept apart with the two that are named there is a note.
+/// Enables the collisions of the bodies of a geom pair, or of a body and a plane.
 fn pair(
     tag: Tag<'_>,
     geoms: &HashMap<&str, (usize, &Geom<'_>)>,

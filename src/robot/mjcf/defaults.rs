@@ -1,4 +1,4 @@
-//! `<default>`: classes of attributes, one within another.
+//! `<default>`: nested classes of default attributes.
 
 use std::collections::HashMap;
 
@@ -6,10 +6,10 @@ use super::tree::Tag;
 use crate::model::UnknownName;
 use crate::robot::xml::{Fault, Read};
 
-/// What the outermost class is called unless it says otherwise.
+/// Default name of the outermost class.
 const MAIN: &str = "main";
 
-/// The classes of a document; the first is the outermost.
+/// The default classes of a document; the first is the outermost.
 #[derive(Clone, Debug)]
 pub(super) struct Defaults<'a> {
     classes: Vec<Class<'a>>,
@@ -19,7 +19,7 @@ pub(super) struct Defaults<'a> {
 #[derive(Clone, Debug, Default)]
 struct Class<'a> {
     around: Option<usize>,
-    /// In the order of the file; the later say more.
+    /// Elements in the order of the file; later ones override earlier ones.
     tags: Vec<Tag<'a>>,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Defaults<'a> {
         };
         let mut lines: HashMap<&'a str, u32> = HashMap::new();
         for outermost in root.children_named("default") {
-            // Documents of several parts have several; all are the outermost class.
+            // Each file of a document may have one; all of them are the outermost class.
             if let Some(name) = outermost.text("class") {
                 own.name(outermost, name, 0, &mut lines)?;
             }
@@ -58,7 +58,7 @@ impl<'a> Defaults<'a> {
         Ok(own)
     }
 
-    /// Gives a class its name, which no other may have: so none can stand within itself.
+    /// Names a class. Names are unique, so no class can contain itself.
     fn name(
         &mut self,
         tag: Tag<'a>,
@@ -77,7 +77,7 @@ impl<'a> Defaults<'a> {
         }
     }
 
-    /// The class that an element asks for; the outermost where it asks for none.
+    /// Index of the class that an element names; the outermost without a name.
     pub(super) fn class(&self, tag: Tag<'a>, name: Option<&str>) -> Read<usize> {
         let Some(name) = name else { return Ok(0) };
         self.by_name.get(name).copied().ok_or_else(|| {
@@ -87,7 +87,7 @@ impl<'a> Defaults<'a> {
         })
     }
 
-    /// Adds what a class and those around it say of elements of a name, nearest first.
+    /// Appends the tags of the elements `element` in a class and in the enclosing classes, highest priority first.
     pub(super) fn add_layers(&self, class: usize, element: &str, layers: &mut Vec<Tag<'a>>) {
         let mut at = Some(class);
         while let Some(class) = at.and_then(|class| self.classes.get(class)) {

@@ -1,4 +1,4 @@
-//! `<equality>`: its active elements, and joints that follow others.
+//! `<equality>`: active equality constraints, and mimic joints.
 
 use super::attributes::Attributes;
 use super::defaults::Defaults;
@@ -8,12 +8,12 @@ use crate::model::{JointId, Limits, ModelBuilder};
 use crate::robot::Mimic;
 use crate::robot::xml::{Fault, Read};
 
-/// The active equalities of a document.
+/// Reads the active equality constraints of a document.
 pub(super) fn read_all<'a>(root: Tag<'a>, defaults: &Defaults<'a>) -> Read<Vec<Attributes<'a>>> {
     let sections = root.children_named("equality");
     let mut active = Vec::new();
     for tag in sections.flat_map(|section| section.children()) {
-        // The class says one thing for every kind, under this name.
+        // Default classes have one element `equality` for all kinds.
         let equality = Attributes::named(tag, "equality", defaults, None)?;
         if equality.flag("active")? != Some(false) {
             active.push(equality);
@@ -22,15 +22,15 @@ pub(super) fn read_all<'a>(root: Tag<'a>, defaults: &Defaults<'a>) -> Read<Vec<A
     Ok(active)
 }
 
-/// What a `<joint>` among the equalities asks of its joints.
+/// Meaning of a `<joint>` equality.
 pub(super) enum Coupling {
-    /// One follows another.
+    /// A mimic joint.
     Follows(Mimic),
-    /// It stands at one value, in radians or metres.
+    /// A joint locked at a value, in radians or metres.
     Stands(JointId, f64),
 }
 
-/// A relation between two joints, or the value of one.
+/// Reads a `<joint>` equality: a linear relation of two joints, or the value of one joint.
 pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> Read<Coupling> {
     let attribute = "joint1";
     let missing = || equality.fault(Fault::MissingAttribute { attribute });
@@ -40,7 +40,7 @@ pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> R
         .up_to::<5>("polycoef")?
         .unwrap_or(([0.0, 1.0, 0.0, 0.0, 0.0], 2));
     let [constant, ratio, higher @ ..] = polynomial;
-    // y - y₀ = c + r (x - x₀), from where the file has both.
+    // MuJoCo's relation is y - y₀ = c + r (x - x₀), with the reference positions x₀ and y₀.
     let at = |joint: &super::names::NamedJoint| match joint.is_scalar {
         true => Ok((joint.id, joint.reference)),
         false => Err(equality.fault(Fault::NotLinear)),
@@ -62,7 +62,8 @@ pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> R
     }))
 }
 
-/// Takes a relation up among those that are there, or says why not.
+/// Adds a relation to the mimic joints or locks a joint. Returns an error if it contradicts an earlier relation or a
+/// limit.
 pub(super) fn take(
     equality: &Attributes<'_>,
     coupling: Coupling,

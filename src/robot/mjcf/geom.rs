@@ -1,4 +1,4 @@
-//! `<geom>`: what a body looks like, bumps into things with and weighs.
+//! `<geom>`: visual shapes, collision shapes and masses of bodies.
 
 use std::collections::HashMap;
 
@@ -28,9 +28,9 @@ const TYPES: [&str; 9] = [
     "sdf",
 ];
 const SPHERE: usize = 2;
-/// MuJoCo shows geoms of groups below.
+/// Geoms of groups below this number are visuals: MuJoCo displays groups 0 to 2 by default.
 const SHOWN_GROUPS: f64 = 3.0;
-/// Of water, kg/m³.
+/// Default density, kg/m³: that of water.
 const DENSITY: f64 = 1000.0;
 
 /// A geom of a body.
@@ -38,23 +38,23 @@ const DENSITY: f64 = 1000.0;
 pub(super) struct Geom<'a> {
     pub(super) tag: Tag<'a>,
     kind: &'static str,
-    /// `None` for what [`Geometry`] has no word for.
+    /// Shape of the geom; `None` for types that [`Geometry`] does not have.
     pub(super) shape: Option<Shape>,
     pub(super) is_visual: bool,
     pub(super) collides: bool,
     pub(super) bits: ContactBits,
-    /// Where a plane stands.
+    /// Pose in the body if the geom is a plane.
     pub(super) body_from_plane: Option<Placement<f64>>,
     pub(super) weight: Weight,
 }
 
 impl Geom<'_> {
-    /// Whether it is among the collision shapes of its link.
+    /// Reports whether the geom is a collision shape of its link.
     pub(super) fn is_collision(&self) -> bool {
         self.collides && self.shape.is_some()
     }
 
-    /// What touches other things, but has no shape that counts, by its kind.
+    /// The fault of a geom with contact bits whose type is unsupported.
     pub(super) fn missing_shape(&self) -> Option<RobotFileError> {
         let missing = self.collides && self.shape.is_none() && self.body_from_plane.is_none();
         let kind = self.kind;
@@ -62,19 +62,19 @@ impl Geom<'_> {
     }
 }
 
-/// What a geom adds to its body's mass.
+/// Contribution of a geom to the mass of its body.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Weight {
     Nothing,
-    /// Kilograms, and where the solid stands in the body.
+    /// Mass in kilograms, solid, and pose of the solid in the body.
     Known(f64, Solid, Placement<f64>),
-    /// Kilograms; the file of a mesh would have to be opened to know where their centre is.
+    /// Mass in kilograms. The centre is unknown: it depends on a mesh file, or the geom is a shell.
     Somewhere(f64),
-    /// The file of a mesh would have to be opened; a shell's is not worked out either.
+    /// Unknown mass: it depends on a mesh file, or the geom is a shell.
     Unknown,
 }
 
-/// Reads a geom, `body_from_frame` away from its body.
+/// Reads a geom; `body_from_frame` is the pose of the enclosing frame in the body.
 pub(super) fn read<'a>(
     tag: Tag<'a>,
     (compiler, defaults, meshes): (&Compiler, &Defaults<'a>, &HashMap<String, Mesh>),
@@ -100,7 +100,7 @@ pub(super) fn read<'a>(
                 mesh.map(|m| m.shape_from_file),
             )
         }
-        // One that is fitted to a mesh has sizes that are not in the document.
+        // A primitive that MuJoCo fits to a mesh has sizes that are not in the document.
         _ if geom.text("mesh").is_some() => (None, None, None),
         kind => {
             let (solid, geometry) = solid(&geom, kind, length)?;
@@ -116,7 +116,7 @@ pub(super) fn read<'a>(
         geometry,
     });
     let bits = |attribute, usual: u32| {
-        // MuJoCo's are integers of 32 bits.
+        // MuJoCo's contact bits are 32-bit integers.
         let taken = |bits: f64| bits as i64 as u32;
         geom.number(attribute)
             .map(|given| given.map_or(usual, taken))
@@ -167,7 +167,7 @@ fn solid(
         "capsule" | "cylinder" => 2,
         _ => 3,
     };
-    // A segment says how long it is; a box of it is as deep as wide.
+    // A segment gives the length; a box along it has equal sides.
     if let (Some(length), true) = (length, needed > 1) {
         if given < 2 {
             size[1] = size[0];

@@ -1,4 +1,4 @@
-//! `<inertial>`, and the mass of bodies that have none: that of their geoms.
+//! `<inertial>`, and inertias of bodies computed from their geoms.
 
 use super::attributes::Attributes;
 use super::compiler::Compiler;
@@ -9,7 +9,7 @@ use crate::robot::xml::{Fault, Read};
 use crate::robot::{Inertial, LeftToMeshes};
 use crate::spatial::{Placement, Vector3};
 
-/// What a body weighs.
+/// Inertia of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Weighed {
     Nothing,
@@ -38,7 +38,7 @@ pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Read<Inertial> {
     })
 }
 
-/// The mass of all geoms together, in the body's axes, or what of it stands in the files of meshes.
+/// Combined inertia of all geoms in the axes of the body, or the part of it that depends on mesh files.
 pub(super) fn of_geoms(geoms: &[Geom]) -> Weighed {
     let (mut mass, mut moment) = (0.0, Vector3::zero());
     let mut has_centre = true;
@@ -73,7 +73,7 @@ pub(super) fn of_geoms(geoms: &[Geom]) -> Weighed {
         let squared: f64 = away.iter().map(|c| c * c).sum();
         for (i, row) in moments.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
-                // R diag(I) Rᵀ, and the parallel axis theorem.
+                // Rotated moments R diag(I) Rᵀ plus the parallel axis theorem.
                 let turned: f64 = (0..3).map(|k| axes[k][i] * about[k] * axes[k][j]).sum();
                 let moved = if i == j { squared } else { 0.0 } - away[i] * away[j];
                 *entry += own * (turned + moved);

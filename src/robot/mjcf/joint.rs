@@ -8,7 +8,7 @@ use crate::model::Limits;
 use crate::robot::xml::{Fault, Read};
 use crate::spatial::{Placement, Vector3};
 
-/// How a joint moves its body.
+/// Joint types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Free,
@@ -24,28 +24,28 @@ impl Kind {
         KINDS[self as usize]
     }
 
-    /// Whether its value is one number.
+    /// Reports whether the joint has one coordinate.
     pub(super) fn is_scalar(self) -> bool {
         matches!(self, Self::Slide | Self::Hinge)
     }
 }
 
-/// A joint as its file has it, in radians and metres.
+/// A joint as its file states it, in radians and metres.
 #[derive(Clone, Debug)]
 pub(super) struct JointElement<'a> {
     pub(super) tag: Tag<'a>,
     pub(super) kind: Kind,
-    /// Where it stands in its body.
+    /// Position in the frame of its body.
     pub(super) anchor: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
-    /// Its value where the body stands as the file places it.
+    /// `ref`: the coordinate at which the body has the pose of the file, radians or metres.
     pub(super) reference: f64,
-    /// `None`: none. A ball's is 0 and the angle that it may turn by.
+    /// Limits, if any. A ball joint has 0 and its largest angle.
     pub(super) range: Option<Limits>,
     pub(super) effort: Option<f64>,
 }
 
-/// Reads a joint of a body, `body_from_frame` away from it.
+/// Reads a joint of a body; `body_from_frame` is the pose of the enclosing frame in the body.
 pub(super) fn read<'a>(
     tag: Tag<'a>,
     compiler: &Compiler,
@@ -63,7 +63,7 @@ pub(super) fn read<'a>(
         Some(2) => Kind::Slide,
         _ => Kind::Hinge,
     };
-    // A ball's axis means nothing to MuJoCo.
+    // MuJoCo ignores the axis of a ball joint.
     let axis = match (kind, joint.numbers::<3>("axis")?) {
         (Kind::Slide | Kind::Hinge, Some([0.0, 0.0, 0.0])) => {
             return Err(joint.fault(Fault::ZeroLength { attribute: "axis" }));
@@ -129,7 +129,7 @@ fn range(
     }
 }
 
-/// The largest force or torque that its actuators may have on it together.
+/// Largest force or torque of all actuators on the joint together: `actuatorfrcrange`.
 fn effort(joint: &Attributes<'_>) -> Read<Option<f64>> {
     let range = joint.numbers::<2>("actuatorfrcrange")?;
     let limited = joint.word("actuatorfrclimited", &["false", "true", "auto"])?;

@@ -1,4 +1,4 @@
-//! `<equality>`: loops.
+//! `<equality>`: loop closures.
 
 use super::attributes::Attributes;
 use super::body::Body;
@@ -8,7 +8,8 @@ use crate::model::{FrameId, Loop, LoopKind, Model};
 use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Placement, Vector3};
 
-/// The loops that equalities close, where the model stands as the file draws it at `drawn`.
+/// Reads the loop closures of `connect` and `weld`. `drawn` is the configuration in which the body poses are those of
+/// the file.
 pub(super) fn read_all(
     equalities: &[Attributes<'_>],
     bodies: &[Body<'_>],
@@ -53,7 +54,8 @@ pub(super) fn read_all(
     Ok(loops)
 }
 
-/// Bodies that a program moves from outside, and the sites on them: what is held to one is asked to go there.
+/// Frames of mocap bodies, which a program moves, and of their sites. A constraint to such a body is a target and no
+/// loop.
 fn mocap_frames(bodies: &[Body<'_>], names: &ElementNames<'_>) -> Vec<FrameId> {
     let moved = bodies
         .iter()
@@ -61,17 +63,17 @@ fn mocap_frames(bodies: &[Body<'_>], names: &ElementNames<'_>) -> Vec<FrameId> {
     moved.flat_map(|body| names.frames_of(body)).collect()
 }
 
-/// Where frames stand in the configuration that the file draws the robot in.
+/// Frame poses at a configuration.
 fn as_drawn(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
     let mut kinematics = ForwardKinematics::new(model);
     match kinematics.place(q) {
         Ok(placements) => placements.to_vec(),
-        // A model that is sound, and a configuration of its length, of finite numbers.
+        // Unreachable: the model is valid, and the configuration is finite and has its length.
         Err(_) => vec![Placement::identity(); model.frames().len()],
     }
 }
 
-/// The frames that a `connect` or `weld` joins, and where on them.
+/// The two frames of a `connect` or `weld`, and the closure pose in each frame.
 fn joined(
     equality: &Attributes<'_>,
     kind: LoopKind,
@@ -115,7 +117,7 @@ fn joined(
                     let rotation = rotation_of_wxyz([w, i, j, k]).ok_or_else(zero)?;
                     Placement::new(rotation, Vector3::new(x, y, z))
                 }
-                // As both are drawn.
+                // Without `relpose` the relative pose is that of the file.
                 _ => second_from_first.inverse(),
             };
             Ok((frames, [first_from_second * anchor, anchor]))

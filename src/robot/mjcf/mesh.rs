@@ -1,4 +1,4 @@
-//! `<asset><mesh>`: which file a mesh is in.
+//! `<asset><mesh>`: references to mesh files.
 
 use std::collections::HashMap;
 
@@ -10,15 +10,15 @@ use crate::robot::Geometry;
 use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// A mesh as shapes use it.
+/// A mesh asset.
 #[derive(Clone, Debug)]
 pub(super) struct Mesh {
     pub(super) geometry: Geometry,
-    /// Where what its file counts from stands in the shape.
+    /// Transform from the coordinates of the mesh file to the shape.
     pub(super) shape_from_file: Placement<f64>,
 }
 
-/// The meshes of a document that can be used, by their names.
+/// The usable mesh assets of a document by name.
 pub(super) fn read_all<'a>(
     root: Tag<'a>,
     compiler: &Compiler,
@@ -46,7 +46,7 @@ fn read(
     defaults: &Defaults<'_>,
 ) -> Read<Option<(String, Mesh)>> {
     let mesh = Attributes::of(tag, defaults, None)?;
-    // One that is made of numbers in the document is in no file.
+    // A mesh with vertices in the document has no file.
     let Some(file) = tag.text("file") else {
         return Ok(None);
     };
@@ -66,7 +66,7 @@ fn read(
     if turn != Matrix3::identity() && !even {
         return Err(tag.fault(Fault::UnsupportedMesh));
     }
-    // Points of the file are moved by -refpos, turned back by refquat and then scaled.
+    // MuJoCo translates points of the file by -refpos, rotates them by the inverse of refquat, then scales them.
     let back = turn.transpose();
     let moved = back * -Vector3::from(origin);
     let moved = Vector3::new(moved.x * scale[0], moved.y * scale[1], moved.z * scale[2]);

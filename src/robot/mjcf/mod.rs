@@ -1,8 +1,9 @@
-//! Reads robots from MJCF, MuJoCo's files.
+//! Reader of MJCF, the format of MuJoCo.
 //!
-//! A document and what it includes become one tree of tags; attributes are asked for through the classes of
-//! defaults; bodies, joints and sites are read strictly and what no joint depends on is left out with a note.
-//! Semantics: MuJoCo's documentation, "XML Reference", held against MuJoCo's own placements.
+//! A document and its includes form one tree of tags. Attributes are looked up through the default classes. The reader
+//! is strict with bodies, joints and sites. Faulty elements that no joint depends on are left out with a note.
+//!
+//! Semantics: MuJoCo's documentation, "XML Reference"; tests compare with poses that MuJoCo computes.
 
 mod attributes;
 mod body;

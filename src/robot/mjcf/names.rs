@@ -1,4 +1,4 @@
-//! What bodies, joints and sites are called: by their names in the file, which they may lack.
+//! Names of bodies, joints and sites, and generated names for those without one.
 
 use std::collections::HashMap;
 
@@ -9,10 +9,10 @@ use super::tree::Tag;
 use crate::model::{FrameId, JointId, UnknownName};
 use crate::robot::xml::{Fault, Read};
 
-/// What MuJoCo calls the body that carries the others.
+/// MuJoCo's name of the world body.
 pub(super) const WORLD: &str = "world";
 
-/// A joint as equalities ask for it.
+/// A joint that equalities can refer to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NamedJoint {
     pub(super) id: JointId,
@@ -20,7 +20,7 @@ pub(super) struct NamedJoint {
     pub(super) reference: f64,
 }
 
-/// What has a name in the file.
+/// Named elements of the file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ElementNames<'a> {
     joints: HashMap<&'a str, NamedJoint>,
@@ -53,12 +53,12 @@ impl<'a> ElementNames<'a> {
         self.sites.extend(name.map(|name| (name, id)));
     }
 
-    /// A joint's id, if there is one of the name.
+    /// Id of the joint of a name.
     pub(super) fn joint_named(&self, name: &str) -> Option<JointId> {
         self.joints.get(name).map(|joint| joint.id)
     }
 
-    /// The frames of a body and its sites, as far as the file names them.
+    /// The named frames of a body and of its sites.
     pub(super) fn frames_of(&self, body: &Body<'_>) -> Vec<FrameId> {
         let sites = body.sites.iter().filter_map(|site| site.tag.text("name"));
         let sites = sites.filter_map(|name| self.sites.get(name));
@@ -92,15 +92,15 @@ fn look_up<T: Copy>(
     })
 }
 
-/// Names for what has none, and for sites that are called as a body is.
+/// Generator of unique names, for elements without a name and for sites named like a body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreshNames {
-    /// With the number that was given last to one like it.
+    /// Names in use, each with the last number that was appended to it.
     taken: HashMap<String, usize>,
 }
 
 impl FreshNames {
-    /// The name, or the first of NAME/2, NAME/3, … that is not taken.
+    /// Returns the name, or the first of NAME/2, NAME/3, … that is not in use.
     pub(super) fn fresh(&mut self, name: String) -> String {
         let mut number = self.taken.get(&name).copied().unwrap_or(0);
         let mut fresh = name.clone();
@@ -113,13 +113,13 @@ impl FreshNames {
         fresh
     }
 
-    /// Keeps a name from being made.
+    /// Marks a name as used.
     pub(super) fn take(&mut self, name: &str) {
         self.taken.insert(name.to_owned(), 0);
     }
 }
 
-/// The names of joints, and those of frames, that the file gives; each must be given once.
+/// The names that the file gives to joints, and to bodies and sites. Returns an error for a repeated name.
 pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let [mut joints, mut frames] = [FreshNames::default(), FreshNames::default()];
     let joint_tags = bodies

@@ -1,4 +1,4 @@
-//! Where something stands, and the five ways in which MJCF writes rotations.
+//! Poses of elements, and the five notations of rotations in MJCF.
 
 use super::attributes::Attributes;
 use super::compiler::Compiler;
@@ -6,12 +6,12 @@ use crate::robot::xml::{Fault, Read, clean_sin_cos, rotation_of_wxyz};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
-/// All but `quat`, which gives way to them where a class has one of them.
+/// Notations of a rotation that override a `quat` of a default class.
 const FORMS: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
-/// A z axis this near to the old one, or its opposite, turns about x.
+/// Largest sine of the angle between z and a z axis at which the rotation axis is taken as x.
 const ALONG_Z: f64 = 1e-10;
 
-/// `pos` and an orientation; nothing moved or turned where neither is given.
+/// Pose from `pos` and an orientation; identity by default.
 pub(super) fn placement(element: &Attributes<'_>, compiler: &Compiler) -> Read<Placement<f64>> {
     let position = element.numbers::<3>("pos")?.unwrap_or_default();
     let rotation = rotation(element, compiler)?;
@@ -72,7 +72,7 @@ fn of_euler(angles: [f64; 3], compiler: &Compiler) -> Matrix3<f64> {
     })
 }
 
-/// The least turn that takes z to a unit vector; half a turn about x to its opposite.
+/// The smallest rotation from z to a unit vector; π about x for the opposite of z.
 pub(super) fn turn_of_z_to(to: Vector3<f64>) -> Matrix3<f64> {
     let across = Vector3::UNITS[2].cross(to);
     let sin = across.norm();
@@ -83,7 +83,7 @@ pub(super) fn turn_of_z_to(to: Vector3<f64>) -> Matrix3<f64> {
     Quaternion::exp(axis * elementary::atan2(sin, to.z)).to_matrix()
 }
 
-/// A vector of unit length, unless it has none.
+/// Normalised vector; `None` if it is zero or not finite.
 pub(super) fn direction(vector: Vector3<f64>) -> Option<Vector3<f64>> {
     let Vector3 { x, y, z } = vector;
     let largest = x.abs().max(y.abs()).max(z.abs());

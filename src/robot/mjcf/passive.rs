@@ -1,4 +1,4 @@
-//! Joints that nothing drives, where a file says what does.
+//! Passive joints: joints that no actuator drives.
 
 use std::collections::HashSet;
 
@@ -7,7 +7,7 @@ use super::tree::Tag;
 use crate::model::JointId;
 use crate::robot::Robot;
 
-/// The moving joints that no actuator moves and that follow no other; none where there are no actuators.
+/// The moving joints that no actuator drives and that are no mimic joints. Empty for a file without actuators.
 pub(super) fn joints(root: Tag<'_>, names: &ElementNames<'_>, robot: &Robot) -> Vec<JointId> {
     let sections = |name| root.children_named(name);
     let actuators = sections("actuator").flat_map(|section| section.children());

@@ -1,4 +1,4 @@
-//! From a document to a robot.
+//! Conversion of an MJCF document to a robot.
 
 use std::path::Path;
 
@@ -18,30 +18,48 @@ use crate::model::ModelBuilder;
 use crate::robot::xml::{Fault, Read, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
 
-/// What MuJoCo calls a model without a name.
+/// MuJoCo's default name of a model.
 const NAMELESS: &str = "MuJoCo Model";
 
 impl Robot {
-    /// Reads an MJCF file, as MuJoCo's models are written in, with the files that it includes.
+    /// Reads an MJCF file, the format of MuJoCo's models, with the files that it includes.
     ///
-    /// Bodies and sites become frames under their names, the world's is `world`; an unnamed body is `body/ID` by
-    /// MuJoCo's number, an unnamed joint or site BODY/hinge, BODY/site and so on, and a site with a body's name
-    /// `site/NAME`. A configuration is MuJoCo's `qpos`: joints in the order of the document, a free joint as x, y, z
-    /// and a quaternion w, x, y, z, a ball as its quaternion, `ref` counted in. A free joint NAME is `NAME/x`,
-    /// `NAME/y`, `NAME/z` and `NAME/rotation`. Ranges are limits where MuJoCo has it so; a ball's limits
-    /// its whole [angle](crate::model::BallLimits::angle), of which half a turn and more is no limit; of more there is a note.
+    /// # Frames and names
     ///
-    /// Joints that an active linear `equality` couples follow, and do not restrict the joint that they follow unless
-    /// [`with_mimic_limits`](Self::with_mimic_limits) is called; `connect` and `weld` are
-    /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;
-    /// those to a `mocap` body, which is a target, and other relations are left out with a note. `inertial`s, or the masses of geoms that
-    /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
-    /// with contact bits as collisions. Planes are no link's shapes, but what moves is kept over them; height fields are left out with a note. Which links
-    /// touch is as in MuJoCo: bits, `exclude`, `pair`, and parents but those that stand in the world. `actuatorfrcrange` is
-    /// the [`effort_limit`](Self::effort_limit). `inertiafromgeom`, `inertiagrouprange` and `settotalmass` count; `boundmass`,
-    /// `boundinertia` and `balanceinertia` change nothing. A mesh's file is not opened, so a body without `inertial` that
-    /// has one has no known centre, nor a mass where the geom states none: [`repairs`](Self::repairs) names it,
-    /// [`Link::left_to_meshes`] says which, and [`masses`](Self::masses) is an error if a joint moves it. Actuators, sensors, tendons and the like are not looked at.
+    /// Bodies and sites become frames under their names; the world body is `world`. An unnamed body is `body/ID` with
+    /// MuJoCo's body id. An unnamed joint or site is named after its body, for example BODY/hinge or BODY/site. A site
+    /// with the name of a body is `site/NAME`.
+    ///
+    /// # Joints
+    ///
+    /// A configuration is MuJoCo's `qpos`: joints in the order of the document, with `ref` included. A free joint has
+    /// x, y, z and a quaternion w, x, y, z; a ball joint has a quaternion. A free joint NAME becomes `NAME/x`,
+    /// `NAME/y`, `NAME/z` and `NAME/rotation`. Ranges are limits if MuJoCo enforces them. The limit of a ball joint
+    /// bounds its [rotation angle](crate::model::BallLimits::angle). An angle of π or more is no limit; larger angles
+    /// give a note. `actuatorfrcrange` is the [`effort_limit`](Self::effort_limit).
+    ///
+    /// An active linear joint `equality` makes a mimic joint. Mimic joints do not restrict their source joints unless
+    /// [`with_mimic_limits`](Self::with_mimic_limits) is called. `connect` and `weld` become
+    /// [`loops`](crate::model::Model::loops) of the model. An unnamed loop is BODY/connect or BODY/weld after its first
+    /// body. Constraints to a `mocap` body, which is a target, and other relations are left out with a note.
+    ///
+    /// # Shapes and contacts
+    ///
+    /// Geoms are stored in the [`link`](Self::link). Those of groups 0 to 2 are visuals; those with contact bits are
+    /// collision shapes. Planes are no link shapes, but moving links avoid collisions with them. Height fields are left
+    /// out with a note. Enabled collision pairs follow MuJoCo's rules: contact bits, `exclude`, `pair`, and no
+    /// collisions with the parent unless it is fixed to the world.
+    ///
+    /// # Masses
+    ///
+    /// Masses come from `inertial`, or from geoms that need no mesh file. `inertiafromgeom`, `inertiagrouprange` and
+    /// `settotalmass` are supported. `boundmass`, `boundinertia` and `balanceinertia` are ignored.
+    ///
+    /// The reader does not open mesh files. A body without `inertial` that has a mesh has no known centre of mass, and
+    /// no known mass unless the geom states it. [`repairs`](Self::repairs) lists such bodies and
+    /// [`Link::left_to_meshes`] says what is unknown. [`masses`](Self::masses) returns an error if a joint moves one of
+    /// them. Actuators and fixed tendons are read only for the [passive joints](Self::passive_joints). Sensors and
+    /// other elements are ignored.
     ///
     /// ```
     /// use kinopt::robot::Robot;
@@ -56,24 +74,24 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the file, with line and name: see [`RobotFileError`] and [`Fault`].
+    /// A fault of the file, with line and element: see [`RobotFileError`] and [`Fault`].
     pub fn read_mjcf(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         let path = path.as_ref();
         Ok(robot(&Tree::read(path, false)?)?.with_file(path))
     }
 
-    /// Reads an MJCF file that is not trusted: it includes only files below its folder, and the robot is
+    /// Reads an untrusted MJCF file. It may include only files below its folder, and the robot is
     /// [confined](Self::confined).
     ///
     /// # Errors
-    /// As [`read_mjcf`](Self::read_mjcf), and an included file that is elsewhere.
+    /// As [`read_mjcf`](Self::read_mjcf), and an included file outside the folder.
     pub fn read_mjcf_confined(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         let path = path.as_ref();
         Ok(robot(&Tree::read(path, true)?)?.with_file(path).confined())
     }
 
-    /// Reads an MJCF document from memory; `file` is the name that errors give it, beside which files that it
-    /// includes are looked for.
+    /// Reads an MJCF document from memory. `file` is the path for error messages; included files are resolved relative
+    /// to its folder.
     ///
     /// # Errors
     /// As [`read_mjcf`](Self::read_mjcf).
@@ -91,19 +109,19 @@ impl Robot {
     }
 }
 
-/// An MJCF file as one document, with the files that it includes put in: what [`Robot::parse_mjcf`] needs no other
-/// file for. Lines are no longer the file's where it includes any.
+/// An MJCF file with its includes inserted, as one document that [`Robot::parse_mjcf`] reads without other files. Line
+/// numbers differ from those of the file if it includes any.
 ///
 /// # Errors
-/// A file that cannot be read, is no XML, or includes itself.
+/// A file that cannot be read, is not XML, or is included twice.
 pub fn mjcf_with_includes(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
     Tree::text_with_includes(path.as_ref(), false)
 }
 
-/// As [`mjcf_with_includes`], with files below the folder of the file alone.
+/// As [`mjcf_with_includes`], restricted to included files below the folder of the file.
 ///
 /// # Errors
-/// As [`mjcf_with_includes`], and an included file that is elsewhere.
+/// As [`mjcf_with_includes`], and an included file outside the folder.
 pub fn mjcf_with_includes_confined(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
     Tree::text_with_includes(path.as_ref(), true)
 }
@@ -166,7 +184,7 @@ fn robot(tree: &Tree) -> Read<Robot> {
     Ok(robot)
 }
 
-/// What a body is made of.
+/// Shapes and inertia of a body.
 fn link(body: Body<'_>, weight: Weighed) -> Link {
     let mut link = Link::default();
     match weight {

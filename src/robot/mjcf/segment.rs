@@ -1,25 +1,25 @@
-//! `fromto`: a shape given by its two ends.
+//! `fromto`: a shape given by its two end points.
 
 use super::attributes::Attributes;
 use super::orientation::{direction, turn_of_z_to};
 use crate::robot::xml::{Fault, Read};
 use crate::spatial::{Placement, Vector3};
 
-/// Its middle, its z axis from the second end to the first, and how far that is.
+/// Pose at the midpoint with z from the second end to the first, and the distance of the ends in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
     pub(super) placement: Placement<f64>,
     pub(super) length: f64,
 }
 
-/// The segment of an element that has one.
+/// Reads the `fromto` attribute of an element.
 pub(super) fn read(element: &Attributes<'_>) -> Read<Option<Segment>> {
     let attribute = "fromto";
     let Some([ax, ay, az, bx, by, bz]) = element.numbers::<6>(attribute)? else {
         return Ok(None);
     };
     let (from, to) = (Vector3::new(ax, ay, az), Vector3::new(bx, by, bz));
-    // MuJoCo's shapes point from `to` to `from`.
+    // As in MuJoCo, z points from `to` to `from`.
     let along = from - to;
     let zero = || element.fault(Fault::ZeroLength { attribute });
     let rotation = turn_of_z_to(direction(along).ok_or_else(zero)?);

@@ -1,22 +1,22 @@
-//! Volumes and moments of inertia of solids of even density.
+//! Volumes and moments of inertia of solids of uniform density.
 
 use std::f64::consts::PI;
 
 /// A solid centred on its origin, lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Solid {
-    /// Half its lengths along x, y and z.
+    /// Half-lengths along x, y and z.
     Box([f64; 3]),
-    /// Its radii along x, y and z.
+    /// Radii along x, y and z.
     Ellipsoid([f64; 3]),
-    /// Along z: its radius, and half its length.
+    /// Radius, and half-length along z.
     Cylinder(f64, f64),
-    /// Along z: its radius, and half the length of its cylinder.
+    /// Radius, and half-length of the cylinder along z.
     Capsule(f64, f64),
 }
 
 impl Solid {
-    /// In m³.
+    /// Volume, m³.
     pub(super) fn volume(&self) -> f64 {
         match *self {
             Self::Box([x, y, z]) => 8.0 * x * y * z,
@@ -26,7 +26,7 @@ impl Solid {
         }
     }
 
-    /// About x, y and z, in m²: for a mass of 1.
+    /// Moments of inertia about x, y and z per unit mass, m².
     pub(super) fn moments(&self) -> [f64; 3] {
         let across = |x: f64, y: f64, z: f64| [y + z, x + z, x + y];
         match *self {
@@ -37,7 +37,7 @@ impl Solid {
                 across(round, round, half * half / 3.0)
             }
             Self::Capsule(radius, half) => {
-                // A cylinder, and half a ball at either end.
+                // A cylinder and two half-spheres.
                 let ball = 4.0 / 3.0 * radius / (2.0 * half + 4.0 / 3.0 * radius);
                 let cylinder = 1.0 - ball;
                 let round = radius * radius * (cylinder / 4.0 + ball / 5.0);

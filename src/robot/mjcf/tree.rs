@@ -1,4 +1,4 @@
-//! A document with its includes put in, as a tree of tags that know their file and line.
+//! A document with its includes inserted, as a tree of tags with file and line.
 
 use std::path::{Path, PathBuf};
 
@@ -8,23 +8,23 @@ use crate::file::{Place, ReadError, ReadProblem, read_bytes};
 use crate::file_access::AllowedFiles;
 use crate::robot::xml::{Fault, Read, RobotFileError, parse};
 
-/// The longest file that is read; real robots stay below 1 MB.
+/// Largest file size that is read, bytes; robot files stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
-/// Elements within elements; real robots stay below 60.
+/// Largest nesting depth of elements; robot files stay below 60.
 const MOST_LEVELS: usize = 1000;
-/// Files that include files that include files.
+/// Largest nesting depth of includes.
 const MOST_NESTED: usize = 32;
 
-/// The elements of a file and of those it includes.
+/// The elements of a file and of its includes.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
-    /// The first is the root; children come after their parents.
+    /// Elements; the first is the root, and parents come before children.
     nodes: Vec<Stored>,
-    /// The files, the main one first.
+    /// Files; the main one comes first.
     files: Vec<Source>,
-    /// The files below the main one's folder.
+    /// The files below the folder of the main file.
     allowed: AllowedFiles,
-    /// Whether those alone may be included.
+    /// Only files below the folder of the main file may be included.
     confined: bool,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Tree {
 #[derive(Clone, Debug)]
 struct Source {
     name: String,
-    /// Whether it is outside of the main file's folder, so that errors must not quote it.
+    /// The file is outside the folder of the main file, so error messages must not quote it.
     outside: bool,
 }
 
@@ -53,12 +53,13 @@ pub(super) struct Tag<'a> {
 }
 
 impl Tree {
-    /// Reads a file and what it includes; `confined` to files below its folder or not.
+    /// Reads a file and its includes. `confined` restricts includes to files below its folder.
     pub(super) fn read(path: &Path, confined: bool) -> Read<Self> {
         Self::parse(&text_of(path)?, &path.display().to_string(), confined)
     }
 
-    /// Reads a document; what it includes is looked for beside `file`, `confined` to files below its folder or not.
+    /// Reads a document. Includes are resolved relative to the folder of `file`; `confined` restricts them to files
+    /// below it.
     pub(super) fn parse(text: &str, file: &str, confined: bool) -> Read<Self> {
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         let mut tree = Self {
@@ -75,7 +76,7 @@ impl Tree {
         Ok(tree)
     }
 
-    /// The document's element.
+    /// The root element.
     pub(super) fn root(&self) -> Tag<'_> {
         Tag {
             tree: self,
@@ -83,7 +84,7 @@ impl Tree {
         }
     }
 
-    /// A file as one document: as it is where it includes nothing.
+    /// A file with its includes inserted; the unchanged text if it includes nothing.
     pub(super) fn text_with_includes(path: &Path, confined: bool) -> Read<String> {
         let text = text_of(path)?;
         let tree = Self::parse(&text, &path.display().to_string(), confined)?;
@@ -93,7 +94,7 @@ impl Tree {
         })
     }
 
-    /// The document as one text, with what it includes put in.
+    /// The document as text, with its includes inserted.
     fn text(&self) -> String {
         enum Part<'a> {
             Element(Tag<'a>),
@@ -118,12 +119,12 @@ impl Tree {
         text
     }
 
-    /// The name of the main file.
+    /// Name of the main file.
     pub(super) fn file(&self) -> &str {
         self.files.first().map_or("", |source| &source.name)
     }
 
-    /// Adds the elements of a file: all of them, or those within its root to an element that is there.
+    /// Adds the elements of a file as a document, or the children of its root to the element `within`.
     fn add(
         &mut self,
         text: &str,
@@ -183,7 +184,7 @@ impl Tree {
         Ok(())
     }
 
-    /// Puts the elements of the file that an `<include>` names in its place.
+    /// Replaces an `<include>` by the elements of its file.
     fn include(
         &mut self,
         include: &Stored,
@@ -202,7 +203,7 @@ impl Tree {
         };
         let path: PathBuf = folder.join(named);
         let name = path.display().to_string();
-        // As MuJoCo has it; and so no file can include itself.
+        // As in MuJoCo; it also prevents a file from including itself.
         if self.files.iter().any(|source| source.name == name) {
             return Err(fault(Fault::IncludedTwice { file: name }));
         }
@@ -233,36 +234,36 @@ impl<'a> Tag<'a> {
         &self.tree.nodes[self.index]
     }
 
-    /// What the element is.
+    /// Tag name.
     pub(super) fn name(&self) -> &'a str {
         &self.stored().name
     }
 
-    /// The text of an attribute.
+    /// Value of an attribute.
     pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
         let mut own = self.stored().attributes.iter();
         let found = own.find(|(name, _)| name == attribute)?;
         Some(&found.1)
     }
 
-    /// The elements within, in their order.
+    /// Child elements in document order.
     pub(super) fn children(&self) -> impl DoubleEndedIterator<Item = Self> + use<'a> {
         let tree = self.tree;
         let children = self.stored().children.iter();
         children.map(move |&index| tree.tag(index))
     }
 
-    /// The elements within that have a name, in their order.
+    /// Child elements of a name in document order.
     pub(super) fn children_named(&self, name: &'a str) -> impl Iterator<Item = Self> + use<'a> {
         self.children().filter(move |child| child.name() == name)
     }
 
-    /// Where it starts in its file, from 1.
+    /// Line of the element in its file, from 1.
     pub(super) fn line(&self) -> u32 {
         self.stored().line
     }
 
-    /// What is wrong with it.
+    /// An error for a fault of the element.
     pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
         let source = &self.tree.files[self.stored().file];
         if source.outside {
@@ -277,7 +278,7 @@ impl<'a> Tag<'a> {
         }
     }
 
-    /// As messages call it.
+    /// Name of the element in messages.
     pub(super) fn called(&self) -> String {
         let name = self.name();
         let named = self.text("name");
@@ -285,7 +286,7 @@ impl<'a> Tag<'a> {
     }
 }
 
-/// As it may stand between quotation marks.
+/// Text escaped for an attribute value.
 fn escaped(value: &str) -> String {
     value
         .replace('&', "&amp;")
@@ -306,7 +307,7 @@ fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a,
     node.children().filter(Node::is_element)
 }
 
-/// Counts lines up to places that come in order.
+/// Line counter for offsets in ascending order.
 struct Lines<'a> {
     text: &'a str,
     at: usize,

@@ -1,4 +1,4 @@
-//! What bodies weigh: by their `<inertial>`, else by their geoms, scaled to a total where one is asked for.
+//! Inertias of bodies: from `<inertial>` or from geoms, scaled to `settotalmass`.
 
 use super::body::Body;
 use super::compiler::Compiler;
@@ -6,7 +6,7 @@ use super::inertial::{Weighed, of_geoms};
 use crate::robot::xml::{Mended, Repair};
 use crate::robot::{Inertial, LeftToMeshes};
 
-/// What each body weighs, and notes on those whose weight stands in the files of meshes.
+/// The inertia of each body, and notes on those that depend on mesh files.
 pub(super) fn weigh(bodies: &[Body<'_>], compiler: &Compiler) -> (Vec<Weighed>, Vec<Repair>) {
     let own = bodies.iter().map(|body| weight(body, compiler));
     let mut weights: Vec<Weighed> = own.collect();
@@ -30,7 +30,7 @@ pub(super) fn weigh(bodies: &[Body<'_>], compiler: &Compiler) -> (Vec<Weighed>, 
 fn weight(body: &Body<'_>, compiler: &Compiler) -> Weighed {
     let stated = || body.inertial.map_or(Weighed::Nothing, Weighed::Known);
     match (compiler.inertia_from_geom, body.inertial) {
-        // The world weighs nothing.
+        // The world has no inertia.
         _ if body.parent.is_none() => Weighed::Nothing,
         (Some(false), _) | (None, Some(_)) => stated(),
         (None, None) => of_geoms(&body.geoms),
@@ -41,8 +41,8 @@ fn weight(body: &Body<'_>, compiler: &Compiler) -> Weighed {
     }
 }
 
-/// `settotalmass`: every body times one factor, those that stand in the world too. Where one mass stands in a
-/// mesh's file, so does the factor.
+/// Scales all bodies, including those fixed to the world, to the total mass `settotalmass`. If one mass depends on a
+/// mesh file, the scale factor is unknown, and so are all masses.
 fn scale(weights: &mut [Weighed], total: f64) {
     let mut sum = Some(0.0);
     for weight in &*weights {

@@ -1,4 +1,4 @@
-//! `<group>`: joints by their names, those of links, of chains and of other groups.
+//! `<group>`: named sets of joints.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -6,17 +6,17 @@ use crate::model::{JointId, UnknownName};
 use crate::robot::Robot;
 use crate::robot::xml::{Element, Fault, Mended, Read, is};
 
-/// Joints that are used together.
+/// A named set of joints.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Group {
-    /// Its name.
+    /// Name of the group.
     pub name: String,
-    /// The joints that move, from its own list, its links, chains and groups, parents before children.
+    /// The moving joints of the group's joints, links, chains and groups; parents before children.
     pub joints: Vec<JointId>,
 }
 
-/// A group whose own groups are still names.
+/// A group whose subgroups are unresolved names.
 struct Part {
     joints: BTreeSet<JointId>,
     groups: Vec<String>,
@@ -46,7 +46,7 @@ pub(super) fn read_all(
     }
     let mut groups = Vec::with_capacity(names.len());
     for (element, name) in known.into_iter().zip(&names) {
-        // Every group within it once; one that it stands in itself is a ring.
+        // Visit every subgroup once; a subgroup that contains the group itself is a cycle.
         let mut joints = BTreeSet::new();
         let mut seen = BTreeSet::new();
         let mut waiting: Vec<&String> = vec![name];

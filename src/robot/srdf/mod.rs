@@ -1,5 +1,4 @@
-//! SRDF: what a robot's description does not say: groups of joints, states, joints that nothing drives, links
-//! that need not be kept apart.
+//! SRDF: joint groups, group states, passive joints, and collision pairs that need no check.
 
 mod group;
 mod reader;
@@ -15,66 +14,66 @@ use super::Robot;
 use super::xml::{Repair, RobotFileError};
 use crate::model::{FrameId, JointId, ParameterMapBuilder, UnknownName};
 
-/// A file of semantics, checked against the robot that it was read for: its ids are that robot's.
+/// Contents of an SRDF file, checked against one robot: all ids are ids of that robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Srdf {
-    /// Groups of joints, in the order of the file.
+    /// Joint groups, in the order of the file.
     pub groups: Vec<Group>,
-    /// Named values of joints.
+    /// Named joint values.
     pub states: Vec<GroupState>,
     /// Grippers, tools and feet.
     pub end_effectors: Vec<EndEffector>,
-    /// Joints that nothing drives, which move.
+    /// Passive joints that move.
     pub passive_joints: Vec<JointId>,
-    /// How the robot stands in the world, which [`Robot::with_base_joint`] would do.
+    /// Joints between the world and the robot. [`Robot::with_base_joint`] adds such a joint to a robot.
     pub virtual_joints: Vec<VirtualJoint>,
-    /// Links that may touch, or never can.
+    /// Link pairs without collision checks.
     pub disabled_pairs: Vec<DisabledPair>,
-    /// What a [lenient](SrdfReader::lenient) reader left out, in the order of the file.
+    /// Elements that a [lenient](SrdfReader::lenient) reader left out, in the order of the file.
     pub repairs: Vec<Repair>,
 }
 
-/// A group at the end of another.
+/// An end effector: a group attached to a link of another group.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EndEffector {
-    /// Its name.
+    /// Name of the end effector.
     pub name: String,
-    /// The group that it is.
+    /// Name of its group.
     pub group: String,
-    /// The link that it is fixed to.
+    /// Link to which it is fixed.
     pub parent_link: FrameId,
-    /// The group that carries it, if the file says.
+    /// Group of the parent link, if the file states it.
     pub parent_group: Option<String>,
 }
 
-/// A joint between the world and the robot, as the file says it.
+/// A joint between the world and the robot, as the file describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct VirtualJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// fixed, floating or planar.
+    /// Joint type: `fixed`, `floating` or `planar`.
     pub kind: String,
-    /// A frame that is not the robot's.
+    /// A frame outside the robot.
     pub parent_frame: String,
-    /// The robot's link that it carries.
+    /// Link that the joint carries.
     pub child_link: FrameId,
 }
 
-/// Two links that collision checks may leave out.
+/// Two links that collision checks may skip.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct DisabledPair {
-    /// The two.
+    /// The two links.
     pub links: [FrameId; 2],
-    /// Adjacent, Never, Default, …, or nothing.
+    /// `Adjacent`, `Never`, `Default` or other text; may be empty.
     pub reason: String,
 }
 
 impl Srdf {
-    /// Reads a file that speaks of a robot.
+    /// Reads an SRDF file for a robot.
     ///
     /// ```
     /// use kinopt::robot::{Robot, Srdf};
@@ -94,13 +93,13 @@ impl Srdf {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the file, with line and name: joints, links and groups that there are not, groups that
-    /// contain themselves, values of joints that are no numbers or not as many as the joint takes.
+    /// A fault of the file, with line and element: unknown joints, links and groups, groups that contain themselves, or
+    /// joint values that are no numbers or have the wrong count.
     pub fn read(path: impl AsRef<Path>, robot: &Robot) -> Result<Self, RobotFileError> {
         Self::reader().read(path, robot)
     }
 
-    /// Reads a document from memory; `file` is the name that errors give it.
+    /// Reads a document from memory. `file` is the file name for error messages.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -108,24 +107,24 @@ impl Srdf {
         Self::reader().parse(text, file, robot)
     }
 
-    /// A reader with options: strict, as [`read`](Self::read), unless told otherwise.
+    /// A reader with options. The default is strict, as [`read`](Self::read).
     #[must_use]
     pub fn reader() -> SrdfReader {
         SrdfReader::default()
     }
 
-    /// Looks a group up.
+    /// Looks up a group by name.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// An unknown name. The error lists the valid ones.
     pub fn group(&self, name: &str) -> Result<&Group, UnknownName> {
         let names = self.groups.iter().map(|group| group.name.as_str());
         let found = self.groups.iter().find(|group| group.name == name);
         found.ok_or_else(|| UnknownName::new("group", name, names))
     }
 
-    /// Starts a parameter map of the robot in which the joints that nothing drives are held as `q` has them,
-    /// but those that follow others.
+    /// Starts a parameter map of the robot in which passive joints are locked at their values in `q`. Passive mimic
+    /// joints stay coupled to their sources.
     #[must_use]
     pub fn driven<'r>(&self, robot: &'r Robot, q: &[f64]) -> ParameterMapBuilder<'r> {
         let model = robot.model();
@@ -141,24 +140,25 @@ impl Srdf {
             builder = match (is_ball, q.get(at..)) {
                 (false, Some([value, ..])) => builder.with_locked(joint, *value),
                 (true, Some([w, x, y, z, ..])) => builder.with_locked_ball(joint, [*w, *x, *y, *z]),
-                // Too short: told when the map is built.
+                // `q` is too short: building the map returns the error.
                 _ => builder.with_only(&[], q),
             };
         }
         builder
     }
 
-    /// Starts a parameter map of the robot in which only a group's joints move, the others held as `q` has them.
+    /// Starts a parameter map of the robot in which only the joints of a group are free. Other joints are locked at
+    /// their values in `q`.
     ///
     /// # Errors
-    /// An unknown group; the error lists the valid ones.
+    /// An unknown group. The error lists the valid ones.
     pub fn only<'r>(
         &self,
         robot: &'r Robot,
         group: &str,
         q: &[f64],
     ) -> Result<ParameterMapBuilder<'r>, UnknownName> {
-        // Those that follow others do so in either case.
+        // Mimic joints stay coupled in either case.
         let joints = &self.group(group)?.joints;
         Ok(robot.parameters().with_only(joints, q))
     }

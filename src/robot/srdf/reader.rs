@@ -1,4 +1,4 @@
-//! From a document to what it says of a robot.
+//! Conversion of an SRDF document.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -13,10 +13,10 @@ use crate::robot::xml::{
     Element, Fault, Read, Reading, RobotFileError, is, mended, parse as parse_xml,
 };
 
-/// The longest file that is read; real ones stay below 1 MB.
+/// Largest file size that is read, bytes; SRDF files stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
 
-/// Reads SRDF: strictly, unless asked to be lenient.
+/// SRDF reader, strict by default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SrdfReader {
     lenient: bool,
@@ -24,12 +24,16 @@ pub struct SrdfReader {
 
 impl SrdfReader {
     setters! {
-        /// Leaves out what cannot be taken at its word, and lists it: see [`Srdf::repairs`]. Published files often name a
-        /// joint or a link that another version of the robot has.
+        /// Leaves out faulty elements and lists them in [`Srdf::repairs`]. Published files often name joints or links
+        /// of another version of the robot.
         ///
-        /// Left out are passive joints, end effectors, virtual joints and disabled pairs that name what there is not; of
-        /// groups and states their single joints, links, chains and groups; states of groups that there are not; of a group
-        /// that is given twice the second. A group within itself has the joints of all groups of its ring.
+        /// The reader leaves out:
+        /// - passive joints, end effectors, virtual joints and disabled pairs with unknown names;
+        /// - joints, links, chains and subgroups with unknown names in groups and states;
+        /// - states of unknown groups;
+        /// - the second group of a name.
+        ///
+        /// A group that contains itself gets the joints of all groups of the cycle.
         ///
         /// ```
         /// use kinopt::robot::{Robot, Srdf};
@@ -49,10 +53,10 @@ impl SrdfReader {
         pub fn lenient(mut self) { self.lenient = true }
     }
 
-    /// Reads a file that speaks of a robot.
+    /// Reads an SRDF file for a robot.
     ///
     /// # Errors
-    /// As [`Srdf::read`]; a lenient reader's that there is no such file, or no SRDF in it.
+    /// As [`Srdf::read`]. A lenient reader fails only if the file cannot be read or is not SRDF.
     pub fn read(&self, path: impl AsRef<Path>, robot: &Robot) -> Result<Srdf, RobotFileError> {
         let path = path.as_ref();
         let file = path.display().to_string();
@@ -64,7 +68,7 @@ impl SrdfReader {
         self.parse(text, &file, robot)
     }
 
-    /// Reads a document from memory; `file` is the name that errors give it.
+    /// Reads a document from memory. `file` is the file name for error messages.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -107,7 +111,7 @@ fn read(reading: &Reading<'_>, robot: &Robot) -> Read<Srdf> {
             child_link: link(element, "child_link", robot)?,
         })
     })?;
-    // Their names are known as such, also where they carry a link that there is not.
+    // Virtual joints with an unknown child link keep their names reserved.
     let virtual_elements = elements("virtual_joint");
     let virtual_names: Vec<&str> = (virtual_elements.iter())
         .filter_map(|element| element.text("name"))
@@ -165,7 +169,7 @@ fn read(reading: &Reading<'_>, robot: &Robot) -> Read<Srdf> {
     })
 }
 
-/// What elements say, without those that a lenient reader leaves out.
+/// Reads all elements; a lenient reader leaves out faulty ones.
 fn all<T>(elements: &[Element<'_>], read: impl Fn(&Element<'_>) -> Read<T>) -> Read<Vec<T>> {
     let mut all = Vec::with_capacity(elements.len());
     for element in elements {

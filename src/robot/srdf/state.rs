@@ -1,4 +1,4 @@
-//! `<group_state>`: named values of joints.
+//! `<group_state>`: named joint values.
 
 use std::collections::BTreeSet;
 
@@ -7,28 +7,29 @@ use crate::model::{JointId, JointKind, Model, UnknownName};
 use crate::robot::Robot;
 use crate::robot::xml::{Element, Fault, Mended, Read, is};
 
-/// What Pinocchio calls the joint that moves a whole robot, whether or not it has one.
+/// Pinocchio's name of the joint that moves a whole robot.
 const BASE: &str = "root_joint";
 
-/// Values of some joints under a name.
+/// A group state: named values of some joints.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GroupState {
-    /// Its name, which states of other groups may have too.
+    /// Name of the state. States of other groups may have the same name.
     pub name: String,
-    /// The group that it is of.
+    /// Group to which the state belongs.
     pub group: String,
-    /// Coordinates of a configuration and their values: radians, metres, parts of unit quaternions.
+    /// Configuration indices and their values: radians, metres, or components of unit quaternions.
     pub values: Vec<(usize, f64)>,
 }
 
 impl Srdf {
-    /// A state as a whole configuration: its values, and those of `q` for all other joints. A name that several groups
-    /// have, as `home` of an arm and of its hand, is all of them, in the order of the file; `hand/home` is one group's
-    /// alone. Followers are not looked at.
+    /// A configuration with the values of a state; all other values are those of `q`.
+    ///
+    /// If several groups have a state of this name, all are applied in the order of the file: for example `home` of an
+    /// arm and of its hand. `hand/home` selects the state of one group. Mimic joints are not updated.
     ///
     /// # Errors
-    /// An unknown state; the error lists the valid ones.
+    /// An unknown state. The error lists the valid ones.
     pub fn state(&self, name: &str, q: &[f64]) -> Result<Vec<f64>, UnknownName> {
         let is_of = |state: &&GroupState| {
             let of_group = name.strip_suffix(state.name.as_str());
@@ -71,11 +72,11 @@ pub(super) fn read(
             continue;
         };
         let Some(coordinates) = coordinates(robot.model(), &name) else {
-            // A robot that stands still has no use for where its base is.
+            // A robot without a base joint ignores the pose of its base.
             if name == BASE || virtual_joints.contains(&name.as_str()) {
                 continue;
             }
-            // A fixed joint has no value.
+            // Fixed joints have no value, so their values are ignored without a note.
             if let Err(unknown) = robot.model().joint(&name) {
                 part.mend(unknown.into(), Mended::LeftOut)?;
             }
@@ -91,7 +92,7 @@ pub(super) fn read(
     })
 }
 
-/// The coordinates of a joint that moves, in the order of its values in a file: quaternions are x, y, z, w there.
+/// The coordinates of a moving joint in the order of its values in a file. SRDF writes quaternions as x, y, z, w.
 fn coordinates(model: &Model, name: &str) -> Option<Vec<usize>> {
     let of = |name: &str| -> Option<(JointKind, usize)> {
         let joint: JointId = model.joint(name).ok()?;
@@ -105,7 +106,7 @@ fn coordinates(model: &Model, name: &str) -> Option<Vec<usize>> {
             _ => vec![at],
         });
     }
-    // A free or planar joint is a chain.
+    // A free or planar joint is a chain of joints.
     let part = |part: &str| of(&format!("{name}/{part}")).map(|(_, at)| at);
     let (x, y) = (part("x")?, part("y")?);
     match (part("z"), part("rotation"), part("yaw")) {
@@ -121,7 +122,7 @@ fn numbers(part: &Element<'_>, count: usize) -> Read<Vec<f64>> {
     let words = text.split_whitespace();
     let numbers = words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
     let numbers: Option<Vec<f64>> = numbers.collect();
-    // The quaternion of four or seven numbers has a length.
+    // The quaternion in four or seven numbers must not be zero.
     let turns = |numbers: &[f64]| match count {
         4 | 7 => numbers[count - 4..].iter().any(|part| *part != 0.0),
         _ => true,

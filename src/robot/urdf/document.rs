@@ -1,4 +1,4 @@
-//! A whole document: its links and joints, each sound on its own.
+//! A URDF document: links and joints that are valid one by one.
 
 use std::collections::HashSet;
 
@@ -10,9 +10,9 @@ use super::version::Version;
 use crate::robot::Link;
 use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading, RobotFileError, is, parse};
 
-/// The link that stands in the world, which Drake's files need not declare.
+/// Link at the world frame, which Drake's files need not declare.
 const WORLD: &str = "world";
-/// The elements of xacro itself; any other is a call of a macro.
+/// Directives of xacro; any other element of its namespace is a macro call.
 const DIRECTIVES: [&str; 12] = [
     "arg",
     "attribute",
@@ -27,10 +27,10 @@ const DIRECTIVES: [&str; 12] = [
     "property",
     "unless",
 ];
-/// What a lenient reader calls a robot without a name.
+/// Name that a lenient reader gives a robot without a name.
 const NAMELESS: &str = "robot";
 
-/// A document whose elements are sound one by one.
+/// A document whose elements are valid one by one.
 #[derive(Clone, Debug)]
 pub(super) struct Document {
     pub(super) robot: Named,
@@ -45,7 +45,7 @@ pub(super) struct LinkElement {
     pub(super) link: Link,
 }
 
-/// Reads every link and joint on its own.
+/// Reads every link and joint independently of the others.
 pub(super) fn read(reading: &Reading<'_>) -> Read<Document> {
     let xml = parse(reading.file, reading.text)?;
     let root = xml.root_element();
@@ -78,13 +78,13 @@ pub(super) fn read(reading: &Reading<'_>) -> Read<Document> {
     Ok(document)
 }
 
-/// Adds the link `world` of a file whose joints hang on it without declaring it, as Drake reads it.
+/// Adds the link `world` if joints have it as parent and the file does not declare it, as Drake does.
 fn add_world(robot: &Element<'_>, document: &mut Document) {
     let joints = &document.joints;
     if joints.iter().all(|joint| joint.parent != WORLD) {
         return;
     }
-    // Another link without a parent is the root.
+    // Another link without a parent joint is the root.
     let children: HashSet<&str> = joints.iter().map(|joint| joint.child.as_str()).collect();
     let mut names = document.links.iter().map(|link| link.named.name.as_str());
     if names.any(|name| name == WORLD || !children.contains(name)) {
@@ -108,8 +108,8 @@ fn name_of(robot: &Element<'_>) -> Read<Named> {
     Ok(Named { name, at })
 }
 
-/// Finds xacro's directives, and `${…}` or `$(…)` where kinematics would read a number or name. A call of a macro that the file neither
-/// defines nor includes was left over when the file was expanded: it counts for nothing, with a note.
+/// Returns an error for xacro directives, and for `${…}` or `$(…)` in attributes that the reader uses. A call of an
+/// undefined macro is a remnant of an earlier expansion: it is left out with a note.
 fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
     let of_xacro = |node: &Node<'_, '_>| {
         let namespace = node.tag_name().namespace();
@@ -120,7 +120,7 @@ fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
             .into_iter()
             .chain(READ.map(|(name, _)| name));
         let ours = names.any(|name| is(*node, name));
-        // An <origin> within a <visual> is no joint's, but a macro there is a macro all the same.
+        // Elements with these names count anywhere, so an `<origin>` within a `<visual>` is checked too.
         of_xacro(node) && DIRECTIVES.contains(&node.tag_name().name())
             || ours
                 && node

@@ -1,4 +1,4 @@
-//! Reads one `<joint>`: every number, name and element in it is there and sound, or named.
+//! Reader of one `<joint>`: every required attribute is present and valid, or the error names it.
 
 use roxmltree::Node;
 
@@ -9,7 +9,7 @@ use crate::robot::Drive;
 use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading};
 use crate::spatial::{Placement, Vector3};
 
-/// The children of a joint that are read, with their attributes.
+/// Child elements of a joint that are read, with their attributes.
 pub(super) const READ: [(&str, &[&str]); 7] = [
     ("origin", &["xyz", "rpy", "quat_xyzw"]),
     ("parent", &["link"]),
@@ -33,7 +33,7 @@ pub(super) const READ: [(&str, &[&str]); 7] = [
     ),
 ];
 
-/// A joint by the names of its file.
+/// A joint whose links are names of the file.
 #[derive(Clone, Debug)]
 pub(super) struct JointElement {
     pub(super) named: Named,
@@ -48,7 +48,7 @@ pub(super) struct JointElement {
     pub(super) follows: Option<Follows>,
 }
 
-/// What stands for a joint of a file: a joint of its kind, or a chain that ends in one.
+/// The joints of the model that represent a joint of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JointChain {
     One,
@@ -56,7 +56,7 @@ pub(super) enum JointChain {
     Planar,
 }
 
-/// Whom a joint follows, and how.
+/// Mimic relation of a joint.
 #[derive(Clone, Debug)]
 pub(super) struct Follows {
     pub(super) master: String,
@@ -64,7 +64,7 @@ pub(super) struct Follows {
     pub(super) offset: f64,
 }
 
-/// Reads one joint and everything in it.
+/// Reads one joint and its child elements.
 pub(super) fn read<'a>(
     reading: &'a Reading<'a>,
     node: Node<'a, 'a>,
@@ -114,20 +114,20 @@ pub(super) fn read<'a>(
     })
 }
 
-/// The direction of a joint that has one; x where the file gives none.
+/// Axis of a joint; x by default.
 fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Read<Vector3<f64>> {
     let x = Vector3::new(1.0, 0.0, 0.0);
     let Some(axis) = axis else { return Ok(x) };
     axis.name("xyz")?;
     match axis.numbers::<3>("xyz")? {
-        // Exporters write a zero axis for joints that have none.
+        // Exporters write a zero axis for joints without an axis.
         _ if matches!(kind, JointKind::Fixed | JointKind::Ball) => Ok(x),
         None | Some([0.0, 0.0, 0.0]) => Err(axis.fault(Fault::NoDirection)),
         Some(xyz) => Ok(Vector3::from(xyz)),
     }
 }
 
-/// How far the joint may go. What is missing is the standard's default, with a note.
+/// Position limits of a joint. A missing bound gets the standard's default, with a note.
 fn limits(
     joint: &Element<'_>,
     limit: Option<&Element<'_>>,
@@ -173,7 +173,7 @@ fn limits(
     Ok(Limits::new(lower, upper))
 }
 
-/// What moves the joint, as far as files tell it.
+/// Velocity, effort, acceleration, jerk and soft limits of a joint.
 fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKind) -> Read<Drive> {
     let number = |element: &Option<Element<'_>>, attribute| match element {
         Some(element) => element.number_or_left_out(attribute),
@@ -181,7 +181,7 @@ fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKin
     };
     let soft = |attribute| number(&safety, attribute);
     let (lower, upper) = (soft("soft_lower_limit")?, soft("soft_upper_limit")?);
-    // What a file that knows no speed or force writes, 0, is no limit.
+    // Files without known limits write 0.
     let stated = |value: Option<f64>| value.filter(|value| *value > 0.0);
     let drive = Drive {
         velocity: stated(number(&limit, "velocity")?),
@@ -206,6 +206,6 @@ fn follows(mimic: Option<Element<'_>>, kind: JointKind) -> Read<Option<Follows>>
         offset: mimic.number("offset")?.unwrap_or(0.0),
         master: mimic.name("joint")?,
     };
-    // Files in which some joints were made fixed keep their <mimic>; fixed is fixed.
+    // Tools that fix joints leave `<mimic>` in the file; it has no effect there.
     Ok((kind != JointKind::Fixed).then_some(follows))
 }

@@ -1,4 +1,5 @@
-//! Reads what a `<link>` is made of. What is wrong here is left out with a note: no joint needs it.
+//! Reader of the shapes and the mass of a `<link>`. Faulty elements are left out with a note, as no joint depends on
+//! them.
 
 use roxmltree::Node;
 
@@ -7,10 +8,10 @@ use super::version::Version;
 use crate::robot::xml::{Element, Fault, Read, Reading, RobotFileError, is};
 use crate::robot::{Geometry, Inertial, Link, Shape};
 
-/// The shapes that a `<geometry>` can hold.
+/// Shapes that a `<geometry>` can hold.
 const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "mesh"];
 
-/// Reads the link of a name.
+/// Reads the shapes and the mass of the link `name`.
 pub(super) fn read<'a>(
     reading: &'a Reading<'a>,
     node: Node<'a, 'a>,

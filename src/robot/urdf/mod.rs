@@ -1,8 +1,7 @@
-//! Reads robots from URDF.
+//! Reader of URDF.
 //!
-//! roxmltree parses the XML, and every element that a joint depends on is read strictly: there is an
-//! error with a file, a line and a name, or a model that says what the file says. What a file leaves
-//! to defaults, and what a lenient reader mended, is listed.
+//! roxmltree parses the XML. The reader is strict with every element that a joint depends on: it returns an exact model
+//! or an error with file, line and element. Defaults and the corrections of a lenient reader are listed as repairs.
 
 mod document;
 mod joint_element;

@@ -1,10 +1,10 @@
-//! `<origin>`: where something stands, and rotations as URDF writes them.
+//! `<origin>`: poses, with rotations as roll-pitch-yaw angles or quaternions.
 
 use super::version::Version;
 use crate::robot::xml::{Element, Fault, Read, clean_sin_cos, rotation_of_wxyz};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// Where the child `<origin>` of an element puts it; the identity where there is none.
+/// Pose from the child `<origin>` of an element; the identity without one.
 pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f64>> {
     let Some(origin) = element.child("origin")? else {
         return Ok(Placement::identity());
@@ -17,7 +17,7 @@ pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f6
         (rpy, None) => from_roll_pitch_yaw(rpy.unwrap_or_default()),
         _ if version < Version(1, 1) => return bad("needs <robot version=\"1.1\">"),
         (Some(_), Some(_)) => return bad("and `rpy` are both given"),
-        // URDF's own order is x, y, z, w.
+        // URDF orders quaternions as x, y, z, w.
         (None, Some([x, y, z, w])) => match rotation_of_wxyz([w, x, y, z]) {
             Some(rotation) => rotation,
             None => return bad("is zero and no rotation"),
@@ -26,11 +26,10 @@ pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f6
     Ok(Placement::new(rotation, Vector3::from(xyz)))
 }
 
-/// Roll, pitch and yaw in radians about the parent's fixed x, y and z axes:
-/// R = R_z(yaw) · R_y(pitch) · R_x(roll).
+/// Rotation from roll, pitch and yaw in radians about the parent's fixed x, y and z axes: R = R_z(yaw) · R_y(pitch) ·
+/// R_x(roll).
 ///
-/// Quarter turns come out with exact zeros, within 1e-15 of what the file says, so that axes stay
-/// aligned along a chain.
+/// Multiples of π/2 give exact zeros, within 1e-15 of the angles in the file, so that axes stay aligned along a chain.
 fn from_roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
     Matrix3::identity()
         .rotated_about_z(clean_sin_cos(yaw))

@@ -1,4 +1,4 @@
-//! From a file to a robot.
+//! Conversion of a URDF document to a robot.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -12,10 +12,10 @@ use crate::robot::xml::{Reading, Repair, RobotFileError, mended};
 use crate::robot::{Drive, Mimic, Robot};
 use crate::spatial::Placement;
 
-/// The longest file that is read; real robots stay below 1 MB.
+/// Largest file size that is read, bytes; robot files stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
 
-/// Reads URDF: strictly, unless asked to be lenient.
+/// URDF reader, strict by default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UrdfReader {
     lenient: bool,
@@ -24,14 +24,21 @@ pub struct UrdfReader {
 
 impl UrdfReader {
     setters! {
-        /// Mends what can be mended in one way only, and lists each repair: see
-        /// [`Robot::repairs`] and [`Mended`](crate::robot::Mended).
+        /// Corrects faults that have a single sensible correction, and lists each one: see [`Robot::repairs`] and
+        /// [`Mended`](crate::robot::Mended).
         ///
-        /// Limits out of order are exchanged; an infinite `lower` or `upper` is no limit; a joint that needs `<limit>` and has none is held at 0; of
-        /// an element that stands twice the first counts; commas between numbers are blanks; misspelt
-        /// names, and speeds, efforts and soft limits that are no numbers, are left out; a robot without
-        /// a name gets one; XML declarations may stand anywhere and prefixes be undeclared. Whatever
-        /// would need a guess at the kinematics stays an error.
+        /// The corrections are:
+        /// - Limits out of order are exchanged.
+        /// - An infinite `lower` or `upper` is no limit.
+        /// - A joint without its required `<limit>` is locked at 0.
+        /// - The first of repeated elements counts.
+        /// - Commas between numbers count as spaces.
+        /// - Misspelt names are left out, and so are invalid velocities, efforts and soft limits.
+        /// - A robot without a name gets one.
+        /// - XML declarations may be anywhere.
+        /// - Undeclared prefixes are declared.
+        ///
+        /// Faults that would need a guess at the kinematics stay errors.
         ///
         /// ```
         /// use kinopt::robot::Robot;
@@ -48,11 +55,12 @@ impl UrdfReader {
         /// # Ok::<(), kinopt::robot::RobotFileError>(())
         /// ```
         pub fn lenient(mut self) { self.lenient = true }
-        /// Confines the robot to the folder of its file: see [`Robot::confined`]. An MJCF file includes only files below that folder.
+        /// Restricts mesh files to the folder of the robot's file: see [`Robot::confined`]. An MJCF file may include
+        /// only files below that folder.
         pub fn confined(mut self) { self.confined = true }
     }
 
-    /// Reads a file.
+    /// Reads a robot file.
     ///
     /// # Errors
     /// As [`Robot::read`].
@@ -69,7 +77,7 @@ impl UrdfReader {
         }
     }
 
-    /// Reads a document from memory; `file` is the name that errors give it.
+    /// Reads a document from memory. `file` is the file name for error messages.
     ///
     /// # Errors
     /// As [`Robot::read`].
@@ -135,7 +143,7 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
         };
         carrier[branch.child_link] = Some(id);
         ids[branch.joint] = Some(id);
-        // Those that a chain has before its last joint have no drive of their own.
+        // Only the last joint of a chain has the drive limits of the file.
         drives.resize(id.index(), Drive::default());
         drives.push(element.drive);
     }
@@ -175,27 +183,28 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
 }
 
 impl Robot {
-    /// How URDF is read, with choices.
+    /// A reader with options.
     #[must_use]
     pub fn reader() -> UrdfReader {
         UrdfReader::default()
     }
 
-    /// Reads a URDF file; with feature `mjcf` also MJCF, told by its element `<mujoco>`, as `read_mjcf` does.
+    /// Reads a URDF file. With feature `mjcf` it also reads MJCF, recognised by its root element `<mujoco>`, as
+    /// `read_mjcf` does.
     ///
-    /// Links become frames; every joint keeps its name; a configuration lists the moving joints in
-    /// the order of the file. `mimic` joints follow their master, which keeps its own limits (see
-    /// [`with_mimic_limits`](Self::with_mimic_limits)). An axis need not be of unit length, and is x where none is given. A missing `lower` or `upper` is
-    /// 0, as the standard says (none from URDF 1.2 on), and noted in [`repairs`](Self::repairs).
+    /// Links become frames; every joint keeps its name. A configuration lists the moving joints in the order of the
+    /// file. An axis may have any length but zero, and is x by default. A missing `lower` or `upper` is 0 by the
+    /// standard, or no limit from URDF 1.2 on; [`repairs`](Self::repairs) lists it.
     ///
-    /// A `floating` joint NAME is a [free](crate::model::ModelBuilder::free) one, `NAME/x`, `NAME/y`, `NAME/z` and
-    /// `NAME/rotation`; a `planar` one `NAME/x`, `NAME/y` and `NAME/yaw`; a `spherical` one a ball. To let the whole
-    /// robot move, see [`with_base_joint`](Self::with_base_joint).
+    /// A source joint of `mimic` joints keeps its own limits (see [`with_mimic_limits`](Self::with_mimic_limits)). A
+    /// `floating` joint NAME is a [free](crate::model::ModelBuilder::free) joint: `NAME/x`, `NAME/y`, `NAME/z` and
+    /// `NAME/rotation`. A `planar` joint is `NAME/x`, `NAME/y` and `NAME/yaw`. A `spherical` joint is a ball joint.
+    /// [`with_base_joint`](Self::with_base_joint) moves the whole robot.
     ///
-    /// Speeds, efforts and soft limits are kept ([`velocity_limit`](Self::velocity_limit),
-    /// [`effort_limit`](Self::effort_limit), [`soft_limits`](Self::soft_limits)), and so are shapes
-    /// and masses ([`link`](Self::link)); files of meshes are not opened, so `package://` paths
-    /// need no ROS. Extensions are not looked at.
+    /// The robot also has the velocity, effort and soft limits of the file: see
+    /// [`velocity_limit`](Self::velocity_limit), [`effort_limit`](Self::effort_limit) and
+    /// [`soft_limits`](Self::soft_limits). [`link`](Self::link) returns shapes and masses. The reader does not open
+    /// mesh files, so `package://` paths need no ROS. Extensions are ignored.
     ///
     /// ```
     /// use kinopt::robot::Robot;
@@ -208,14 +217,15 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the file, with line and name: see [`RobotFileError`] and
-    /// [`Fault`](crate::robot::Fault). Xacro files are not expanded; a macro call that is left over in an expanded file is ignored with a
-    /// note. A link `world` that joints hang on without a declaration is added with a note.
+    /// A fault of the file, with line and element: see [`RobotFileError`] and [`Fault`](crate::robot::Fault).
+    ///
+    /// Xacro files are not expanded. A macro call that remains in an expanded file is left out with a note. A link
+    /// `world` that joints refer to without a declaration is added with a note.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         Self::reader().read(path)
     }
 
-    /// Reads a URDF document from memory; `file` is the name that errors give it.
+    /// Reads a URDF document from memory. `file` is the file name for error messages.
     ///
     /// # Errors
     /// As [`read`](Self::read).

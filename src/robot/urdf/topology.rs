@@ -1,4 +1,4 @@
-//! Orders the joints of a document, parents first, and refuses what is no tree.
+//! Order of the joints of a document, parents first, and checks that they form a tree.
 
 use std::collections::HashMap;
 use std::collections::VecDeque;
@@ -8,7 +8,7 @@ use super::joint_element::{Follows, JointElement};
 use crate::model::UnknownName;
 use crate::robot::xml::{Fault, Named, Read, Reading, RobotFileError};
 
-/// One joint in its place in the tree; all are positions in the document's lists.
+/// A joint and the links that it connects, as indices into the document's lists.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Branch {
     pub(super) joint: usize,
@@ -16,15 +16,15 @@ pub(super) struct Branch {
     pub(super) child_link: usize,
 }
 
-/// A tree of links: its root, and every joint after the one its parent link hangs on.
+/// A tree of links: every joint comes after the joint that carries its parent link.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
     pub(super) branches: Vec<Branch>,
-    /// For every joint in document order the joint it mimics.
+    /// Index of the source joint of every joint, in document order.
     pub(super) masters: Vec<Option<usize>>,
 }
 
-/// Finds the tree that a document's links and joints form.
+/// Finds the tree that the links and joints of a document form.
 pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology> {
     let Document { links, joints, .. } = document;
     if links.is_empty() {
@@ -85,7 +85,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
             waiting.push_back(branch.child_link);
         }
     }
-    // Every link has at most one parent, so what the root does not reach hangs on a ring.
+    // Every link has at most one parent, so an unreachable link descends from a cycle.
     let mut reached = vec![false; joints.len()];
     for branch in &branches {
         reached[branch.joint] = true;
@@ -99,7 +99,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
     }
 }
 
-/// A joint of the ring that a joint hangs on: as many steps up as there are joints end in it.
+/// A joint of the cycle from which a joint descends: n steps towards the root end in it, for n joints.
 fn on_ring(
     joint: usize,
     joints: &[JointElement],

@@ -1,8 +1,8 @@
-//! Which version of the standard a file follows.
+//! Version of the URDF standard that a file follows.
 
 use crate::robot::xml::Element;
 
-/// Major and minor version of the URDF standard; 1.0 where the file states none.
+/// Major and minor version of the URDF standard; 1.0 by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Version(pub(super) u32, pub(super) u32);
 
@@ -15,7 +15,7 @@ impl Version {
         robot.text("version").and_then(read).unwrap_or(Self(1, 0))
     }
 
-    /// What a missing `lower` and `upper` mean.
+    /// Defaults of `lower` and `upper`, radians or metres.
     pub(super) fn default_limits(self) -> (f64, f64) {
         if self < Self(1, 2) {
             (0.0, 0.0)

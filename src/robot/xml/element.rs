@@ -1,4 +1,4 @@
-//! One element: its attributes and children, read strictly. What is wrong is named with its place.
+//! One XML element: strict reading of its attributes and children. Errors contain the position.
 
 use roxmltree::Node;
 
@@ -6,14 +6,14 @@ use super::error::{Fault, Read, RobotFileError};
 use super::reading::Reading;
 use super::repair::Mended;
 
-/// A link or joint by name, and where it starts in the text.
+/// A link or joint by name, with its byte offset in the text.
 #[derive(Clone, Debug)]
 pub(crate) struct Named {
     pub(crate) name: String,
     pub(crate) at: usize,
 }
 
-/// An element of the file that is being read, and what it is called in messages.
+/// An element of the file, with its name in messages.
 #[derive(Clone, Debug)]
 pub(crate) struct Element<'a> {
     pub(crate) reading: &'a Reading<'a>,
@@ -21,10 +21,10 @@ pub(crate) struct Element<'a> {
     label: String,
 }
 
-/// Whether a node is an element of this name in the document's own namespace: extensions such as
-/// `<drake:joint>` are none of ours.
+/// Reports whether a node is an element of this name in the namespace of the root. Extensions such as `<drake:joint>`
+/// have another namespace.
 pub(crate) fn is(node: Node<'_, '_>, name: &str) -> bool {
-    // Empty for what is no element.
+    // Empty for nodes that are no elements.
     let tag = node.tag_name();
     let own = node.document().root_element().tag_name().namespace();
     tag.name() == name && tag.namespace() == own
@@ -39,12 +39,12 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// A part of this element that goes by its name in messages.
+    /// A child element that messages call by the name of this element.
     pub(crate) fn part(&self, node: Node<'a, 'a>) -> Self {
         Self::new(self.reading, node, self.label.clone())
     }
 
-    /// Where it starts in the text.
+    /// Byte offset of the element in the text.
     pub(crate) fn at(&self) -> usize {
         self.node.range().start
     }
@@ -57,24 +57,24 @@ impl<'a> Element<'a> {
         self.reading.note(self.at(), &self.label, mended);
     }
 
-    /// What is damage to a strict reader, and mended by a lenient one.
+    /// Returns a fault as an error if the reader is strict; a lenient reader notes the repair instead.
     pub(crate) fn mend(&self, fault: Fault, mended: impl FnOnce(Fault) -> Mended) -> Read<()> {
         self.reading.mend(self.at(), &self.label, fault, mended)
     }
 
-    /// Its name, which it must have.
+    /// Name and offset of the element. The name is required.
     pub(crate) fn named(&self) -> Read<Named> {
         let (name, at) = (self.name("name")?, self.at());
         Ok(Named { name, at })
     }
 
-    /// An attribute without a namespace; roxmltree's own look-up takes any.
+    /// An attribute without a namespace. The look-up of roxmltree accepts any namespace.
     pub(crate) fn text(&self, attribute: &str) -> Option<&'a str> {
         let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
         own.find(|a| a.name() == attribute).map(|a| a.value())
     }
 
-    /// An attribute that must be there and not be blank.
+    /// A required attribute that is not blank.
     pub(crate) fn name(&self, attribute: &'static str) -> Read<String> {
         match self.text(attribute) {
             Some(name) if !name.trim().is_empty() => Ok(name.to_owned()),
@@ -82,7 +82,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// An attribute of exactly `N` finite numbers; `None` where it is not there.
+    /// An attribute of exactly `N` finite numbers; `None` without the attribute.
     pub(crate) fn numbers<const N: usize>(
         &self,
         attribute: &'static str,
@@ -94,7 +94,7 @@ impl<'a> Element<'a> {
             return Ok(Some(values));
         }
         let (count, text) = (N, text.to_owned());
-        // A decimal comma would make other numbers: only commas before blanks separate.
+        // A decimal comma would change the numbers, so only commas followed by a space separate.
         let without_commas = exactly(&format!("{text} ").replace(", ", " "));
         let fault = Fault::BadNumbers {
             attribute,
@@ -110,23 +110,24 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// As [`numbers`](Self::numbers), of one.
+    /// An attribute of one finite number.
     pub(crate) fn number(&self, attribute: &'static str) -> Read<Option<f64>> {
         Ok(self.numbers(attribute)?.map(|[value]| value))
     }
 
-    /// As [`number`](Self::number), of what kinematics can do without: a lenient reader leaves it out.
+    /// As [`number`](Self::number), for attributes that kinematics does not need: a lenient reader leaves out invalid
+    /// ones.
     pub(crate) fn number_or_left_out(&self, attribute: &'static str) -> Read<Option<f64>> {
         Ok(self.reading.leniently(self.number(attribute))?.flatten())
     }
 
-    /// As [`numbers`](Self::numbers) that must be there.
+    /// A required attribute of exactly `N` finite numbers.
     pub(crate) fn demanded<const N: usize>(&self, attribute: &'static str) -> Read<[f64; N]> {
         let missing = || self.fault(Fault::MissingAttribute { attribute });
         self.numbers(attribute)?.ok_or_else(missing)
     }
 
-    /// The child of a name, which may stand once; to a lenient reader the first counts.
+    /// The child element of a name. A second one is a fault; a lenient reader uses the first.
     fn once(&self, child: &'static str) -> Read<Option<Node<'a, 'a>>> {
         let mut found = self.node.children().filter(|inner| is(*inner, child));
         let first = found.next();
@@ -138,27 +139,27 @@ impl<'a> Element<'a> {
         Ok(first)
     }
 
-    /// The child of a name, which may stand once.
+    /// The child element of a name as an [`Element`]; `None` without one.
     pub(crate) fn child(&self, name: &'static str) -> Read<Option<Self>> {
         let label = || format!("{}, <{name}>", self.label);
         let child = self.once(name)?;
         Ok(child.map(|node| Self::new(self.reading, node, label())))
     }
 
-    /// The [part](Self::part) of a name, which must stand once.
+    /// The required [part](Self::part) of a name.
     pub(crate) fn required(&self, child: &'static str) -> Read<Self> {
         let missing = || self.fault(Fault::MissingElement { child });
         let node = self.once(child)?.ok_or_else(missing)?;
         Ok(self.part(node))
     }
 
-    /// Finds fault with attributes whose names are nearly, but not, one of `known`.
+    /// Reports attributes whose names are misspellings of names in `known`.
     pub(crate) fn check_attributes(&self, known: &[&'static str]) -> Read<()> {
         let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
         own.try_for_each(|attribute| self.check_known(attribute.name(), known))
     }
 
-    /// Finds fault with a child element whose name is nearly, but not, one of `known`.
+    /// Reports a child element whose name is a misspelling of a name in `known`.
     pub(crate) fn check_child(&self, child: Node<'a, 'a>, known: &[&'static str]) -> Read<()> {
         let tag = child.tag_name();
         match tag.namespace() {
@@ -167,7 +168,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Other unknown names are extensions, which real files are full of.
+    /// Other unknown names are extensions, which are common in files.
     fn check_known(&self, name: &str, known: &[&'static str]) -> Read<()> {
         if known.contains(&name) {
             return Ok(());
@@ -182,15 +183,15 @@ impl<'a> Element<'a> {
     }
 }
 
-/// `N` finite numbers between blanks and nothing else.
+/// Exactly `N` finite numbers separated by white space.
 pub(crate) fn exactly<const N: usize>(text: &str) -> Option<[f64; N]> {
     let words = text.split_whitespace();
     let numbers = words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
     numbers.collect::<Option<Vec<f64>>>()?.try_into().ok()
 }
 
-/// Whether two names differ, but for case, by at most one letter left out, added, exchanged or
-/// swapped with its neighbour.
+/// Reports whether two names differ by at most one edit, regardless of case: one letter removed, added or replaced, or
+/// two neighbours swapped.
 fn one_slip_apart(name: &str, meant: &str) -> bool {
     let (name, meant) = (name.to_ascii_lowercase(), meant.to_ascii_lowercase());
     let (a, b) = (name.as_bytes(), meant.as_bytes());

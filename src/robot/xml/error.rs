@@ -1,117 +1,117 @@
-//! What can be wrong with a URDF file, each naming the file, the place and the problem.
+//! Errors of robot files. Each names the file, the position and the problem.
 
 use thiserror::Error;
 
 use crate::file::ReadError;
 use crate::model::{ModelError, UnknownName};
 
-/// What is read of a robot's file, or why it gives no robot.
+/// Result of reading a part of a robot file.
 pub(crate) type Read<T> = Result<T, RobotFileError>;
 
-/// Why a URDF file gives no robot.
+/// Error of reading a robot file.
 #[derive(Clone, Debug, Error)]
 #[non_exhaustive]
 pub enum RobotFileError {
     /// The file cannot be opened, is too long, or is not UTF-8 text.
     #[error(transparent)]
     Unreadable(#[from] ReadError),
-    /// Not well-formed XML, or XML with a document type, which URDF has no use for.
+    /// The file is not well-formed XML, or it has a document type.
     #[error("{file}: not well-formed XML: {problem}")]
     NotXml {
-        /// The path or name as given.
+        /// Path or name as given.
         file: String,
-        /// What the XML parser said, with line and column.
+        /// Message of the XML parser, with line and column.
         problem: String,
     },
-    /// A macro file, which only becomes URDF by running a program; this library runs none.
+    /// The file is a xacro macro file. It must be expanded by an external program.
     #[error(
         "{file}:{line}: this is xacro, not URDF: expand it first, for example with `xacro IN > OUT.urdf`"
     )]
     Xacro {
-        /// The path or name as given.
+        /// Path or name as given.
         file: String,
-        /// Where the first macro stands, from 1.
+        /// Line of the first macro, from 1.
         line: u32,
     },
-    /// An element is wrong.
+    /// An element is invalid.
     #[error("{file}:{line}: {element}: {fault}")]
     Element {
-        /// The path or name as given.
+        /// Path or name as given.
         file: String,
-        /// Where the element starts, from 1.
+        /// Line of the element, from 1.
         line: u32,
         /// The element, such as ``joint `elbow`, <limit>``.
         element: String,
-        /// What is wrong with it.
+        /// Problem of the element.
         fault: Fault,
     },
-    /// The parts are well-formed but do not make a model: mimic joints that follow in a ring or
-    /// leave their master no value, numbers beyond what a model takes.
+    /// The elements do not form a model. Examples: mimic joints that form a cycle or leave their source joint no value,
+    /// and numbers outside the range of a model.
     #[error("{file}: {source}")]
     Model {
-        /// The path or name as given.
+        /// Path or name as given.
         file: String,
         /// The joint and its problem.
         source: ModelError,
     },
 }
 
-/// What is wrong with one element.
+/// Problem of an element.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The document's element is not `<robot>`.
+    /// The root element is not `<robot>`.
     #[error("the root element must be <robot>")]
     NotARobot,
-    /// A geom that touches other things, but is none of the shapes there are.
+    /// A geom with contact bits whose type is unsupported; collision checks ignore it.
     #[error("a {kind} is not among the shapes that count, so nothing is kept from it")]
     NoShape {
-        /// Its `type`.
+        /// `type` of the geom.
         kind: &'static str,
     },
-    /// A pair of geoms that touch, which is not kept.
+    /// A geom pair that collision checks ignore.
     #[error("the pair is not kept apart: {why}")]
     PairNotKept {
-        /// In words.
+        /// Reason in words.
         why: &'static str,
     },
-    /// A robot without links.
+    /// The robot has no links.
     #[error("there is no <link>")]
     NoLinks,
     /// A required attribute is missing or empty.
     #[error("attribute `{attribute}` is missing or empty")]
     MissingAttribute {
-        /// The attribute.
+        /// Name of the attribute.
         attribute: &'static str,
     },
     /// A required child element is missing.
     #[error("<{child}> is missing")]
     MissingElement {
-        /// The child element.
+        /// Name of the child element.
         child: &'static str,
     },
-    /// An element that may stand once stands twice.
+    /// An element that may occur once occurs again.
     #[error("<{child}> is given twice")]
     RepeatedElement {
-        /// The child element.
+        /// Name of the child element.
         child: &'static str,
     },
-    /// An unknown name that is nearly a known one, which would silently count for nothing.
+    /// An unknown name that is a misspelling of a known one.
     #[error("`{found}` is not known; `{meant}` may be meant")]
     Misspelt {
-        /// The name in the file.
+        /// Name in the file.
         found: String,
-        /// The name it resembles.
+        /// Known name that it resembles.
         meant: &'static str,
     },
-    /// An attribute that does not hold the right count of finite numbers.
+    /// An attribute does not hold the expected number of finite numbers.
     #[error("attribute `{attribute}` must be {count} finite number(s), not `{text}`")]
     BadNumbers {
-        /// The attribute.
+        /// Name of the attribute.
         attribute: &'static str,
-        /// How many numbers it takes.
+        /// Expected number of values.
         count: usize,
-        /// What the file says.
+        /// Text of the attribute.
         text: String,
     },
     /// A joint type outside the standard.
@@ -119,22 +119,22 @@ pub enum Fault {
         "joint type `{kind}` is not known; valid types: revolute, continuous, prismatic, fixed, floating, planar, spherical"
     )]
     UnknownJointType {
-        /// The type in the file.
+        /// Type in the file.
         kind: String,
     },
-    /// A revolute or prismatic joint whose limits are not stated.
+    /// A revolute or prismatic joint without limits.
     #[error(
         "a {kind} joint needs <limit>{}",
         if *kind == "revolute" { "; one that turns without end is `continuous`" } else { "" }
     )]
     NoLimits {
-        /// revolute or prismatic.
+        /// `revolute` or `prismatic`.
         kind: &'static str,
     },
-    /// A `<geometry>` without a body that the standard knows.
+    /// A `<geometry>` without a shape of the standard.
     #[error("<geometry> holds none of box, cylinder, capsule, sphere, mesh")]
     UnknownShape,
-    /// Limits out of order.
+    /// The lower limit is above the upper limit.
     #[error("lower limit {lower} is above upper limit {upper}")]
     LimitsOutOfOrder {
         /// In radians or metres.
@@ -145,146 +145,146 @@ pub enum Fault {
     /// An axis of zero length.
     #[error("the axis is zero and has no direction")]
     NoDirection,
-    /// A quaternion of zero length, beside `rpy`, or in a file older than URDF 1.1.
+    /// A `quat_xyzw` that is zero, given together with `rpy`, or in a file older than URDF 1.1.
     #[error("attribute `quat_xyzw` {problem}")]
     BadQuaternion {
-        /// Which of these it is.
+        /// The problem in words.
         problem: &'static str,
     },
-    /// Two links or two joints of one name.
+    /// Two links or two joints have the same name.
     #[error("the name is already used on line {first_line}")]
     DuplicateName {
-        /// Where the name was used first.
+        /// Line of the first use of the name.
         first_line: u32,
     },
-    /// A link or joint that is not in the file.
+    /// The file has no element of the name.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
-    /// A link that two joints carry.
+    /// A link is the child of two joints.
     #[error("its child link `{link}` already hangs on joint `{other}`")]
     TwoParents {
-        /// The link.
+        /// Name of the link.
         link: String,
-        /// The joint that came first.
+        /// Joint that comes first in the file.
         other: String,
     },
-    /// Joints that form a ring.
+    /// Joints form a cycle.
     #[error("the joint is part of a ring: following parents from it comes back to it")]
     Cycle,
-    /// More than one link without a parent.
+    /// Several links have no parent joint.
     #[error("links {} all have no parent joint; a robot has one root", roots.join(", "))]
     SeveralRoots {
-        /// The links.
+        /// Names of the links.
         roots: Vec<String>,
     },
-    /// The document's element is not `<mujoco>`.
+    /// The root element is not `<mujoco>`.
     #[error("the root element must be <mujoco>")]
     NotMujoco,
-    /// A word where the format knows others.
+    /// An attribute has a value outside its list of valid words.
     #[error("attribute `{attribute}` must be {}, not `{word}`", valid.join(" or "))]
     UnknownWord {
-        /// The attribute.
+        /// Name of the attribute.
         attribute: &'static str,
-        /// What the file says.
+        /// Value in the file.
         word: String,
-        /// What it may say.
+        /// Valid values.
         valid: &'static [&'static str],
     },
-    /// `eulerseq` that is not three of x, y, z, X, Y, Z.
+    /// `eulerseq` is not three of x, y, z, X, Y, Z.
     #[error("attribute `eulerseq` must be three of the letters x, y, z, X, Y, Z, not `{text}`")]
     BadEulerSequence {
-        /// What the file says.
+        /// Value in the file.
         text: String,
     },
-    /// A class of defaults that is given twice, or stands within itself.
+    /// A default class is defined twice, or contains itself.
     #[error("default class `{class}` is already given{}", on_line(*first_line))]
     RepeatedClass {
-        /// The class.
+        /// Name of the class.
         class: String,
-        /// Where it was given first; 0 for the outermost, which is there unasked.
+        /// Line of the first definition; 0 for the outermost class, which always exists.
         first_line: u32,
     },
-    /// A file that is included twice, or by itself.
+    /// A file is included twice, or by itself.
     #[error("`{file}` is included already; a file may be once")]
     IncludedTwice {
-        /// The file.
+        /// Path of the file.
         file: String,
     },
-    /// Elements within elements, or files included by included files, without an end in sight.
+    /// Elements or includes are nested too deeply.
     #[error("it is nested more than {limit} deep")]
     TooDeep {
-        /// The most that is read.
+        /// Largest nesting depth.
         limit: usize,
     },
-    /// More than one of `quat`, `axisangle`, `xyaxes`, `zaxis` and `euler`.
+    /// More than one of `quat`, `axisangle`, `xyaxes`, `zaxis` and `euler` is given.
     #[error("more than one of quat, axisangle, xyaxes, zaxis, euler is given")]
     SeveralOrientations,
-    /// A direction or rotation of length zero.
+    /// A direction or a rotation has length zero.
     #[error("attribute `{attribute}` is of length zero and says no direction")]
     ZeroLength {
-        /// The attribute.
+        /// Name of the attribute.
         attribute: &'static str,
     },
-    /// A geom's mass or density below zero.
+    /// A mass or density of a geom is negative.
     #[error("attribute `{attribute}` is {value}; it must be at least 0")]
     NegativeMass {
-        /// Which attribute.
+        /// Name of the attribute.
         attribute: &'static str,
-        /// What it says.
+        /// Value of the attribute.
         value: f64,
     },
-    /// `range` without `limited`, in a file that says `autolimits="false"`.
+    /// `range` without `limited` in a file with `autolimits="false"`.
     #[error("`range` is given without `limited`, and the file says autolimits=\"false\"")]
     UnsaidLimits,
-    /// A ball joint's `range` that is not 0 and an angle above it.
+    /// `range` of a ball joint is not 0 and an angle above 0.
     #[error("a ball's range must be 0 and an angle above 0")]
     BadBallRange,
-    /// A free joint beside others, or of a body that another carries.
+    /// A free joint is not the only joint of its body, or its body is no child of the world.
     #[error("a free joint must be the only one of a body, and the body stand in the world")]
     MisplacedFreeJoint,
-    /// An element that makes bodies or joints in a way that is not read.
+    /// An unsupported element that creates bodies or joints.
     #[error("<{element}> is not read: write out what it stands for")]
     UnsupportedElement {
-        /// The element.
+        /// Name of the element.
         element: String,
     },
-    /// What is no relation y = offset + ratio · x between two joints that turn or slide.
+    /// An equality is not y = offset + ratio · x between two hinge or slide joints.
     #[error("it is no linear relation between two joints that turn about or slide along one axis")]
     NotLinear,
-    /// A loop to a body that is moved from outside.
+    /// A loop connects to a mocap body.
     #[error("it holds a body to a mocap body, which a program moves: ask for that by a task")]
     HeldFromOutside,
-    /// A relation that would let a joint follow two others, or itself.
+    /// An equality would couple a joint to two sources, or to itself.
     #[error("joint `{joint}` already follows another, or this one follows it")]
     FollowsAlready {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A relation that has a joint stand where its range does not let it, in radians or metres.
+    /// An equality locks a joint at a value outside its range, radians or metres.
     #[error("joint `{joint}` should stand at {value}, outside its range from {lower} to {upper}")]
     StandsOutside {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Where.
+        /// Value at which the joint is locked.
         value: f64,
-        /// Where its range begins.
+        /// Lower limit.
         lower: f64,
-        /// Where it ends.
+        /// Upper limit.
         upper: f64,
     },
-    /// Two groups of one name.
+    /// Two groups have the same name.
     #[error("group `{group}` is given twice")]
     RepeatedGroup {
-        /// The group.
+        /// Name of the group.
         group: String,
     },
-    /// A group that contains itself.
+    /// A group contains itself.
     #[error("group `{group}` is within itself")]
     GroupWithinItself {
-        /// The group.
+        /// Name of the group.
         group: String,
     },
-    /// A mesh whose own frame and scale do not go with a plain placement.
+    /// A mesh has both `refquat` and a non-uniform scale, which no placement represents.
     #[error("the mesh's refquat and an uneven scale do not go together")]
     UnsupportedMesh,
 }

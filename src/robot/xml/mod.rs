@@ -1,6 +1,6 @@
-//! What the readers of robots' files share: XML, elements read strictly, and what can be wrong with them.
+//! Shared parts of the readers of robot files: XML parsing, strict elements and errors.
 
-// What only URDF's lenient reader needs is there without it, too.
+// Some functions have only the lenient URDF reader as caller.
 #[cfg_attr(not(feature = "urdf"), allow(dead_code))]
 mod element;
 mod error;

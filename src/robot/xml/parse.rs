@@ -1,4 +1,4 @@
-//! From text to XML, where lenient readers mend what the XML standard refuses.
+//! XML parsing, with corrections of malformed documents for lenient readers.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use roxmltree::{Document, Error};
 use super::error::{Read, RobotFileError};
 use super::repair::{Mended, Repair};
 
-/// Undeclared prefixes that are put up with; real files have one.
+/// Largest number of malformed declarations and undeclared prefixes that are corrected; files have one.
 const MOST_PREFIXES: usize = 16;
 
 /// Parses well-formed XML.
@@ -24,8 +24,7 @@ pub(crate) fn parse<'a>(file: &str, text: &'a str) -> Read<Document<'a>> {
     })
 }
 
-/// The text with late XML declarations blanked out and undeclared prefixes declared. Every line
-/// stays where it was.
+/// The text with misplaced XML declarations blanked out and undeclared prefixes declared. Line numbers do not change.
 pub(crate) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, str> {
     let mut note = |line, element: &str, mended| {
         let element = element.to_owned();
@@ -57,7 +56,7 @@ pub(crate) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, st
     text
 }
 
-/// Blanks out the first declaration on or after a line, keeping line ends.
+/// Replaces the first declaration on or after a line by spaces and keeps line ends.
 fn without_declaration(text: &str, row: usize) -> Option<String> {
     let line_start: usize = text.split_inclusive('\n').take(row - 1).map(str::len).sum();
     let start = line_start + text.get(line_start..)?.find("<?xml")?;
@@ -66,7 +65,7 @@ fn without_declaration(text: &str, row: usize) -> Option<String> {
     Some(format!("{}{blank}{}", text.get(..start)?, text.get(end..)?))
 }
 
-/// Declares a prefix on the document's own element.
+/// Declares a prefix on the root element.
 fn with_prefix(text: &str, prefix: &str) -> Option<String> {
     let at = text.find("<robot")? + "<robot".len();
     Some(format!(
@@ -76,7 +75,7 @@ fn with_prefix(text: &str, prefix: &str) -> Option<String> {
     ))
 }
 
-/// The name of a document's own element, without reading what is within; `None` where there is none to see.
+/// Name of the root element, from the start of the text only; `None` if there is none.
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 pub(crate) fn root_name(text: &str) -> Option<&str> {
     let mut rest = text.trim_start_matches('\u{feff}').trim_start();

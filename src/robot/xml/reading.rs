@@ -1,11 +1,11 @@
-//! One file being read: where faults are reported, and what is mended instead.
+//! State of reading one file: text, options and repairs.
 
 use std::cell::RefCell;
 
 use super::error::{Fault, Read, RobotFileError};
 use super::repair::{Mended, Repair};
 
-/// The file's name, its text to count lines in, and what was mended so far.
+/// A file that is being read: name, text, leniency, and repairs so far.
 #[derive(Debug)]
 pub(crate) struct Reading<'a> {
     pub(crate) file: &'a str,
@@ -15,7 +15,7 @@ pub(crate) struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// The line of a byte offset, from 1.
+    /// Line of a byte offset, from 1.
     pub(crate) fn line(&self, at: usize) -> u32 {
         let before = self.text.as_bytes().iter().take(at);
         1 + before.filter(|&&byte| byte == b'\n').count() as u32
@@ -30,7 +30,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Notes what was taken where the file says nothing or cannot be taken at its word.
+    /// Adds a repair to the list.
     pub(crate) fn note(&self, at: usize, element: &str, mended: Mended) {
         self.repairs.borrow_mut().push(Repair {
             line: self.line(at),
@@ -39,7 +39,7 @@ impl Reading<'_> {
         });
     }
 
-    /// What is damage to a strict reader, and mended by a lenient one.
+    /// Returns a fault as an error if the reader is strict; a lenient reader notes the repair instead.
     pub(crate) fn mend(
         &self,
         at: usize,
@@ -54,7 +54,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    /// What is damage to a strict reader, and left out by a lenient one.
+    /// Returns errors if the reader is strict; a lenient reader notes them and returns `None`.
     pub(crate) fn leniently<T>(&self, read: Read<T>) -> Read<Option<T>> {
         match self.lenient {
             true => Ok(self.or_left_out(read)),
@@ -62,11 +62,11 @@ impl Reading<'_> {
         }
     }
 
-    /// Something that no joint depends on; where it is wrong it is left out, by strict readers too.
+    /// Notes an error as a repair and returns `None`, for elements that no joint depends on. Strict readers do so too.
     pub(crate) fn or_left_out<T>(&self, read: Read<T>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
-            // Nothing else comes from a single element.
+            // All errors of single elements convert to a repair.
             Err(error) => {
                 let repair = Repair::left_out(error);
                 self.repairs.borrow_mut().extend(repair);

@@ -1,4 +1,4 @@
-//! What a reader took where a file says nothing, or says what cannot be.
+//! Defaults and corrections that a reader applied to a robot file.
 
 use std::fmt;
 
@@ -6,20 +6,20 @@ use super::error::{Fault, RobotFileError};
 use crate::model::Limits;
 use crate::robot::LeftToMeshes;
 
-/// One place of a file that was not taken at its word, and what was taken instead.
+/// A default or a correction at one position of a file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Repair {
-    /// Where the element starts, from 1.
+    /// Line of the element, from 1.
     pub line: u32,
     /// The element, such as ``joint `elbow`, <limit>``.
     pub element: String,
-    /// What was done.
+    /// The default or the correction.
     pub mended: Mended,
 }
 
 impl Repair {
-    /// An element that is wrong and counts for nothing.
+    /// The repair that leaves out a faulty element; `None` for other errors.
     pub(crate) fn left_out(error: RobotFileError) -> Option<Self> {
         let RobotFileError::Element {
             line,
@@ -39,79 +39,81 @@ impl Repair {
     }
 }
 
-/// What was done about one place of a file. The first two and [`LeftOut`](Self::LeftOut) of what
-/// belongs to a link, [`MassLeftToMeshes`](Self::MassLeftToMeshes), [`StopsNothing`](Self::StopsNothing) and
-/// [`MimicBeyondRange`](Self::MimicBeyondRange), [`MacroCallLeftOut`](Self::MacroCallLeftOut) and [`WorldAdded`](Self::WorldAdded)
-/// come from strict readers too; the others from lenient ones alone.
+/// A default or a correction that a reader applied.
+///
+/// Strict readers apply [`BoundByDefault`](Self::BoundByDefault), [`LeftOut`](Self::LeftOut) for elements of a link,
+/// [`MassLeftToMeshes`](Self::MassLeftToMeshes), [`StopsNothing`](Self::StopsNothing),
+/// [`MimicBeyondRange`](Self::MimicBeyondRange), [`MacroCallLeftOut`](Self::MacroCallLeftOut) and
+/// [`WorldAdded`](Self::WorldAdded). Lenient readers apply all.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Mended {
-    /// `lower` or `upper` is not given, and 0 by the standard, which from URDF 1.2 on is no limit.
-    /// A joint with neither cannot move (before 1.2).
+    /// `lower` or `upper` is missing and gets the default of the standard: 0, or no limit from URDF 1.2 on. A joint
+    /// without both cannot move before URDF 1.2.
     BoundByDefault {
-        /// lower or upper.
+        /// `lower` or `upper`.
         missing: &'static str,
-        /// In radians or metres; infinite for no limit.
+        /// Default in radians or metres; infinite for no limit.
         value: f64,
     },
-    /// Something is wrong and counts for nothing.
+    /// A faulty element is left out.
     LeftOut(Fault),
-    /// A body states no mass, and what it weighs stands in the files of its meshes, which are not opened. The
-    /// robot has no centre of mass if a joint moves it.
+    /// The inertia of a body depends on mesh files, which the reader does not open. The robot has no centre of mass if
+    /// a joint moves the body.
     MassLeftToMeshes(LeftToMeshes),
-    /// A ball joint's range ends beyond half a turn, which is as far as anything is turned: it is no limit, as in MuJoCo.
+    /// The range of a ball joint ends beyond π, the largest rotation angle: it is no limit, as in MuJoCo.
     StopsNothing {
-        /// Where it ends, in radians.
+        /// End of the range, radians.
         angle: f64,
     },
-    /// A mimic joint whose source joint moves it out of the range that the file states. The source joint keeps its own limits;
+    /// A source joint moves a mimic joint out of the range that the file states. The source joint keeps its own limits;
     /// [`Robot::with_mimic_limits`](crate::robot::Robot::with_mimic_limits) restricts it.
     MimicBeyondRange {
         /// The mimic joint.
         joint: String,
-        /// The joint that it follows, through others if they follow too.
+        /// The source joint at the end of the chain of mimic joints.
         source: String,
-        /// The range that the file states for the mimic joint, radians or metres.
+        /// Range of the mimic joint in the file, radians or metres.
         range: Limits,
-        /// The values that the mimic joint takes within the limits of its source, radians or metres.
+        /// Values of the mimic joint within the limits of its source joint, radians or metres.
         values: Limits,
     },
-    /// A revolute or prismatic joint has no `<limit>`: it is held at 0.
+    /// A revolute or prismatic joint without `<limit>` is locked at 0.
     HeldAtZero,
-    /// An infinite `lower` or `upper` of a `<limit>`: no limit on that side.
+    /// An infinite `lower` or `upper` of a `<limit>` is no limit.
     Unlimited {
-        /// lower or upper.
+        /// `lower` or `upper`.
         attribute: &'static str,
     },
-    /// A call of a xacro macro that the file does not define, left over when it was expanded: it counts for nothing.
+    /// A call of a xacro macro that the file does not define is left out. It is a remnant of an earlier expansion.
     MacroCallLeftOut,
-    /// Joints hang on a link `world` that the file does not declare: it is added, as Drake does.
+    /// The link `world` that joints refer to is added, as Drake does.
     WorldAdded,
-    /// Limits were out of order and are exchanged; these are the new ones, in radians or metres.
+    /// Limits out of order are exchanged; radians or metres.
     LimitsExchanged {
-        /// The smaller one.
+        /// Lower limit after the exchange.
         lower: f64,
-        /// The larger one.
+        /// Upper limit after the exchange.
         upper: f64,
     },
-    /// An element that may stand once stands again; the first counts.
+    /// The first of repeated elements is used.
     FirstCounts {
-        /// The element.
+        /// Name of the element.
         child: &'static str,
     },
-    /// Commas between numbers count as blanks.
+    /// Commas between numbers count as spaces.
     CommasAreBlanks {
-        /// The attribute.
+        /// Name of the attribute.
         attribute: &'static str,
     },
-    /// The robot has no name and is given this one.
+    /// The robot has no name and gets this one.
     Named {
-        /// The name.
+        /// Name that the robot gets.
         name: &'static str,
     },
-    /// An XML declaration stood where none may and is not looked at.
+    /// A misplaced XML declaration is ignored.
     DeclarationRemoved,
-    /// A namespace prefix that the file uses is declared nowhere; it counts as an extension's.
+    /// An undeclared namespace prefix counts as that of an extension.
     PrefixDeclared {
         /// The prefix.
         prefix: String,
@@ -181,7 +183,7 @@ impl fmt::Display for Mended {
     }
 }
 
-/// `12: joint elbow, <limit>: what was done`, to stand behind the file's name and a colon.
+/// `12: joint elbow, <limit>: message`. Callers put the file name and a colon in front.
 impl fmt::Display for Repair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}: {}", self.line, self.element, self.mended)

@@ -1,12 +1,13 @@
-//! Rotations as files write them.
+//! Rotations in robot files.
 
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Quaternion, Vector3};
 
-/// A sine or cosine below this is that of a quarter turn, which no file can write exactly.
+/// Largest sine or cosine that is rounded to 0. Files cannot state multiples of π/2 exactly.
 const QUARTER_TURN_WITHIN: f64 = 1e-15;
 
-/// Sine and cosine; exact zeros at quarter turns, so that axes stay aligned along a chain.
+/// Sine and cosine of an angle in radians, with exact zeros at multiples of π/2 so that axes stay aligned along a
+/// chain.
 pub(crate) fn clean_sin_cos(angle: f64) -> (f64, f64) {
     let (sin, cos) = elementary::sin_cos(angle);
     let clean = |value: f64| match value.abs() < QUARTER_TURN_WITHIN {
@@ -16,7 +17,7 @@ pub(crate) fn clean_sin_cos(angle: f64) -> (f64, f64) {
     (clean(sin), clean(cos))
 }
 
-/// A quaternion w, x, y, z of any length but zero.
+/// Rotation matrix of a quaternion w, x, y, z; `None` if it is zero.
 pub(crate) fn rotation_of_wxyz(wxyz: [f64; 4]) -> Option<Matrix3<f64>> {
     let largest = wxyz.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
     if largest == 0.0 {

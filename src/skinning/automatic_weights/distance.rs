@@ -1,4 +1,4 @@
-//! Weights by distance: bones pull at what is near, evened out over the surface.
+//! Skin weights computed from distances to the bones and smoothed over the surface.
 
 use glam::DVec3;
 
@@ -11,38 +11,39 @@ use crate::scalar::elementary;
 use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
-/// How weights are made up.
+/// Parameters of skin weights computed from distances.
 ///
-/// With d_ij the distance of vertex i from bone j's segment (tail to tip at rest), s the mesh's size
-/// and p the falloff,
+/// d_ij is the distance of vertex i from the segment of bone j (tail to tip at rest). s is the size of the mesh and p
+/// the falloff.
 ///
 /// ```text
 /// w_ij = g_ij / Σ_k g_ik,   g_ij = (d_ij² + (s/1000)²)^(−p/2)
 /// ```
 ///
-/// and then, as many times as there are smoothing steps, every vertex takes the mean of its own
-/// weight and the mean weight of its neighbours over edges. Both keep sums at 1. At last the largest
-/// few weights of each vertex stay: with t the largest one that does not, as w − t²/w, divided by their
-/// sum, and evened out where that takes anything away, so that an influence fades before it ends and
-/// skin does not tear there.
+/// Each smoothing step then replaces a weight by the mean of itself and the mean weight of the neighbours over edges.
+/// Both keep sums at 1.
 ///
-/// Distances are straight, also through gaps: two legs that touch pull at each other's skin; weights by
-/// heat (`HeatWeights`, feature `heat`) do not. The same input gives the same bits.
+/// Pruning at the end keeps the largest weights of each vertex. With t the largest removed weight, a kept weight w
+/// becomes w − t²/w, and the row is normalised. Weights near such vertices are smoothed again, so that an influence
+/// fades before it ends and the skin has no visible step.
+///
+/// Distances are straight lines, also through gaps: two legs in contact influence each other's skin. Bone heat weights
+/// (`HeatWeights`, feature `heat`) avoid this. Results are bitwise reproducible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct AutomaticWeights {
-    /// p: how fast a bone's pull falls with distance; larger is stiffer. Above 0.
+    /// p: exponent with which the influence of a bone falls with distance. Larger values give stiffer skin. Above 0.
     pub falloff: f64,
-    /// How often weights are evened out over the mesh's edges.
+    /// Number of smoothing steps over the mesh's edges.
     pub smoothing_steps: u32,
-    /// The most influences a vertex keeps, at least 1. Four take the packed path, and steeper steps
-    /// where many bones are near: palms, shoulders.
+    /// Largest number of influences per vertex, at least 1. Four allow packed weights, but give steeper transitions at
+    /// palms and shoulders, which many bones influence.
     pub most: usize,
 }
 
 impl Default for AutomaticWeights {
-    /// Falloff 4, ten smoothing steps, eight influences.
+    /// Falloff 4, 10 smoothing steps, 8 influences.
     fn default() -> Self {
         Self {
             falloff: 4.0,
@@ -53,10 +54,10 @@ impl Default for AutomaticWeights {
 }
 
 impl AutomaticWeights {
-    /// Weights for a skeleton's bones at rest, in the mesh's own frame and unit.
+    /// Weights for the bones of a skeleton at rest, in the mesh's frame and unit.
     ///
     /// # Errors
-    /// The skeleton has no bones, the falloff is not above 0, or no influence may stay.
+    /// The skeleton has no bones, the falloff is not above 0, or `most` is 0.
     pub fn for_skeleton(
         &self,
         mesh: &TriangleMesh,
@@ -65,10 +66,10 @@ impl AutomaticWeights {
         self.for_segments(mesh, &segments::of_skeleton(skeleton))
     }
 
-    /// Weights for bones given as [tail, tip]; a bone without length is a point.
+    /// Weights for bones given as [tail, tip]. A bone of length 0 is a point.
     ///
     /// # Errors
-    /// There are no bones, an end is not finite, the falloff is not above 0, or no influence may stay.
+    /// There are no bones, an end is not finite, the falloff is not above 0, or `most` is 0.
     pub fn for_segments(
         &self,
         mesh: &TriangleMesh,
@@ -81,11 +82,11 @@ impl AutomaticWeights {
         let points: Vec<DVec3> = mesh.positions().iter().map(|p| p.as_dvec3()).collect();
         let nearest = nearest_distances(&points, segments);
         let core = 1e-3 * mesh.size();
-        // As a share of the nearest bone's pull, which a high power could not overflow.
+        // Relative to the nearest bone, so that high exponents do not overflow.
         let pull = |point: usize, segment: &Segment| {
             let squared = |distance: f64| distance * distance + core * core;
             let ratio = squared(nearest[point]) / squared(distance(points[point], segment));
-            // A point on a bone of a mesh without size is 0 / 0 apart.
+            // A point on a bone of a mesh of size 0 gives 0 / 0.
             match ratio.is_nan() {
                 true => 1.0,
                 false => elementary::pow(ratio, 0.5 * self.falloff),
@@ -97,7 +98,7 @@ impl AutomaticWeights {
                 *sum += pull(point, segment);
             }
         }
-        // A bone at a time, so that memory does not grow with their number.
+        // One bone at a time, so that memory does not grow with the number of bones.
         let neighbours = Neighbours::of(points.len(), mesh.triangles().iter().copied());
         let mut strongest = Strongest::new(points.len(), self.most);
         for (bone, segment) in segments.iter().enumerate() {
@@ -121,7 +122,7 @@ fn nearest_distances(points: &[DVec3], segments: &[Segment]) -> Vec<f64> {
     points.iter().map(nearest).collect()
 }
 
-/// ½ w_i + ½ (mean of w over i's neighbours); a vertex without neighbours keeps its own.
+/// ½ w_i + ½ (mean of w over the neighbours of i). A vertex without neighbours keeps its weight.
 fn evened_out(neighbours: &Neighbours, column: &[f64]) -> Vec<f64> {
     let rows = neighbours.rows().zip(column);
     let mean = |(others, &own): (&[u32], &f64)| {

@@ -1,5 +1,4 @@
-//! Weights for a mesh that has none: by distance from the bones, or by heat that spreads from them over
-//! the surface.
+//! Automatic skin weights: by distance from the bones, or by bone heat weighting.
 
 mod distance;
 mod error;

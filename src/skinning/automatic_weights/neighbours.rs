@@ -1,13 +1,13 @@
-//! Which points of a surface are next to each other.
+//! Adjacency of the points of a surface.
 
-/// The other ends of each point's edges: compressed sparse rows.
+/// Adjacent points of each point, as compressed sparse rows.
 pub(super) struct Neighbours {
     starts: Vec<usize>,
     others: Vec<u32>,
 }
 
 impl Neighbours {
-    /// Of so many points and the triangles over them.
+    /// Builds the adjacency of `points` points from triangles over them.
     pub(super) fn of(points: usize, triangles: impl Iterator<Item = [u32; 3]>) -> Self {
         let directed = |[a, b, c]: [u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let mut edges: Vec<(u32, u32)> = triangles.flat_map(directed).collect();
@@ -24,7 +24,7 @@ impl Neighbours {
         Self { starts, others }
     }
 
-    /// The points next to each point.
+    /// The adjacent points of each point.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[u32]> {
         let ends = self.starts.windows(2);
         ends.map(|ends| &self.others[ends[0]..ends[1]])

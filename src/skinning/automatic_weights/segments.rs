@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::AutomaticWeightsError;
 use crate::skeleton::Skeleton;
 
-/// A bone's tail and tip; the same point twice for one without length.
+/// Tail and tip of a bone; equal for a bone of length 0.
 pub(super) type Segment = [DVec3; 2];
 
-/// A skeleton's bones at rest.
+/// The bones of a skeleton at rest.
 pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
     let end = |v: crate::spatial::Vector3<f64>| DVec3::from_array(v.to_array());
     let bones = skeleton.bones().iter();
@@ -16,7 +16,7 @@ pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
     ends.collect()
 }
 
-/// There are bones, all their ends are finite, and vertices may keep influences.
+/// Checks that there are bones, that their ends are finite, and that `most` is at least 1.
 pub(super) fn check(segments: &[Segment], most: usize) -> Result<(), AutomaticWeightsError> {
     if most == 0 {
         return Err(AutomaticWeightsError::NoInfluences);
@@ -29,7 +29,7 @@ pub(super) fn check(segments: &[Segment], most: usize) -> Result<(), AutomaticWe
     }
 }
 
-/// The point of a segment that is nearest to a point.
+/// The point of a segment that is nearest to a given point.
 pub(super) fn nearest_point(point: DVec3, [tail, tip]: &Segment) -> DVec3 {
     let along = *tip - *tail;
     let squared = along.length_squared();
@@ -41,7 +41,7 @@ pub(super) fn nearest_point(point: DVec3, [tail, tip]: &Segment) -> DVec3 {
     *tail + share * along
 }
 
-/// From a point to a segment.
+/// Distance of a point from a segment.
 pub(super) fn distance(point: DVec3, segment: &Segment) -> f64 {
     point.distance(nearest_point(point, segment))
 }

@@ -1,32 +1,31 @@
-//! The strongest influences of each vertex, cut off without a tear.
+//! Pruning of skin weights to the strongest influences, with smooth transitions.
 
 use super::neighbours::Neighbours;
 use crate::skinning::{SkinWeights, WeightsError};
 
-/// A cut that takes less than this away leaves skin as smooth as it was.
+/// Largest removed weight that needs no smoothing.
 const UNSEEN: f64 = 1e-2;
-/// How often weights are evened out where they were cut.
+/// Number of smoothing rounds near removed weights.
 const ROUNDS: usize = 10;
 
-/// Collects weights a bone at a time and keeps the strongest of each point.
+/// Collects weights bone by bone and keeps the strongest of each point.
 ///
-/// A plain cut makes skin tear: where two bones change places, the one that falls out takes all of its
-/// weight away. So with t the largest weight that falls out, those that stay become
+/// Plain pruning makes steps in the skin: at the boundary between two bones' regions a removed bone takes its whole
+/// weight away. With t the largest removed weight, the kept weights therefore become
 ///
 /// ```text
 /// w_i' = (w_i − t² / w_i) / Σ_k (w_k − t² / w_k)
 /// ```
 ///
-/// which is nothing for a bone at the moment in which it falls out, and hardly less for one that is large
-/// beside t. Where many bones are about as strong that is steep; so points near such a cut take the mean
-/// of their own weights and those next to them and are cut again, a few times: a bone then fades towards
-/// the end of its region.
+/// This is 0 for a bone at the boundary of its region, and nearly w_i for a weight much larger than t. The transition
+/// is steep if many bones have similar weights. Points near removed weights are therefore smoothed with their
+/// neighbours and pruned again, in several rounds.
 pub(super) struct Strongest {
     rows: Vec<Row>,
     most: usize,
 }
 
-/// Bones and their weights, the largest first, of equal ones the earlier bone.
+/// Bones and weights by descending weight; the earlier bone first among equals.
 type Row = Vec<(usize, f64)>;
 
 impl Strongest {
@@ -37,7 +36,7 @@ impl Strongest {
         }
     }
 
-    /// Adds a bone's weights of all points, none below 0.
+    /// Adds the weights of one bone for all points, none below 0.
     pub(super) fn add(&mut self, bone: usize, weights: impl IntoIterator<Item = f64>) {
         for (row, weight) in self.rows.iter_mut().zip(weights) {
             if weight > 0.0 {
@@ -48,7 +47,7 @@ impl Strongest {
         }
     }
 
-    /// The weights, with sums of 1; those of each vertex are those of the point that `point_of` says.
+    /// Builds the normalised weights. `point_of` is the point index of each vertex.
     pub(super) fn build(
         mut self,
         bones: usize,
@@ -79,7 +78,7 @@ impl Strongest {
     }
 }
 
-/// ½ of a point's weights and ½ of the mean of those next to it.
+/// ½ of a point's weights plus ½ of the mean of its neighbours.
 fn evened_out(rows: &[Row], point: usize, others: &[u32]) -> Row {
     let mut all: Vec<(usize, f64)> = rows[point].iter().map(|(b, w)| (*b, 0.5 * w)).collect();
     let share = 0.5 / others.len().max(1) as f64;
@@ -98,11 +97,11 @@ fn evened_out(rows: &[Row], point: usize, others: &[u32]) -> Row {
     all
 }
 
-/// Cuts a row, and says what fell out.
+/// Prunes a row and returns the largest removed weight.
 fn cut(row: &mut Row, most: usize) -> f64 {
     let fallen = row.get(most).map_or(0.0, |(_, weight)| *weight);
     row.truncate(most);
-    // Where all are equal there is nothing to fade to.
+    // Equal weights have no transition to smooth.
     let strongest = row.first().map_or(0.0, |(_, weight)| *weight);
     if fallen > 0.0 && strongest > fallen {
         row.retain_mut(|(_, weight)| {

@@ -1,80 +1,80 @@
-//! What may be wrong with morph targets.
+//! Errors of morph targets.
 
 use crate::SizeMismatch;
 
-/// What is wrong with a morph target or its use.
+/// Error of a morph target or its use.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MorphError {
-    /// A target's lists are not as long as its list of vertices.
+    /// A target's list has a different length from its list of vertices.
     #[error("target `{target}`: {given} {what}s for {vertices} vertices")]
     DeltaCount {
-        /// The target's name.
+        /// Name of the target.
         target: String,
-        /// "normal delta", …
+        /// Name of the list: "normal delta" and so on.
         what: &'static str,
-        /// How many there are.
+        /// Length of the list.
         given: usize,
-        /// How many vertices the target lists.
+        /// Number of vertices of the target.
         vertices: usize,
     },
-    /// The vertices are not listed in rising order, each once.
+    /// The vertices are not strictly ascending.
     #[error("target `{target}`: vertex {vertex} does not come after the one before it")]
     Order {
-        /// The target's name.
+        /// Name of the target.
         target: String,
-        /// The vertex.
+        /// Index of the vertex.
         vertex: u32,
     },
     /// A delta is NaN or infinite.
     #[error("target `{target}`, vertex {vertex}: the {what} is not finite")]
     NonFinite {
-        /// The target's name.
+        /// Name of the target.
         target: String,
-        /// "position delta", …
+        /// Name of the list: "position delta" and so on.
         what: &'static str,
-        /// Which vertex of the mesh.
+        /// Index of the vertex in the mesh.
         vertex: u32,
     },
-    /// A target names a vertex that the mesh does not have.
+    /// A target refers to a vertex outside the mesh.
     #[error("target `{target}`: vertex {vertex} is out of range; there are {vertices} vertices")]
     VertexOutOfRange {
-        /// The target's name.
+        /// Name of the target.
         target: String,
-        /// The vertex it names.
+        /// Index of the vertex.
         vertex: u32,
-        /// How many there are.
+        /// Number of vertices of the mesh.
         vertices: usize,
     },
-    /// A shape has another number of vertices than the mesh it is taken from.
+    /// A shape has a different number of vertices from its mesh.
     #[error("target `{target}`: a shape of {given} vertices for a mesh of {vertices}")]
     ShapeCount {
-        /// The target's name.
+        /// Name of the target.
         target: String,
-        /// How many the shape has.
+        /// Number of vertices of the shape.
         given: usize,
-        /// How many the mesh has.
+        /// Number of vertices of the mesh.
         vertices: usize,
     },
-    /// There is not one weight per target.
+    /// The number of weights differs from the number of targets.
     #[error("{given} weights for {targets} morph targets: {names}")]
     WeightCount {
-        /// How many weights.
+        /// Number of weights.
         given: usize,
-        /// How many targets.
+        /// Number of targets.
         targets: usize,
-        /// The targets' names.
+        /// Names of the targets.
         names: String,
     },
     /// A weight is NaN or infinite.
     #[error("target `{target}`: the weight {weight} is not finite")]
     NonFiniteWeight {
-        /// The target's name.
+        /// Name of the target.
         target: String,
         /// The weight.
         weight: f32,
     },
-    /// A buffer of vertices is neither empty nor as long as the mesh.
+    /// A vertex buffer is neither empty nor as long as the mesh.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
 }

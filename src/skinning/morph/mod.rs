@@ -1,4 +1,4 @@
-//! Morph targets (blend shapes): shapes mixed into the mesh at rest, before bones move it.
+//! Morph targets (blend shapes): shapes blended into the mesh at rest, before skinning.
 
 mod error;
 mod target;
@@ -18,13 +18,13 @@ pub struct MorphTargets {
 }
 
 impl MorphTargets {
-    /// Targets for a mesh of so many vertices.
+    /// Creates the targets of a mesh with `vertex_count` vertices.
     ///
     /// # Errors
-    /// A target names a vertex that does not exist.
+    /// A target refers to a vertex outside the mesh.
     pub fn new(vertex_count: usize, targets: Vec<MorphTarget>) -> Result<Self, MorphError> {
         for target in &targets {
-            // They rise, so the last is the largest.
+            // The indices ascend, so the last is the largest.
             let last = target.vertices.last();
             if let Some(&vertex) = last.filter(|&&v| v as usize >= vertex_count) {
                 return Err(MorphError::VertexOutOfRange {
@@ -40,7 +40,7 @@ impl MorphTargets {
         })
     }
 
-    /// No targets, for a mesh of so many vertices.
+    /// No targets, for a mesh with `vertex_count` vertices.
     #[must_use]
     pub fn none(vertex_count: usize) -> Self {
         Self {
@@ -52,20 +52,19 @@ impl MorphTargets {
     getters! {
         /// The targets, in the order of the weights.
         pub fn targets(&self) -> &[MorphTarget] = &self.targets;
-        /// How many vertices the mesh has.
+        /// Number of vertices of the mesh.
         pub fn vertex_count(&self) -> usize = self.vertex_count;
     }
 
-    /// Adds Σ_k α_k Δ_k to vertices at rest, in place; buffers that are empty are left out. Normals and
-    /// tangents that a target touches come out with unit length (zero where the sum is zero); tangents
-    /// keep their sign w.
+    /// Adds Σ_k α_k Δ_k to vertices at rest, in place. Empty buffers are skipped. Normals and tangents that a target
+    /// changes are normalised, or zero if the sum is zero. Tangents keep their sign w.
     ///
-    /// Weights α_k are usually 0 to 1, but any finite number is taken; 0 costs nothing. The rest has
-    /// the share 1 − Σ_k α_k, so this is the weighted mean of shapes whose weights sum to 1.
+    /// Weights α_k are usually between 0 and 1, but may be any finite numbers; targets of weight 0 cost nothing. The
+    /// rest shape has the weight 1 − Σ_k α_k, so the result is the weighted mean of shapes whose weights sum to 1.
     ///
     /// # Errors
-    /// There is not one weight per target, one is not finite, or a buffer is neither empty nor one
-    /// entry per vertex. Nothing is changed then.
+    /// The number of weights differs from the number of targets, or a weight is not finite. Also a buffer that is
+    /// neither empty nor as long as the mesh. Nothing changes then.
     pub fn apply(
         &self,
         weights: &[f32],
@@ -122,7 +121,7 @@ impl MorphTargets {
     }
 }
 
-/// Does something to each listed vertex of a buffer that is there, with its delta.
+/// Calls `to` for each listed vertex of a buffer with its delta.
 fn add<T>(buffer: &mut [T], vertices: &[u32], deltas: &[Vec3], mut to: impl FnMut(&mut T, Vec3)) {
     for (&vertex, &delta) in vertices.iter().zip(deltas) {
         if let Some(entry) = buffer.get_mut(vertex as usize) {

@@ -1,11 +1,11 @@
-//! One shape, as differences from the rest.
+//! A morph target: differences of one shape from the rest shape.
 
 use glam::Vec3;
 
 use super::MorphError;
 use crate::mesh::TriangleMesh;
 
-/// The differences of one shape from the rest, at the vertices where there are any.
+/// Sparse differences of one shape from the rest shape.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphTarget {
     pub(super) name: String,
@@ -16,11 +16,11 @@ pub struct MorphTarget {
 }
 
 impl MorphTarget {
-    /// A target of sparse deltas: `vertices` in rising order, and for each its position's delta in
-    /// the model's unit. Normals' and tangents' deltas may be left empty.
+    /// Creates a target of sparse deltas: `vertices` in ascending order, with a position delta for each in the model's
+    /// unit. Deltas of normals and tangents may be empty.
     ///
     /// # Errors
-    /// The lists differ in length, vertices do not rise, or a number is not finite.
+    /// The lists differ in length, the vertices do not ascend, or a number is not finite.
     pub fn new(
         name: impl Into<String>,
         vertices: Vec<u32>,
@@ -65,12 +65,14 @@ impl MorphTarget {
         })
     }
 
-    /// The target whose full weight turns `rest` into `shape`: deltas of positions, and of normals
-    /// where both have them. Vertices that move by no more than `threshold` (in the model's unit) and
-    /// whose normal keeps to it as well are left out; 0 leaves out what is equal.
+    /// The target whose full weight changes `rest` into `shape`: deltas of positions, and of normals if both meshes
+    /// have them.
+    ///
+    /// A vertex is left out if neither its position nor its normal changes by more than `threshold` (positions in the
+    /// model's unit). A threshold of 0 leaves out equal vertices only.
     ///
     /// # Errors
-    /// The shape has another number of vertices.
+    /// The shape has a different number of vertices.
     pub fn between(
         name: impl Into<String>,
         rest: &TriangleMesh,
@@ -109,15 +111,15 @@ impl MorphTarget {
     }
 
     getters! {
-        /// The name that clips and files know it by.
+        /// Name of the target in clips and files.
         pub fn name(&self) -> &str = &self.name;
-        /// The vertices it moves, rising.
+        /// Indices of the vertices with deltas, ascending.
         pub fn vertices(&self) -> &[u32] = &self.vertices;
-        /// How far it moves each of those vertices, in the model's unit.
+        /// Position delta of each listed vertex, in the model's unit.
         pub fn position_deltas(&self) -> &[Vec3] = &self.positions;
-        /// What it adds to the normal of each of those vertices; empty where it leaves normals alone.
+        /// Normal delta of each listed vertex; empty if the target does not change normals.
         pub fn normal_deltas(&self) -> &[Vec3] = &self.normals;
-        /// What it adds to the tangent of each of those vertices; empty where it leaves tangents alone.
+        /// Tangent delta of each listed vertex; empty if the target does not change tangents.
         pub fn tangent_deltas(&self) -> &[Vec3] = &self.tangents;
     }
 }

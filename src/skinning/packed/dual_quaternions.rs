@@ -1,4 +1,4 @@
-//! Dual quaternions over packed weights.
+//! Dual quaternion skinning with packed weights.
 
 use glam::{Affine3A, Vec3};
 
@@ -9,25 +9,24 @@ use crate::skinning::bone_motions::BoneMotions;
 use crate::skinning::dual_quaternion_blend::move_by_dual_quaternions;
 use crate::skinning::{Deformation, DualQuaternion, PosedVertices, RestVertices, SkinningError};
 
-/// [`DualQuaternionBlend`](crate::skinning::DualQuaternionBlend) for at most four influences a
-/// vertex; it agrees with it to rounding.
+/// [`DualQuaternionBlend`](crate::skinning::DualQuaternionBlend) for at most four influences per vertex. The results
+/// agree up to rounding.
 ///
-/// Blends eight vertices at a time with AVX2 and FMA where the processor has them, one at a time
-/// elsewhere.
+/// It blends eight vertices at a time on processors with AVX2 and FMA, and one at a time on others.
 #[derive(Clone, Debug)]
 pub struct PackedDualQuaternionBlend<'a> {
     weights: &'a PackedWeights,
     motions: BoneMotions,
     #[cfg(target_arch = "x86_64")]
     lanes: Vec<avx2::Motion>,
-    /// Empty where nothing stretches.
+    /// Empty if no bone stretches.
     #[cfg(target_arch = "x86_64")]
     stretches: Vec<avx2::Columns>,
     portable: bool,
 }
 
 impl<'a> PackedDualQuaternionBlend<'a> {
-    /// Skinning with these weights and one rigid transform per bone (rest model → posed model).
+    /// Creates a pose from weights and one rigid transform per bone (rest model → posed model).
     ///
     /// # Errors
     /// As [`DualQuaternionBlend::new`](crate::skinning::DualQuaternionBlend::new).
@@ -37,11 +36,11 @@ impl<'a> PackedDualQuaternionBlend<'a> {
         Ok(blend)
     }
 
-    /// Skinning with transforms that may stretch, in the two phases of
+    /// Creates a pose from transforms that may stretch, in the two phases of
     /// [`DualQuaternionBlend::stretched`](crate::skinning::DualQuaternionBlend::stretched).
     ///
     /// # Errors
-    /// As that.
+    /// As [`DualQuaternionBlend::stretched`](crate::skinning::DualQuaternionBlend::stretched).
     pub fn stretched(
         weights: &'a PackedWeights,
         transforms: &[Affine3A],
@@ -64,10 +63,10 @@ impl<'a> PackedDualQuaternionBlend<'a> {
         }
     }
 
-    /// Another pose in the same memory.
+    /// Sets another pose in the memory of this object.
     ///
     /// # Errors
-    /// As [`new`](Self::new); the old pose is then kept.
+    /// As [`new`](Self::new). The pose does not change then.
     pub fn set_transforms(&mut self, transforms: &[Affine3A]) -> Result<(), SkinningError> {
         self.motions
             .set_rigid(transforms, self.weights.bone_count())?;
@@ -75,10 +74,10 @@ impl<'a> PackedDualQuaternionBlend<'a> {
         Ok(())
     }
 
-    /// Another pose that may stretch, in the same memory.
+    /// Sets another pose that may stretch, in the memory of this object.
     ///
     /// # Errors
-    /// As [`stretched`](Self::stretched); the old pose is then kept.
+    /// As [`stretched`](Self::stretched). The pose does not change then.
     pub fn set_stretched(
         &mut self,
         transforms: &[Affine3A],
@@ -90,7 +89,7 @@ impl<'a> PackedDualQuaternionBlend<'a> {
         Ok(())
     }
 
-    /// The motions as the vector code reads them.
+    /// Converts the motions to the layout of the SIMD code.
     fn fill_lanes(&mut self) {
         #[cfg(target_arch = "x86_64")]
         {
@@ -107,8 +106,7 @@ impl<'a> PackedDualQuaternionBlend<'a> {
     }
 
     setters! {
-        /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
-        /// missing, and the measure for the rest.
+        /// Uses the portable code on all processors. Without this call it runs only on processors without AVX2.
         pub fn portable(mut self) { self.portable = true }
     }
 }
@@ -126,8 +124,7 @@ impl Deformation for PackedDualQuaternionBlend<'_> {
                 [] => Palette::Motions(&self.lanes),
                 stretches => Palette::Stretched(&self.lanes, stretches),
             };
-            // SAFETY: the processor has the instructions the function is compiled for. Measured: 5.8
-            // ns a vertex with its normal against 24 ns for the portable code.
+            // SAFETY: the processor has AVX2 and FMA. The SIMD code measured four times as fast as the portable code.
             #[allow(unsafe_code)]
             return unsafe { avx2::deform(palette, influences, rest, posed) };
         }

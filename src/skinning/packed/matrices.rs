@@ -1,4 +1,4 @@
-//! Linear blend over packed weights.
+//! Linear blend skinning with packed weights.
 
 use glam::Affine3A;
 
@@ -9,11 +9,10 @@ use crate::skinning::bone_transform::check;
 use crate::skinning::linear_blend::move_by_matrices;
 use crate::skinning::{Deformation, PosedVertices, RestVertices, SkinningError};
 
-/// [`LinearBlend`](crate::skinning::LinearBlend) for at most four influences a vertex; it agrees
-/// with it to rounding.
+/// [`LinearBlend`](crate::skinning::LinearBlend) for at most four influences per vertex. The results agree up to
+/// rounding.
 ///
-/// Blends eight vertices at a time with AVX2 and FMA where the processor has them (about
-/// 4 ns a vertex with its normal), one at a time elsewhere.
+/// It blends eight vertices at a time on processors with AVX2 and FMA, and one at a time on others.
 #[derive(Clone, Debug)]
 pub struct PackedLinearBlend<'a> {
     weights: &'a PackedWeights,
@@ -24,11 +23,11 @@ pub struct PackedLinearBlend<'a> {
 }
 
 impl<'a> PackedLinearBlend<'a> {
-    /// Skinning with these weights and one transform per bone (rest model → posed model), as for
-    /// [`LinearBlend`](crate::skinning::LinearBlend).
+    /// Creates a pose from weights and one transform per bone (rest model → posed model), as
+    /// [`LinearBlend`](crate::skinning::LinearBlend) does.
     ///
     /// # Errors
-    /// There is not one transform per bone of the weights, or one is not finite.
+    /// The number of transforms differs from the number of bones, or a transform is not finite.
     pub fn new(weights: &'a PackedWeights, transforms: &[Affine3A]) -> Result<Self, SkinningError> {
         let mut blend = Self {
             weights,
@@ -41,10 +40,10 @@ impl<'a> PackedLinearBlend<'a> {
         Ok(blend)
     }
 
-    /// Another pose in the same memory.
+    /// Sets another pose in the memory of this object.
     ///
     /// # Errors
-    /// As [`new`](Self::new); the old pose is then kept.
+    /// As [`new`](Self::new). The pose does not change then.
     pub fn set_transforms(&mut self, transforms: &[Affine3A]) -> Result<(), SkinningError> {
         check(transforms, self.weights.bone_count())?;
         transforms.clone_into(&mut self.transforms);
@@ -57,8 +56,7 @@ impl<'a> PackedLinearBlend<'a> {
     }
 
     setters! {
-        /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
-        /// missing, and the measure for the rest.
+        /// Uses the portable code on all processors. Without this call it runs only on processors without AVX2.
         pub fn portable(mut self) { self.portable = true }
     }
 }
@@ -73,8 +71,8 @@ impl Deformation for PackedLinearBlend<'_> {
         #[cfg(target_arch = "x86_64")]
         if !self.portable && crate::processor::has_avx2_and_fma() {
             let palette = Palette::Matrices(&self.columns);
-            // SAFETY: the processor has the instructions the function is compiled for. Measured: 3.8
-            // ns a vertex with its normal against 10.3 ns for the portable code.
+            // SAFETY: the processor has AVX2 and FMA. The SIMD code measured more than twice as fast as the portable
+            // code.
             #[allow(unsafe_code)]
             return unsafe { avx2::deform(palette, influences, rest, posed) };
         }

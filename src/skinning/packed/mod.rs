@@ -1,4 +1,4 @@
-//! The fast path: at most four influences a vertex, eight vertices at a time.
+//! Packed skinning: at most four influences per vertex, eight vertices at a time.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

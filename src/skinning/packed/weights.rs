@@ -1,11 +1,11 @@
-//! Skin weights with four places for every vertex.
+//! Packed skin weights: four influences per vertex.
 
 use crate::skinning::{Influence, SkinWeights, WeightsError};
 
-/// How many influences a vertex has room for.
+/// Number of influences per vertex.
 pub(super) const PLACES: usize = 4;
 
-/// One vertex's influences by falling weight; places that are not needed have weight 0.
+/// Influences of one vertex by descending weight; unused entries have weight 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FourInfluences {
     pub(super) weights: [f32; PLACES],
@@ -13,14 +13,14 @@ pub(super) struct FourInfluences {
 }
 
 impl FourInfluences {
-    /// (bone, weight) of each place.
+    /// The (bone, weight) pairs, including unused entries.
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f32)> + Clone {
         let bones = self.bones.map(usize::from);
         bones.into_iter().zip(self.weights)
     }
 }
 
-/// Skin weights of at most four influences a vertex, in single precision, 24 bytes a vertex.
+/// Skin weights with at most four influences per vertex, in single precision: 24 bytes per vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedWeights {
     vertices: Vec<FourInfluences>,
@@ -28,8 +28,7 @@ pub struct PackedWeights {
 }
 
 impl PackedWeights {
-    /// Packs weights. Those of vertices with more influences are pruned first, by
-    /// [`SkinWeights::pruned`], which says what is lost.
+    /// Packs weights. Prune vertices with more influences first, by [`SkinWeights::pruned`], which returns the loss.
     ///
     /// # Errors
     /// A vertex has more than four influences, or there are more than 65 536 bones.
@@ -39,7 +38,7 @@ impl PackedWeights {
             return Err(WeightsError::TooManyBones { bones });
         }
         let pack = |(vertex, influences): (usize, &[Influence])| {
-            // Checked when they were built; once more, as the kernel relies on it.
+            // Checked again because the unsafe kernel relies on it.
             let beyond = |i: &&Influence| i.bone as usize >= bones;
             if let Some(influence) = influences.iter().find(beyond) {
                 let bone = influence.bone as usize;
@@ -62,13 +61,13 @@ impl PackedWeights {
     }
 
     getters! {
-        /// How many vertices have weights.
+        /// Number of vertices.
         pub fn vertex_count(&self) -> usize = self.vertices.len();
-        /// How many bones the skeleton has.
+        /// Number of bones.
         pub fn bone_count(&self) -> usize = self.bone_count;
     }
 
-    /// So many vertices from number `first` on.
+    /// `count` vertices from index `first` on.
     pub(super) fn part(&self, first: usize, count: usize) -> Part<'_> {
         let range = first..first.saturating_add(count);
         Part {
@@ -79,7 +78,7 @@ impl PackedWeights {
     }
 }
 
-/// Some vertices' influences, all of whose bones are below a count.
+/// Influences of some vertices; all bone indices are below a count.
 #[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
     vertices: &'a [FourInfluences],
@@ -90,7 +89,7 @@ pub(super) struct Part<'a> {
 impl<'a> Part<'a> {
     getters! {
         pub(super) fn vertices(self) -> &'a [FourInfluences] = self.vertices;
-        /// How many transforms there must be.
+        /// Lower bound of the number of transforms.
         #[cfg(target_arch = "x86_64")]
         pub(super) fn bone_count(self) -> usize = self.bone_count;
     }
@@ -103,7 +102,7 @@ fn four(influences: &[Influence]) -> Option<FourInfluences> {
     }; PLACES];
     let places = sorted.get_mut(..influences.len())?;
     places.copy_from_slice(influences);
-    // Stable, so that of equal weights the lowest bone stays first: it leads the dual quaternions.
+    // A stable sort: the lowest bone stays first among equal weights, as the pivot of dual quaternions.
     places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     Some(FourInfluences {
         weights: sorted.map(|influence| influence.weight as f32),

@@ -1,21 +1,20 @@
-//! Collects weights, and checks or repairs them.
+//! Builder of skin weights, which checks or repairs them.
 
 use super::{Influence, NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, SkinWeights, WeightsError};
 
-/// What [`SkinWeightsBuilder::build_repaired`] changed.
+/// Changes made by [`SkinWeightsBuilder::build_repaired`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WeightRepair {
-    /// How many weights below zero became zero.
+    /// Number of negative weights set to 0.
     pub negative: usize,
-    /// How many vertices' weights were divided by their sum, because it was not 1 within
-    /// [`ROW_SUM_TOLERANCE`].
+    /// Number of vertices whose weights were divided by their sum, because it was not 1 within [`ROW_SUM_TOLERANCE`].
     pub rescaled: usize,
-    /// The sum that was furthest from 1, and whose vertex; `None` when none was rescaled.
+    /// Vertex and sum of the weights furthest from 1; `None` if no vertex was rescaled.
     pub worst: Option<(usize, f64)>,
 }
 
 impl WeightRepair {
-    /// Whether the weights were right as they were given.
+    /// Reports whether nothing was changed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -31,10 +30,10 @@ pub struct SkinWeightsBuilder {
 }
 
 impl SkinWeightsBuilder {
-    /// Adds one weight; a weight of exactly zero is checked and left out.
+    /// Adds one weight. A weight of exactly 0 is checked and left out.
     ///
     /// # Errors
-    /// A [`WeightsError`] when the weight is not finite or the vertex or bone does not exist.
+    /// The weight is not finite, or the vertex or bone does not exist.
     pub fn add(&mut self, vertex: usize, bone: usize, weight: f64) -> Result<(), WeightsError> {
         if vertex >= self.vertex_count {
             return Err(WeightsError::VertexOutOfRange {
@@ -64,11 +63,11 @@ impl SkinWeightsBuilder {
         Ok(())
     }
 
-    /// The weights, sorted and checked.
+    /// Builds sorted and checked weights.
     ///
     /// # Errors
-    /// A [`WeightsError`] when a vertex and bone occur twice, a weight is below zero by more than
-    /// [`NEGATIVE_TOLERANCE`], or a vertex's weights do not sum to 1.
+    /// A vertex and bone occur twice, a weight is below −[`NEGATIVE_TOLERANCE`], or the weights of a vertex do not sum
+    /// to 1.
     pub fn build(self) -> Result<SkinWeights, WeightsError> {
         self.rows(|vertex, influences| {
             let sum = sum(influences);
@@ -86,11 +85,11 @@ impl SkinWeightsBuilder {
         })
     }
 
-    /// The weights, repaired where that has one meaning: weights below zero become zero, and weights
-    /// that do not sum to 1 are divided by their sum. What was done comes with them.
+    /// Builds repaired weights and returns the changes: negative weights become 0, and weights that do not sum to 1 are
+    /// divided by their sum.
     ///
     /// # Errors
-    /// A vertex and bone occur twice, or a vertex's weights sum to zero or overflow.
+    /// A vertex and bone occur twice, or the weights of a vertex sum to zero or overflow.
     pub fn build_repaired(self) -> Result<(SkinWeights, WeightRepair), WeightsError> {
         let mut repair = WeightRepair::default();
         let weights = self.rows(|vertex, influences| {
@@ -117,7 +116,7 @@ impl SkinWeightsBuilder {
         Ok((weights, repair))
     }
 
-    /// Compressed rows of the triples, each vertex's influences judged or mended on the way.
+    /// Builds compressed sparse rows; `judge` checks or changes the influences of each vertex.
     fn rows(
         mut self,
         mut judge: impl FnMut(usize, &mut Vec<Influence>) -> Result<(), WeightsError>,
@@ -126,8 +125,7 @@ impl SkinWeightsBuilder {
             .sort_by_key(|&(vertex, influence)| (vertex, influence.bone));
         let mut starts = vec![0];
         let mut influences: Vec<Influence> = Vec::with_capacity(self.triples.len());
-        // Each vertex must take at least one triple, so this ends after as many as were added even
-        // when an absurd vertex count was announced.
+        // The loop ends early for a huge vertex count: a vertex without weights fails in `judge`.
         let mut triples = self.triples.iter().peekable();
         let mut row = Vec::new();
         for vertex in 0..self.vertex_count {
@@ -157,12 +155,12 @@ impl SkinWeightsBuilder {
 }
 
 fn sum(influences: &[Influence]) -> f64 {
-    // Not `sum`, which makes −0 of nothing.
+    // `sum` returns −0 for an empty list.
     let weights = influences.iter().map(|influence| influence.weight);
     weights.fold(0.0, |sum, weight| sum + weight)
 }
 
-/// Asked this way round, so that a sum that overflowed to NaN is none.
+/// The comparison is false for NaN, the result of an overflow.
 fn sums_to_one(sum: f64) -> bool {
     (sum - 1.0).abs() <= ROW_SUM_TOLERANCE
 }

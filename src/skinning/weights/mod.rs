@@ -1,4 +1,4 @@
-//! How strongly each bone moves each vertex.
+//! Skin weights: the influence of each bone on each vertex.
 
 mod builder;
 mod error;
@@ -8,29 +8,28 @@ use nalgebra::DMatrix;
 pub use builder::{SkinWeightsBuilder, WeightRepair};
 pub use error::{NEGATIVE_TOLERANCE, ROW_SUM_TOLERANCE, WeightsError};
 
-/// One bone's share in the motion of a vertex.
+/// Influence of one bone on a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Influence {
-    /// The bone's index in its skeleton.
+    /// Index of the bone in its skeleton.
     pub bone: u32,
-    /// Its weight: about 0 to 1, but smooth weights from files may be slightly negative.
+    /// Weight, usually between 0 and 1. Smooth weights from files may be slightly negative.
     pub weight: f64,
 }
 
-/// Sparse skin weights: for each vertex the bones that move it, any number of them, sorted by bone.
+/// Sparse skin weights: for each vertex any number of influences, sorted by bone.
 ///
-/// Each vertex's weights sum to 1 within [`ROW_SUM_TOLERANCE`]; they are kept exactly as given.
+/// The weights of each vertex sum to 1 within [`ROW_SUM_TOLERANCE`]. They are stored exactly as given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinWeights {
-    /// Where each vertex's influences start, and one past the last: compressed sparse rows.
+    /// Start of each vertex's influences, and the end of the last: compressed sparse rows.
     pub(super) starts: Vec<usize>,
     pub(super) influences: Vec<Influence>,
     pub(super) bone_count: usize,
 }
 
 impl SkinWeights {
-    /// Starts collecting weights for so many vertices and bones. Nothing is allocated until
-    /// weights are added.
+    /// Starts a builder for a number of vertices and bones. Adding weights allocates; this call does not.
     #[must_use]
     pub fn builder(vertex_count: usize, bone_count: usize) -> SkinWeightsBuilder {
         SkinWeightsBuilder {
@@ -40,10 +39,10 @@ impl SkinWeights {
         }
     }
 
-    /// Weights from a table with a row per vertex and a column per bone; zeros are left out.
+    /// Creates weights from a table with a row per vertex and a column per bone. Zeros are left out.
     ///
     /// # Errors
-    /// A [`WeightsError`] naming the vertex.
+    /// A [`WeightsError`] that names the vertex.
     pub fn from_table(table: &DMatrix<f64>) -> Result<Self, WeightsError> {
         let mut builder = Self::builder(table.nrows(), table.ncols());
         for (bone, column) in table.column_iter().enumerate() {
@@ -54,7 +53,8 @@ impl SkinWeights {
         builder.build()
     }
 
-    /// The table of [`from_table`](Self::from_table): a row per vertex, a column per bone.
+    /// The weights as a table with a row per vertex and a column per bone; the inverse of
+    /// [`from_table`](Self::from_table).
     #[must_use]
     pub fn to_table(&self) -> DMatrix<f64> {
         let mut table = DMatrix::zeros(self.vertex_count(), self.bone_count);
@@ -69,15 +69,15 @@ impl SkinWeights {
     }
 
     getters! {
-        /// How many vertices have weights.
+        /// Number of vertices.
         pub fn vertex_count(&self) -> usize = self.starts.len().saturating_sub(1);
-        /// How many bones the skeleton has; all of [`Influence::bone`] are below it.
+        /// Number of bones; every [`Influence::bone`] is below it.
         pub fn bone_count(&self) -> usize = self.bone_count;
-        /// The largest number of influences on one vertex; 0 without vertices.
+        /// Largest number of influences of a vertex; 0 without vertices.
         pub fn max_influences(&self) -> usize = self.iter().map(<[_]>::len).max().unwrap_or(0);
     }
 
-    /// The influences of one vertex, sorted by bone; empty when there is no such vertex.
+    /// Influences of one vertex, sorted by bone; empty for an unknown vertex.
     #[must_use]
     pub fn influences(&self, vertex: usize) -> &[Influence] {
         match (self.starts.get(vertex), self.starts.get(vertex + 1)) {
@@ -86,7 +86,7 @@ impl SkinWeights {
         }
     }
 
-    /// Every vertex's influences, in the order of the vertices.
+    /// Influences of every vertex, in the order of the vertices.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[Influence]> {
         self.starts.windows(2).map(|ends| match ends {
             [start, end] => self.influences.get(*start..*end).unwrap_or(&[]),

@@ -1,24 +1,24 @@
-//! Steps at the edge of a set of rotations: across it, outward, and along it.
+//! Steps at the edge of a rotation set: across it, outward, and along it.
 
 use crate::spatial::Vector3;
 
-/// What may hold a ball joint.
+/// Limit that may hold a ball joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Edge {
-    /// The cone of its swing.
+    /// Cone of the swing.
     Swing,
-    /// The upper end of its twist, or the lower one.
+    /// Upper or lower end of the twist.
     Twist {
-        /// Which.
+        /// True for the upper end.
         upper: bool,
     },
-    /// The whole angle that it may turn by, in radians.
+    /// Largest angle from zero, radians.
     Angle(f64),
-    /// How far it may go from where it stood, in radians.
+    /// Largest angle from the start, radians.
     Move(f64),
 }
 
-/// An edge that is near: which, whether x stands on it, and its outward normal.
+/// A nearby edge, a flag that is true if x is on it, and its outward normal.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) struct Near {
     pub(in crate::solver) edge: Edge,
@@ -26,24 +26,26 @@ pub(in crate::solver) struct Near {
     pub(in crate::solver) normal: Vector3<f64>,
 }
 
-/// Normals whose part across the others is shorter than this say nothing of their own.
+/// Length of a normal's part perpendicular to the others below which the normal is dependent.
 const DEPENDENT: f64 = 1e-6;
 
-/// The steps of two or three variables in a row: one component leads across each edge that is near and along the
-/// others, so that every edge holds one component as a bound does, and the rest are free.
+/// Frame for steps of two or three consecutive variables at edges.
+///
+/// One component leads across each nearby edge and along the others. Every edge thus holds one component, as a bound
+/// does, and the rest are free.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) struct EdgeFrame {
     first: usize,
     width: usize,
-    /// Where a component of 1 leads.
+    /// Displacement of the variables per unit of each component.
     ways: [Vector3<f64>; 3],
-    /// What tells the component of a way: the inverse of those, by rows.
+    /// Inverse of `ways`, by rows: gives the components of a displacement.
     normals: [Vector3<f64>; 3],
     near: [Option<Near>; 3],
 }
 
 impl EdgeFrame {
-    /// Two variables at the edge of a swing.
+    /// Frame of two variables at the edge of a swing.
     pub(in crate::solver) fn of_swing(first: usize, near: Near) -> Self {
         let across = near.normal;
         let along = Vector3::new(-across.y, across.x, 0.0);
@@ -57,12 +59,14 @@ impl EdgeFrame {
         }
     }
 
-    /// Three variables at edges. That of a swing has the first component and that of a twist the last, as away
-    /// from edges; others have what is left.
+    /// Frame of three variables at edges.
+    ///
+    /// The edge of a swing has the first component and that of a twist the last, as away from edges. Other edges have
+    /// the remaining ones.
     pub(in crate::solver) fn of_ball(first: usize, edges: impl Iterator<Item = Near>) -> Self {
         let mut near: [Option<Near>; 3] = [None; 3];
         let mut normals = [Vector3::zero(); 3];
-        // What the normals span, made orthonormal.
+        // Orthonormal basis of the span of the normals.
         let mut spanned = Span::default();
         for own in edges {
             let free = |k: &usize| near[*k].is_none();
@@ -92,17 +96,17 @@ impl EdgeFrame {
         }
     }
 
-    /// The variables that it is about.
+    /// Variables of the frame.
     pub(in crate::solver) fn variables(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.width
     }
 
-    /// The edge that a component leads across.
+    /// Edge that a component leads across, if any.
     pub(in crate::solver) fn near(&self, component: usize) -> Option<&Near> {
         self.near[component - self.first].as_ref()
     }
 
-    /// Its part of a list.
+    /// The frame's part of a list of variables.
     fn own(&self, values: &[f64]) -> Vector3<f64> {
         let third = if self.width == 3 {
             values[self.first + 2]
@@ -117,7 +121,7 @@ impl EdgeFrame {
         values[self.variables()].copy_from_slice(&own[..self.width]);
     }
 
-    /// Writes x moved by a share of a step.
+    /// Writes x moved by a fraction of a step.
     pub(in crate::solver) fn integrate(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
         let step = self.own(step).to_array();
         let ways = self.ways.iter().zip(step).take(self.width);
@@ -137,14 +141,14 @@ impl EdgeFrame {
         self.put(self.own(x) + way * step, to);
     }
 
-    /// Turns the difference of two x into the components of a step.
+    /// Converts the difference of two configurations to the components of a step, in place.
     pub(in crate::solver) fn components(&self, difference: &mut [f64]) {
         let whole = self.own(difference);
         let [a, b, c] = self.normals.map(|normal| normal.dot(whole));
         self.put(Vector3::new(a, b, c), difference);
     }
 
-    /// Turns derivatives by the variables, of so many rows each, into those by components.
+    /// Converts derivatives by the variables, of `rows` rows each, to derivatives by the components.
     pub(in crate::solver) fn by_steps(&self, rows: usize, derivatives: &mut [f64]) {
         let Some(own) = derivatives.get_mut(self.first * rows..(self.first + self.width) * rows)
         else {
@@ -164,14 +168,14 @@ impl EdgeFrame {
     }
 }
 
-/// Orthonormal directions, three at most.
+/// Orthonormal directions, at most three.
 #[derive(Clone, Copy, Debug, Default)]
 struct Span {
     units: [Option<Vector3<f64>>; 3],
 }
 
 impl Span {
-    /// Adds what of a direction is across the others, if that is longer than `least`.
+    /// Adds the part of a direction perpendicular to the others. Returns true if it is longer than `least`.
     fn take(&mut self, direction: Vector3<f64>, least: f64) -> bool {
         let rest = self.across(direction);
         let length = rest.norm();
@@ -185,7 +189,7 @@ impl Span {
         is_new
     }
 
-    /// Adds a direction across the others, and returns it.
+    /// Adds and returns a unit vector perpendicular to the others.
     fn take_any(&mut self) -> Vector3<f64> {
         let rests = Vector3::UNITS.map(|unit| self.across(unit));
         let [a, b, c] = rests;
@@ -197,7 +201,7 @@ impl Span {
     }
 
     fn across(&self, direction: Vector3<f64>) -> Vector3<f64> {
-        // Twice, for rounding.
+        // Twice, for accuracy.
         let twice = self.units.iter().chain(&self.units).flatten();
         twice.fold(direction, |rest, unit| rest - *unit * unit.dot(rest))
     }

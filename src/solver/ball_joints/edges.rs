@@ -1,4 +1,4 @@
-//! Where balls stand at the edges of their sets, and how steps are told there.
+//! Edges of the rotation sets of ball joints, and frames for steps there.
 
 use super::edge_frame::{Edge, EdgeFrame, Near};
 use super::turn_limit::TurnLimit;
@@ -6,23 +6,23 @@ use crate::solver::ConfigurationSpace;
 use crate::spatial::Vector3;
 
 impl<'a> ConfigurationSpace<'a> {
-    /// Whether anything but bounds can hold a variable.
+    /// Returns true if limits other than intervals can hold a variable.
     #[inline]
     pub(in crate::solver) fn has_edges(&self) -> bool {
         let sets = self.rotations;
         !(sets.swings.is_empty() && sets.turns.is_empty() && self.moves.is_empty())
     }
 
-    /// The angles that balls turn within, those of moves last.
+    /// Angle limits of ball joints; those from the start come last, with a flag.
     pub(in crate::solver) fn turns(&self) -> impl Iterator<Item = (&'a TurnLimit, bool)> {
         let whole = self.rotations.turns.iter().map(|turn| (turn, false));
         whole.chain(self.moves.iter().map(|turn| (turn, true)))
     }
 
-    /// The frames of steps where edges are near.
+    /// Frames of steps at nearby edges.
     #[inline]
     pub(in crate::solver) fn frames(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
-        // Asked of every step, and most models have no balls.
+        // Called in every step, and most models have no ball joints.
         let edged = self.has_edges().then(|| self.frames_of_sets(x));
         edged.into_iter().flatten()
     }
@@ -46,7 +46,7 @@ impl<'a> ConfigurationSpace<'a> {
         turned.chain(swung)
     }
 
-    /// The edges near a ball.
+    /// Edges near a ball joint, given by its first variable.
     fn edges_near(&self, x: &[f64], first: usize) -> impl Iterator<Item = Near> {
         let swings = self.rotations.swings.iter();
         let swing = swings.filter(move |swing| swing.first == first);
@@ -80,7 +80,7 @@ impl<'a> ConfigurationSpace<'a> {
         swing.chain(twist).chain(turns)
     }
 
-    /// The frame that a component belongs to, where edges are near.
+    /// Frame of a component, if edges are near.
     #[inline]
     pub(in crate::solver) fn frame_of(&self, x: &[f64], component: usize) -> Option<EdgeFrame> {
         let sets = self.rotations;
@@ -96,38 +96,40 @@ impl<'a> ConfigurationSpace<'a> {
         frames.find(|frame| frame.variables().contains(&component))
     }
 
-    /// Turns derivatives by the variables into derivatives by a step's components: the columns of a Jacobian
-    /// of so many rows, or with one row a gradient.
+    /// Converts derivatives by the variables to derivatives by the components of a step, in place.
+    ///
+    /// They are the columns of a Jacobian of `rows` rows, or a gradient if there is one row.
     pub(crate) fn by_steps(&self, x: &[f64], rows: usize, derivatives: &mut [f64]) {
         for frame in self.frames(x) {
             frame.by_steps(rows, derivatives);
         }
     }
 
-    /// How far a component of a ball at an edge may go up: nowhere across it.
+    /// Largest increase of a component of a ball joint at an edge: 0 across it, else infinite; `None` away from edges.
     #[inline]
     pub(in crate::solver) fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
-        // What does not move at all is held by its bounds.
+        // A variable with equal bounds is held by those.
         let moves = self.lower[component] < self.upper[component];
         let frame = self.frame_of(x, component).filter(|_| moves)?;
         let is_on = frame.near(component).is_some_and(|near| near.is_on);
         Some(if is_on { 0.0 } else { f64::INFINITY })
     }
 
-    /// The first variable of a ball that stands on the edge of its whole angle or of its move.
+    /// First variable of a ball joint at the edge of one of its angle limits.
     pub(crate) fn on_edge_of_turn(&self, x: &[f64]) -> Option<usize> {
         let mut turns = self.turns().map(|(turn, _)| turn);
         let on = turns.find(|turn| turn.near_edge(x).is_some_and(|(is_on, _)| is_on));
         on.map(|turn| turn.first)
     }
 
-    /// The edge that one component leads across, where one is near.
+    /// Edge that a component leads across, if one is near.
     pub(crate) fn edge_at(&self, x: &[f64], component: usize) -> Option<Edge> {
         let frame = self.frame_of(x, component)?;
         frame.near(component).map(|near| near.edge)
     }
 
-    /// Whether a ball's three variables are within its bounds, its cone and, if that is asked too, its whole angle.
+    /// Returns true if a ball joint's three variables are within its bounds and cone, and if required its largest
+    /// angle.
     pub(in crate::solver) fn keeps(
         &self,
         first: usize,

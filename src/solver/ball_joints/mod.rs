@@ -1,4 +1,4 @@
-//! Variables that turn ball joints: the sets that they stay in, cones of swing and whole angles, and steps on the edge of one.
+//! Variables of ball joints: rotation sets (swing cones, angle limits), and steps at the edge of one.
 
 mod edge_frame;
 mod edges;

@@ -1,4 +1,4 @@
-//! Variables that belong together as rotations: rotation vectors, swings within an ellipse, turns within an angle.
+//! Groups of variables that form rotations: rotation vectors, swings within an ellipse, rotations within an angle.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,26 +6,26 @@ use super::TurnLimit;
 use super::edge_frame::{Edge, Near};
 use crate::spatial::Vector3;
 
-/// Which variables of a problem turn ball joints.
+/// Variables of a problem that rotate ball joints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RotationSets {
-    /// Where the three numbers of each rotation vector begin.
+    /// First of the three variables of each rotation vector.
     pub(crate) vectors: Vec<usize>,
-    /// The swings that are bounded.
+    /// Bounded swings.
     pub(crate) swings: Vec<Swing>,
-    /// The balls that turn no further than an angle.
+    /// Ball joints with a largest angle.
     pub(crate) turns: Vec<TurnLimit>,
 }
 
 impl RotationSets {
-    /// No variable turns a ball.
+    /// No ball joints.
     pub(crate) const NONE: Self = Self {
         vectors: Vec::new(),
         swings: Vec::new(),
         turns: Vec::new(),
     };
 
-    /// The swing that a variable is one of the two numbers of.
+    /// Swing that a variable belongs to.
     #[inline]
     pub(crate) fn swing_of(&self, variable: usize) -> Option<&Swing> {
         let mut swings = self.swings.iter();
@@ -33,23 +33,22 @@ impl RotationSets {
     }
 }
 
-/// Two variables within an ellipse around 0.
+/// Swing of a ball joint: two variables within an ellipse around 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Swing {
-    /// The first variable; the other follows.
+    /// Index of the first variable; the other follows it.
     pub(crate) first: usize,
-    /// The half axes, in radians.
+    /// Half axes of the ellipse, radians.
     pub(crate) half_angles: [f64; 2],
 }
 
-/// Within this share of its edge a swing is moved along the edge and across, so that what holds it is one
-/// variable.
+/// Relative distance from the edge within which a swing moves along and across it, so that the edge holds one variable.
 const NEAR: f64 = 1e-6;
-/// Within this share it stands on the edge …
+/// Relative distance from the edge within which a swing counts as on it.
 const ON: f64 = 1e-12;
-/// … and is put so far within it, for rounding.
+/// Relative distance within the edge at which a projection ends, for rounding.
 const WITHIN: f64 = 1e-14;
-/// Newton's steps to the nearest point of an ellipse, which it approaches from one side.
+/// Largest number of Newton steps to the nearest point of an ellipse.
 const MOST_STEPS: usize = 60;
 
 impl Swing {
@@ -57,25 +56,25 @@ impl Swing {
         [x[self.first], x[self.first + 1]]
     }
 
-    /// How far out it is: 1 on the edge.
+    /// Distance from the centre relative to the edge: 1 on the edge.
     fn share(&self, [first, second]: [f64; 2]) -> f64 {
         let [a, b] = self.half_angles;
         let (u, v) = (first / a, second / b);
         (u * u + v * v).sqrt()
     }
 
-    /// Whether it stands on the edge.
+    /// Returns true on the edge.
     pub(in crate::solver) fn is_on(&self, x: &[f64]) -> bool {
         self.share(self.of(x)) >= 1.0 - ON
     }
 
-    /// How far it is swung, in radians.
+    /// Angle of the swing, radians.
     pub(crate) fn angle(&self, x: &[f64]) -> f64 {
         let [first, second] = self.of(x);
         (first * first + second * second).sqrt()
     }
 
-    /// The outward normal of the edge where it is near; the way along the edge is a quarter turn on.
+    /// Outward unit normal of the edge, if it is near; the tangent is the normal rotated by 90°.
     pub(in crate::solver) fn normal(&self, x: &[f64]) -> Option<[f64; 2]> {
         let [first, second] = self.of(x);
         let near = self.share([first, second]) >= 1.0 - NEAR;
@@ -85,7 +84,7 @@ impl Swing {
         near.then_some([u / length, v / length])
     }
 
-    /// The outward normal of the edge and how much it bends (1 / radians) where it stands on it.
+    /// Outward unit normal of the edge and its curvature (1 / radians), for a swing on it.
     pub(crate) fn edge(&self, x: &[f64]) -> Option<([f64; 2], f64)> {
         let normal = self.normal(x).filter(|_| self.is_on(x))?;
         let [first, second] = self.of(x);
@@ -100,7 +99,7 @@ impl Swing {
         ))
     }
 
-    /// Its edge, where that is near.
+    /// Edge of the swing, if it is near.
     pub(in crate::solver) fn near(&self, x: &[f64]) -> Option<Near> {
         let [first, second] = self.normal(x)?;
         Some(Near {
@@ -110,12 +109,12 @@ impl Swing {
         })
     }
 
-    /// Whether two angles are within the ellipse.
+    /// Returns true if two angles are within the ellipse.
     pub(in crate::solver) fn holds(&self, pair: [f64; 2]) -> bool {
         self.share(pair) <= 1.0
     }
 
-    /// Puts it into the ellipse, to the nearest point of that.
+    /// Projects the swing to the nearest point within the ellipse.
     pub(in crate::solver) fn project(&self, x: &mut [f64]) {
         let place = self.of(x);
         let share = self.share(place);
@@ -131,7 +130,8 @@ impl Swing {
         x[self.first..self.first + 2].copy_from_slice(&put);
     }
 
-    /// The nearest point of the ellipse: a_i² p_i / (t + a_i²) for the t ≥ 0 at which it is on the edge.
+    /// Nearest point of the ellipse: a_i² p_i / (t + a_i²) for the t ≥ 0 at which it is on the edge, by Newton's
+    /// method.
     fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
         let squares = self.half_angles.map(|a| a * a);
         let mut t = 0.0;
@@ -151,7 +151,7 @@ impl Swing {
     }
 }
 
-/// The shortest rotation vector of the same rotation.
+/// Replaces a rotation vector by the shortest one of the same rotation.
 pub(in crate::solver) fn shortest(vector: &mut [f64]) {
     let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length > PI && length.is_finite() {
@@ -161,7 +161,7 @@ pub(in crate::solver) fn shortest(vector: &mut [f64]) {
     }
 }
 
-/// Moves a step between rotation vectors, to − from, by a whole turn of `to` where that is shorter.
+/// Shortens a step between rotation vectors, to − from, by a whole revolution of `to`, if that is shorter.
 pub(in crate::solver) fn shorten(step: &mut [f64], to: &[f64]) {
     let squared = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
     let length = squared(to).sqrt();

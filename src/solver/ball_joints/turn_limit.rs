@@ -1,4 +1,4 @@
-//! A ball joint that turns no further than an angle from where it stood, or from its zero.
+//! Angle limit of a ball joint, from its start or from its zero.
 
 use std::f64::consts::TAU;
 
@@ -6,33 +6,33 @@ use crate::bisection::bisect;
 use crate::model::RotationChart;
 use crate::spatial::{Quaternion, Vector3};
 
-/// Within this share of its edge a turn is moved along the edge and across, so that what holds it is one variable.
+/// Relative distance from the edge within which a joint moves along and across it, so that the edge holds one variable.
 const NEAR: f64 = 1e-6;
-/// Within this share it stands on the edge …
+/// Relative distance from the edge within which a joint counts as on it.
 const ON: f64 = 1e-12;
-/// … and is put so far within it, for rounding, …
+/// Relative distance within the edge at which a projection ends, for rounding.
 const WITHIN: f64 = 1e-14;
-/// … and by so much more, in radians, for that of quaternions.
+/// Additional distance within the edge, radians, for the rounding of quaternions.
 const ROUNDING: f64 = 1e-15;
-/// What halves a way until nothing is left between two numbers.
+/// Halvings of a bisection after which no number is left between its ends.
 const HALVINGS: usize = 52;
 
-/// The rotations within an angle of one: three variables of which the turn to there has a length, as a ball has.
+/// Rotations within an angle of a central one, in the three variables of a ball joint.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TurnLimit {
-    /// The first variable; two others follow.
+    /// Index of the first variable; two others follow it.
     pub(crate) first: usize,
     chart: RotationChart,
     centre: Quaternion<f64>,
     at_centre: [f64; 3],
-    /// A place within all limits of the joint.
+    /// Variables within all limits of the joint.
     inside: [f64; 3],
-    /// The angle, in radians.
+    /// Largest angle, radians.
     pub(crate) most: f64,
 }
 
 impl TurnLimit {
-    /// At most so far from the joint's zero, for a joint that has the variables `inside` within its limits.
+    /// Limit of the angle from the joint's zero. `inside` are variables of the joint within all of its limits.
     pub(crate) fn from_zero(
         first: usize,
         chart: RotationChart,
@@ -51,7 +51,7 @@ impl TurnLimit {
         own
     }
 
-    /// Takes for its centre where x is, which is within all limits of the joint.
+    /// Sets the centre to the rotation at x, which must be within all limits of the joint.
     pub(crate) fn centre_at(&mut self, x: &[f64]) {
         let own = self.of(x);
         self.centre = self.chart.rotation(own);
@@ -62,7 +62,7 @@ impl TurnLimit {
         self.first..self.first + 3
     }
 
-    /// How far around a variable of its own it lets go at most, but for what charts stretch.
+    /// Range of a variable within the limit, up to the distortion of the chart.
     pub(crate) fn range_of(&self, variable: usize) -> (f64, f64) {
         let centre = self.at_centre[variable - self.first];
         (centre - self.most, centre + self.most)
@@ -72,7 +72,7 @@ impl TurnLimit {
         [0, 1, 2].map(|k| x[self.first + k])
     }
 
-    /// The rotation vector from the centre.
+    /// Rotation vector from the centre.
     fn turn(&self, own: [f64; 3]) -> Vector3<f64> {
         (self.chart.rotation(own) * self.centre.conjugate()).log()
     }
@@ -81,8 +81,9 @@ impl TurnLimit {
         self.turn(own).norm()
     }
 
-    /// Whether it is further from the edge than `share` of the angle, told without trigonometry where it can be:
-    /// no rotation vector is longer than what it turns by, and a swing and a twist add up.
+    /// Returns true if the angle is certainly below the limit by more than `share` of it, without trigonometry.
+    ///
+    /// The angle is at most the distance of two rotation vectors, or the sum of the changes of swing and twist.
     fn is_well_within(&self, own: [f64; 3], share: f64) -> bool {
         let [a, b, c] = [0, 1, 2].map(|k| own[k] - self.at_centre[k]);
         let swing = (a * a + b * b).sqrt();
@@ -93,12 +94,12 @@ impl TurnLimit {
         most < self.most * (1.0 - share) - ROUNDING
     }
 
-    /// Whether it is as far as it may be.
+    /// Returns true if the angle is within the limit.
     pub(in crate::solver) fn is_within(&self, own: [f64; 3]) -> bool {
         self.is_well_within(own, 0.0) || self.angle(own) <= self.most
     }
 
-    /// Whether it stands on the edge, where it is near: with the outward normal there.
+    /// Outward unit normal of the edge, if it is near, and true if x is on the edge.
     pub(in crate::solver) fn near_edge(&self, x: &[f64]) -> Option<(bool, Vector3<f64>)> {
         let own = self.of(x);
         if self.is_well_within(own, NEAR) {
@@ -117,8 +118,10 @@ impl TurnLimit {
         (length > 0.0).then(|| (is_on, slope * (1.0 / length)))
     }
 
-    /// Puts x within the angle: straight back towards the centre, or where that would leave the joint's other limits,
-    /// by the variables' way to a place within all.
+    /// Projects x into the limit, by a rotation straight back to the centre.
+    ///
+    /// If that leaves the joint's other limits, x moves on the line between the variables and a point within all
+    /// limits.
     pub(in crate::solver) fn project(
         &self,
         x: &mut [f64],
@@ -144,8 +147,10 @@ impl TurnLimit {
         x[self.variables()].copy_from_slice(&put);
     }
 
-    /// A place within the angle, and within the joint's other limits, on the variables' way from the inside: the last
-    /// where there is one way in and out.
+    /// Last point within all limits on the line of the variables from `inside`, if the line leaves the limits only
+    /// once.
+    ///
+    /// Otherwise it is one of the points at which the line leaves them.
     fn last_within(
         &self,
         mut to: [f64; 3],
@@ -153,7 +158,7 @@ impl TurnLimit {
         keeps_others: impl Fn([f64; 3]) -> bool,
     ) -> [f64; 3] {
         if let RotationChart::SwingTwist(_) = self.chart {
-            // A twist by whole turns more is the same.
+            // Whole revolutions of twist give the same rotation.
             to[2] -= TAU * ((to[2] - self.inside[2]) / TAU).round();
         }
         let at = |share: f64| [0, 1, 2].map(|k| self.inside[k] + share * (to[k] - self.inside[k]));
@@ -171,8 +176,9 @@ mod tests {
     use crate::random::RandomStream;
     use crate::spatial::{Placement, Vector3};
 
-    /// A twist wound up by whole turns is the same rotation, so it is put to the same place, also where the way straight
-    /// back leaves the cone.
+    /// Whole revolutions of twist give the same rotation, hence the same projection.
+    ///
+    /// This also holds if the straight rotation back leaves the cone.
     #[test]
     fn whole_turns_of_twist_change_nothing() {
         let z = Vector3::UNITS[2];

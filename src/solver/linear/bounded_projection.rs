@@ -1,29 +1,31 @@
-//! The nearest point to a given one within bounds on some of its products.
+//! Projection of a point onto a polytope that is given by bounds on linear functions.
 
 use super::dense::{add_scaled, dot};
 use super::row_span::RowSpan;
 use crate::buffer::{refill, vacate};
 
-/// Products that grow by less than this share of what they could do not grow.
+/// Relative rate below which a direction does not change a product.
 const ALONG: f64 = 1e-12;
-/// What is left of a way, and a multiplier, below this share of the first way's length is none.
+/// Length of a direction, and size of a multiplier, that count as zero, relative to the length of e.
 const NONE: f64 = 1e-13;
 
-/// Minimises ½‖u + e‖² subject to least ≤ bᵢ·u ≤ most for rows bᵢ, from u = 0, which must be within: a primal active
-/// set (Nocedal & Wright 2006, algorithm 16.3), for few numbers and few bounds that matter.
+/// Minimises ½‖u + e‖² subject to least ≤ bᵢ·u ≤ most for rows bᵢ, from u = 0, which must be feasible.
+///
+/// The method is a primal active set (Nocedal & Wright 2006, algorithm 16.3), for few numbers and few active bounds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoundedProjection {
     standing: Vec<(usize, f64)>,
     span: RowSpan,
-    /// u, and bᵢ·u.
+    /// Minimiser u.
     pub(crate) nearest: Vec<f64>,
+    /// Products bᵢ·u at the minimiser.
     pub(crate) products: Vec<f64>,
     way: Vec<f64>,
     residual: Vec<f64>,
 }
 
 impl BoundedProjection {
-    /// Makes room for so many numbers and rows.
+    /// Reserves memory for this many numbers and rows.
     pub(crate) fn reserve(&mut self, numbers: usize, rows: usize) {
         for (vector, room) in [
             (&mut self.nearest, numbers),
@@ -37,8 +39,10 @@ impl BoundedProjection {
         self.span.reserve(numbers, numbers);
     }
 
-    /// Finds it, for rows of as many numbers as e has, one after the other, and how far each may go down and up.
-    /// Returns by how much ½‖u + e‖² has fallen.
+    /// Computes the minimiser and returns the decrease of ½‖u + e‖².
+    ///
+    /// `rows` holds `count` rows of the length of e, in sequence. `room` gives the largest decrease and increase of
+    /// each product.
     pub(crate) fn project(
         &mut self,
         e: &[f64],
@@ -96,7 +100,7 @@ impl BoundedProjection {
                 self.standing.push((i, side));
             }
         }
-        // Along a bound it is reached exactly.
+        // Products of active rows are exactly at their bounds.
         for &(i, side) in &self.standing {
             let (down, up) = room(i);
             self.products[i] = if side > 0.0 { up } else { -down };
@@ -105,12 +109,12 @@ impl BoundedProjection {
         0.5 * (whole * whole - left.sum::<f64>())
     }
 
-    /// The rows that stand on a bound there, by +1 on the upper and −1 on the lower one.
+    /// Active rows, with +1 for the upper and −1 for the lower bound.
     pub(crate) fn standing(&self) -> &[(usize, f64)] {
         &self.standing
     }
 
-    /// Lets go of the bound that is pulled away from most; whether there is one.
+    /// Releases the active bound with the most negative multiplier. Returns false if there is none.
     fn release(&mut self, rows: &[f64], negligible: f64) -> bool {
         let k = self.nearest.len();
         let row = |i: usize| &rows[i * k..(i + 1) * k];
@@ -141,8 +145,7 @@ mod tests {
     use super::BoundedProjection;
     use crate::random::RandomStream;
 
-    /// No other point within the bounds is nearer: the way to the point asked for leads out of the bounds only, by
-    /// the slope towards many others within them.
+    /// No sampled point within the bounds is nearer: the slope from the minimiser towards each is not negative.
     #[test]
     fn nothing_within_the_bounds_is_nearer() {
         let (k, count) = (4, 9);
@@ -152,7 +155,7 @@ mod tests {
         for _ in 0..300 {
             let rows: Vec<f64> = (0..k * count).map(|_| number()).collect();
             let e: Vec<f64> = (0..k).map(|_| 3.0 * number()).collect();
-            // One bound in three is stood on.
+            // One bound in three is active at the start.
             let room: Vec<(f64, f64)> = (0..count)
                 .map(|i| match i % 3 {
                     0 => (0.0, number().abs()),

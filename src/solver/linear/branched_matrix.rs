@@ -1,16 +1,17 @@
-//! A symmetric matrix of a tree, factorised from the tips to the root.
+//! Symmetric matrix with branch-induced sparsity, factorised from the tips to the root.
 
 use std::sync::Arc;
 
 use super::elimination_tree::EliminationTree;
 
-/// Pivots below this share of the largest diagonal entry are none.
+/// Smallest pivot, relative to the largest diagonal entry.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// A symmetric matrix each of whose unknowns is coupled with those on its way to a root alone: branch-induced sparsity
-/// (Featherstone 2005, "Efficient factorization of the joint-space inertia matrix for branched kinematic trees").
+/// Symmetric matrix whose unknowns are each coupled only with those on the path to a root.
 ///
-/// A row has the entries of its way side by side, so that what an unknown takes off another's row is one stretch of its own.
+/// This is branch-induced sparsity (Featherstone 2005, "Efficient factorization of the joint-space inertia matrix for
+/// branched kinematic trees"). A row stores the entries of its path in sequence, so an elimination updates one
+/// contiguous part of another row.
 #[derive(Clone, Debug)]
 pub(crate) struct BranchedMatrix {
     tree: Arc<EliminationTree>,
@@ -18,7 +19,7 @@ pub(crate) struct BranchedMatrix {
 }
 
 impl BranchedMatrix {
-    /// Zero: of so many unknowns, where those of each set are coupled with each other.
+    /// Zero matrix of this many unknowns, with coupling within each set.
     pub(crate) fn new(unknowns: usize, coupled: &[Vec<usize>]) -> Self {
         let tree = EliminationTree::new(unknowns, coupled);
         Self {
@@ -50,8 +51,9 @@ impl BranchedMatrix {
         }
     }
 
-    /// Takes the entries of another one with the same tree, with more on its diagonal and some unknowns held: those have a
-    /// row of the identity, and what they take off the others' right side for the values that they are held at is taken off.
+    /// Copies another matrix with the same tree, adds damping to its diagonal, and fixes the held unknowns at `values`.
+    ///
+    /// Rows of held unknowns become rows of the identity. Their effect on the other equations moves to `right`.
     pub(crate) fn copy_free(
         &mut self,
         other: &Self,
@@ -72,7 +74,7 @@ impl BranchedMatrix {
             let row = &mut self.entries[tree.start(k)..][..way.len()];
             for (&above, entry) in way[1..].iter().zip(&mut row[1..]) {
                 if held[k] || held[above] {
-                    // Of one that is held the right side is set below.
+                    // The right side of a held unknown is set below.
                     right[above] -= *entry * values[k];
                     right[k] -= *entry * values[above];
                     *entry = 0.0;
@@ -87,8 +89,9 @@ impl BranchedMatrix {
         }
     }
 
-    /// A = LᵀL in place (Featherstone 2008, "Rigid Body Dynamics Algorithms", table 6.3); the diagonal then holds the inverses
-    /// of L's. False where a pivot is none: not positive definite.
+    /// Factorises A = LᵀL in place (Featherstone 2008, "Rigid Body Dynamics Algorithms", table 6.3).
+    ///
+    /// The diagonal then holds the inverses of L's. Returns false if the matrix is not positive definite.
     pub(crate) fn factorise(&mut self) -> bool {
         let tree = &*self.tree;
         let diagonal = (0..tree.unknowns()).map(|k| self.entries[tree.start(k)]);
@@ -116,7 +119,7 @@ impl BranchedMatrix {
         true
     }
 
-    /// Solves A x = b in place, after [`factorise`](Self::factorise): Lᵀ from the tips to the root, L back.
+    /// Solves A x = b in place after [`factorise`](Self::factorise): Lᵀ from the tips to the root, then L back.
     pub(crate) fn solve(&self, b: &mut [f64]) {
         for k in (0..self.tree.unknowns()).rev() {
             let (way, row) = (self.tree.way(k), self.row(k));
@@ -146,7 +149,7 @@ mod tests {
     use super::BranchedMatrix;
     use crate::random::RandomStream;
 
-    /// Three limbs on a trunk; two limbs coupled at their tips; everything coupled; nothing.
+    /// Three branches on a root chain; two branches coupled at their tips; everything coupled; nothing.
     fn couplings() -> [Vec<Vec<usize>>; 4] {
         let limbs = vec![vec![0, 1, 2, 3], vec![0, 1, 4, 5, 6], vec![0, 7]];
         let mut tied = limbs.clone();
@@ -161,7 +164,7 @@ mod tests {
             let n = 8;
             let (mut own, mut dense) = (BranchedMatrix::new(n, &coupled), DMatrix::zeros(n, n));
             for set in coupled.into_iter().chain((0..n).map(|k| vec![k])) {
-                // A row that moves with these unknowns.
+                // A row that depends on these unknowns.
                 let row: Vec<f64> = set.iter().map(|_| 2.0 * random.unit() - 1.0).collect();
                 for (p, &a) in set.iter().enumerate() {
                     for (q, &b) in set.iter().enumerate() {

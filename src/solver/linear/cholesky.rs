@@ -1,14 +1,14 @@
-//! Cholesky's factorisation L Lᵀ, row by row.
+//! Cholesky factorisation L Lᵀ, row by row.
 
 use super::dense::{add_scaled, add_two_scaled, dot};
 
-/// Pivots below this share of the largest diagonal entry count as zero.
+/// Relative size of a pivot that counts as zero, compared with the largest diagonal entry.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// Factorises a symmetric matrix in place in its lower triangle; the diagonal then holds the
-/// inverses of L's. A pivot that rounding has eaten makes its unknown zero. Returns whether no
-/// pivot was clearly negative: whether the matrix is positive semidefinite to rounding. `columns` is room
-/// for two columns.
+/// Factorises a symmetric matrix in place in its lower triangle; the diagonal then holds the inverses of L's.
+///
+/// A pivot lost to rounding makes its unknown zero. Returns true if no pivot was clearly negative: the matrix is
+/// positive semidefinite up to rounding. `columns` is a buffer for two columns.
 pub(super) fn factorise(a: &mut [f64], order: usize, columns: &mut Vec<f64>) -> bool {
     let largest = (0..order).map(|k| a[k * order + k]).fold(0.0, f64::max);
     let mut semidefinite = true;
@@ -23,7 +23,7 @@ pub(super) fn factorise(a: &mut [f64], order: usize, columns: &mut Vec<f64>) -> 
     columns.resize(2 * order, 0.0);
     let (first, second) = columns.split_at_mut(order);
     let mut k = 0;
-    // Right-looking: every later row loses its share of two columns at once, in their order.
+    // Right-looking: every later row is updated by two columns at once, in order.
     while k + 1 < order {
         let (above, below) = a.split_at_mut((k + 2) * order);
         let inverse = inverse_of(above[k * order + k]);

@@ -1,18 +1,18 @@
-//! The shortest least-squares solution of a matrix of any rank, by a complete orthogonal
-//! decomposition (Golub & Van Loan 2013, section 5.4.7).
+//! Shortest least-squares solution for a matrix of any rank, by a complete orthogonal decomposition (Golub & Van Loan
+//! 2013, section 5.4.7).
 
 use nalgebra::DMatrix;
 
 use super::householder::HouseholderQr;
 use crate::buffer::{refill, vacate};
 
-/// A P = Q [R; 0] with column pivoting, then Rᵀ = Z U, so that A P = Q [Uᵀ 0; 0 0] Zᵀ.
+/// Decomposition A P = Q [R; 0] with column pivoting, then Rᵀ = Z U, so that A P = Q [Uᵀ 0; 0 0] Zᵀ.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solver) struct CompleteOrthogonal {
     columns: usize,
     q_r: HouseholderQr,
     z_u: HouseholderQr,
-    /// Position k of the pivoted matrix holds column `pivots[k]`.
+    /// Column of the matrix at each position of the pivoted one.
     pivots: Vec<usize>,
     r_transposed: Vec<f64>,
     right_side: Vec<f64>,
@@ -20,7 +20,7 @@ pub(in crate::solver) struct CompleteOrthogonal {
 }
 
 impl CompleteOrthogonal {
-    /// Makes room for every problem of this shape, whatever is free and of whatever rank.
+    /// Reserves memory for every problem of this shape.
     pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
         let rank = rows.min(columns);
         self.q_r.reserve(rows, columns);
@@ -35,8 +35,9 @@ impl CompleteOrthogonal {
         }
     }
 
-    /// Factorises the given columns of `matrix`. Columns whose remaining length is at most
-    /// `tolerance` times the longest column add no rank.
+    /// Factorises the given columns of `matrix`.
+    ///
+    /// Columns whose remaining length is at most `tolerance` times the longest column add no rank.
     pub(in crate::solver) fn factorise(
         &mut self,
         matrix: &DMatrix<f64>,
@@ -81,7 +82,7 @@ impl CompleteOrthogonal {
         )
     }
 
-    /// Rᵀ = Z U.
+    /// Factorises Rᵀ = Z U.
     fn factorise_rows(&mut self) {
         let n = self.columns;
         self.r_transposed.clear();

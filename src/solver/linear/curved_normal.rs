@@ -1,4 +1,4 @@
-//! The damped normal equations with a second-order part, solved within bounds.
+//! Damped normal equations with a second-order part, solved within bounds.
 
 use nalgebra::DMatrix;
 
@@ -8,7 +8,7 @@ use super::inner_products::InnerProducts;
 use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
 
-/// The quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
+/// Quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
 pub(in crate::solver) struct CurvedModel<'a> {
     pub(in crate::solver) jacobian: &'a DMatrix<f64>,
     /// S, n × n, row by row.
@@ -19,21 +19,21 @@ pub(in crate::solver) struct CurvedModel<'a> {
     pub(in crate::solver) space: ConfigurationSpace<'a>,
 }
 
-/// Room for minimising a [`CurvedModel`].
+/// Workspace for the minimisation of a [`CurvedModel`].
 #[derive(Clone, Debug, Default)]
 pub(in crate::solver) struct CurvedNormal {
     factor: Vec<f64>,
     pivot_column: Vec<f64>,
     unknown: Vec<f64>,
-    /// The free variables that no bound has stopped yet.
+    /// Free variables that no bound has stopped yet.
     moving: Vec<usize>,
-    /// J Δ of those that a bound has stopped.
+    /// J Δ of the variables that a bound has stopped.
     stopped_effect: Vec<f64>,
     products: InnerProducts,
 }
 
 impl CurvedNormal {
-    /// Makes room for every problem of this shape.
+    /// Reserves memory for every problem of this shape.
     pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
         vacate(&mut self.factor, columns * columns);
         for (vector, room) in [
@@ -47,9 +47,10 @@ impl CurvedNormal {
         self.products.reserve(columns);
     }
 
-    /// Writes the step Δ; false where a matrix on the way is not positive definite. A variable that
-    /// meets a bound stops there and the rest is solved again: where the cost is curved, a step that
-    /// is clamped afterwards most often climbs.
+    /// Writes the step Δ. Returns false if a matrix is not positive definite.
+    ///
+    /// A variable that meets a bound stops there, and the rest is solved again. With curvature, a step that is clamped
+    /// afterwards usually raises the cost.
     pub(in crate::solver) fn minimise(
         &mut self,
         model: &CurvedModel<'_>,
@@ -80,7 +81,7 @@ impl CurvedNormal {
         }
     }
 
-    /// Solves for the moving variables, given what the stopped ones do.
+    /// Solves for the moving variables, with the displacement of the stopped ones.
     fn solve(&mut self, model: &CurvedModel<'_>, damping: f64, stopped: &[f64]) -> bool {
         let (order, n) = (self.moving.len(), stopped.len());
         let rows = model.jacobian.nrows();
@@ -117,13 +118,13 @@ impl CurvedNormal {
     }
 }
 
-/// xᵀ S x of a symmetric matrix given row by row.
+/// xᵀ S x for a symmetric matrix S given row by row.
 pub(in crate::solver) fn quadratic(matrix: &[f64], x: &[f64]) -> f64 {
     let rows = matrix.chunks_exact(x.len().max(1));
     rows.zip(x).map(|(row, &x_i)| x_i * dot(row, x)).sum()
 }
 
-/// S x of a symmetric matrix given row by row.
+/// Writes S x for a symmetric matrix S given row by row.
 pub(in crate::solver) fn multiply_symmetric(matrix: &[f64], x: &[f64], product: &mut [f64]) {
     let rows = matrix.chunks_exact(x.len().max(1));
     for (entry, row) in product.iter_mut().zip(rows) {

@@ -1,4 +1,4 @@
-//! The damped normal equations, from whichever side is smaller.
+//! Damped normal equations, in the smaller of their primal and dual form.
 
 use nalgebra::DMatrix;
 
@@ -8,22 +8,23 @@ use super::inner_products::InnerProducts;
 use crate::buffer::{refill, vacate};
 use crate::solver::SolverState;
 
-/// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F; with fewer rows than free columns
-/// through (J_F J_Fᵀ + λI) y = −r, Δ = J_Fᵀ y, which is the same Δ.
+/// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F.
+///
+/// With fewer rows than free columns it solves (J_F J_Fᵀ + λI) y = −r, Δ = J_Fᵀ y, with the same Δ.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solver) struct DampedNormal {
-    /// J_FᵀJ_F or J_F J_Fᵀ, lower triangle, row by row.
+    /// Lower triangle of J_FᵀJ_F or J_F J_Fᵀ, row by row.
     gram: Vec<f64>,
     gram_is_fresh: bool,
     products: InnerProducts,
     factor: Vec<f64>,
-    /// Two columns of the factor, side by side.
+    /// Two columns of the factor, in sequence.
     pivot_column: Vec<f64>,
     unknown: Vec<f64>,
 }
 
 impl DampedNormal {
-    /// Makes room for every problem of this shape, whatever is free.
+    /// Reserves memory for every problem of this shape.
     pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
         let order = rows.min(columns);
         for (vector, room) in [
@@ -38,12 +39,12 @@ impl DampedNormal {
         self.gram_is_fresh = false;
     }
 
-    /// The Jacobian or the free set has changed.
+    /// Marks the Gram matrix as outdated, after a change of the Jacobian or the free set.
     pub(in crate::solver) fn forget(&mut self) {
         self.gram_is_fresh = false;
     }
 
-    /// Writes the damped step over the free variables where a search stands.
+    /// Writes the damped step over the free variables at the current point of a search.
     pub(in crate::solver) fn step(&mut self, at: &mut SolverState, damping: f64) {
         at.step.fill(0.0);
         self.factorise(&at.jacobian, &at.free, damping);
@@ -70,8 +71,9 @@ impl DampedNormal {
         cholesky::factorise(&mut self.factor, order, &mut self.pivot_column);
     }
 
-    /// Writes the Δ of `residual` at the free variables of `step`, after
-    /// [`factorise`](Self::factorise) with the same Jacobian and free columns.
+    /// Writes Δ for `residual` to the free variables of `step`.
+    ///
+    /// Requires [`factorise`](Self::factorise) with the same Jacobian and free columns.
     fn solve(
         &mut self,
         jacobian: &DMatrix<f64>,
@@ -99,8 +101,9 @@ impl DampedNormal {
         }
     }
 
-    /// J_F J_Fᵀ: one outer product a column, between its first and last entry that is not zero: a
-    /// joint moves few of the frames. Neighbours in a limb, which move the same ones, go two at a time.
+    /// Adds J_F J_Fᵀ: one outer product per column, between its first and last nonzero entry.
+    ///
+    /// A joint moves few of the frames. Adjacent joints of a limb move the same ones and go two at a time.
     fn add_outer_products(&mut self, jacobian: &DMatrix<f64>, free: &[usize], order: usize) {
         let entries = jacobian.as_slice();
         let column = |j: usize| &entries[j * order..(j + 1) * order];

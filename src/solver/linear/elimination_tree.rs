@@ -1,18 +1,20 @@
-//! Which unknowns a symmetric matrix couples once it is factorised.
+//! Elimination tree: the couplings of a symmetric matrix after factorisation.
 
-/// The way of each unknown to the root of its tree. A factorisation that takes out the last unknown first fills nothing beside
-/// these ways (Liu 1990, "The role of elimination trees in sparse factorization"): of joints whose rows are each of one frame
-/// they are the ways to a body's root.
+/// Path of each unknown to the root of its tree.
+///
+/// A factorisation that eliminates the last unknown first fills in nothing outside these paths (Liu 1990, "The role of
+/// elimination trees in sparse factorization"). For joints whose rows each belong to one frame, they are the paths to
+/// the root of the kinematic tree.
 #[derive(Clone, Debug)]
 pub(super) struct EliminationTree {
-    /// One way after the other, each from its own unknown on; numbers fall along it.
+    /// Paths in sequence, each from its unknown on; indices decrease along a path.
     ways: Vec<usize>,
-    /// Where each begins, and where the last one ends.
+    /// Index of the start of each path, and of the end of the last one.
     starts: Vec<usize>,
 }
 
 impl EliminationTree {
-    /// Of so many unknowns, where those of each set are coupled with each other.
+    /// Tree of this many unknowns, with coupling within each set.
     pub(super) fn new(unknowns: usize, coupled: &[Vec<usize>]) -> Self {
         let mut before = vec![vec![false; unknowns]; unknowns];
         for set in coupled {
@@ -24,7 +26,7 @@ impl EliminationTree {
         for unknown in (0..unknowns).rev() {
             let own = std::mem::take(&mut before[unknown]);
             parents[unknown] = own.iter().rposition(|coupled| *coupled);
-            // What is coupled with one that is taken out is coupled from then on.
+            // Unknowns coupled with an eliminated one become coupled with each other.
             if let Some(parent) = parents[unknown] {
                 for (fill, _) in own[..parent].iter().enumerate().filter(|own| *own.1) {
                     before[parent][fill] = true;
@@ -43,22 +45,22 @@ impl EliminationTree {
         self.starts.len() - 1
     }
 
-    /// How many entries all ways have.
+    /// Number of entries of all paths.
     pub(super) fn entries(&self) -> usize {
         self.ways.len()
     }
 
-    /// The unknowns from one to its root.
+    /// Unknowns from one to its root.
     pub(super) fn way(&self, unknown: usize) -> &[usize] {
         &self.ways[self.starts[unknown]..self.starts[unknown + 1]]
     }
 
-    /// Where the entries of an unknown begin.
+    /// Index of an unknown's first entry.
     pub(super) fn start(&self, unknown: usize) -> usize {
         self.starts[unknown]
     }
 
-    /// Where the entry of two coupled unknowns is.
+    /// Index of the entry of two coupled unknowns.
     pub(super) fn entry(&self, a: usize, b: usize) -> usize {
         let (below, above) = (a.max(b), a.min(b));
         self.starts[below] + self.way(below).len() - self.way(above).len()

@@ -1,4 +1,4 @@
-//! The step that is best for some pulls and leaves other rows where they are, within bounds.
+//! Least-squares step with equality constraints and bounds.
 
 use nalgebra::DMatrix;
 
@@ -7,58 +7,61 @@ use super::dense::{add_scaled, dot};
 use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
 
-/// What a variable that hardly any pull moves costs at least, as a share of the one that costs most.
+/// Smallest stiffness of a variable, relative to the largest, for variables that hardly any row depends on.
 const LEAST_STIFFNESS: f64 = 1e-6;
-/// What keeps Newton's matrix regular where held rows depend on each other, as a share of the strongest.
+/// Relative regularisation of Newton's matrix, for dependent constraints.
 const WEAKEST: f64 = 1e-12;
-/// Newton's steps at most, …
+/// Largest number of Newton steps.
 const MOST_STEPS: usize = 40;
-/// … the share of its promise that each must win, …
+/// Fraction of the predicted increase that a Newton step must achieve.
 const ENOUGH: f64 = 1e-4;
-/// … and the shortest that is tried.
+/// Smallest fraction of a Newton step that is tried.
 const SHORTEST: f64 = 1e-15;
 
-/// The bounded variables of a step.
+/// Bounds of a step's variables.
 #[derive(Clone, Copy)]
 pub(crate) struct StepBounds<'a> {
     pub(crate) x: &'a [f64],
     pub(crate) space: ConfigurationSpace<'a>,
-    /// Variables that must not move.
+    /// Flags of the variables that must not move.
     pub(crate) fixed: &'a [bool],
 }
 
-/// Minimises ½‖r + JΔ‖² subject to CΔ = −c and the bounds, for the pulls' r and J and the held C.
+/// Minimises ½‖r + JΔ‖² subject to CΔ = −c and the bounds, for the pulls' r and J and the constraints C.
 ///
-/// Rows of J with one entry (a posture's) make a diagonal H; the others, E, are unknowns beside the
-/// multipliers y of C. With M = [C; E] what is left to solve is of the order of M's rows: without bounds
-/// (M H⁻¹Mᵀ + diag(0, 1)) w = (c, r_E) − M H⁻¹g, and Δ = −H⁻¹(g + Mᵀw).
+/// Rows of J with a single entry (those of a posture) form a diagonal H. The other rows, E, are unknowns together with
+/// the multipliers y of C. With M = [C; E] the remaining system has the order of M's rows. Without bounds it is (M
+/// H⁻¹Mᵀ + diag(0, 1)) w = (c, r_E) − M H⁻¹g, and Δ = −H⁻¹(g + Mᵀw).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct HeldStep {
-    /// H, by variable.
+    /// Diagonal of H, by variable.
     stiffness: Vec<f64>,
-    /// g: the slope of the rows with one entry, by variable.
+    /// g: slope of the rows with a single entry, by variable.
     slope: Vec<f64>,
     entries_of_row: Vec<usize>,
-    /// E's rows among the pulls'.
+    /// Rows of E among the pulls' rows.
     dense: Vec<usize>,
     /// M by columns.
     columns: Vec<f64>,
-    /// (c, r_E).
+    /// Right side (c, r_E).
     bias: Vec<f64>,
     factor: Vec<f64>,
     pivot_column: Vec<f64>,
-    /// w, where a step of it starts, and the step.
+    /// Unknowns w.
     unknown: Vec<f64>,
+    /// Unknowns w at the start of a Newton step.
     start: Vec<f64>,
+    /// Newton step of w.
     newton: Vec<f64>,
     slope_of_dual: Vec<f64>,
-    /// Which variables move freely, now and before the step of w.
+    /// Flags of the variables that move freely.
     standing: Vec<bool>,
+    /// Flags of the variables that moved freely before the last step of w.
     last_standing: Vec<bool>,
 }
 
 impl HeldStep {
-    /// Makes room for every problem of this shape.
+    /// Reserves memory for every problem of this shape.
     pub(crate) fn reserve(&mut self, held: usize, pulls: usize, variables: usize) {
         let order = held + pulls;
         for (vector, room) in [
@@ -82,7 +85,7 @@ impl HeldStep {
         }
     }
 
-    /// Takes the pulls' J and r. False where nothing is pulled.
+    /// Sets the pulls' J and r. Returns false if all columns are zero or not finite.
     pub(crate) fn take_pulls(&mut self, jacobian: &DMatrix<f64>, residual: &[f64]) -> bool {
         let (rows, n) = jacobian.shape();
         let entries = jacobian.as_slice();
@@ -115,8 +118,9 @@ impl HeldStep {
         steepest > 0.0 && steepest.is_finite()
     }
 
-    /// Writes the step that is best for the pulls, where `jacobian` and `residual` are those taken and
-    /// CΔ = 0 for C = `held`.
+    /// Writes the best step for the pulls, subject to CΔ = 0 for C = `held`.
+    ///
+    /// `jacobian` and `residual` must be those of [`take_pulls`](Self::take_pulls).
     pub(crate) fn pull(
         &mut self,
         held: &DMatrix<f64>,
@@ -139,7 +143,7 @@ impl HeldStep {
         self.solve(holds, within, step);
     }
 
-    /// Writes the shortest step, as the pulls' H measures it, with CΔ = −c for C = `held`.
+    /// Writes the shortest step in the metric H of the pulls with CΔ = −c, for C = `held` and c = `miss`.
     pub(crate) fn restore(
         &mut self,
         held: &DMatrix<f64>,
@@ -153,10 +157,11 @@ impl HeldStep {
         self.solve(held.nrows(), within, step);
     }
 
-    /// Newton's method on the concave dual of the step, D(w): for given w every variable's move is
-    /// its own, −(g + Mᵀw)/H within its bounds, and D's slope is what the held rows and E then miss. It
-    /// is exact once no move stops or starts again at a bound (Li & Li 2011, "Projections onto a box
-    /// and hyperplanes").
+    /// Solves the concave dual D(w) of the step by Newton's method.
+    ///
+    /// For given w each variable moves independently, by −(g + Mᵀw)/H within its bounds. The slope of D is the
+    /// remaining error of the constraints and E. The result is exact once no variable changes its state at a bound (Li
+    /// & Li 2011, "Projections onto a box and hyperplanes").
     fn solve(&mut self, holds: usize, within: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
         refill(&mut self.unknown, order, 0.0);
@@ -191,14 +196,14 @@ impl HeldStep {
                     break false;
                 }
             };
-            // Where nothing rises any more, rounding is all that is left.
+            // Without an increase only rounding is left.
             if !risen || (share == 1.0 && self.standing == self.last_standing) {
                 return;
             }
         }
     }
 
-    /// Every variable's own best move for the multipliers that are here.
+    /// Writes the best move of every variable for the current multipliers.
     fn take_moves(&mut self, within: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
         self.standing.clear();
@@ -214,7 +219,7 @@ impl HeldStep {
         }
     }
 
-    /// D(w) for the moves that go with it; its slope is left here.
+    /// D(w) for the corresponding moves; stores its slope.
     fn height(&mut self, holds: usize, step: &[f64]) -> f64 {
         let order = self.bias.len();
         self.bias.clone_into(&mut self.slope_of_dual);
@@ -234,7 +239,7 @@ impl HeldStep {
         height
     }
 
-    /// Newton's step for the variables that move.
+    /// Computes Newton's step for the variables that move freely.
     fn take_newton(&mut self, holds: usize, weakest: f64, step: &[f64]) {
         let order = self.bias.len();
         refill(&mut self.factor, order * order, 0.0);

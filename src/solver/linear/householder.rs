@@ -1,18 +1,20 @@
-//! Householder QR, one column at a time, in reused memory.
+//! Householder QR factorisation, one column at a time, in reused memory.
 
-/// A matrix on its way to Q R. Columns before the current one hold R above the diagonal and the
-/// reflection's vector from the diagonal down; R's diagonal stands apart.
+/// A matrix that is being reduced to Q R.
+///
+/// Columns before the current one hold R above the diagonal and the reflection's vector from the diagonal down. R's
+/// diagonal is stored separately.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HouseholderQr {
     rows: usize,
     entries: Vec<f64>,
     diagonal: Vec<f64>,
-    /// 2 / ‖v‖² of each reflection I − scale · v vᵀ.
+    /// Factor 2 / ‖v‖² of each reflection I − scale · v vᵀ.
     scale: Vec<f64>,
 }
 
 impl HouseholderQr {
-    /// Makes room for matrices of up to this shape.
+    /// Reserves memory for matrices of up to this shape.
     pub(super) fn reserve(&mut self, rows: usize, columns: usize) {
         for (vector, room) in [
             (&mut self.entries, rows * columns),
@@ -24,7 +26,7 @@ impl HouseholderQr {
         }
     }
 
-    /// Starts with a matrix given by its columns.
+    /// Loads a matrix, given by its columns.
     pub(super) fn load<'a>(&mut self, rows: usize, entries: impl Iterator<Item = &'a f64>) {
         self.rows = rows;
         self.entries.clear();
@@ -33,7 +35,7 @@ impl HouseholderQr {
         self.scale.clear();
     }
 
-    /// How many columns are reduced.
+    /// Number of reduced columns.
     pub(super) fn reduced(&self) -> usize {
         self.diagonal.len()
     }
@@ -46,18 +48,18 @@ impl HouseholderQr {
         }
     }
 
-    /// ‖·‖ of a column from row `from` down.
+    /// Norm of a column from row `from` down.
     pub(super) fn tail_norm(&self, column: usize, from: usize) -> f64 {
         let tail = &self.entries[column * self.rows + from..(column + 1) * self.rows];
         tail.iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 
-    /// Reduces the next column and carries the reflection to all later ones.
+    /// Reduces the next column and applies the reflection to all later ones.
     pub(super) fn reduce_next(&mut self) {
         self.reduce_next_by(reflect);
     }
 
-    /// The same with a loop of one's own for x ← (I − scale · v vᵀ) x, given v, scale and x.
+    /// Reduces the next column with a given loop for x ← (I − scale · v vᵀ) x, called with v, scale and x.
     #[inline]
     pub(super) fn reduce_next_by(&mut self, reflect: impl Fn(&[f64], f64, &mut [f64])) {
         let (k, rows) = (self.reduced(), self.rows);
@@ -65,7 +67,7 @@ impl HouseholderQr {
         let (done, later) = self.entries.split_at_mut((k + 1) * rows);
         let vector = &mut done[k * rows + k..];
         let head = vector[0];
-        // The sign that adds up loses no digits.
+        // This sign avoids cancellation.
         let diagonal = if head > 0.0 { -norm } else { norm };
         vector[0] = head - diagonal;
         let squared: f64 = vector.iter().map(|v| v * v).sum();
@@ -77,7 +79,7 @@ impl HouseholderQr {
         self.scale.push(scale);
     }
 
-    /// R's entry, row ≤ column, among the reduced rows.
+    /// Entry of R, row ≤ column, among the reduced rows.
     pub(super) fn r(&self, row: usize, column: usize) -> f64 {
         if row == column {
             self.diagonal[row]
@@ -86,14 +88,14 @@ impl HouseholderQr {
         }
     }
 
-    /// b ← Qᵀ b.
+    /// Computes b ← Qᵀ b.
     pub(super) fn apply_transpose(&self, b: &mut [f64]) {
         for k in 0..self.reduced() {
             self.reflect_by(k, b);
         }
     }
 
-    /// b ← Q b.
+    /// Computes b ← Q b.
     pub(super) fn apply(&self, b: &mut [f64]) {
         for k in (0..self.reduced()).rev() {
             self.reflect_by(k, b);
@@ -106,7 +108,7 @@ impl HouseholderQr {
     }
 }
 
-/// x ← (I − scale · v vᵀ) x.
+/// Computes x ← (I − scale · v vᵀ) x.
 fn reflect(v: &[f64], scale: f64, x: &mut [f64]) {
     let along: f64 = v.iter().zip(&*x).map(|(a, b)| a * b).sum();
     let along = scale * along;

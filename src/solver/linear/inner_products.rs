@@ -1,29 +1,32 @@
-//! JᵀJ of a tree: a limb's joints move few of the rows, so that most products of two columns are of few entries,
-//! or none (branch-induced sparsity, Featherstone 2005, "Efficient factorization of the joint-space inertia matrix
-//! for branched kinematic trees").
+//! Product JᵀJ for a kinematic tree.
+//!
+//! The joints of a limb move few of the rows, so most products of two columns have few terms or none. This is
+//! branch-induced sparsity (Featherstone 2005, "Efficient factorization of the joint-space inertia matrix for branched
+//! kinematic trees").
 
 use nalgebra::DMatrix;
 
 use super::dense::{dot, dot_of_chunks};
 
-/// Rows that one bit of a support tells of.
+/// Number of rows per bit of a support.
 const CHUNK: usize = 4;
 
-/// Memory for the supports of columns: which chunks hold anything, a bit each.
+/// Supports of columns: one bit per chunk of rows with a nonzero entry.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InnerProducts {
     supports: Vec<u64>,
 }
 
 impl InnerProducts {
-    /// Makes room.
+    /// Reserves memory.
     pub(crate) fn reserve(&mut self, columns: usize) {
         self.supports.clear();
         self.supports.reserve(columns);
     }
 
-    /// J_FᵀJ_F, the lower triangle, row by row, entry by entry: the same bits as if every product were of whole
-    /// columns.
+    /// Writes the lower triangle of J_FᵀJ_F, row by row.
+    ///
+    /// Each entry is bitwise equal to the product of whole columns.
     pub(crate) fn fill(&mut self, jacobian: &DMatrix<f64>, free: &[usize], gram: &mut [f64]) {
         let (rows, order) = (jacobian.nrows(), free.len());
         let entries = jacobian.as_slice();
@@ -54,7 +57,7 @@ impl InnerProducts {
     }
 }
 
-/// Which chunks of a column hold anything.
+/// Bit mask of a column's chunks with a nonzero entry.
 fn support(column: &[f64]) -> u64 {
     let mut support = 0;
     for (k, chunk) in column.chunks(CHUNK).enumerate() {

@@ -1,5 +1,4 @@
-//! Small dense linear algebra in memory that is reused: nalgebra's factorisations take ownership
-//! and allocate on every call.
+//! Small dense linear algebra in reused memory: nalgebra's factorisations take ownership and allocate on every call.
 
 mod bounded_projection;
 mod branched_matrix;

@@ -1,4 +1,4 @@
-//! The rows of a matrix of any rank: what they span, what they leave alone, and their pseudoinverse.
+//! Row space of a matrix of any rank: rank, null space, and pseudoinverse.
 
 use std::ops::Range;
 
@@ -7,50 +7,53 @@ use super::dense::{add_scaled, dot};
 use super::householder::HouseholderQr;
 use crate::buffer::refill;
 
-/// Aᵀ P = Q [R; 0] with pivoting, so that the first columns of Q span A's rows and the others its null space
-/// (Golub & Van Loan 2013, section 5.4.7). Where rows depend on each other Rᵀ = Z U is taken too. Where they clearly do
-/// not and nobody asks for the null space, A Aᵀ = L Lᵀ does, at a quarter of the cost, with a step of refinement for
-/// the digits that it loses (Björck 1996, "Numerical Methods for Least Squares Problems", section 6.6.5).
+/// Factorisation Aᵀ P = Q [R; 0] with pivoting (Golub & Van Loan 2013, section 5.4.7).
+///
+/// The first columns of Q span A's rows, the others its null space. If rows depend on each other, Rᵀ = Z U is computed,
+/// too. If they are clearly independent and the null space is not needed, A Aᵀ = L Lᵀ suffices, at a quarter of the
+/// cost. A step of refinement then restores the digits that it loses (Björck 1996, "Numerical Methods for Least Squares
+/// Problems", section 6.6.5).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowSpace {
     columns: usize,
     rows: usize,
     q_r: HouseholderQr,
     z_u: HouseholderQr,
-    /// Position k of the pivoted matrix holds row `pivots[k]`.
+    /// Row of the matrix at each position of the pivoted one.
     pivots: Vec<usize>,
-    /// What is left of each row's squared length.
+    /// Remaining squared length of each row.
     left: Vec<f64>,
     r_transposed: Vec<f64>,
     side: Vec<f64>,
-    /// Whether A by its columns and L are all that there is.
+    /// True if the factorisation is that of A Aᵀ.
     is_gram: bool,
     refinements: usize,
     matrix: Vec<f64>,
-    /// Which of the rows each column of it is in, from the first to behind the last.
+    /// First row of each column's nonzero part, and one past its last.
     spans: Vec<(usize, usize)>,
     gram: Vec<f64>,
     pivot_column: Vec<f64>,
     rest: Vec<f64>,
 }
 
-/// The squared length that is left of a row, as a share of the longest one's, for rows that are clearly independent.
+/// Smallest remaining squared length of clearly independent rows, relative to the longest row.
 const CLEARLY: f64 = 1e-6;
-/// The same where no digit that matters is lost.
+/// Smallest remaining squared length without a loss of relevant digits, relative to the longest row.
 const WELL: f64 = 1e-3;
 
-/// What is left of a squared length after so much of it was taken away is rounding, and is taken anew.
+/// Remaining squared length, relative to the largest, below which cancellation requires to compute it again.
 const CANCELLED: f64 = 1e-6;
 
-/// With several sums side by side, which no digest of a solver's rests on.
+/// Reflection with parallel sums: no recorded digest of solver results depends on its rounding.
 #[inline]
 fn reflect(v: &[f64], scale: f64, x: &mut [f64]) {
     add_scaled(x, -scale * dot(v, x), v);
 }
 
 impl RowSpace {
-    /// Takes a matrix by its rows, one after the other, each of `columns` numbers. Rows of which a length of at
-    /// most `least` is left add no rank.
+    /// Factorises a matrix that is given by its rows in sequence, each of `columns` numbers.
+    ///
+    /// Rows whose remaining length is at most `least` add no rank.
     pub(crate) fn factorise(&mut self, entries: &[f64], columns: usize, least: f64) {
         self.is_gram = false;
         self.columns = columns;
@@ -79,7 +82,7 @@ impl RowSpace {
                     true => next,
                     false => best,
                 });
-            // Also where nothing is a number.
+            // False for NaN.
             let enough = self.left[best].sqrt() > least;
             if !enough {
                 break;
@@ -98,9 +101,10 @@ impl RowSpace {
         }
     }
 
-    /// As [`factorise`](Self::factorise), where [`null_direction`](Self::null_direction) is not asked for, of a matrix of
-    /// so many rows by its columns, many entries of which may be zero; rows add no rank of which at most `share` of the
-    /// longest one's length is left.
+    /// Factorises a matrix of `rows` rows that is given by its columns, if no [`null_direction`](Self::null_direction)
+    /// is needed.
+    ///
+    /// Entries may often be zero. Rows whose remaining length is at most `share` of the longest add no rank.
     pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, share: f64) {
         self.rows = rows;
         self.columns = entries.len().checked_div(rows).unwrap_or(0);
@@ -118,12 +122,12 @@ impl RowSpace {
         }
     }
 
-    /// A Aᵀ = L Lᵀ; whether the rows are clearly independent.
+    /// Factorises A Aᵀ = L Lᵀ. Returns true if the rows are clearly independent.
     fn take_gram(&mut self, entries: &[f64]) -> bool {
         let count = self.rows;
         refill(&mut self.gram, count * count, 0.0);
         self.spans.clear();
-        // A limb's columns are in the rows of its own tip alone.
+        // The columns of a limb are nonzero only in the rows of its tip.
         for column in entries.chunks_exact(count) {
             let from = column.iter().position(|entry| *entry != 0.0);
             let from = from.unwrap_or(count);
@@ -137,7 +141,7 @@ impl RowSpace {
         }
         let longest = (0..count).fold(0.0_f64, |most, k| most.max(self.gram[k * count + k]));
         cholesky::factorise(&mut self.gram, count, &mut self.pivot_column);
-        // The diagonal is kept inverted, or zero where nothing is left.
+        // The diagonal is stored inverted, or zero for a lost pivot.
         let pivots = (0..count).map(|k| self.gram[k * count + k]);
         let squared = pivots.map(|inverse| match inverse > 0.0 {
             true => 1.0 / (inverse * inverse * longest),
@@ -152,7 +156,7 @@ impl RowSpace {
         true
     }
 
-    /// How many rows are independent.
+    /// Number of independent rows.
     pub(crate) fn rank(&self) -> usize {
         match self.is_gram {
             true => self.rows,
@@ -160,12 +164,12 @@ impl RowSpace {
         }
     }
 
-    /// How many directions the rows leave alone.
+    /// Dimension of the null space.
     pub(crate) fn nullity(&self) -> usize {
         self.columns - self.rank()
     }
 
-    /// Rᵀ = Z U.
+    /// Factorises Rᵀ = Z U.
     fn factorise_dependent(&mut self) {
         self.r_transposed.clear();
         for column in 0..self.rank() {
@@ -179,7 +183,7 @@ impl RowSpace {
         }
     }
 
-    /// Writes the k-th of some orthonormal directions that no row feels.
+    /// Writes the k-th direction of an orthonormal basis of the null space.
     pub(crate) fn null_direction(&self, k: usize, direction: &mut [f64]) {
         direction.fill(0.0);
         if let Some(entry) = direction.get_mut(self.rank() + k) {
@@ -188,7 +192,7 @@ impl RowSpace {
         self.q_r.apply(direction);
     }
 
-    /// Writes the shortest y for which ‖A y − b‖ is least.
+    /// Writes the shortest y that minimises ‖A y − b‖.
     pub(crate) fn solve(&mut self, b: &[f64], y: &mut [f64]) {
         if self.is_gram {
             return self.solve_gram(b, y);
@@ -214,7 +218,7 @@ impl RowSpace {
         self.q_r.apply(y);
     }
 
-    /// Writes the shortest λ for which ‖Aᵀ λ − g‖ is least.
+    /// Writes the shortest λ that minimises ‖Aᵀ λ − g‖.
     pub(crate) fn solve_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
         if self.is_gram {
             return self.solve_gram_transposed(g, lambda);
@@ -243,7 +247,7 @@ impl RowSpace {
         self.left = pivoted;
     }
 
-    /// The columns of A where they are not zero, with which rows those are.
+    /// Nonzero parts of A's columns, with their rows.
     fn own_columns(&self) -> impl Iterator<Item = (Range<usize>, &[f64])> {
         let columns = self.matrix.chunks_exact(self.rows.max(1));
         let spans = self.spans.iter().map(|&(from, to)| from..to);
@@ -252,7 +256,7 @@ impl RowSpace {
             .map(|(rows, column)| (rows.clone(), &column[rows]))
     }
 
-    /// y = Aᵀ (A Aᵀ)⁻¹ b, and again for what that leaves of b.
+    /// Computes y = Aᵀ (A Aᵀ)⁻¹ b, and repeats that for the remainder of b.
     fn solve_gram(&mut self, b: &[f64], y: &mut [f64]) {
         let mut rest = std::mem::take(&mut self.rest);
         y.fill(0.0);
@@ -271,7 +275,7 @@ impl RowSpace {
         self.rest = rest;
     }
 
-    /// λ = (A Aᵀ)⁻¹ A g, and again for what that leaves of g.
+    /// Computes λ = (A Aᵀ)⁻¹ A g, and repeats that for the remainder of g.
     fn solve_gram_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
         let mut rest = std::mem::take(&mut self.rest);
         lambda.fill(0.0);
@@ -297,7 +301,7 @@ impl RowSpace {
 mod tests {
     use super::RowSpace;
 
-    /// Rows 0 and 2 of which the last is twice the first, and one of its own.
+    /// Three rows, of which the last is twice the first.
     const DEPENDENT: [f64; 12] = [1.0, 2.0, 0.0, 1.0, 0.0, 1.0, 3.0, 0.0, 2.0, 4.0, 0.0, 2.0];
 
     fn product(matrix: &[f64], y: &[f64]) -> Vec<f64> {

@@ -1,25 +1,25 @@
-//! What some rows span: the part of a vector that they leave alone, and their multipliers.
+//! Span of some rows: orthogonal complement and multipliers.
 
 use super::dense::{add_scaled, dot};
 
-/// Rows added one by one, with an orthonormal basis of what they span (modified Gram-Schmidt, twice: Golub &
-/// Van Loan 2013, section 5.2.8).
+/// Rows added one by one, with an orthonormal basis of their span (modified Gram-Schmidt, twice: Golub & Van Loan 2013,
+/// section 5.2.8).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowSpan {
-    /// The basis, vector by vector.
+    /// Basis, vector by vector.
     basis: Vec<f64>,
-    /// What each row that added to it is made of, row by row: its shares of the vectors up to its own.
+    /// Coefficients of each independent row in the basis vectors up to its own, row by row.
     shares: Vec<f64>,
-    /// Which rows those were, as the caller counts them.
+    /// The caller's number of each independent row.
     rows: Vec<usize>,
     left: Vec<f64>,
     multipliers: Vec<f64>,
-    /// How much of each variable's own direction no vector takes, squared.
+    /// Squared part of each variable's unit vector outside the span of all vectors so far.
     untaken: Vec<f64>,
 }
 
 impl RowSpan {
-    /// Makes room for so many independent rows of so many numbers.
+    /// Reserves memory for this many independent rows and numbers per row.
     pub(crate) fn reserve(&mut self, rows: usize, columns: usize) {
         self.clear();
         for (vector, room) in [
@@ -35,14 +35,14 @@ impl RowSpan {
         self.rows.reserve(rows);
     }
 
-    /// Forgets all rows.
+    /// Removes all rows.
     pub(crate) fn clear(&mut self) {
         self.basis.clear();
         self.shares.clear();
         self.rows.clear();
     }
 
-    /// Adds a row by its number, unless no more than `least` of its length is new.
+    /// Adds a row by its number, unless at most `least` of its length is independent of the others.
     pub(crate) fn add(&mut self, number: usize, row: impl Iterator<Item = f64>, least: f64) {
         self.left.clear();
         self.left.extend(row);
@@ -66,7 +66,7 @@ impl RowSpan {
         }
     }
 
-    /// Leaves of a vector what is orthogonal to all rows.
+    /// Projects a vector onto the orthogonal complement of the rows.
     pub(crate) fn project_out(&self, vector: &mut [f64]) {
         for direction in self.basis.chunks_exact(vector.len().max(1)) {
             let along = dot(direction, vector);
@@ -74,8 +74,9 @@ impl RowSpan {
         }
     }
 
-    /// Writes orthonormal directions of the variables that are not fixed, as many as there are that no row feels, one
-    /// after the other. Rows must have nothing for fixed variables.
+    /// Writes an orthonormal basis of the rows' null space over the variables that are not fixed, in sequence.
+    ///
+    /// Rows must be zero for fixed variables.
     pub(crate) fn complement(&mut self, fixed: &[bool], directions: &mut Vec<f64>) {
         let n = fixed.len();
         let basis = self.basis.chunks_exact(n.max(1));
@@ -96,7 +97,7 @@ impl RowSpan {
             directions.resize(done + n, 0.0);
             let (others, own) = directions.split_at_mut(done);
             own[most] = 1.0;
-            // Twice, as Gram-Schmidt on rows.
+            // Twice, as in `add`.
             for _ in 0..2 {
                 for vector in basis.clone().chain(others.chunks_exact(n.max(1))) {
                     let along = dot(vector, own);
@@ -111,8 +112,7 @@ impl RowSpan {
         }
     }
 
-    /// For each row that adds to the span, its number and its λ in the sum of rows that is nearest to −`vector`.
-    /// Where all rows are zero the vector does not count.
+    /// Numbers and multipliers λ of the independent rows, for the combination of rows nearest to −`vector`.
     pub(crate) fn multipliers<'s>(
         &'s mut self,
         vector: &[f64],
@@ -121,7 +121,7 @@ impl RowSpan {
         self.multipliers.clear();
         self.multipliers
             .extend(basis.map(|direction| -dot(direction, vector)));
-        // Row k is made of the vectors up to its own, so its λ follows from those after it.
+        // Row k depends on the basis vectors up to its own, so its λ follows from the later ones.
         for k in (0..self.rows.len()).rev() {
             let shares = &self.shares[triangle(k)..];
             let own = self.multipliers[k] / shares[k];
@@ -135,7 +135,7 @@ impl RowSpan {
     }
 }
 
-/// How many shares so many rows have.
+/// Number of coefficients of this many rows.
 fn triangle(rows: usize) -> usize {
     rows * (rows + 1) / 2
 }
@@ -151,7 +151,7 @@ mod tests {
         for (number, row) in rows.iter().enumerate() {
             space.add(number, row.iter().copied(), 1e-10);
         }
-        // Twice the first and the second: nothing new.
+        // Twice the first row and the second: dependent.
         space.add(7, [2.5, 4.0, 3.0, -1.0].into_iter(), 1e-10);
         let vector = [0.3, -1.2, 0.7, 2.0];
         let mut rest = vector;

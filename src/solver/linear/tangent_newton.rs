@@ -1,4 +1,4 @@
-//! The best step by Newton's model along what some rows leave free, within bounds and linear inequalities.
+//! Newton step in the null space of some rows, within bounds and linear inequalities.
 
 use nalgebra::DMatrix;
 
@@ -8,37 +8,39 @@ use super::dense::dot;
 use super::held_step::StepBounds;
 use crate::buffer::{refill, vacate};
 
-/// rows Δ ≥ −down for a step Δ, row by row; those that may go endlessly far down are none.
+/// Inequalities rows · Δ ≥ −down for a step Δ, row by row; a row whose `down` is infinite does not count.
 #[derive(Clone, Copy)]
 pub(crate) struct Inequalities<'a> {
     pub(crate) rows: &'a DMatrix<f64>,
     pub(crate) down: &'a [f64],
 }
 
-/// ½ wᵀ(ZᵀHZ + μ I)w + gᵀZ w for orthonormal directions Z that rows leave free. With ZᵀHZ + μ I = L Lᵀ, u = Lᵀw and
-/// e = L⁻¹Zᵀg it is ½‖u + e‖² less a constant, and the step Z w has the components L⁻¹zⱼ · u.
+/// Newton model ½ wᵀ(ZᵀHZ + μ I)w + gᵀZ w for orthonormal null-space directions Z.
+///
+/// With ZᵀHZ + μ I = L Lᵀ, u = Lᵀw and e = L⁻¹Zᵀg, the model is ½‖u + e‖² less a constant. The components of the step Z
+/// w are L⁻¹zⱼ · u.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TangentNewton {
     /// Z, direction by direction.
     pub(crate) directions: Vec<f64>,
-    /// ZᵀHZ.
+    /// ZᵀHZ, row by row.
     hessian: Vec<f64>,
     factor: Vec<f64>,
     pivot_column: Vec<f64>,
-    /// The largest entry of the diagonal.
+    /// Largest |entry| of the diagonal of ZᵀHZ.
     stiffest: f64,
     image: Vec<f64>,
     e: Vec<f64>,
-    /// L⁻¹zⱼ, variable by variable; then L⁻¹Zᵀa for the rows a of inequalities.
+    /// L⁻¹zⱼ for each variable, then L⁻¹Zᵀa for the row a of each inequality.
     rows: Vec<f64>,
-    /// Which those are.
+    /// Indices of these inequalities.
     inequalities: Vec<usize>,
     variables: usize,
     projection: BoundedProjection,
 }
 
 impl TangentNewton {
-    /// Makes room for so many variables.
+    /// Reserves memory for this many variables.
     pub(crate) fn reserve(&mut self, variables: usize) {
         let square = variables * variables;
         for (vector, room) in [
@@ -55,7 +57,7 @@ impl TangentNewton {
         self.projection.reserve(variables, variables);
     }
 
-    /// Takes HZ for so many variables, whose columns are asked for one by one.
+    /// Computes ZᵀHZ; `image` writes the product of H with a direction.
     pub(crate) fn take(&mut self, variables: usize, mut image: impl FnMut(&[f64], &mut [f64])) {
         let count = self.directions.len().checked_div(variables).unwrap_or(0);
         let directions = || self.directions.chunks_exact(variables.max(1));
@@ -78,13 +80,14 @@ impl TangentNewton {
         }
     }
 
-    /// The largest entry of the diagonal: what damping is measured by.
+    /// Largest |entry| of the diagonal of ZᵀHZ, the scale of the damping.
     pub(crate) fn stiffest(&self) -> f64 {
         self.stiffest
     }
 
-    /// Writes the best step for a damping μ and the slope g, within bounds; by how much the model falls along it. None
-    /// where the model has no minimum.
+    /// Writes the best step for a damping μ and the slope g, within bounds.
+    ///
+    /// Returns the decrease of the model, or `None` if the model has no minimum.
     pub(crate) fn minimise(
         &mut self,
         damping: f64,
@@ -141,7 +144,7 @@ impl TangentNewton {
         Some(fallen)
     }
 
-    /// Writes which variables' bounds hold the last step.
+    /// Flags the variables whose bounds hold the last step.
     pub(crate) fn write_resting(&self, resting: &mut [bool]) {
         resting.fill(false);
         for &(j, _) in self.projection.standing() {
@@ -151,7 +154,7 @@ impl TangentNewton {
         }
     }
 
-    /// The inequalities that hold it.
+    /// Indices of the inequalities that hold the last step.
     pub(crate) fn resting_on(&self) -> impl Iterator<Item = usize> {
         let standing = self.projection.standing().iter();
         standing.filter_map(|&(row, _)| {
@@ -161,7 +164,7 @@ impl TangentNewton {
     }
 }
 
-/// L⁻¹ b, for an L whose diagonal is kept inverted.
+/// Computes L⁻¹ b for an L whose diagonal is stored inverted.
 fn solve_lower(factor: &[f64], b: &mut [f64]) {
     let order = b.len();
     for (k, row) in factor.chunks_exact(order.max(1)).enumerate() {

@@ -1,4 +1,4 @@
-//! Writes the JavaScript and the types of a module: `kinopt-web-bindings MODULE.wasm FOLDER`.
+//! JavaScript and TypeScript bindings of a module: `kinopt-web-bindings MODULE.wasm FOLDER`.
 
 use std::process::ExitCode;
 
@@ -10,7 +10,7 @@ fn main() -> ExitCode {
         return told("usage: kinopt-web-bindings MODULE.wasm FOLDER");
     };
     let mut bindings = Bindgen::new();
-    // One script for browsers, workers and Node, which says itself where its module is.
+    // One script for browsers, workers and Node, whose caller passes the location of the module.
     let written = bindings.web(true).and_then(|bindings| {
         bindings
             .input_path(module)
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
     }
 }
 
-#[allow(clippy::print_stderr)] // A command's own message.
+#[allow(clippy::print_stderr)] // Message of a command.
 fn told(message: &str) -> ExitCode {
     eprintln!("{message}");
     ExitCode::FAILURE

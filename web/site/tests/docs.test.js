@@ -45,14 +45,14 @@ test("every table is whole on a desk's screen", { skip }, async () => {
 });
 
 test("a language is chosen once, by mouse or by keys", { skip }, async () => {
-    const { page, said, context } = await opened("docs/first-steps.html");
+    const { page, said, context } = await opened("docs/guide/arms.html");
     const shown = () => page.locator(".languages section:visible").evaluateAll((parts) => parts.map((part) => part.dataset.language));
     assert.deepEqual(new Set(await shown()), new Set(["Rust"]));
     await page.locator('[role="tab"]', { hasText: "Python" }).first().click();
     assert.deepEqual(new Set(await shown()), new Set(["Python"]));
     await page.keyboard.press("ArrowRight");
     assert.deepEqual(new Set(await shown()), new Set(["JavaScript"]));
-    await page.goto(`${site.address}docs/moves.html`);
+    await page.goto(`${site.address}docs/guide/servo.html`);
     assert.ok((await shown()).includes("JavaScript"));
     assert.deepEqual(said, []);
     await context.close();
@@ -61,23 +61,23 @@ test("a language is chosen once, by mouse or by keys", { skip }, async () => {
 test("the search leads to a section", { skip }, async () => {
     const { page, said, context } = await opened("docs/index.html");
     await page.keyboard.press("/");
-    await page.keyboard.type("strict levels");
+    await page.keyboard.type("priority levels");
     await page.locator("#results a").first().waitFor();
     await page.keyboard.press("Enter");
-    await page.waitForURL(/strict-levels\.html/);
+    await page.waitForURL(/priorities\.html/);
     assert.deepEqual(said, []);
     await context.close();
 });
 
 test("contents open on a small screen, and without scripts all is there", { skip }, async () => {
-    const phone = await opened("docs/first-steps.html", PHONE);
+    const phone = await opened("docs/guide/arms.html", PHONE);
     const entry = phone.page.locator("#contents a", { hasText: "Options" });
     assert.equal(await entry.isVisible(), false);
     await phone.page.locator("#menu").click();
     await entry.click();
     await phone.page.waitForURL(/options\.html/);
     await phone.context.close();
-    const plain = await opened("docs/first-steps.html", { ...PHONE, javaScriptEnabled: false });
+    const plain = await opened("docs/guide/arms.html", { ...PHONE, javaScriptEnabled: false });
     assert.equal(await plain.page.locator(".languages section:visible").count(), await plain.page.locator(".languages section").count());
     assert.ok(await plain.page.locator("#contents a", { hasText: "Options" }).isVisible());
     await plain.context.close();

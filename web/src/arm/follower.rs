@@ -1,4 +1,4 @@
-//! Paths whose targets come one at a time.
+//! Path followers, with targets one at a time.
 
 use std::rc::Rc;
 
@@ -19,7 +19,7 @@ self_cell!(
     }
 );
 
-/// An arm that goes on from target to target: no joint moves by more than 0.2 rad a step, or it is told as a jump.
+/// Path follower of an arm. A step in which a joint moves farther than 0.2 rad is reported as a jump.
 #[wasm_bindgen]
 pub struct Follower {
     cell: Cell,
@@ -36,19 +36,19 @@ impl Follower {
 
 #[wasm_bindgen]
 impl Follower {
-    /// Where the arm stands.
+    /// Current configuration.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.cell.borrow_dependent().q().to_vec()
     }
 
-    /// Whether the last step moved a joint further than 0.2 rad.
+    /// True if the last step moved a joint farther than 0.2 rad.
     #[wasm_bindgen(getter)]
     pub fn jumped(&self) -> bool {
         self.jumped
     }
 
-    /// Goes to the next target.
+    /// Moves to the next target.
     pub fn advance(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],

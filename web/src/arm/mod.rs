@@ -18,7 +18,7 @@ pub(crate) use options::goal;
 use servo::{Servo, ServoOptions};
 use track::{Batch, Track};
 
-/// An arm of a robot, from a base to a tip, made ready to be asked.
+/// An arm of a robot, from a base to a tip, prepared for queries.
 #[wasm_bindgen]
 pub struct Arm {
     pub(crate) inner: Rc<kinopt::Arm>,
@@ -33,7 +33,7 @@ impl From<kinopt::Arm> for Arm {
 
 #[wasm_bindgen]
 impl Arm {
-    /// The arm from one frame to another; base `undefined` is the world.
+    /// Creates the arm from one frame to another; base `undefined` is the world.
     #[wasm_bindgen(constructor)]
     pub fn new(
         robot: &Robot,
@@ -44,13 +44,13 @@ impl Arm {
         Ok(options::build(robot, base, tip, options)?.into())
     }
 
-    /// The joints from base to tip.
+    /// Names of the joints from base to tip.
     #[wasm_bindgen(getter, js_name = jointNames)]
     pub fn joint_names(&self) -> Vec<String> {
         self.inner.joints().map(str::to_owned).collect()
     }
 
-    /// How many numbers a configuration has.
+    /// Length of a configuration.
     #[wasm_bindgen(getter, js_name = degreesOfFreedom)]
     pub fn degrees_of_freedom(&self) -> usize {
         self.inner.joint_count()
@@ -68,8 +68,8 @@ impl Arm {
         self.inner.limits().map(|limits| limits.upper).collect()
     }
 
-    /// The configuration that searches without a start begin at, radians and metres: the SRDF state `ready` or `home` (`withSrdf`), else
-    /// the middle of each joint's limits, or the value closest to 0 for a joint without them.
+    /// Default start of searches, radians and metres: the SRDF state `ready` or `home` (`withSrdf`), else the middle of
+    /// each joint's limits, or the value closest to 0 for a joint without them.
     #[wasm_bindgen(getter, js_name = defaultStart)]
     pub fn default_start(&self) -> Vec<f64> {
         self.inner.default_start().to_vec()
@@ -82,7 +82,7 @@ impl Arm {
         arm.with_srdf(&srdf.inner).into()
     }
 
-    /// Where the tool stands in the base: a 4 x 4 matrix by columns.
+    /// Pose of the tool in the base: a 4 x 4 matrix by columns.
     #[wasm_bindgen(js_name = baseFromTool)]
     pub fn base_from_tool(
         &self,
@@ -92,8 +92,8 @@ impl Arm {
         Ok(columns(&place).to_vec())
     }
 
-    /// Solves for one target from one start; without a start from `defaultStart`. A target out of reach is no
-    /// exception: see `reached` and `explain()`.
+    /// Solves for one target from one start, by default `defaultStart`. A target that is not reached is no exception:
+    /// see `reached` and `explain()`.
     pub fn solve(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
@@ -104,8 +104,7 @@ impl Arm {
         Ok(self.inner.solve(target, &start).map_err(raise)?.into())
     }
 
-    /// Solves for many targets, sixteen numbers each, as blocks of numbers; `starts` is one configuration for all of
-    /// them or one for each.
+    /// Solves a batch of targets, sixteen numbers each; `starts` is a common configuration or one for each target.
     #[wasm_bindgen(js_name = solveBatch)]
     pub fn solve_batch(
         &self,
@@ -124,7 +123,7 @@ impl Arm {
         Ok(batch)
     }
 
-    /// Several solutions that differ by `distance` radians or more, the nearest to the start first.
+    /// Finds several solutions that differ by at least `distance` radians, the nearest to the start first.
     pub fn distinct(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
@@ -143,7 +142,7 @@ impl Arm {
         Ok(all.into_iter().map(Solution::from).collect())
     }
 
-    /// Follows a path of targets, sixteen numbers each, on one branch where there is one.
+    /// Follows a path of targets, sixteen numbers each, on one branch as far as possible.
     pub fn track(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
@@ -155,7 +154,7 @@ impl Arm {
         Ok(Track::new(&self.inner, track))
     }
 
-    /// Follows targets that come one at a time, from a start.
+    /// Creates a path follower at a start, for targets that come one at a time.
     pub fn follower(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
@@ -164,7 +163,7 @@ impl Arm {
         Follower::new(Rc::clone(&self.inner), &start)
     }
 
-    /// Follows targets at a fixed rate within limits of speed; `time_step` in seconds.
+    /// Creates a servo for targets at a fixed rate, within joint limits; `time_step` in seconds.
     pub fn servo(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
@@ -174,7 +173,7 @@ impl Arm {
         Servo::new(Rc::clone(&self.inner), start, time_step, options)
     }
 
-    /// The arm with another tool on its tip, at once.
+    /// The arm with another tool on its tip. Fast, because the table of seeds is shared.
     #[wasm_bindgen(js_name = withTool)]
     pub fn with_tool(
         &self,
@@ -185,7 +184,7 @@ impl Arm {
         Ok(self.inner.with_tool(tool).map_err(raise)?.into())
     }
 
-    /// The model's configuration `qModel` with the arm's own joints at `q`.
+    /// The model's configuration `qModel` with the arm's joints at `q`.
     pub fn configuration(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
@@ -196,7 +195,7 @@ impl Arm {
         Ok(whole)
     }
 
-    /// Where the arm's own joints stand in the model's configuration `qModel`.
+    /// Values of the arm's joints in the model's configuration `qModel`.
     #[wasm_bindgen(js_name = jointValues)]
     pub fn joint_values(
         &self,
@@ -211,10 +210,10 @@ impl Arm {
 #[cfg(feature = "collision")]
 #[wasm_bindgen]
 impl Arm {
-    /// An arm that touches nothing of a world, nor itself: its answers keep `margin` metres. `held` is where joints that
-    /// are not the arm's stand.
+    /// An arm that avoids collisions with a world and itself, with a distance of at least `margin` metres. `held` is a
+    /// configuration of the model with the values of joints outside the arm.
     #[wasm_bindgen(js_name = keepingClear)]
-    #[allow(clippy::too_many_arguments)] // Those of the constructor, and what is kept clear of.
+    #[allow(clippy::too_many_arguments)] // Arguments of the constructor, and the obstacles.
     pub fn keeping_clear(
         robot: &Robot,
         base: Option<String>,
@@ -231,7 +230,7 @@ impl Arm {
         Ok(arm.with_checker(&checker, &held).map_err(raise)?.into())
     }
 
-    /// An arm that keeps clear, with its world changed.
+    /// The arm with another world.
     #[wasm_bindgen(js_name = withWorld)]
     pub fn with_world(
         &self,
@@ -241,7 +240,7 @@ impl Arm {
         Ok((self.inner.with_world(&world.inner, margin).map_err(raise)?).into())
     }
 
-    /// What touches, or comes nearer than the margin, at `q`.
+    /// Pairs in collision, or nearer than the margin, at `q`.
     pub fn collisions(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],

@@ -1,4 +1,4 @@
-//! An arm's options.
+//! Options of an arm.
 
 use kinopt::arm::{ArmBuilder, Base, Goal, Search};
 use kinopt::model::UnknownName;
@@ -67,7 +67,7 @@ const KNOWN: [&str; 19] = [
     "tool",
 ];
 
-/// An arm with every option that is given.
+/// Builds an arm with the given options.
 pub(super) fn build(
     robot: &Robot,
     base: Option<String>,
@@ -84,7 +84,7 @@ pub(super) fn build(
     builder.build().map_err(raise)
 }
 
-/// The builder with them; `neutral` is where joints are held by default.
+/// Applies the options to the builder; `neutral` is the default configuration of locked joints.
 fn apply<'m>(
     mut builder: ArmBuilder<'m>,
     options: Option<ArmOptions>,
@@ -146,7 +146,7 @@ fn search(name: &str) -> Result<Search, JsError> {
     }
 }
 
-/// "pose", "position", or half widths along and about the axes.
+/// Reads "pose", "position", or half widths along and about the axes.
 pub(crate) fn goal(value: &JsValue) -> Result<Goal, JsError> {
     match value.as_string().as_deref() {
         Some("pose") => Ok(Goal::pose()),

@@ -1,4 +1,4 @@
-//! Targets at a fixed rate, within limits of speed.
+//! Servos: targets at a fixed rate, within joint limits.
 
 use std::rc::Rc;
 
@@ -42,7 +42,7 @@ extern "C" {
     pub type ServoOptions;
 }
 
-/// An arm that follows its target tick by tick.
+/// Servo of an arm: one target in each control cycle.
 #[wasm_bindgen]
 pub struct Servo {
     cell: Cell,
@@ -140,25 +140,25 @@ impl Servo {
             .with_dependent_mut(|_, servo| servo.stop().q.to_vec())
     }
 
-    /// How far the tool is from its target, metres.
+    /// Distance of the tool from its target, metres.
     #[wasm_bindgen(getter, js_name = positionError)]
     pub fn position_error(&self) -> f64 {
         self.errors[0]
     }
 
-    /// How far it is turned from it, radians.
+    /// Angle between the tool and its target, radians.
     #[wasm_bindgen(getter, js_name = orientationError)]
     pub fn orientation_error(&self) -> f64 {
         self.errors[1]
     }
 
-    /// Whether the last tick came to its target.
+    /// True if the last cycle reached its target.
     #[wasm_bindgen(getter)]
     pub fn reached(&self) -> bool {
         self.reached
     }
 
-    /// One tick towards a target; what it came to.
+    /// One control cycle towards a target; returns the commanded joint positions.
     pub fn step(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],

@@ -1,4 +1,4 @@
-//! The answers to many questions.
+//! Solutions of several targets.
 
 use js_sys::Array;
 use kinopt::arm::PoseOutcome;
@@ -26,7 +26,7 @@ extern "C" {
     pub type Jumps;
 }
 
-/// The answers to many targets, in their order.
+/// Solutions of a batch of targets, in their order.
 #[wasm_bindgen]
 pub struct Batch {
     pub(super) q: Vec<f64>,
@@ -44,7 +44,7 @@ impl Batch {
 
 #[wasm_bindgen]
 impl Batch {
-    /// The configurations, one after another, where they lie: valid until the next call into the module.
+    /// Configurations, one after another, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
     pub fn q(&self) -> js_sys::Float64Array {
         view::doubles(&self.q)
@@ -56,13 +56,13 @@ impl Batch {
         self.each(|outcome| outcome.reached.into())
     }
 
-    /// How far each tool is from its target, metres.
+    /// Distance of each tool from its target, metres.
     #[wasm_bindgen(getter, js_name = positionError)]
     pub fn position_error(&self) -> Vec<f64> {
         self.each(|outcome| outcome.position_error)
     }
 
-    /// How far each tool is turned from its target, radians.
+    /// Angle between each tool and its target, radians.
     #[wasm_bindgen(getter, js_name = orientationError)]
     pub fn orientation_error(&self) -> Vec<f64> {
         self.each(|outcome| outcome.orientation_error)
@@ -75,7 +75,7 @@ impl Batch {
     }
 }
 
-/// The answers to a path.
+/// Solutions along a path.
 #[wasm_bindgen]
 pub struct Track {
     q: Vec<f64>,
@@ -113,7 +113,7 @@ impl Track {
 
 #[wasm_bindgen]
 impl Track {
-    /// The configurations, one after another, where they lie: valid until the next call into the module.
+    /// Configurations, one after another, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
     pub fn q(&self) -> js_sys::Float64Array {
         view::doubles(&self.q)
@@ -125,7 +125,7 @@ impl Track {
         self.reached.clone()
     }
 
-    /// Where a joint moves far.
+    /// Steps in which a joint moves farther than 0.2 rad.
     #[wasm_bindgen(getter)]
     pub fn jumps(&self) -> Jumps {
         self.jumps.clone().unchecked_into()

@@ -1,4 +1,4 @@
-//! A person's movement on a robot, live.
+//! Online retargeting to a robot.
 
 use kinopt::motion::retarget::{LiveFollower, UpAxis};
 use kinopt::spatial::Vector3;
@@ -11,11 +11,12 @@ use crate::raise;
 use crate::robot::Robot;
 use crate::world::{CollisionModel, World};
 
-/// Follows a person live: one frame's places in, that frame's configuration out, in a bounded number of steps.
+/// Retargets a live motion capture: from one frame's joint positions to its configuration, in a bounded number of
+/// steps.
 ///
-/// The clip is some movement of the same person, however short: limbs and the ground are measured in it, and its bones are
-/// the joints of the frames to come. Limits of position hold in every frame, those of speed from each to the next. What
-/// stands is told by the frames before alone, so a foot is held some frames later than where the whole movement is known.
+/// The clip is a motion of the subject, of any length: limbs and the ground are measured in it, and its bones are the
+/// joints of later frames. Position limits hold in every frame, speed limits between successive frames. Contacts are
+/// detected from past frames only, so a foot lock starts some frames later than in `retarget`.
 #[wasm_bindgen]
 pub struct RetargetFollower {
     inner: LiveFollower,
@@ -28,7 +29,7 @@ pub struct RetargetFollower {
 
 #[wasm_bindgen]
 impl RetargetFollower {
-    /// A follower on a robot whose base is free, by a map in JSON or by one that is guessed from names.
+    /// Creates an online retargeter for a robot with a free base, by a map in JSON or one guessed from names.
     #[wasm_bindgen(constructor)]
     pub fn new(
         robot: &Robot,
@@ -41,7 +42,7 @@ impl RetargetFollower {
         Self::of(robot, Mapped::new(robot, measured, map, &options)?)
     }
 
-    /// One that touches nothing of a world, nor itself, as `retargetClear` has it.
+    /// Creates one that avoids collisions with a world and the robot itself, as `retargetClear`.
     pub fn clear(
         robot: &Robot,
         measured: &Clip,
@@ -58,8 +59,8 @@ impl RetargetFollower {
         Self::of(robot, mapped)
     }
 
-    /// Goes on to the next frame: where the joints are, three numbers each, as `Armature.places` gives them. Returns the
-    /// configuration. Where a place is not finite, the body stays.
+    /// Processes the next frame: positions of the joints, three numbers each, as from `Armature.places`. Returns the
+    /// configuration. A frame with a position that is not finite keeps it.
     pub fn step(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] places: &[f64],
@@ -75,31 +76,31 @@ impl RetargetFollower {
         Ok(self.inner.step(&places).map_err(raise)?.to_vec())
     }
 
-    /// Where the body is.
+    /// Current configuration.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q().to_vec()
     }
 
-    /// The joints of a frame, in order.
+    /// Names of the joints of a frame, in order.
     #[wasm_bindgen(getter)]
     pub fn joints(&self) -> Vec<String> {
         self.joints.clone()
     }
 
-    /// Frames a second, at which limits of speed hold.
+    /// Frame rate, in frames a second; the speed limits use it.
     #[wasm_bindgen(getter)]
     pub fn fps(&self) -> f64 {
         self.inner.frame_rate()
     }
 
-    /// How many times as large as the person's its steps are, metres a unit of the capture.
+    /// Ratio of the step length to that of the subject, metres for each unit of the capture.
     #[wasm_bindgen(getter)]
     pub fn stride(&self) -> f64 {
         self.stride
     }
 
-    /// The axis of the frames that points upward; upright is (x, -z, y) where that is y.
+    /// Upward axis of the frames; for y, the upright position is (x, -z, y).
     #[wasm_bindgen(getter, unchecked_return_type = "\"y\" | \"z\"")]
     pub fn up(&self) -> String {
         match self.up {
@@ -108,13 +109,13 @@ impl RetargetFollower {
         }
     }
 
-    /// The map that it goes by, as JSON.
+    /// The map in use, as JSON.
     #[wasm_bindgen(getter)]
     pub fn map(&self) -> String {
         self.map.clone()
     }
 
-    /// What of a guessed map is to be looked at.
+    /// Notes on a guessed map, for review.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.notes.clone()

@@ -1,4 +1,4 @@
-//! Captured movements on robots: whole ones, and frame by frame as they come.
+//! Motion capture retargeted to robots: whole motions, and live frames.
 
 mod follower;
 mod movement;
@@ -48,35 +48,35 @@ export interface ClearRetargetingOptions extends RetargetingOptions {
 
 #[wasm_bindgen]
 extern "C" {
-    /// Options of a retargeting.
+    /// Options of retargeting.
     #[wasm_bindgen(typescript_type = "RetargetingOptions")]
     pub type RetargetingOptions;
     /// Options of a follower.
     #[wasm_bindgen(typescript_type = "FollowerOptions")]
     pub type FollowerOptions;
-    /// Options of a retargeting that keeps clear.
+    /// Options of retargeting with collision avoidance.
     #[wasm_bindgen(typescript_type = "ClearRetargetingOptions")]
     pub type ClearRetargetingOptions;
-    /// Options of a follower that keeps clear.
+    /// Options of a follower with collision avoidance.
     #[wasm_bindgen(typescript_type = "ClearFollowerOptions")]
     pub type ClearFollowerOptions;
 }
 
-/// What both take.
+/// Common options of both.
 const OF_BOTH: [&str; 4] = ["fps", "up", "contactSpeed", "contactHeight"];
 
-/// A clip's capture and the map that brings it onto a robot.
+/// Capture of a clip, and its map to a robot.
 struct Mapped {
     capture: Capture,
     map: BodyMap,
     options: RetargetOptions,
     notes: Vec<String>,
-    /// What is kept clear of.
+    /// Collision checker.
     clear: Option<Checker>,
 }
 
 impl Mapped {
-    /// By a map in JSON, what it leaves out guessed from names.
+    /// Reads a map in JSON; missing parts are guessed from names.
     fn new(
         robot: &Robot,
         clip: &Clip,
@@ -115,7 +115,7 @@ impl Mapped {
         })
     }
 
-    /// It fitted to the robot: limbs by their lengths, the ground, and what stands; clear of what there is to keep clear of.
+    /// Fits the capture to the robot: lengths of limbs, the ground, contacts, and collision avoidance if enabled.
     fn fitted<'r>(&self, robot: &'r Robot) -> Result<Retargeting<'r>, JsError> {
         let options = self.options.clone();
         let fitted = Retargeting::new(&robot.inner, &self.map, &self.capture, options);

@@ -1,4 +1,4 @@
-//! A whole movement on a robot.
+//! Retargeting of a whole motion to a robot.
 
 use js_sys::Function;
 use kinopt::motion::retarget;
@@ -12,7 +12,7 @@ use crate::robot::Robot;
 use crate::view;
 use crate::world::{CollisionModel, World};
 
-/// A movement on a robot.
+/// Retargeted motion of a robot.
 #[wasm_bindgen]
 pub struct Retargeted {
     inner: retarget::Retargeted,
@@ -21,8 +21,8 @@ pub struct Retargeted {
     notes: Vec<String>,
 }
 
-/// Brings a clip onto a robot whose base is free, by a map in JSON that says which joint of the clip drives which frame (see
-/// the library's page on motions), or by one that is guessed from names. Limits of position and speed hold to the bit.
+/// Retargets a clip to a robot with a free base, by a map in JSON from joints of the clip to frames (see the library's
+/// page on motions), or one guessed from names. Position and speed limits hold exactly.
 #[wasm_bindgen]
 pub fn retarget(
     robot: &Robot,
@@ -34,9 +34,9 @@ pub fn retarget(
     solve(robot, clip, None, map, options)
 }
 
-/// The same for a robot that touches nothing of a world in any frame, nor itself, by the exact distances of its shapes. The world is in metres
-/// where the robot goes: a person's boxes are `stride` times as large there. Feet stand on obstacles as on the ground; `touching` has
-/// the frames in which something touches all the same.
+/// Retargets a clip with collision avoidance in every frame, with a world and the robot itself, by the exact distances
+/// of its shapes. The world is in metres at the scale of the robot: obstacles of the subject scale by `stride`. Feet
+/// stand on obstacles as on the ground; `touching` lists frames that are in collision all the same.
 #[wasm_bindgen(js_name = retargetClear)]
 pub fn retarget_clear(
     robot: &Robot,
@@ -101,76 +101,76 @@ fn solve(
 
 #[wasm_bindgen]
 impl Retargeted {
-    /// The configurations, one after another, where they lie: valid until the next call into the module.
+    /// Configurations, one after another, as a view: valid until the next call into the module.
     #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
     pub fn q(&self) -> js_sys::Float64Array {
         view::doubles(&self.inner.q)
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     #[wasm_bindgen(getter)]
     pub fn frames(&self) -> usize {
         self.inner.frames()
     }
 
-    /// How many a second.
+    /// Frame rate, in frames a second.
     #[wasm_bindgen(getter)]
     pub fn fps(&self) -> f64 {
         self.inner.frame_rate
     }
 
-    /// How many times as large as the person's its steps are, metres a unit of the capture.
+    /// Ratio of the step length to that of the subject, metres for each unit of the capture.
     #[wasm_bindgen(getter)]
     pub fn stride(&self) -> f64 {
         self.stride
     }
 
-    /// The frames in which something touches all the same, where the robot is to keep clear.
+    /// Frames in collision in spite of collision avoidance.
     #[wasm_bindgen(getter)]
     pub fn touching(&self) -> Vec<u32> {
         let touching = self.inner.touching.iter();
         touching.map(|own| own.frame as u32).collect()
     }
 
-    /// The map that it went by, as JSON.
+    /// The map in use, as JSON.
     #[wasm_bindgen(getter)]
     pub fn map(&self) -> String {
         self.map.clone()
     }
 
-    /// What of a guessed map is to be looked at.
+    /// Notes on a guessed map, for review.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// The frames of the robot that stand at times.
+    /// Frames of the robot that are in contact at some time.
     #[wasm_bindgen(getter)]
     pub fn standing(&self) -> Vec<String> {
         self.inner.standing.clone()
     }
 
-    /// The point of each that stands, in its coordinates, three numbers a point, metres.
+    /// Contact point of each, in its coordinates, three numbers, metres.
     #[wasm_bindgen(getter, js_name = standingAt)]
     pub fn standing_at(&self) -> Vec<f64> {
         let points = self.inner.standing_at.iter();
         points.flat_map(|at| at.to_array()).collect()
     }
 
-    /// 1 where each of them stands, frame after frame.
+    /// 1 for each of them in contact, frame after frame.
     #[wasm_bindgen(getter)]
     pub fn contacts(&self) -> Vec<u8> {
         let contacts = self.inner.contacts.iter();
         contacts.map(|&stands| stands.into()).collect()
     }
 
-    /// How far the driven points are from where they should be, in the mean over all frames, metres.
+    /// Distance of the driven points from their targets, mean over all frames, metres.
     #[wasm_bindgen(getter, js_name = meanError)]
     pub fn mean_error(&self) -> f64 {
         self.inner.mean_error
     }
 
-    /// How far a point that stands is from where it came to stand, at most, metres.
+    /// Largest drift of a contact from its initial position, metres.
     #[wasm_bindgen(getter)]
     pub fn slip(&self) -> f64 {
         self.inner.slip

@@ -1,4 +1,4 @@
-//! Tasks of whole bodies: balance, velocities, relations of joints.
+//! Tasks of whole bodies: balance, velocities, joint couplings.
 
 use kinopt::model::{Masses, PointMass, UnknownName};
 use kinopt::spatial::Vector3;
@@ -13,7 +13,7 @@ use crate::given::{self, Given};
 use crate::model::Model;
 use crate::raise;
 
-/// Reads the residual of a task of that kind.
+/// Reads the residual of a task of a kind.
 pub(super) fn read(
     given: &Given,
     model: &Model,
@@ -102,8 +102,8 @@ pub(super) fn read(
     }
 }
 
-/// The masses that a task gives, or else the body's own. Given ones are kilograms by frame, at its origin, or four numbers:
-/// kilograms and a place in its coordinates.
+/// Returns the masses of the task, else those of the body. Given masses are kilograms by frame, at its origin, or four
+/// numbers: kilograms and a position in its coordinates.
 fn masses(given: &Given, model: &Model) -> Result<Masses, JsError> {
     let Some(own) = given.get("masses") else {
         return crate::masses::masses_of(model);
@@ -124,7 +124,7 @@ fn masses(given: &Given, model: &Model) -> Result<Masses, JsError> {
     Masses::new(&model.inner, points).map_err(raise)
 }
 
-/// A list of places.
+/// Reads a list of positions.
 fn points(value: Option<&JsValue>, what: &str) -> Result<Vec<Vector3<f64>>, JsError> {
     let Some(value) = value else {
         return Ok(Vec::new());

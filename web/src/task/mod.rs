@@ -1,4 +1,4 @@
-//! Tasks as plain objects, read into residuals of the library.
+//! Tasks as plain objects, converted to residuals of the library.
 
 #[cfg(feature = "bodies")]
 mod body_tasks;
@@ -19,7 +19,7 @@ use crate::raise;
 use target::Target;
 pub(crate) use target::{Aimed, Stated};
 
-/// What every task may say.
+/// Common keys of all tasks.
 const OF_ALL: [&str; 7] = [
     "kind",
     "name",
@@ -30,7 +30,7 @@ const OF_ALL: [&str; 7] = [
     "level",
 ];
 
-/// A task of a problem, whose target is moved by its number.
+/// A task of a problem, with a target that can be moved.
 pub(crate) type BoxedTask = Box<dyn Stated>;
 
 /// Adds a task to a problem.
@@ -58,12 +58,12 @@ fn kind(task: &JsValue) -> Result<String, JsError> {
     kind.ok_or_else(|| JsError::new("a task is an object with a kind: see `tasks`"))
 }
 
-/// The names of all tasks, and those of one kind.
+/// Common keys, and those of one kind.
 fn known<'a>(own: &[&'a str]) -> Vec<&'a str> {
     OF_ALL.iter().chain(own).copied().collect()
 }
 
-/// Takes a residual of any type.
+/// Generic function of a residual.
 trait Visit {
     fn visit<R: Target>(self, residual: R) -> Result<BoxedTask, JsError>;
 }
@@ -81,7 +81,7 @@ impl Visit for Adding<'_, '_> {
     }
 }
 
-/// What is said of a task besides its residual.
+/// Common options of a task.
 #[derive(Default)]
 struct About {
     name: Option<String>,

@@ -1,4 +1,4 @@
-//! Tasks of joints: where they are, how fast they move.
+//! Tasks of joints: posture and velocity.
 
 use kinopt::model::{JointId, UnknownName};
 use kinopt::task::{Posture, Smoothness};
@@ -9,7 +9,7 @@ use crate::given::{self, Given};
 use crate::model::Model;
 use crate::raise;
 
-/// How much each joint counts.
+/// Weights of joints.
 enum JointWeights {
     Even,
     ByRange,
@@ -24,7 +24,7 @@ pub(super) fn posture(
 ) -> Result<BoxedTask, JsError> {
     let own = &model.inner;
     let reference = given.required("reference")?;
-    // A list has a length, joints by name have none.
+    // A list has a length; an object by joint has none.
     let posture = match given::is_list(&reference) {
         true => Posture::new(own, &configuration(&reference, "reference", model)?),
         false => {
@@ -62,7 +62,7 @@ pub(super) fn smoothness(
     })
 }
 
-/// A whole configuration.
+/// Reads a whole configuration.
 fn configuration(value: &JsValue, what: &str, model: &Model) -> Result<Vec<f64>, JsError> {
     let numbers = given::numbers(value, what)?;
     let (count, asked) = (numbers.len(), model.inner.configuration_len());
@@ -73,7 +73,7 @@ fn configuration(value: &JsValue, what: &str, model: &Model) -> Result<Vec<f64>,
     Ok(numbers)
 }
 
-/// One for each of these joints: a word for all, a list, or some by their names, the others 1.
+/// Reads weights of these joints: a word for all, a list, or some by name, the others 1.
 fn weights(
     given: &Given,
     model: &Model,

@@ -1,4 +1,4 @@
-//! What frames should do: the residual of each kind of task.
+//! Residuals of each kind of task.
 
 use kinopt::model::{FrameId, UnknownName};
 use kinopt::task::{
@@ -11,7 +11,7 @@ use crate::given::Given;
 use crate::model::Model;
 use crate::{placement, raise};
 
-/// The kinds, and what each says besides what all say.
+/// Kinds of tasks, with the keys that they have in addition to the common ones.
 const KINDS: [(&str, &[&str]); 17] = [
     ("point", &["frame", "target", "at", "base"]),
     ("pose", &["frame", "target", "tool", "goal", "base"]),
@@ -41,7 +41,7 @@ const KINDS: [(&str, &[&str]); 17] = [
     ("manipulability", &["frame", "least", "base", "of"]),
 ];
 
-/// What a task of a kind says.
+/// Reads the keys of a task of a kind.
 pub(super) fn given(task: JsValue, kind: &str) -> Result<Given, JsError> {
     let Some((_, own)) = KINDS.iter().find(|(known, _)| *known == kind) else {
         let kinds = KINDS.iter().map(|(known, _)| *known).chain(["within"]);
@@ -50,7 +50,7 @@ pub(super) fn given(task: JsValue, kind: &str) -> Result<Given, JsError> {
     Given::new(task, "part of a task", &known(own))
 }
 
-/// Reads the residual of a task that is not itself around another one.
+/// Converts the residual of a task that wraps no other task.
 pub(super) fn read(
     given: &Given,
     model: &Model,
@@ -141,13 +141,13 @@ pub(super) fn frame(model: &Model, name: &str) -> Result<FrameId, JsError> {
     model.inner.frame(name).map_err(raise)
 }
 
-/// The frame that a target is in, where it is not in the world.
+/// Reference frame of a target; `None` for the world.
 pub(super) fn base(given: &Given, model: &Model) -> Result<Option<FrameId>, JsError> {
     let base = given.text("base")?;
     base.map(|base| frame(model, &base)).transpose()
 }
 
-/// A placement that must be there.
+/// Reads a required placement.
 pub(super) fn placed(
     given: &Given,
     name: &str,

@@ -1,4 +1,4 @@
-//! The targets of tasks: what each kind takes for one, and how it is moved there.
+//! Targets of tasks: conversion from JavaScript, and assignment to residuals.
 
 use kinopt::ik::Drag;
 use kinopt::problem::{ProblemError, Targets, TaskId};
@@ -14,7 +14,7 @@ use wasm_bindgen::prelude::*;
 
 use crate::{given, placement, raise};
 
-/// What has targets to move.
+/// Object whose targets move.
 pub(crate) enum Aimed<'a> {
     Targets(&'a mut Targets),
     Drag(&'a mut Drag),
@@ -31,8 +31,8 @@ impl Aimed<'_> {
 
 /// A task of a problem.
 pub(crate) trait Stated {
-    /// Moves its target, of which messages speak as `what`. Numbers that are not finite and matrices that are no rotation
-    /// leave it where it is.
+    /// Moves its target; `what` names it in messages. Numbers that are not finite and matrices that are not rotations
+    /// leave it unchanged.
     fn aim(&self, aimed: &mut Aimed<'_>, value: &JsValue, what: &str) -> Result<(), JsError>;
 }
 
@@ -54,7 +54,7 @@ pub(crate) trait Target: Residual {
     fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError>;
 }
 
-/// Targets that are read by one function and set by one method.
+/// Implements targets by a conversion function and a setter.
 macro_rules! targets {
     ($($residual:ty, $read:path, |$own:ident, $target:pat_param| $set:expr;)*) => {$(
         impl Target for $residual {
@@ -88,13 +88,13 @@ targets! {
     Manipulability, given::number, |own, least| own.set_least(least);
 }
 
-/// Two places in one list.
+/// Reads two positions in one list.
 fn two(value: &JsValue, what: &str) -> Result<[[f64; 3]; 2], JsError> {
     let [a, b, c, d, e, f] = given::vector::<6>(value, what)?;
     Ok([[a, b, c], [d, e, f]])
 }
 
-/// Residuals that are aimed at nothing.
+/// Implements residuals without a target.
 macro_rules! untargeted {
     ($($residual:ty),*) => {$(
         impl Target for $residual {
@@ -109,7 +109,7 @@ untargeted!(LimitCentring);
 #[cfg(feature = "bodies")]
 untargeted!(SupportPolygon);
 
-/// Numbers of another count than the joints' that a task reads.
+/// Error for an array of another length than the task's joints.
 fn other_count(what: &str, error: &kinopt::SizeMismatch) -> JsError {
     let (count, asked) = (error.given, error.expected);
     JsError::new(&format!("{what} has {count} numbers, expected {asked}"))

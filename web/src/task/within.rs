@@ -1,4 +1,4 @@
-//! Any task with room: what lies within an interval costs nothing.
+//! Tasks with an interval that costs nothing.
 
 use kinopt::problem::ProblemBuilder;
 use kinopt::task::Within;
@@ -9,7 +9,7 @@ use super::{About, Adding, BoxedTask, Visit, known, residual};
 use crate::given::Given;
 use crate::model::Model;
 
-/// Adds the task that one is around.
+/// Adds the inner task with its interval.
 pub(super) fn add(
     task: JsValue,
     model: &Model,
@@ -48,7 +48,7 @@ impl Visit for Room<'_, '_> {
 }
 
 impl About {
-    /// What this one leaves open as another has it.
+    /// Fills missing options from another struct.
     fn or(self, other: Self) -> Self {
         Self {
             name: self.name.or(other.name),

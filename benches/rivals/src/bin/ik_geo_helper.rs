@@ -1,7 +1,7 @@
-//! ik-geo in a process of its own: `ik_geo_helper ROBOT.urdf BASE TIP`. See `rival/helper.rs`.
+//! Helper process of ik-geo: `ik_geo_helper ROBOT.urdf BASE TIP`. See `rival/helper.rs`.
 //!
-//! Its closed form for arms like Universal Robots'. It uses nothing of the library here, which
-//! links a newer NLopt than ik-geo does: one process cannot hold both.
+//! It solves the closed form for arms like those of Universal Robots. It uses nothing of the library here, which links
+//! a newer NLopt than ik-geo: one process cannot contain both.
 
 use std::io::{BufRead, Write};
 use std::time::Instant;
@@ -29,7 +29,7 @@ fn vector(v: spatial::Vector3<f64>) -> Vector3<f64> {
 
 /// The arm as a product of exponentials, and the tip's rotation at zero.
 ///
-/// An error is an arm of another kind than joints 2, 3 and 4 parallel, 5 and 6 intersecting.
+/// Returns an error for an arm without joints 2, 3 and 4 parallel, and 5 and 6 intersecting.
 fn kinematics(chain: &Chain) -> Result<(Kinematics<6, 7>, Matrix3<f64>), Failure> {
     let joints = chain.joints();
     if joints.len() != 6 || joints.iter().any(|j| j.kind != JointKind::Revolute) {
@@ -58,7 +58,7 @@ fn kinematics(chain: &Chain) -> Result<(Kinematics<6, 7>, Matrix3<f64>), Failure
     Ok((arm, rotation))
 }
 
-/// Whole turns onto each joint's range, where one fits.
+/// Shifts angles by full turns into each joint's range; false if a joint has no such angle.
 fn within(chain: &Chain, q: &mut [f64]) -> bool {
     chain.joints().iter().zip(q).all(|(joint, q)| {
         let turns = ((joint.lower - *q) / std::f64::consts::TAU).ceil().max(0.0)
@@ -70,7 +70,7 @@ fn within(chain: &Chain, q: &mut [f64]) -> bool {
 
 /// Answers lines from standard input until it closes.
 ///
-/// An arm it has no closed form for is said on standard output instead of "ready".
+/// For an arm without a closed form, writes the reason to standard output instead of "ready".
 fn serve(chain: &Chain) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let (arm, tip_at_zero) = match kinematics(chain) {

@@ -1,8 +1,8 @@
-//! Solvers in a process of their own, because they cannot be linked into this one.
+//! Solvers in helper processes, because they cannot be linked into this one.
 //!
-//! A line of numbers goes out: the pose x y z qw qx qy qz, then the start. A line comes back: the
-//! nanoseconds of the solver's own call, as the helper measured them, then the values of all
-//! solutions, one after another. The pipe is in nobody's time.
+//! Each request is a line of numbers: the pose x y z qw qx qy qz, then the start. Each reply is a line: the nanoseconds
+//! of the solver's call, measured by the helper, then the values of all solutions, one after another. No measured time
+//! includes the pipe.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -90,7 +90,7 @@ impl Rival for Helper {
 
 impl Drop for Helper {
     fn drop(&mut self) {
-        // Its own child; it would end by itself when the pipe closes.
+        // The process would also end when the pipe closes.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

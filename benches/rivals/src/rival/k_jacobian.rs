@@ -1,4 +1,4 @@
-//! `JacobianIkSolver` of the crate `k` (OpenRR), with restarts round it.
+//! `JacobianIkSolver` of the crate `k` (OpenRR), with restarts.
 
 use std::time::{Duration, Instant};
 
@@ -8,10 +8,10 @@ use k::{InverseKinematicsSolver, JacobianIkSolver, SerialChain};
 use super::{Answer, Rival, timed};
 use crate::{Failure, Judge, Query, TOLERANCE, Workload, until_deadline};
 
-/// The share of a Gauss-Newton step that is taken, and the most steps.
+/// Fraction of a Gauss-Newton step, and largest number of steps.
 pub type Setting = (f64, usize);
 
-/// As in its documentation, as far as that can converge to 1e-6, and full steps.
+/// Setting of its documentation, modified to converge to 1e-6; and full steps.
 pub const SETTINGS: [Setting; 2] = [(0.5, 100), (1.0, 30)];
 
 struct Jacobian<'a> {
@@ -22,7 +22,7 @@ struct Jacobian<'a> {
     setting: Setting,
 }
 
-/// Reads the robot by `k`'s own reader.
+/// Reads the robot with the reader of `k`.
 pub fn new<'a>(
     workload: &'a Workload,
     limit: Duration,
@@ -31,7 +31,7 @@ pub fn new<'a>(
     let robot = k::Chain::<f64>::from_urdf_file(&workload.urdf)?;
     let tip = robot.find_link(&workload.tip).ok_or("no such tip")?;
     let arm = SerialChain::from_end(tip);
-    // It knows poses relative to the root alone, and its kinematics must be what is judged.
+    // It only supports poses relative to the root, and its kinematics must equal the judge's.
     let q = &workload.queries.first().ok_or("nothing is asked")?.start;
     arm.set_joint_positions(q)?;
     let pose = arm.end_transform();

@@ -1,4 +1,4 @@
-//! kinopt itself, through its front door.
+//! kinopt, through the API of arms.
 
 use kinopt::arm::{Arm, Search};
 use kinopt::robot::Robot;
@@ -11,7 +11,7 @@ struct Kinopt {
     arm: Arm,
 }
 
-/// One arm for each kind of search; the one that the ratios refer to comes first.
+/// One arm for each search; ratios are relative to the first one.
 pub fn searches(workload: &Workload) -> Result<Vec<Box<dyn Rival>>, Failure> {
     let robot = Robot::read(&workload.urdf)?;
     let mut rivals: Vec<Box<dyn Rival>> = Vec::new();

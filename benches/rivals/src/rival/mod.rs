@@ -1,4 +1,4 @@
-//! The solvers under comparison, each behind the same question.
+//! Compared solvers, behind a common interface.
 
 mod helper;
 mod k_jacobian;
@@ -11,23 +11,23 @@ use std::time::{Duration, Instant};
 
 use crate::{Failure, Query, Workload};
 
-/// What a solver gave, and how long it took.
+/// Result of a solver, with its time.
 pub struct Answer {
-    /// The time of the solver's own call.
+    /// Time of the solver's call.
     pub took: Duration,
-    /// What it holds to be solutions, none where it gave up; a closed form has several.
+    /// Its solutions, empty after a failure; a closed form has several.
     pub solutions: Vec<Vec<f64>>,
 }
 
-/// A solver that is set up for one robot.
+/// A solver for one robot.
 pub trait Rival {
-    /// The solver and its settings in a few words.
+    /// Name and settings of the solver.
     fn name(&self) -> String;
 
-    /// Answers one question.
+    /// Solves one query.
     ///
     /// # Errors
-    /// A solver that broke down, not one that found nothing.
+    /// Returns an error if the solver broke down, not if it found no solution.
     fn answer(&mut self, query: &Query) -> Result<Answer, Failure>;
 }
 
@@ -41,10 +41,10 @@ pub(crate) fn timed(call: impl FnOnce() -> Option<Vec<f64>>) -> Answer {
     }
 }
 
-/// Every solver that can take the robot, kinopt first; what cannot is named on standard error.
+/// All solvers that support the robot, kinopt first; others are named on standard error.
 ///
 /// # Errors
-/// kinopt itself refusing the robot.
+/// Returns an error if kinopt does not support the robot.
 pub fn all<'a>(
     workload: &'a Workload,
     limit: Duration,

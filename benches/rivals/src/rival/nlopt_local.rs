@@ -7,16 +7,16 @@ use nlopt::{Algorithm, Nlopt, Target};
 use super::{Answer, Rival, timed};
 use crate::{Failure, Limits, Objective, Query, Workload, until_deadline};
 
-/// A name and the algorithm behind it.
+/// Name and algorithm.
 pub type Setting = (&'static str, Algorithm);
 
-/// The two that suit the problem.
+/// The two suitable algorithms.
 pub const SETTINGS: [Setting; 2] = [
     ("NLopt L-BFGS", Algorithm::Lbfgs),
     ("NLopt SLSQP", Algorithm::Slsqp),
 ];
 
-/// Steps that L-BFGS remembers. Its own default follows from ten megabytes, which it then allocates.
+/// Number of past steps of L-BFGS. NLopt's default depends on ten megabytes, which it allocates.
 const MEMORY: usize = 10;
 
 struct Local<'a> {
@@ -26,7 +26,7 @@ struct Local<'a> {
     setting: Setting,
 }
 
-/// One algorithm for one robot.
+/// Creates one algorithm for one robot.
 pub fn new<'a>(workload: &'a Workload, limit: Duration, setting: Setting) -> Box<dyn Rival + 'a> {
     Box::new(Local {
         workload,
@@ -51,7 +51,7 @@ impl Rival for Local<'_> {
             };
             let joints = query.start.len();
             let mut solver = Nlopt::new(self.setting.1, joints, evaluate, Target::Minimize, ());
-            // Stop at the goal, or when stalled: the change that OptIK takes for a stall.
+            // Stops at the goal, or when stalled: the criterion of OptIK for a stall.
             let set = (solver.set_lower_bounds(&self.limits.lower))
                 .and(solver.set_upper_bounds(&self.limits.upper))
                 .and(solver.set_stopval(Objective::GOAL))
@@ -60,7 +60,7 @@ impl Rival for Local<'_> {
             debug_assert!(set.is_ok());
             until_deadline(chain, &query.start, deadline, |q| {
                 let left = deadline.saturating_duration_since(Instant::now());
-                // NLopt takes 0 for no limit.
+                // NLopt treats 0 as no limit.
                 let limited = solver.set_maxtime(left.as_secs_f64().max(1e-6));
                 let value = match solver.optimize(q) {
                     Ok((_, value)) | Err((_, value)) => value,

@@ -9,12 +9,11 @@ use optimization_engine::panoc::{PANOCCache, PANOCOptimizer};
 use super::{Answer, Rival, timed};
 use crate::{Failure, Limits, Objective, Query, Workload, until_deadline};
 
-/// On the step of the projected gradient, radians: small enough that a converged attempt has
-/// reached the goal.
+/// Tolerance on the projected gradient step, radians: small enough that a converged attempt has reached the goal.
 const STEP: f64 = 1e-8;
-/// As many past steps as its examples keep.
+/// Number of past steps, as in its examples.
 const MEMORY: usize = 10;
-/// Iterations of one attempt.
+/// Largest number of iterations of one attempt.
 const ITERATIONS: usize = 200;
 
 struct Panoc<'a> {
@@ -24,7 +23,7 @@ struct Panoc<'a> {
     limit: Duration,
 }
 
-/// Set up for one robot.
+/// Creates the solver for one robot.
 pub fn new(workload: &Workload, limit: Duration) -> Box<dyn Rival + '_> {
     Box::new(Panoc {
         workload,

@@ -1,4 +1,4 @@
-//! The crate `slsqp`, NLopt's SLSQP in Rust, on kinopt's kinematics.
+//! The crate `slsqp`, a port of NLopt's SLSQP, on kinopt's kinematics.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ struct Slsqp<'a> {
     limit: Duration,
 }
 
-/// Set up for one robot.
+/// Creates the solver for one robot.
 pub fn new(workload: &Workload, limit: Duration) -> Box<dyn Rival + '_> {
     let limits = crate::Limits::of(&workload.chain);
     Box::new(Slsqp {
@@ -38,7 +38,7 @@ impl Rival for Slsqp<'_> {
             let unconstrained: [&dyn Func<()>; 0] = [];
             let deadline = Instant::now() + self.limit;
             until_deadline(chain, &query.start, deadline, |q| {
-                // It has no goal value to stop at, only the change from one iterate to the next.
+                // It has no goal value as a stopping criterion, only the change between iterates.
                 let stop = StopTols {
                     ftol_abs: 1e-3 * Objective::GOAL,
                     ..StopTols::default()

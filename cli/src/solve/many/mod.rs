@@ -1,4 +1,4 @@
-//! `--targets`: many independent targets of one frame, a path, or the targets of a servo.
+//! `--targets`: several independent targets of one frame, a path, or the targets of a servo.
 
 pub(super) mod servo;
 mod summary;
@@ -33,7 +33,7 @@ fn answer<'b>(
     queries: &[Query],
 ) -> Outcome<Outcomes<'b>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    // More threads than targets or cores would have nothing to do.
+    // At most one thread for each target and core.
     let most = cores.min(queries.len()).max(1);
     let threads = arguments.threads.map(|threads| most.min(threads.into()));
     let pool = threads.map(|threads| {

@@ -1,4 +1,4 @@
-//! `--servo`: targets that come at a fixed rate, one a tick, under velocity limits.
+//! `--servo`: targets at a fixed rate, one in each control cycle, under velocity limits.
 
 use std::collections::BTreeMap;
 use std::time::Instant;

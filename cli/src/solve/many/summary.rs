@@ -1,4 +1,4 @@
-//! What came out of many queries, for people and for programs.
+//! Summary of several queries, as text and JSON.
 
 use serde::Serialize;
 

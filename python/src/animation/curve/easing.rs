@@ -1,4 +1,4 @@
-//! The pace of a way from key to key.
+//! Easing functions.
 
 use kinopt::animation::{BezierEasing, Easing};
 use numpy::PyArrayDyn;
@@ -8,13 +8,13 @@ use super::TIMES_AT_A_TIME;
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 
-/// The share of the way at shares `t` of the time, within [0, 1]; float64 of the shape of `t`, () or (N,).
+/// Eased fraction for fractions `t` of the time, within [0, 1]; float64 of the shape of `t`, () or (N,).
 ///
-/// `how` is "linear", "quadratic_in", "quadratic_out", "quadratic_in_out", "cubic_in", "cubic_out",
-/// "cubic_in_out", or two handles ((time, value), (time, value)), as CSS's cubic-bezier has them.
+/// `how` is "linear", "quadratic_in", "quadratic_out", "quadratic_in_out", "cubic_in", "cubic_out", "cubic_in_out", or
+/// two handles ((time, value), (time, value)), as in CSS's cubic-bezier.
 ///
-/// Raises `InvalidValueError` for another name, for handles whose times are not within [0, 1], and for shares
-/// of another shape.
+/// Raises `InvalidValueError` for another name, for handles with times that are not within [0, 1], and for fractions of
+/// another shape.
 #[pyfunction]
 pub(crate) fn easing<'py>(
     how: &Bound<'py, PyAny>,

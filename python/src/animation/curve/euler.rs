@@ -1,4 +1,4 @@
-//! Curves of angles that make rotations.
+//! Rotation curves of Euler angles.
 
 use kinopt::animation::EulerCurve as Angles;
 use kinopt::animation::rotation::EulerOrder;
@@ -12,11 +12,11 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::transforms::{Order, given, quaternion};
 
-/// A rotation before * R(angles), whose angles run along a curve; for motion that is authored in angles,
-/// which may pass whole turns.
+/// A rotation before * R(angles), with angles along a curve; for motion authored in angles, which may exceed whole
+/// turns.
 ///
-/// A curve of `angles`, vectors in radians in the order of the axes of `order` ("xyz", "zxz", ...; each
-/// about axes that those before have turned), after a rotation, shape (4,), of unit length.
+/// A curve of `angles`, vectors in radians in the order of the axes of `order` ("xyz", "zxz", ...; intrinsic
+/// rotations), after a rotation, shape (4,), of unit length.
 ///
 /// Raises `UnknownNameError` for an order.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -72,27 +72,27 @@ impl EulerCurve {
         })
     }
 
-    /// The axes of the angles.
+    /// Axes of the angles.
     #[getter]
     fn order(&self) -> String {
         format!("{:?}", self.inner.order).to_lowercase()
     }
 
-    /// The curve of the angles.
+    /// Curve of the angles.
     #[getter]
     fn angles(&self) -> KeyedCurve {
         let inner = Values::Vectors(self.inner.angles.clone());
         KeyedCurve { inner }
     }
 
-    /// The rotation at one time, shape (4,), or at N, (N, 4), float32: x, y, z, w.
+    /// Rotation at one time, shape (4,), or at N, (N, 4), float32: x, y, z, w.
     ///
     /// Raises `InvalidValueError` for times that are not finite.
     fn at_xyzw<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.sampled(times, Order::Xyzw)
     }
 
-    /// The rotation at one time, shape (4,), or at N, (N, 4), float32: w, x, y, z.
+    /// Rotation at one time, shape (4,), or at N, (N, 4), float32: w, x, y, z.
     ///
     /// Raises `InvalidValueError` for times that are not finite.
     fn at_wxyz<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {

@@ -17,30 +17,30 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::transforms::{flat, shaped};
 
-/// A curve through values at key times: numbers, or vectors of three. Before the first and after the last key
-/// it holds the value there. Times are seconds, numbers float32.
+/// A curve through values at key times: numbers, or vectors of three. It is constant before the first and after the
+/// last key. Times are seconds, numbers float32.
 ///
-/// Made by `step`, `linear`, `eased`, `cubic`, `catmull_rom`, `kochanek_bartels` and `bezier`: `times` has
-/// shape (K,), rising, and `values` (K,) or (K, 3). What is wrong with keys raises `InvalidValueError`.
+/// Created by `step`, `linear`, `eased`, `cubic`, `catmull_rom`, `kochanek_bartels` and `bezier`: `times` has shape
+/// (K,), ascending, and `values` (K,) or (K, 3). Invalid keys raise `InvalidValueError`.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct KeyedCurve {
     pub(crate) inner: Values,
 }
 
-/// The same curve of numbers or of vectors.
+/// Curve of numbers or of vectors.
 #[derive(Clone, Serialize, serde::Deserialize)]
 pub(crate) enum Values {
     Numbers(Curve<f32>),
     Vectors(Curve<Vec3A>),
 }
 
-/// Keys as they come.
+/// Key values of numbers or of vectors.
 enum Keys {
     Numbers(Vec<f32>),
     Vectors(Vec<Vec3A>),
 }
 
-/// Values of shape (K,) or (K, 3); of (K, 2) or (K, 2, 3) where there is a pair for each key.
+/// Reads values of shape (K,) or (K, 3); with pairs for each key, of (K, 2) or (K, 2, 3).
 fn keys(value: &Bound<'_, PyAny>, what: &str, pairs: bool) -> PyResult<Keys> {
     let numbers: Numbers<'_, IxDyn, f32> = arrays::numbers(value, what, "(K,) or (K, 3)")?;
     let before = if pairs { 2 } else { 1 };
@@ -108,10 +108,10 @@ impl KeyedCurve {
 
 #[pymethods]
 impl KeyedCurve {
-    /// Keeps each key's value until the next (glTF's STEP).
+    /// Step interpolation: each key's value holds until the next (glTF's STEP).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes.
     #[classmethod]
     fn step(
         _class: &Bound<'_, PyType>,
@@ -121,10 +121,10 @@ impl KeyedCurve {
         Self::make(times, values, Curve::step, Curve::step)
     }
 
-    /// Straight from key to key (glTF's LINEAR).
+    /// Linear interpolation (glTF's LINEAR).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes.
     #[classmethod]
     fn linear(
         _class: &Bound<'_, PyType>,
@@ -134,11 +134,10 @@ impl KeyedCurve {
         Self::make(times, values, Curve::linear, Curve::linear)
     }
 
-    /// Straight from key to key, each way at its own pace: an easing (see `easing`) for each key and the way
-    /// that leaves it.
+    /// Linear interpolation with an easing (see `easing`) for the segment after each key.
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes, an easing that there is not.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes, an unknown easing.
     #[classmethod]
     fn eased(
         _class: &Bound<'_, PyType>,
@@ -156,11 +155,11 @@ impl KeyedCurve {
         )
     }
 
-    /// Cubic segments with arriving and leaving tangents at each key, per second: `tangents` has shape
-    /// (K, 2) or (K, 2, 3) (glTF's CUBICSPLINE).
+    /// Cubic segments with in- and out-tangents at each key, per second: `tangents` has shape (K, 2) or (K, 2, 3)
+    /// (glTF's CUBICSPLINE).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes.
     #[classmethod]
     fn cubic(
         _class: &Bound<'_, PyType>,
@@ -189,10 +188,10 @@ impl KeyedCurve {
         Ok(Self { inner })
     }
 
-    /// A Catmull-Rom spline over uneven times.
+    /// A Catmull-Rom spline over non-uniform times.
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes.
     #[classmethod]
     fn catmull_rom(
         _class: &Bound<'_, PyType>,
@@ -204,8 +203,8 @@ impl KeyedCurve {
 
     /// A Kochanek-Bartels spline: `controls`, shape (K, 3), are tension, continuity and bias at each key.
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes.
     #[classmethod]
     fn kochanek_bartels(
         _class: &Bound<'_, PyType>,
@@ -230,11 +229,11 @@ impl KeyedCurve {
         )
     }
 
-    /// The f-curve of animation editors: `handle_times`, shape (K, 2), and `handle_values`, (K, 2) or
-    /// (K, 2, 3), are the arriving and the leaving handle of each key, as seen from the key.
+    /// Bézier curve of animation editors (f-curve): `handle_times`, shape (K, 2), and `handle_values`, (K, 2) or (K, 2,
+    /// 3), are the left and right handle of each key, relative to the key.
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes.
     #[classmethod]
     fn bezier(
         _class: &Bound<'_, PyType>,
@@ -277,7 +276,7 @@ impl KeyedCurve {
         shaped(py, times.to_vec(), &[times.len()])
     }
 
-    /// The values at the keys, shape (K,) or (K, 3).
+    /// Values at the keys, shape (K,) or (K, 3).
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         match &self.inner {
@@ -289,14 +288,14 @@ impl KeyedCurve {
         }
     }
 
-    /// The value at one time, shape () or (3,), or at N, (N,) or (N, 3); at a key's time the key's to the bit.
+    /// Value at one time, shape () or (3,), or at N, (N,) or (N, 3); at a key time exactly the key's value.
     ///
     /// Raises `InvalidValueError` for times that are not finite.
     fn at<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.sampled(times, Curve::at, Curve::at)
     }
 
-    /// The rate of change per second, as `at` has it; zero outside the keys and where the curve steps.
+    /// Rate of change per second, with the shape of `at`; zero outside the keys and for step interpolation.
     ///
     /// Raises `InvalidValueError` for times that are not finite.
     fn rate<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {

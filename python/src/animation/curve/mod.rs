@@ -14,15 +14,15 @@ pub(crate) use euler::EulerCurve;
 pub(crate) use keyed::{KeyedCurve, Values};
 pub(crate) use rotation::RotationCurve;
 
-/// Times that are looked at between two looks at signals.
+/// Number of times between two checks for signals.
 const TIMES_AT_A_TIME: usize = 4096;
 
-/// Key times.
+/// Reads key times.
 fn times_of(value: &Bound<'_, PyAny>) -> PyResult<Vec<f32>> {
     numbers(value, "times", None)
 }
 
-/// What is there at one time or at many, numbers of the shape `each` at a time.
+/// Samples at one time or several, with numbers of the shape `each` for one time.
 fn sampled<'py>(
     times: &Bound<'py, PyAny>,
     each: &[usize],

@@ -12,9 +12,9 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::transforms::{Order, given, quaternion_rates, quaternions, shaped};
 
-/// A curve through rotations at key times: `step`, `slerp`, `eased`, `squad`, `smooth` and `cubic` make one of
-/// `times`, shape (K,), seconds, rising, and quaternions, shape (K, 4), given as `xyzw` or as `wxyz`, of any
-/// length above 0. What is wrong with keys raises `InvalidValueError`.
+/// A curve through rotations at key times. `step`, `slerp`, `eased`, `squad`, `smooth` and `cubic` create it from
+/// `times`, shape (K,), seconds, ascending, and quaternions, shape (K, 4), given as `xyzw` or as `wxyz`, of any length
+/// above 0. Invalid keys raise `InvalidValueError`.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct RotationCurve {
     pub(crate) inner: Rotations,
@@ -52,12 +52,12 @@ impl RotationCurve {
 
 #[pymethods]
 impl RotationCurve {
-    /// Keeps each key's rotation until the next (glTF's STEP).
+    /// Step interpolation: each key's rotation holds until the next (glTF's STEP).
     ///
     /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes; a quaternion of length 0.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes; a quaternion of length 0.
     #[classmethod]
     #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
     fn step(
@@ -71,12 +71,12 @@ impl RotationCurve {
         })
     }
 
-    /// At constant angular speed along the shorter arc from key to key (glTF's LINEAR).
+    /// Spherical linear interpolation along the shorter arc (glTF's LINEAR).
     ///
     /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes; a quaternion of length 0.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes; a quaternion of length 0.
     #[classmethod]
     #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
     fn slerp(
@@ -90,13 +90,12 @@ impl RotationCurve {
         })
     }
 
-    /// Along the shorter arc from key to key, each way at its own pace: an easing (see `easing`) for each key
-    /// and the way that leaves it.
+    /// Spherical linear interpolation with an easing (see `easing`) for the segment after each key.
     ///
     /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes, an easing that there is not.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes, an unknown easing.
     #[classmethod]
     #[pyo3(signature = (times, easings, *, xyzw = None, wxyz = None))]
     fn eased(
@@ -112,12 +111,12 @@ impl RotationCurve {
         })
     }
 
-    /// By squad: smooth at keys an even time apart.
+    /// Squad interpolation: smooth for uniform key times.
     ///
     /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes; a quaternion of length 0.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes; a quaternion of length 0.
     #[classmethod]
     #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
     fn squad(
@@ -131,12 +130,12 @@ impl RotationCurve {
         })
     }
 
-    /// By Hermite segments with mean angular velocities: smooth at uneven times.
+    /// Hermite segments with mean angular velocities: smooth for non-uniform key times.
     ///
     /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes; a quaternion of length 0.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes; a quaternion of length 0.
     #[classmethod]
     #[pyo3(signature = (times, *, xyzw = None, wxyz = None))]
     fn smooth(
@@ -150,13 +149,13 @@ impl RotationCurve {
         })
     }
 
-    /// A cubic through the components, made of unit length, with arriving and leaving `tangents` per second,
-    /// shape (K, 2, 4), in the order of the quaternions (glTF's CUBICSPLINE).
+    /// Cubic interpolation of the components, normalised, with in- and out-`tangents` per second, shape (K, 2, 4), in
+    /// the order of the quaternions (glTF's CUBICSPLINE).
     ///
     /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
-    /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
-    /// other shapes; a quaternion of length 0.
+    /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other
+    /// shapes; a quaternion of length 0.
     #[classmethod]
     #[pyo3(signature = (times, tangents, *, xyzw = None, wxyz = None))]
     fn cubic(
@@ -178,26 +177,26 @@ impl RotationCurve {
         shaped(py, times.to_vec(), &[times.len()])
     }
 
-    /// The rotations at the keys, shape (K, 4): unit quaternions x, y, z, w.
+    /// Rotations at the keys, shape (K, 4): unit quaternions x, y, z, w.
     #[getter]
     fn rotations_xyzw<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.keys(py, Order::Xyzw)
     }
 
-    /// The rotations at the keys, shape (K, 4): unit quaternions w, x, y, z.
+    /// Rotations at the keys, shape (K, 4): unit quaternions w, x, y, z.
     #[getter]
     fn rotations_wxyz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.keys(py, Order::Wxyz)
     }
 
-    /// The rotation at one time, shape (4,), or at N, (N, 4): x, y, z, w.
+    /// Rotation at one time, shape (4,), or at N, (N, 4): x, y, z, w.
     ///
     /// Raises `InvalidValueError` for times that are not finite.
     fn at_xyzw<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         self.sampled(times, Order::Xyzw)
     }
 
-    /// The rotation at one time, shape (4,), or at N, (N, 4): w, x, y, z.
+    /// Rotation at one time, shape (4,), or at N, (N, 4): w, x, y, z.
     ///
     /// Raises `InvalidValueError` for times that are not finite.
     fn at_wxyz<'py>(&self, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {

@@ -1,4 +1,4 @@
-//! A clip's accessors and keys behind those of a file.
+//! Appending a clip to the document of a file.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -11,7 +11,7 @@ use crate::animation::LocalTransform;
 use crate::io::gltf::write::{ClipDocument, UnwritableScene};
 use crate::skeleton::BoneId;
 
-/// Puts a document of one clip behind another. `bone_of` tells the bone of each node.
+/// Appends a document of one clip to another document. `bone_of` is the bone of each node.
 pub(super) fn join(
     added: ClipDocument,
     bone_of: &[BoneId],
@@ -35,7 +35,7 @@ pub(super) fn join(
     document.append("accessors", &root.accessors)?;
     document.append("bufferViews", &root.buffer_views)?;
     document.append("animations", &root.animations)?;
-    // A node that is animated has no matrix (section 3.11).
+    // An animated node may not have a matrix (section 3.11).
     let channels = root.animations.iter().flat_map(|own| &own.channels);
     let moved: std::collections::BTreeSet<usize> =
         channels.map(|own| own.target.node.value()).collect();
@@ -53,7 +53,7 @@ pub(super) fn join(
     Ok(())
 }
 
-/// The index of the buffer that holds the bytes now, and where in it they start.
+/// Appends bytes to a buffer. Returns the index of the buffer and the offset of the bytes.
 fn add_bytes(
     bytes: &[u8],
     document: &mut Members,
@@ -61,7 +61,7 @@ fn add_bytes(
 ) -> Result<(usize, usize), UnwritableScene> {
     let buffers: Vec<Members> =
         serde_json::from_str(document.get("buffers").map_or("[]", |list| list.get()))?;
-    // The binary chunk is the first buffer where that has no uri (section 4.4.3.3).
+    // The binary chunk is the first buffer if that has no uri (section 4.4.3.3).
     let first_is_chunk = buffers
         .first()
         .is_none_or(|first| first.get("uri").is_none());
@@ -93,7 +93,7 @@ fn add_bytes(
     }
 }
 
-/// Puts the binary chunk into the text, where the first buffer is the one.
+/// Moves the binary chunk into the text, if the first buffer refers to it.
 pub(super) fn move_to_text(chunk: &[u8], document: &mut Members) -> serde_json::Result<()> {
     document.change_each("buffers", |index, members| {
         let is_chunk = index == 0 && members.get("uri").is_none();
@@ -111,7 +111,8 @@ fn data_uri(bytes: &[u8]) -> String {
     )
 }
 
-/// From a document of its own to one behind so many accessors, views and buffers.
+/// Shifts indices by the given numbers of accessors, views and buffers, and buffer offsets by `start`. Maps bones to
+/// nodes.
 fn move_indices(
     root: &mut Root,
     [accessors, views, buffer]: [usize; 3],

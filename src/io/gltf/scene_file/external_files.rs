@@ -1,4 +1,4 @@
-//! Embedding of the files that a document names, for a document that is written to another folder.
+//! Embedding of external files, for a document that is written to another folder.
 
 use std::path::Path;
 
@@ -19,9 +19,9 @@ pub(super) fn is_same_folder(one: &Path, other: &Path) -> bool {
     one == other || here(one).is_some_and(|own| here(other) == Some(own))
 }
 
-/// Puts the buffers and images that are allowed files into the document.
+/// Embeds the external buffers and images that are allowed files.
 ///
-/// Files that do not exist and URLs stay named.
+/// References to missing files and to URLs stay.
 pub(super) fn take_in(document: &mut Members, allowed: &AllowedFiles) -> Result<(), String> {
     let mut problem = None;
     for list in ["buffers", "images"] {
@@ -43,7 +43,7 @@ pub(super) fn take_in(document: &mut Members, allowed: &AllowedFiles) -> Result<
     problem.map_or(Ok(()), Err)
 }
 
-/// A named file as a data URI; `None` for what stays as it is.
+/// An external file as a data URI; `None` for references that stay.
 fn embedded(
     list: &str,
     uri: &str,

@@ -1,6 +1,6 @@
 //! Types of image files by their first bytes, as glTF 2.0 (section 3.8.2.1) recognises them.
 
-/// Media types that a glTF image may have, and the test of a file's first bytes.
+/// Media type of a glTF image, and the test of a file's first bytes.
 type ImageType = (&'static str, fn(&[u8]) -> bool);
 
 const TYPES: [ImageType; 6] = [
@@ -21,7 +21,7 @@ const TYPES: [ImageType; 6] = [
 /// The media type of an image file. `declared` is the type that the document states, if it states one.
 ///
 /// # Errors
-/// The file begins as none of the types does, or not as the declared one.
+/// The first bytes match no type, or not the declared one.
 pub(super) fn media_type(bytes: &[u8], declared: Option<&str>) -> Result<&'static str, String> {
     let found = TYPES.iter().find(|(_, begins)| begins(bytes));
     let found = found.map(|(name, _)| *name);

@@ -1,4 +1,4 @@
-//! JSON that is changed in a few places: all else stays the text that was read.
+//! Editing of JSON in single places; the rest keeps its original text.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 use serde_json::value::{RawValue, to_raw_value};
 
-/// The members of an object in their order, each value as it was written.
+/// Members of an object in their order, each value as its original text.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Members(Vec<(String, Box<RawValue>)>);
 
@@ -16,7 +16,7 @@ impl Members {
         found.map(|(_, value)| value.as_ref())
     }
 
-    /// Puts a value in the place of the one that is there, or behind all others.
+    /// Replaces the value of a member, or appends the member.
     pub(super) fn set(&mut self, key: &str, value: &impl Serialize) -> serde_json::Result<()> {
         let value = to_raw_value(value)?;
         match self.0.iter_mut().find(|(own, _)| own == key) {
@@ -30,13 +30,13 @@ impl Members {
         self.0.retain(|(own, _)| own != key);
     }
 
-    /// The elements of a list, each as it was written; none where there is no such list.
+    /// The elements of a list as their original text; empty without the list.
     pub(super) fn list(&self, key: &str) -> serde_json::Result<Vec<Box<RawValue>>> {
         self.get(key)
             .map_or(Ok(Vec::new()), |list| serde_json::from_str(list.get()))
     }
 
-    /// Puts elements behind those of a list, and says how many there were.
+    /// Appends elements to a list and returns its previous length.
     pub(super) fn append<T: Serialize>(
         &mut self,
         key: &str,
@@ -53,7 +53,7 @@ impl Members {
         Ok(before)
     }
 
-    /// Changes the members of some elements of a list of objects: `change` says whether it did.
+    /// Changes elements of a list of objects; `change` returns whether it changed the element.
     pub(super) fn change_each(
         &mut self,
         key: &str,

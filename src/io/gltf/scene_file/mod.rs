@@ -1,4 +1,4 @@
-//! A file that keeps what it holds while clips are added to it and its bones are posed.
+//! Editing of glTF files: adding clips and changing the rest pose, with everything else kept.
 
 mod appended_clip;
 mod external_files;
@@ -20,9 +20,10 @@ use crate::io::json::parse_by;
 use crate::io::{FileAccess, FromFile, ReadError, WriteError, write_file};
 use crate::skeleton::BoneId;
 
-/// A `.glb` or `.gltf` file as it was read, with the scene in it. Clips are added to it and its nodes posed; everything else, also
-/// what nothing here understands (materials, textures, images, texture coordinates, colours, cameras, extras, extensions), stays
-/// the text and the bytes that were read.
+/// A `.glb` or `.gltf` file with its scene. It adds clips to the file and changes the rest pose of its nodes.
+///
+/// All other contents keep their original text and bytes. This includes contents that the reader ignores: materials,
+/// textures, images, texture coordinates, colours, cameras, extras and extensions.
 ///
 /// ```no_run
 /// use kinopt::io::gltf::{SceneFile, WriteOptions};
@@ -36,20 +37,20 @@ use crate::skeleton::BoneId;
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     scene: Scene,
-    /// The bone of each node.
+    /// Bone of each node.
     bone_of: Vec<BoneId>,
     document: Members,
     container: Container,
-    /// The files that it may name; `None` for a document from memory, which opens no file.
+    /// Files that the document may refer to; `None` for a document from memory, which opens no file.
     allowed: Option<AllowedFiles>,
 }
 
-/// What the document stands in.
+/// Container of the document.
 #[derive(Clone, Debug)]
 enum Container {
-    /// A `.gltf` file: text.
+    /// A `.gltf` file.
     Text,
-    /// A `.glb` file: its binary chunk, and chunks of kinds that glTF does not know.
+    /// A `.glb` file: its binary chunk, and chunks of types outside glTF.
     Binary {
         buffer: Vec<u8>,
         others: Vec<([u8; 4], Vec<u8>)>,
@@ -65,7 +66,8 @@ impl SceneFile {
         Self::read_with(path, &FileAccess::new())
     }
 
-    /// Reads a `.glb` or `.gltf` file and its buffers, as far as `access` allows. [`write`](Self::write) opens images by it too.
+    /// Reads a `.glb` or `.gltf` file and its buffers, as far as `access` allows. `access` also applies to images that
+    /// [`write`](Self::write) opens.
     ///
     /// # Errors
     /// As [`read`](super::read).
@@ -79,8 +81,9 @@ impl SceneFile {
         Ok(read)
     }
 
-    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gets the contents of a buffer by its path relative
-    /// to the file, if that leads below the file's folder. [`write`](Self::write) opens no file then.
+    /// Reads the bytes of a `.glb` or `.gltf` file. `name` is the file name for messages. `open` returns the contents
+    /// of a buffer for its path relative to the file, which is below the file's folder. [`write`](Self::write) then
+    /// opens no external files.
     ///
     /// # Errors
     /// As [`from_bytes`](super::from_bytes).
@@ -118,15 +121,16 @@ impl SceneFile {
     }
 
     getters! {
-        /// What in it can be posed, with the clips that were added.
+        /// The scene of the file, including added clips.
         pub fn scene(&self) -> &Scene = &self.scene;
     }
 
-    /// Adds a clip behind those that are there. Its keys go behind the file's binary chunk, or in a `.gltf` into a buffer of their own
-    /// within the text.
+    /// Appends a clip to the file. Its keys are appended to the binary chunk of a `.glb`, or stored in an additional
+    /// buffer within the text of a `.gltf`.
     ///
     /// # Errors
-    /// A clip of another armature, a name that one of the file's clips has, a curve of too many keys; the file stays as it is.
+    /// A clip of another armature, a name that another clip of the file has, or a curve with too many keys. The file
+    /// does not change then.
     pub fn add_clip(&mut self, clip: &Clip, options: &WriteOptions) -> Result<(), UnwritableScene> {
         let is_there = self.scene.clips.iter().any(|own| own.name() == clip.name());
         if is_there {
@@ -148,11 +152,12 @@ impl SceneFile {
         Ok(())
     }
 
-    /// Makes a pose the one that the nodes have where no clip moves them, and the weights of morph targets those of the meshes'
-    /// nodes. Clips say what they said; what of a clip stood at rest stands in this pose now.
+    /// Sets the rest pose of the nodes, and the rest weights of morph targets on the nodes of the meshes.
+    ///
+    /// Keyed values of clips do not change. Bones without keys follow the new rest pose.
     ///
     /// # Errors
-    /// A pose of another armature; the file stays as it is.
+    /// A pose of another armature. The file does not change then.
     pub fn set_rest(&mut self, pose: &Pose) -> Result<(), UnwritableScene> {
         let old = &self.scene.armature;
         let posed = old.clone().at_rest_in(pose)?;
@@ -186,20 +191,20 @@ impl SceneFile {
         Ok(())
     }
 
-    /// The file's bytes: `.glb` where a `.glb` was read, else the text of a `.gltf`. Other files that it names are still named.
+    /// The bytes of the file: GLB if a `.glb` was read, else the text of a `.gltf`. References to external files stay.
     ///
     /// # Errors
-    /// It takes 4 GiB, which GLB cannot have.
+    /// The file exceeds 4 GiB, the limit of GLB.
     pub fn to_bytes(&self) -> Result<Vec<u8>, UnwritableScene> {
         bytes_of(&self.document, &self.container)
     }
 
-    /// Writes it to a `.glb` or `.gltf` file. In another folder than it was read from, the images and buffers that it names by
-    /// relative paths are put into it. One that does not exist stays named, and all of a document from memory.
+    /// Writes a `.glb` or `.gltf` file. In another folder than the original, images and buffers with relative paths are
+    /// embedded. References to missing files stay, and so do all references of a document from memory.
     ///
     /// # Errors
-    /// A [`WriteError`] naming the file. The file cannot be written, or its name ends otherwise. A named file is outside of the
-    /// allowed folders, or cannot be read. An image does not begin as files of its type do.
+    /// A [`WriteError`] that names the file. The file cannot be written, or has another extension. An external file is
+    /// outside the allowed folders or cannot be read. The first bytes of an image do not match its type.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let fail =
@@ -243,7 +248,7 @@ fn bytes_of(document: &Members, container: &Container) -> Result<Vec<u8>, Unwrit
     }
 }
 
-/// Gives a node the place that its bone has at rest now, where that is another; says whether it did.
+/// Writes a node's new rest transform if it changed; returns whether it did.
 fn pose_node(
     members: &mut Members,
     bone: BoneId,
@@ -257,7 +262,7 @@ fn pose_node(
     Ok(moved)
 }
 
-/// Says where a node is by translation, rotation and scale, and no longer by a matrix.
+/// Sets translation, rotation and scale of a node and removes its matrix.
 fn place(members: &mut Members, at: LocalTransform) -> serde_json::Result<()> {
     members.remove("matrix");
     members.set("translation", &at.translation.to_array())?;
@@ -265,7 +270,7 @@ fn place(members: &mut Members, at: LocalTransform) -> serde_json::Result<()> {
     members.set("scale", &at.scale.to_array())
 }
 
-/// The text of a member that is a string; `None` where it is none.
+/// The value of a member that is a string; `None` otherwise.
 fn text(members: &Members, key: &str) -> Option<String> {
     let value: &RawValue = members.get(key)?;
     serde_json::from_str(value.get()).ok()

@@ -1,4 +1,4 @@
-//! Clips into the document.
+//! Writing of clips.
 
 use gltf_json::Index;
 use gltf_json::animation::{
@@ -14,11 +14,11 @@ use crate::animation::{Armature, Channel, Clip, Property, clip};
 use crate::io::gltf::scene::{Scene, SceneMesh};
 use crate::skeleton::BoneId;
 
-/// An animation that grows.
+/// An animation under construction.
 struct Growing<'a> {
     document: &'a mut Document,
     animation: Animation,
-    /// Added to all times, as glTF has none before 0.
+    /// Time shift in seconds: glTF has no negative times.
     shift: f32,
 }
 
@@ -91,8 +91,8 @@ impl Growing<'_> {
         }));
     }
 
-    /// A clip may last beyond its keys, a glTF animation may not: a bone that keeps its place over
-    /// the whole span makes it last.
+    /// Adds constant keys of a bone's translation over the span. A glTF animation lasts exactly as long as its keys,
+    /// while a clip may last longer.
     fn hold(&mut self, armature: &Armature, channels: &[(BoneId, Channel)], span: [f32; 2]) {
         let moves = |bone: BoneId| {
             let mut own = channels.iter().filter(|(other, _)| *other == bone);
@@ -114,8 +114,8 @@ impl Growing<'_> {
     }
 }
 
-/// The weights of a mesh's morph targets, keyed together as glTF has them: as they are where their
-/// curves are of one kind and have the same keys, else lines through samples.
+/// Keys of a mesh's morph weights, which glTF keys together. The keys are exact if the curves have one type and equal
+/// key times, and else samples with linear interpolation.
 fn weights(
     mesh: &SceneMesh,
     morphs: &[(usize, KeyedCurve<f32>)],
@@ -173,7 +173,7 @@ fn weights(
         match moving.and_then(exact) {
             Some((_, outputs)) => outputs,
             None => {
-                // Constant: a value, and tangents of zero around it.
+                // A constant curve has zero tangents.
                 let value = curve.and_then(|curve| curve.values().first().copied());
                 let value = value.unwrap_or(still(place));
                 let key = |_| match sides {

@@ -1,4 +1,4 @@
-//! The document that grows while a scene is written, and the binary chunk beside it.
+//! The glTF document under construction, and its binary chunk.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,11 @@ use crate::io::gltf::glb;
 pub(super) struct Document {
     pub(super) root: Root,
     bytes: Vec<u8>,
-    /// Key times that are in the buffer already, by their bits: most channels share them.
+    /// Accessors of key times by bit pattern: most channels share their times.
     times: BTreeMap<Vec<u32>, Index<Accessor>>,
 }
 
-/// What the entries of an accessor are.
+/// Type and size of an accessor.
 struct Shape {
     kind: Type,
     component: ComponentType,
@@ -37,8 +37,7 @@ impl Document {
         }
     }
 
-    /// Vectors or single numbers. `bounded` adds their least and largest, which positions and key
-    /// times must have.
+    /// Adds vectors or single numbers. `bounded` adds their minimum and maximum, which positions and key times require.
     pub(super) fn numbers<const N: usize>(
         &mut self,
         values: &[[f32; N]],
@@ -58,7 +57,7 @@ impl Document {
         )
     }
 
-    /// Key times, shared with those that are there already.
+    /// Adds key times, or returns the accessor of equal times.
     pub(super) fn times(&mut self, times: &[f32]) -> Index<Accessor> {
         let bits: Vec<u32> = times.iter().map(|time| time.to_bits()).collect();
         if let Some(known) = self.times.get(&bits) {
@@ -70,7 +69,7 @@ impl Document {
         index
     }
 
-    /// The corners of triangles.
+    /// Adds triangle indices.
     pub(super) fn triangles(&mut self, triangles: &[[u32; 3]]) -> Index<Accessor> {
         let corners = triangles.as_flattened();
         let view = self.view(
@@ -80,7 +79,7 @@ impl Document {
         self.integers(view, Type::Scalar, ComponentType::U32, corners.len())
     }
 
-    /// Four joints for each vertex.
+    /// Adds four joint indices per vertex.
     pub(super) fn joints(&mut self, joints: &[[u16; 4]]) -> Index<Accessor> {
         let bytes = bytemuck::cast_slice(joints.as_flattened());
         let view = self.view(bytes, Some(Target::ArrayBuffer));
@@ -103,8 +102,8 @@ impl Document {
         self.accessor(Some(view), shape, None)
     }
 
-    /// The differences at some of `count` vertices; zero elsewhere. Sparse, unless every vertex has
-    /// one that is not zero.
+    /// Adds differences at some of `count` vertices; others are 0. The accessor is sparse, unless all vertices have
+    /// non-zero differences.
     pub(super) fn deltas(
         &mut self,
         count: usize,
@@ -168,7 +167,7 @@ impl Document {
     }
 
     fn view(&mut self, bytes: &[u8], target: Option<Target>) -> Index<View> {
-        // Every entry is a multiple of four bytes, so every view starts at one.
+        // Entries are multiples of four bytes, so every view starts at a multiple.
         let offset = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
         self.root.push(plain!(View {

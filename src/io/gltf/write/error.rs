@@ -1,75 +1,75 @@
-//! Why a scene cannot be written.
+//! Errors of writing scenes.
 
 use crate::animation::SizeMismatch;
 use crate::io::gltf::scene::SceneError;
 
-/// Why a scene cannot be written.
+/// Error of writing a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnwritableScene {
-    /// The parts of a mesh do not go together.
+    /// The parts of a mesh do not match.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A clip of another armature.
+    /// A clip belongs to another armature.
     #[error("clip `{clip}`: {problem}")]
     Clip {
-        /// The clip.
+        /// Name of the clip.
         clip: String,
-        /// How it differs.
+        /// The difference in size.
         problem: SizeMismatch,
     },
-    /// A clip that is called like one of the file's.
+    /// The file already has a clip of the name.
     #[error("the file has a clip `{clip}` already; names taken are {}", clips.join(", "))]
     ClipNameTaken {
-        /// The name.
+        /// Name of the clip.
         clip: String,
-        /// All names that are taken.
+        /// Names of all clips of the file.
         clips: Vec<String>,
     },
-    /// A pose of another armature.
+    /// A pose belongs to another armature.
     #[error("the pose is not the file's: {0}")]
     Pose(#[from] SizeMismatch),
-    /// A mesh without vertices or triangles, which glTF does not have.
+    /// A mesh has no vertices or no triangles, which glTF does not allow.
     #[error("mesh `{mesh}`: there are no {what}")]
     Empty {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// Vertices or triangles.
+        /// `vertices` or `triangles`.
         what: &'static str,
     },
-    /// Two meshes hang on one bone, which glTF does not have.
+    /// Two meshes are on one bone, which glTF does not allow.
     #[error("bone `{bone}` has two meshes; join them, or give one a bone of its own")]
     TwoMeshes {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// More joints than vertices can tell apart.
+    /// A skin has more than 65536 joints; joint indices have 16 bits.
     #[error("mesh `{mesh}`: {joints} joints, where there are numbers for 65536")]
     TooManyJoints {
-        /// The mesh.
+        /// Name of the mesh.
         mesh: String,
-        /// How many joints it has.
+        /// Number of joints.
         joints: usize,
     },
-    /// A number of keys a second that is none.
+    /// The number of keys per second is not a finite number above 0.
     #[error("{0} keys a second; it must be a finite number above 0")]
     BadRate(f32),
-    /// An axis up without a direction.
+    /// The up axis is zero or not finite.
     #[error("the axis up, {0:?}, is not finite or has no direction")]
     BadUp([f32; 3]),
-    /// A curve so long that it would take more keys than anyone wants.
+    /// A curve would need too many keys.
     #[error("a curve would take {samples} keys; ask for fewer a second")]
     TooManySamples {
-        /// How many.
+        /// Number of keys.
         samples: f64,
     },
-    /// GLB counts bytes with 32 bits.
+    /// The file exceeds 4 GiB, as GLB counts bytes with 32 bits.
     #[error("the file would take {bytes} bytes, beyond the 4 GiB that GLB can have")]
     TooLong {
-        /// How many.
+        /// Size in bytes.
         bytes: usize,
     },
-    /// The document cannot be put into words.
+    /// The document cannot be serialised.
     #[error("{0}")]
     Document(String),
 }

@@ -1,5 +1,4 @@
-//! Curves as the keys that glTF has: steps, lines and cubic splines. Other curves become lines
-//! through samples.
+//! Curves as glTF keys: step, linear and cubic spline. Other curves are sampled and interpolated linearly.
 
 use glam::{Quat, Vec3A};
 use gltf_json::animation::Interpolation;
@@ -9,17 +8,17 @@ use crate::animation::curve::{Between, CurveValue, KeyedCurve};
 use crate::animation::rotation::{BetweenRotations, RotationCurve};
 use crate::animation::{Channel, EulerCurve};
 
-/// More samples of one curve than this are a slip.
+/// Largest number of samples of one curve; more are taken as a mistake.
 const MOST_SAMPLES: f64 = 4e6;
 
-/// The keys of a channel, N numbers each; with cubic splines three outputs for each key.
+/// Keys of a channel with `N` numbers per output; cubic splines have three outputs per key.
 pub(super) struct Keys<const N: usize> {
     pub(super) times: Vec<f32>,
     pub(super) outputs: Vec<[f32; N]>,
     pub(super) interpolation: Interpolation,
 }
 
-/// Translation and scale have three numbers, rotations four.
+/// Keys of translations and scales, or of rotations.
 pub(super) enum ChannelKeys {
     Vectors(Keys<3>),
     Rotations(Keys<4>),
@@ -46,11 +45,11 @@ fn vectors(curve: &KeyedCurve<Vec3A>, rate: f32) -> Result<Keys<3>, UnwritableSc
     }
 }
 
-/// The outputs of a curve that glTF has; `None` for another.
+/// The outputs of a curve that glTF can represent; `None` for others.
 pub(super) fn exact<V: CurveValue>(curve: &KeyedCurve<V>) -> Option<(Interpolation, Vec<V>)> {
     let values = curve.values();
     match curve.between() {
-        // Cubic splines have two keys at least (section 3.11).
+        // Cubic splines need at least two keys (section 3.11).
         _ if values.len() == 1 => Some((Interpolation::Step, values.to_vec())),
         Between::Step => Some((Interpolation::Step, values.to_vec())),
         Between::Linear => Some((Interpolation::Linear, values.to_vec())),
@@ -91,14 +90,14 @@ fn rotations(curve: &RotationCurve, rate: f32) -> Result<Keys<4>, UnwritableScen
 fn euler(curve: &EulerCurve, rate: f32) -> Result<Keys<4>, UnwritableScene> {
     let mut previous = Quat::IDENTITY;
     sampled(curve.angles.times(), rate, |time| {
-        // On one side, for programs that do not look for the shorter arc.
+        // On one hemisphere, for programs that do not choose the shorter arc.
         let own = curve.at(time);
         previous = if own.dot(previous) < 0.0 { -own } else { own };
         previous.to_array()
     })
 }
 
-/// Lines through samples at the rate and at the keys themselves.
+/// Samples at the given rate and at the keys, with linear interpolation.
 fn sampled<const N: usize>(
     keys: &[f32],
     rate: f32,
@@ -115,7 +114,7 @@ fn sampled<const N: usize>(
     })
 }
 
-/// The key times, which rise, and between the first and the last so many each second.
+/// Ascending times: those of the keys, and `rate` samples per second between the first and the last key.
 pub(super) fn sample_times(keys: &[f32], rate: f32) -> Result<Vec<f32>, UnwritableScene> {
     let (Some(&first), Some(&last)) = (keys.first(), keys.last()) else {
         return Ok(Vec::new());
@@ -126,7 +125,7 @@ pub(super) fn sample_times(keys: &[f32], rate: f32) -> Result<Vec<f32>, Unwritab
         return Err(UnwritableScene::TooManySamples { samples });
     }
     let grid = (1..samples.ceil() as usize).map(|sample| (start + sample as f64 / rate) as f32);
-    // A sample that all but falls on a key is left to the key.
+    // A sample very close to a key is dropped.
     let near = (1e-3 / rate) as f32;
     let is_apart = |time: &f32| {
         let after = keys.partition_point(|key| key < time);

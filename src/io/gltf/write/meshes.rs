@@ -1,4 +1,4 @@
-//! Meshes, morph targets and skins into the document.
+//! Writing of meshes, morph targets and skins.
 
 use std::collections::BTreeMap;
 
@@ -111,7 +111,7 @@ fn entry(
         };
         Entry {
             positions: part(target.position_deltas(), true),
-            // Only of what the mesh itself has (section 3.7.2.2).
+            // Targets may only have attributes of the mesh (section 3.7.2.2).
             normals: match shape.normals() {
                 [] => None,
                 _ => part(target.normal_deltas(), false),

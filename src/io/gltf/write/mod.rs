@@ -1,6 +1,6 @@
-//! Writing scenes and posed meshes as `.glb` files.
+//! Writing of scenes and posed meshes as `.glb` files.
 
-/// A part of the document that has neither extensions nor extras.
+/// A part of the document without extensions and extras.
 macro_rules! plain {
     ($($part:ident)::+ { $($entries:tt)* }) => {
         $($part)::+ { extensions: None, extras: None, $($entries)* }
@@ -32,21 +32,21 @@ use crate::mesh::TriangleMesh;
 use crate::skeleton::BoneId;
 use crate::skinning::MorphTargets;
 
-/// How scenes are written.
+/// Options of writing scenes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct WriteOptions {
-    /// How many keys a second stand for a curve that glTF does not have: eased and Bézier curves,
-    /// squad, Hermite rotations, Euler angles, and morph weights that are not keyed together. They
-    /// become lines through these and the curve's own keys.
+    /// Samples per second of curves that glTF cannot represent. These are eased and Bézier curves, squad and Hermite
+    /// rotations, Euler angles, and morph weights with different keys. They become linear curves through these samples
+    /// and their own keys.
     pub keys_per_second: f32,
-    /// The scene's axis up. Where it is not glTF's own, y, a node above all bones turns it there, so that a figure whose up
-    /// is z stands in viewers; bones, clips and skins stay as they are.
+    /// Up axis of the scene. If it is not y, the up axis of glTF, an additional root node rotates it to y, so that
+    /// viewers show the scene upright. Bones, clips and skins do not change.
     pub up: Vec3,
 }
 
 impl Default for WriteOptions {
-    /// 30 keys a second, up is y.
+    /// 30 keys per second, y up.
     fn default() -> Self {
         Self {
             keys_per_second: 30.0,
@@ -55,21 +55,20 @@ impl Default for WriteOptions {
     }
 }
 
-/// The bytes of a `.glb` file of a scene. [Reading](super::from_bytes) them gives the scene again to
-/// the bit of single precision, in the order of the bones, with these exceptions:
+/// The bytes of a `.glb` file of a scene. [Reading](super::from_bytes) them gives an equal scene in single precision
+/// and in the order of the bones, with these exceptions:
 ///
 /// - Weights are written in single precision.
-/// - Curves that glTF does not have are [sampled](WriteOptions::keys_per_second).
-/// - A clip that starts before 0 s is moved there, as glTF has no times before it. One that lasts
-///   beyond its keys does so by a bone that keeps its place; one that is shorter than its keys
-///   gets their span.
-/// - A scene whose axis [up](WriteOptions::up) is not y has a bone more, which stands it up.
-/// - Events are left out, and so is what morph targets do to normals and tangents of a mesh that has
-///   none. Morph targets are called as in the armature.
-/// - Normals are written as they are; glTF asks for unit length.
+/// - Curves that glTF cannot represent are [sampled](WriteOptions::keys_per_second).
+/// - A clip that starts before 0 s is shifted to start at 0 s, as glTF has no negative times. A clip longer than its
+///   keys gets constant keys of one bone. A clip shorter than its keys gets their span.
+/// - A scene whose [up](WriteOptions::up) axis is not y gets an additional root bone.
+/// - Events are left out. So are deltas of normals and tangents for a mesh without normals or tangents. Morph targets
+///   have their names in the armature.
+/// - Normals are written unchanged; glTF requires unit length.
 ///
 /// # Errors
-/// An [`UnwritableScene`] naming the mesh, bone or clip.
+/// An [`UnwritableScene`] that names the mesh, bone or clip.
 pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, UnwritableScene> {
     let rate = rate(options)?;
     for mesh in &scene.meshes {
@@ -97,11 +96,11 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
     document.finish()
 }
 
-/// A clip by itself, as it goes behind the document of the scene's file: nodes are the scene's bones.
+/// A document of one clip for appending to the scene's file; node indices are bone indices.
 pub(super) struct ClipDocument {
     pub(super) root: json::Root,
     pub(super) bytes: Vec<u8>,
-    /// The bones' rest pose.
+    /// Rest pose of the bones.
     pub(super) rest: Vec<LocalTransform>,
 }
 
@@ -133,10 +132,10 @@ fn rate(options: &WriteOptions) -> Result<f32, UnwritableScene> {
     }
 }
 
-/// Writes [`to_bytes`] to a file, which should end in `.glb`.
+/// Writes [`to_bytes`] to a file, whose extension should be `.glb`.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file: it cannot be written, or as [`to_bytes`].
+/// A [`WriteError`] that names the file: it cannot be written, or an error of [`to_bytes`].
 pub fn write(
     scene: &Scene,
     options: &WriteOptions,
@@ -145,10 +144,10 @@ pub fn write(
     written(to_bytes(scene, options), path.as_ref())
 }
 
-/// The bytes of a `.glb` file of a mesh that does not move, such as a posed one.
+/// The bytes of a `.glb` file of a static mesh, such as a posed one.
 ///
 /// # Errors
-/// The mesh has no vertices or no triangles, or takes 4 GiB.
+/// The mesh has no vertices or no triangles, or the file exceeds 4 GiB.
 pub fn mesh_to_bytes(mesh: &TriangleMesh) -> Result<Vec<u8>, UnwritableScene> {
     let document = |error: String| UnwritableScene::Document(error);
     let bone = ArmatureBone {
@@ -174,10 +173,10 @@ pub fn mesh_to_bytes(mesh: &TriangleMesh) -> Result<Vec<u8>, UnwritableScene> {
     to_bytes(&scene, &WriteOptions::default())
 }
 
-/// Writes [`mesh_to_bytes`] to a file, which should end in `.glb`.
+/// Writes [`mesh_to_bytes`] to a file, whose extension should be `.glb`.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file: it cannot be written, or as [`mesh_to_bytes`].
+/// A [`WriteError`] that names the file: it cannot be written, or an error of [`mesh_to_bytes`].
 pub fn write_mesh(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), WriteError> {
     written(mesh_to_bytes(mesh), path.as_ref())
 }

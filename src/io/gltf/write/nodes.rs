@@ -1,4 +1,4 @@
-//! Bones into the document.
+//! Writing of bones as nodes.
 
 use glam::{Quat, Vec3};
 use gltf_json::Index;
@@ -8,7 +8,7 @@ use super::UnwritableScene;
 use crate::animation::Armature;
 use crate::skeleton::BoneId;
 
-/// The armature's bones as nodes, with their rest pose.
+/// The bones of an armature as nodes, in their rest pose.
 pub(super) fn of(armature: &Armature) -> Vec<Node> {
     let mut nodes = Vec::with_capacity(armature.bones());
     let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); armature.bones()];
@@ -35,7 +35,8 @@ pub(super) fn of(armature: &Armature) -> Vec<Node> {
     nodes
 }
 
-/// A node above `roots` that turns an axis up to y, glTF's (section 3.4); none where it is that.
+/// A node with the children `roots` that rotates the up axis to y, the up axis of glTF (section 3.4). `None` if the up
+/// axis is y.
 pub(super) fn standing(
     armature: &Armature,
     up: Vec3,

@@ -1,4 +1,4 @@
-//! Skins and weights into the document.
+//! Writing of skins and weights.
 
 use glam::Affine3A;
 use gltf_json::{Index, skin};
@@ -7,20 +7,19 @@ use super::buffer::Document;
 use crate::io::gltf::scene::Skin;
 use crate::skinning::{Influence, SkinWeights};
 
-/// How many influences an attribute has room for.
+/// Number of influences per attribute set.
 const PLACES: usize = 4;
 
-/// The joints and weights of every vertex, four of them.
+/// Joints and weights of every vertex, four each.
 type Set = (Vec<[u16; PLACES]>, Vec<[f32; PLACES]>);
 
-/// Whether two meshes may share a skin: the weights are the meshes' own.
+/// Reports whether two meshes may share a skin; weights belong to the meshes.
 pub(super) fn is_same(one: &Skin, other: &Skin) -> bool {
     let same_joints = one.joints == other.joints && one.name == other.name;
     same_joints && one.joint_from_mesh == other.joint_from_mesh
 }
 
-/// Joints and weights of every vertex, four at a time, by falling weight: some programs read the
-/// first four only.
+/// Joints and weights of every vertex in sets of four, by descending weight: some programs read the first set only.
 pub(super) fn sets(weights: &SkinWeights) -> Vec<Set> {
     let sets = weights.max_influences().div_ceil(PLACES).max(1);
     let mut sorted: Vec<Vec<Influence>> = weights.iter().map(<[Influence]>::to_vec).collect();

@@ -1,33 +1,36 @@
-//! Blends of corners: three cubic pieces that leave the corner out, within a tolerance of every joint.
+//! Corner blends of joint curves: three cubic pieces that replace a corner, within a tolerance of every joint.
 
 use super::corners::angle;
 use super::cubic_curve::{CubicCurve, Jet};
 
-/// Bends beyond this angle are reversals, radians: the path stops there, as a blend would save no time and not reach the corner.
+/// Angle beyond which a corner is a reversal, radians. The path stops there, as a blend would save no time and not
+/// reach the corner.
 const MIN_REVERSAL: f64 = 2.8;
-/// Largest share of the curve beside a corner that a blend replaces.
+/// Largest fraction of an adjacent curve that a blend replaces.
 const MAX_SHARE: f64 = 0.45;
-/// Distance from a corner between straight lines to its blend, per half length and change of tangent.
+/// Distance from a corner between straight lines to its blend, per half length and per change of the tangent.
 const CORNER_DISTANCE: f64 = 13.0 / 72.0;
-/// Share of the tolerance that a first blend uses, for rounding.
+/// Fraction of the tolerance that a first blend uses, to allow for rounding.
 const TOLERANCE_SHARE: f64 = 0.999;
-/// Shrinking of a blend that is too far from the corner, and how often.
+/// Factor that shortens a blend that is too far from the corner, and maximum number of shortenings.
 const SHRINK: f64 = 0.85;
 const MAX_SHRINKS: usize = 48;
-/// Samples on each side of a corner at which the distance is checked.
+/// Number of samples on each side of a corner at which the distance is checked.
 const CHECKS: usize = 8;
 
 /// Three cubic pieces of equal length around a corner.
 struct Blend {
-    /// Half of their length, in the curve parameter.
+    /// Half of the length of all three pieces, in the curve parameter.
     half: f64,
-    /// Second derivatives at the two inner knots, and values there, one row each.
+    /// Second derivatives and values at the two inner knots, one row each.
     bends: [Vec<f64>; 2],
     values: [Vec<f64>; 2],
 }
 
-/// Joins curves whose ends meet in corners, in order. Returns curves without corners, at whose ends the path stops: one, if all
-/// corners can be blended within `tolerance` (radians or metres of each joint), all of them with a tolerance of 0.
+/// Joins consecutive curves whose ends meet in corners, and returns curves at whose ends the path stops.
+///
+/// `tolerance` is in radians or metres of each joint. If all corners can be blended within it, the result is one curve.
+/// A tolerance of 0 blends none.
 pub(super) fn joined(stretches: Vec<CubicCurve>, tolerance: f64) -> Vec<CubicCurve> {
     let blends: Vec<Option<Blend>> = stretches
         .windows(2)
@@ -83,7 +86,7 @@ fn push_point(joined: &mut CubicCurve, curve: &CubicCurve, s: f64) {
 }
 
 impl Blend {
-    /// Largest blend of the corner between two curves; none of a reversal, or without a tolerance.
+    /// Returns the largest blend of the corner between two curves; `None` for a reversal or without a tolerance.
     fn new(before: &CubicCurve, after: &CubicCurve, tolerance: f64) -> Option<Self> {
         let corner = before.end();
         let first = |curve: &CubicCurve, piece: usize, s: f64| -> Vec<f64> {
@@ -109,7 +112,7 @@ impl Blend {
         None
     }
 
-    /// The cubic pieces that continue both curves with their first and second derivatives.
+    /// Creates cubic pieces that continue both curves with continuous first and second derivatives.
     fn of_half_length(before: &CubicCurve, after: &CubicCurve, half: f64) -> Self {
         let corner = before.end();
         let (start, end) = (corner - half, corner + half);
@@ -137,7 +140,7 @@ impl Blend {
         blend
     }
 
-    /// Appends the two inner knots.
+    /// Appends the two inner knots of the blend.
     fn append(&self, curve: &mut CubicCurve, corner: f64) {
         for (side, (values, bends)) in self.values.iter().zip(&self.bends).enumerate() {
             let s = corner + (2.0 * side as f64 - 1.0) * self.half / 3.0;
@@ -145,7 +148,7 @@ impl Blend {
         }
     }
 
-    /// Whether no joint is farther than `tolerance` from the curves with the corner.
+    /// Returns whether every joint is within `tolerance` of the original curves.
     fn is_within(&self, before: &CubicCurve, after: &CubicCurve, tolerance: f64) -> bool {
         let corner = before.end();
         let mut blended = CubicCurve {

@@ -2,7 +2,8 @@
 
 use crate::scalar::elementary::{atan2, cosh, ln_1p, sin_cos, sinh};
 
-/// A cell in which the acceleration of the parameter is linear over the parameter: σ̈ = acceleration + slope · (σ − start).
+/// Grid cell in which the acceleration of the parameter is linear over the parameter: σ̈ = acceleration + slope · (σ −
+/// start).
 ///
 /// The squared speed is a parabola over σ. With a slope of 0 the acceleration is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +20,7 @@ pub(super) struct Cell {
     pub(super) time: f64,
 }
 
-/// Position, speed and acceleration of the parameter.
+/// Position, speed and acceleration of the curve parameter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
     pub(super) position: f64,
@@ -27,13 +28,13 @@ pub(super) struct State {
     pub(super) acceleration: f64,
 }
 
-/// Steps of Newton's method for the time at a parameter.
+/// Maximum number of Newton steps for the time at a parameter.
 const MAX_STEPS: usize = 64;
-/// Largest slope · time² for which a few terms of the power series are exact.
+/// Largest |slope · time²| for which a few terms of the power series are exact.
 const SMALL_SQUARE: f64 = 0.1;
 
 impl Cell {
-    /// State after a time in the cell.
+    /// Returns the state after a time in the cell, seconds.
     pub(super) fn at(&self, time: f64) -> State {
         let (sinh, cosh) = self.basis(time);
         let moved = self.speed * sinh + self.acceleration * cosh;
@@ -44,7 +45,7 @@ impl Cell {
         }
     }
 
-    /// Time in the cell until the parameter has moved by `distance`, seconds. The speed is above 0 in between.
+    /// Returns the time until the parameter has moved by `distance`, seconds. The speed must be positive in between.
     pub(super) fn time_to(&self, distance: f64) -> f64 {
         if distance <= 0.0 {
             return 0.0;
@@ -60,7 +61,7 @@ impl Cell {
             let closed = self.closed_time(distance, ends[1].sqrt());
             time = if closed.is_finite() { closed } else { time };
         }
-        // Newton's method between the times at the largest and the smallest speed, by halves where it leaves them.
+        // Newton's method, bracketed by the times at the largest and smallest speed; bisection outside the bracket.
         let turn = (-self.acceleration / self.slope).clamp(0.0, distance);
         let turn = squared(turn);
         let (least, most) = (
@@ -89,7 +90,7 @@ impl Cell {
         time
     }
 
-    /// Time to a distance at which the speed is known, from logarithms or angles.
+    /// Returns the time to a distance at which the speed is known, from logarithms or angles.
     fn closed_time(&self, distance: f64, speed: f64) -> f64 {
         let rate = self.slope.abs().sqrt();
         let gained = self.slope * distance;
@@ -104,7 +105,7 @@ impl Cell {
         (start + end) / rate
     }
 
-    /// sinh(ω t) / ω and (cosh(ω t) − 1) / ω², of ω² = slope.
+    /// Returns sinh(ω t) / ω and (cosh(ω t) − 1) / ω² with ω² = slope.
     fn basis(&self, time: f64) -> (f64, f64) {
         let square = self.slope * time * time;
         if square.abs() < SMALL_SQUARE {

@@ -6,18 +6,18 @@
 use super::grid::Grid;
 use super::tool_motion::ToolMotion;
 
-/// A line over x that bounds u: `height − slope · x` from above, or `−height − slope · x` from below.
+/// Linear bound of u over x: `height − slope · x` from above, or `−height − slope · x` from below.
 #[derive(Clone, Copy, Debug, Default)]
 struct Line {
     slope: f64,
     height: f64,
 }
 
-/// Lines of all cells, one cell after another.
+/// Linear bounds of all cells, one cell after another.
 #[derive(Clone, Debug, Default)]
 struct Lines {
     lines: Vec<Line>,
-    /// First line of each cell.
+    /// Index of the first line of each cell.
     starts: Vec<usize>,
 }
 
@@ -28,12 +28,12 @@ impl Lines {
     }
 }
 
-/// Bounds of all cells of a grid.
+/// Constraints of all cells of a grid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Constraints {
     /// Largest x at each grid point.
     pub(super) speed: Vec<f64>,
-    /// Lines that bound u from above and, with their height negated, from below.
+    /// Lines that bound u from above, and with negated height from below.
     both: Lines,
     /// Lines that bound u from one side.
     upper: Lines,
@@ -48,14 +48,15 @@ struct Range {
     lower_line: Line,
 }
 
-/// Rounds of the search for the largest x; each takes the intersection of two lines.
+/// Maximum number of rounds of the search for the largest x. Each takes the intersection of two lines.
 const MAX_ROUNDS: usize = 64;
-/// Largest relative gap between bounds of u that counts as none.
+/// Largest relative gap between bounds of u that counts as zero.
 const NEGLIGIBLE: f64 = 1e-12;
 
 impl Constraints {
-    /// Velocity and acceleration limits of joints and tool on a grid. `scales` are the shares of the acceleration limits that
-    /// each cell uses.
+    /// Creates the constraints from velocity and acceleration limits of joints and tool on a grid.
+    ///
+    /// `scales` are the fractions of the acceleration limits that each cell uses.
     pub(super) fn new(
         grid: &Grid,
         velocity: &[f64],
@@ -101,7 +102,7 @@ impl Constraints {
         all
     }
 
-    /// Adds |a u + b x| ≤ c.
+    /// Adds the constraint |a u + b x| ≤ c.
     fn push_both(&mut self, cell: usize, [a, b, c]: [f64; 3]) {
         let size = a.abs();
         if size > f64::EPSILON * b.abs() {
@@ -112,7 +113,7 @@ impl Constraints {
         }
     }
 
-    /// Adds a u + b x ≤ c.
+    /// Adds the constraint a u + b x ≤ c.
     fn push_half_plane(&mut self, cell: usize, [a, b, c]: [f64; 3]) {
         let size = a.abs();
         if size > f64::EPSILON * b.abs() {
@@ -128,13 +129,13 @@ impl Constraints {
         }
     }
 
-    /// Whether u has a bound in a cell.
+    /// Returns whether u is bounded in a cell.
     pub(super) fn are_bounded(&self, cell: usize) -> bool {
         let has = |lines: &Lines| !lines.of_cell(cell).is_empty();
         has(&self.both) || (has(&self.upper) && has(&self.lower))
     }
 
-    /// Bounds of u in a cell at `x`, with `x + 2 Δ u` in `[0, next]`.
+    /// Returns the bounds of u in a cell at `x`, with `x + 2 Δ u` in `[0, next]`.
     fn range(&self, cell: usize, x: f64, half_inverse: f64, next: f64) -> Range {
         let slope = half_inverse;
         let height = next * half_inverse;
@@ -159,10 +160,10 @@ impl Constraints {
         range
     }
 
-    /// Largest x at the first point of a cell from which some u leads to at most `next` at its last point.
+    /// Returns the largest x at the first point of a cell from which some u leads to at most `next` at its last point.
     ///
-    /// The gap between the bounds of u is concave in x and not negative at 0. Newton's method from the right, on lines, ends at its zero
-    /// after a few rounds.
+    /// The gap between the bounds of u is concave in x and not negative at 0. Newton's method from the right converges
+    /// to its zero in a few rounds, because the bounds are piecewise linear.
     pub(super) fn largest_squared_speed(&self, cell: usize, step: f64, next: f64) -> f64 {
         let half_inverse = 0.5 / step;
         let mut x = self.speed[cell].min(f64::MAX.sqrt());
@@ -174,7 +175,7 @@ impl Constraints {
             }
             let (above, below) = (range.upper_line, range.lower_line);
             let crossing = (above.height + below.height) / (above.slope - below.slope);
-            // Rounding alone may lead back.
+            // Only rounding errors can increase x.
             if crossing.is_nan() || crossing >= x {
                 break;
             }
@@ -183,7 +184,7 @@ impl Constraints {
         x
     }
 
-    /// Largest u in a cell at `x` that leads to at most `next` at the last point.
+    /// Returns the largest u in a cell at `x` that leads to at most `next` at the last point.
     pub(super) fn largest_acceleration(&self, cell: usize, step: f64, x: f64, next: f64) -> f64 {
         let range = self.range(cell, x, 0.5 / step, next);
         range.upper.max(range.lower)

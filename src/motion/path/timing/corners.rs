@@ -1,41 +1,42 @@
-//! Corners of a row of configurations.
+//! Detection of corners in a sequence of configurations.
 //!
-//! A corner is a bend that stays when rows get denser. One-sided parabolas through the rows before and after a row give two
-//! tangents there. On a smooth curve the angle between them vanishes with the square of the row distance, at a corner it stays.
+//! A corner is a bend that stays when rows get denser. One-sided parabolas through the rows before and after a row give
+//! two tangents. The angle between them vanishes with the square of the row distance on a smooth curve, but not at a
+//! corner.
 
 use crate::scalar::elementary::acos;
 
-/// Smallest distances from a row to the rows that its tangents are computed from, radians or metres of joint length. A row is a
-/// corner if it is one at both.
+/// Smallest distances from a row to the rows that define its tangents, radians or metres of joint length. A row is a
+/// corner if it is one at both distances.
 ///
-/// Rows carry the tolerance of their solver, about 1e-6, which closer rows would amplify. At the first distance this does not
-/// matter. The second tells tight bends of dense rows from corners.
+/// Closer rows would amplify the tolerance of their solver, about 1e-6. The first distance is safe from that. The
+/// second distinguishes tight bends of dense rows from corners.
 const REACHES: [f64; 2] = [MIN_REACH, 3e-4];
 pub(super) const MIN_REACH: f64 = 2e-3;
 /// Smallest angle between two one-sided tangents that counts as a corner, radians.
 const MIN_BEND: f64 = 0.05;
-/// Its cosine, rounded up.
+/// Cosine of [`MIN_BEND`], rounded up.
 const MIN_BEND_COSINE: f64 = 0.99876;
-/// Smallest ratio of that angle to the angle between the chords.
+/// Smallest ratio of the angle between tangents to the angle between chords at a corner.
 const MIN_LASTING_SHARE: f64 = 0.6;
-/// The same where a corner or an end is so near that one tangent is a chord.
+/// As `MIN_LASTING_SHARE`, if one tangent is a chord because a corner or an end is near.
 const MIN_LASTING_SHARE_BESIDE: f64 = 0.9;
 
-/// Smallest ratio of that angle to the angle between chords at the rows beside it, if the path bends to the same side there. A
-/// tight bend of a smooth curve spreads over several rows.
+/// Smallest ratio of the angle between tangents to the angle between chords at neighbouring rows that bend to the same
+/// side. A tight bend of a smooth curve spreads over several rows.
 const MIN_ISOLATION: f64 = 2.0;
 
-/// Rows in order, with their joint lengths from the first row.
+/// Consecutive rows, with their joint lengths from the first row.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) rows: &'a [&'a [f64]],
     pub(super) lengths: &'a [f64],
-    /// Smallest distance from a row to the rows that its direction is computed from.
+    /// Smallest distance from a row to the rows that define its direction.
     pub(super) reach: f64,
 }
 
 impl Rows<'_> {
-    /// Nearest row before `row` that is at least `reach` away, but not before `bound`.
+    /// Returns the nearest row before `row` that is at least `reach` away, but not before `bound`.
     fn before(&self, row: usize, bound: usize) -> usize {
         let limit = self.lengths[row] - self.reach;
         (bound..row)
@@ -44,7 +45,7 @@ impl Rows<'_> {
             .unwrap_or(bound)
     }
 
-    /// Nearest row after `row` that is at least `reach` away, but not after `bound`.
+    /// Returns the nearest row after `row` that is at least `reach` away, but not after `bound`.
     fn after(&self, row: usize, bound: usize) -> usize {
         let limit = self.lengths[row] + self.reach;
         (row + 1..=bound)
@@ -52,7 +53,7 @@ impl Rows<'_> {
             .unwrap_or(bound)
     }
 
-    /// Direction of the chord between two rows; zero if they are equal.
+    /// Returns the unit direction of the chord between two rows; zero if they are equal.
     fn chord(&self, from: usize, to: usize) -> Vec<f64> {
         let moves = self.rows[to].iter().zip(self.rows[from]);
         let mut chord: Vec<f64> = moves.map(|(b, a)| b - a).collect();
@@ -63,7 +64,8 @@ impl Rows<'_> {
         chord
     }
 
-    /// Tangent at `row` by the parabola through it, `near` and `far`; the chord where `near` and `far` are one row.
+    /// Returns the tangent at `row` of the parabola through it, `near` and `far`; the chord if `near` and `far` are one
+    /// row.
     fn tangent(&self, row: usize, near: usize, far: usize) -> Vec<f64> {
         let (from, to) = (row.min(near), row.max(near));
         let mut tangent = self.chord(from, to);
@@ -78,19 +80,19 @@ impl Rows<'_> {
         tangent
     }
 
-    /// Angle between the chords to the rows before and after.
+    /// Returns the angle between the chords to the rows before and after, radians.
     fn turn(&self, row: usize, first: usize, last: usize) -> f64 {
         let (before, after) = (self.before(row, first), self.after(row, last));
         self.angle_of_chords([before, row], [row, after])
     }
 
-    /// Change of direction from one row to a later one.
+    /// Returns the change of direction from one row to a later one, radians.
     pub(super) fn turn_between(&self, from: usize, to: usize) -> f64 {
         let (after, before) = (self.after(from, to), self.before(to, from));
         self.angle_of_chords([from, after], [before, to])
     }
 
-    /// Angle between two chords, 0 if it is less than [`MIN_BEND`] or a chord is zero.
+    /// Returns the angle between two chords, radians; 0 if it is less than [`MIN_BEND`] or a chord is zero.
     fn angle_of_chords(&self, first: [usize; 2], second: [usize; 2]) -> f64 {
         let ends = |[from, to]: [usize; 2]| self.rows[from].iter().zip(self.rows[to]);
         let (mut product, mut squares) = (0.0, [0.0; 2]);
@@ -107,7 +109,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Largest angle between chords at the rows beside a row, where the path bends to the same side.
+    /// Returns the largest angle between chords at the neighbouring rows that bend to the same side, radians.
     fn turn_beside(&self, row: usize, first: usize, last: usize) -> f64 {
         let change = |row: usize| {
             let (before, after) = (self.before(row, first), self.after(row, last));
@@ -128,7 +130,7 @@ impl Rows<'_> {
         turns.fold(0.0, f64::max)
     }
 
-    /// Whether a row is a corner between two bounds: corners that are known, or ends.
+    /// Returns whether a row is a corner between two bounds, which are known corners or ends.
     fn has_corner(&self, row: usize, first: usize, last: usize) -> bool {
         let (before, after) = (self.before(row, first), self.after(row, last));
         let far_before = self.before(before, first);
@@ -146,25 +148,25 @@ impl Rows<'_> {
     }
 }
 
-/// Angle between two vectors, 0 if one is zero.
+/// Returns the angle between two vectors, radians; 0 if one is zero.
 pub(super) fn angle(a: &[f64], b: &[f64]) -> f64 {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let sizes = (product(a, a) * product(b, b)).sqrt();
     match sizes > 0.0 {
-        // NaN is no angle either.
+        // False for NaN, so its angle is 0 too.
         true => acos((product(a, b) / sizes).clamp(-1.0, 1.0)),
         false => 0.0,
     }
 }
 
-/// Rows at which the path has a corner, in order. No two rows in a row are equal.
+/// Returns the rows at which the path has a corner, ascending. Consecutive rows must differ.
 pub(super) fn corners(rows: Rows<'_>) -> Vec<usize> {
     let Some(last) = rows.rows.len().checked_sub(1) else {
         return Vec::new();
     };
     let turns = (1..last).map(|row| (rows.turn(row, 0, last), row));
     let mut candidates: Vec<(f64, usize)> = turns.filter(|(turn, _)| *turn > MIN_BEND).collect();
-    // The sharpest first: a corner hides what its neighbours' chords see of it.
+    // The sharpest first, because a corner distorts the chords of its neighbours.
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut corners = vec![0, last];
     for (_, row) in candidates {

@@ -1,18 +1,18 @@
-//! Joint curve with continuous second derivative, made of cubic pieces.
+//! Piecewise cubic joint curve with continuous second derivative.
 
-/// A curve q(s) of several joints: cubic between knots, twice continuously differentiable.
+/// Curve q(s) of several joints: cubic between knots, twice continuously differentiable.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct CubicCurve {
     pub(super) joints: usize,
-    /// Curve parameters of the knots, rising.
+    /// Curve parameters of the knots, ascending.
     pub(super) knots: Vec<f64>,
-    /// Joint values at the knots, one row a knot.
+    /// Joint values at the knots, one row per knot.
     pub(super) values: Vec<f64>,
-    /// Second derivatives at the knots, one row a knot.
+    /// Second derivatives at the knots, one row per knot.
     pub(super) bends: Vec<f64>,
 }
 
-/// Values and derivatives of one joint at one curve parameter.
+/// Value and derivatives of one joint at one curve parameter.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Jet {
     pub(super) value: f64,
@@ -21,13 +21,15 @@ pub(super) struct Jet {
     pub(super) third: f64,
 }
 
-/// Largest ratio of the two outermost knot distances for which the ends are "not a knot".
+/// Largest ratio of the two outermost knot distances for not-a-knot end conditions.
 const MAX_END_RATIO: f64 = 4.0;
 
 impl CubicCurve {
     /// Interpolates rows of `joints` values by a cubic spline with not-a-knot ends (de Boor 1978, "A practical guide to
-    /// splines", ch. IV): a line through two rows, a parabola through three. Where the outermost knot distances differ by more
-    /// than a factor of four, the second derivative is constant in the end piece instead.
+    /// splines", ch. IV).
+    ///
+    /// Two rows give a line, three a parabola. If the outermost knot distances differ by more than a factor of four,
+    /// the second derivative is constant in the end piece instead.
     pub(super) fn through(knots: Vec<f64>, values: Vec<f64>, joints: usize) -> Self {
         let count = knots.len();
         let mut curve = Self {
@@ -59,7 +61,7 @@ impl CubicCurve {
             }
             return curve;
         }
-        // M at an end = a · M of the next knot + b · M of the one after.
+        // Coefficients (a, b) of the end's second derivative: a · M of the next knot + b · M of the one after.
         let end = |outer: f64, inner: f64| {
             let ratio = outer / inner;
             match (MAX_END_RATIO.recip()..=MAX_END_RATIO).contains(&ratio) {
@@ -120,13 +122,14 @@ impl CubicCurve {
         self.knots.last().copied().unwrap_or(0.0)
     }
 
-    /// Index of the piece that holds a curve parameter.
+    /// Returns the index of the piece that contains a curve parameter.
     pub(super) fn piece(&self, s: f64) -> usize {
         let after = self.knots.partition_point(|knot| *knot <= s);
         after.clamp(1, self.knots.len().max(2) - 1) - 1
     }
 
-    /// Value and derivatives of every joint at `s`, by the polynomials of one piece. The curve needs at least two knots.
+    /// Returns value and derivatives of every joint at `s`, from the polynomials of one piece. The curve needs two
+    /// knots.
     pub(super) fn jets(&self, piece: usize, s: f64) -> impl Iterator<Item = Jet> + '_ {
         let n = self.joints;
         let (from, to) = (self.knots[piece], self.knots[piece + 1]);

@@ -1,25 +1,26 @@
-//! Parameter of a curve that starts and ends slowly, for motions with bounded jerk.
+//! Eased curve parameter that starts and ends slowly, for motions with bounded jerk.
 //!
-//! From rest with bounded jerk the distance grows with the cube of the time. Over a parameter σ whose cube the distance is, the
-//! speed at rest is a number above 0, and the motion has no singularity there. The curve's first and second derivatives by σ are 0 at
-//! both ends, so that velocity and acceleration are too.
+//! From rest with bounded jerk, the distance grows with the cube of the time. If the distance is the cube of a
+//! parameter σ, the speed of σ at rest is positive, and the motion has no singularity there. The curve's first and
+//! second derivatives by σ are 0 at both ends, so velocity and acceleration are 0 too.
 
 use super::cell::State;
 
-/// Curve parameter s over σ: s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays, and falls likewise.
+/// Curve parameter s over σ: s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays at 1, and falls
+/// likewise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Easing {
     /// First curve parameter.
     start: f64,
     /// Length of the curve.
     length: f64,
-    /// Length of each ramp in σ, which covers half as much of the curve.
+    /// Length of each ramp in σ. It covers half that length of the curve.
     ramp: f64,
 }
 
-/// Ramp in σ, as a share of the curve's length.
+/// Length of a ramp in σ, relative to the curve's length.
 const RAMP: f64 = 0.5;
-/// Steps of Newton's method for σ at a curve parameter.
+/// Maximum number of Newton steps for σ at a curve parameter.
 const MAX_STEPS: usize = 64;
 
 impl Easing {
@@ -32,17 +33,17 @@ impl Easing {
         }
     }
 
-    /// Last parameter; the first is 0.
+    /// Last value of σ; the first is 0.
     pub(super) fn end(&self) -> f64 {
         self.length + self.ramp
     }
 
-    /// Ends of the ramps.
+    /// Values of σ at which the first ramp ends and the second begins.
     pub(super) fn ramp_ends(&self) -> [f64; 2] {
         [self.ramp, self.length]
     }
 
-    /// Curve parameter and its first three derivatives by σ.
+    /// Returns the curve parameter and its first three derivatives by σ.
     pub(super) fn derivatives(&self, parameter: f64) -> [f64; 4] {
         let left = self.end() - parameter;
         if parameter < self.ramp {
@@ -66,7 +67,7 @@ impl Easing {
         ]
     }
 
-    /// State of the curve parameter from that of σ.
+    /// Converts a state of σ to one of the curve parameter.
     pub(super) fn state(&self, state: State) -> State {
         let [position, first, second, _] = self.derivatives(state.position);
         State {
@@ -76,7 +77,7 @@ impl Easing {
         }
     }
 
-    /// σ at a curve parameter.
+    /// Returns σ at a curve parameter.
     pub(super) fn parameter(&self, s: f64) -> f64 {
         let moved = (s - self.start).clamp(0.0, self.length);
         let near = moved.min(self.length - moved);

@@ -1,24 +1,25 @@
 //! Cubic spline through rows, on as few knots as their tolerance allows.
 //!
-//! Second differences of dense rows amplify the error of each row: 1e-6 rad at rows 1e-3 rad apart are a curvature of 1 per
-//! radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer where the direction changes by more than [`KNOT_TURN`]
-//! between them, or where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows are all knots.
+//! Second differences of dense rows amplify the error of each row: 1e-6 rad at rows 1e-3 rad apart are a curvature of 1
+//! per radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer where the direction changes by more than
+//! [`KNOT_TURN`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows
+//! are all knots.
 
 use super::corners::{MIN_REACH, Rows};
 use super::cubic_curve::CubicCurve;
 
-/// Largest distance of a joint from a row that is no knot, radians or metres.
+/// Largest distance of a joint from a row that is not a knot, radians or metres.
 pub(super) const ROW_TOLERANCE: f64 = 1e-5;
 /// Distance of knots along the path, radians or metres of joint length.
 const KNOT_DISTANCE: f64 = 0.03;
 /// Largest change of direction between knots, radians.
 const KNOT_TURN: f64 = 0.1;
-/// Smallest distance of a knot that is inserted for a row from the knots beside it.
+/// Smallest distance between a knot inserted for a row and its neighbours, radians or metres of joint length.
 const MIN_KNOT_DISTANCE: f64 = 2e-4;
-/// Largest number of rounds that insert knots; each halves what is too far at least once.
+/// Maximum number of rounds that insert knots. Each splits the pieces that are too far off.
 const MAX_ROUNDS: usize = 16;
 
-/// Fits a curve through rows, of which no two in a row are equal.
+/// Fits a curve through rows. Consecutive rows must differ.
 pub(super) fn fit(rows: Rows<'_>, joints: usize) -> CubicCurve {
     let mut knots = first_knots(rows);
     let mut curve = interpolated(rows, &knots, joints);
@@ -40,7 +41,7 @@ fn interpolated(rows: Rows<'_>, knots: &[usize], joints: usize) -> CubicCurve {
     CubicCurve::through(parameters, values.copied().collect(), joints)
 }
 
-/// Both ends, and rows between them that are [`KNOT_DISTANCE`] or [`KNOT_TURN`] apart, or the next beyond.
+/// Returns both ends, and rows between them that are at least [`KNOT_DISTANCE`] or [`KNOT_TURN`] apart.
 fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     let lengths = rows.lengths;
     let last = lengths.len() - 1;
@@ -55,7 +56,7 @@ fn first_knots(rows: Rows<'_>) -> Vec<usize> {
             knot = row;
         }
     }
-    // No short last piece.
+    // Avoids a short last piece.
     let left = lengths[last] - lengths[knot];
     if knots.len() > 1 && left < 0.5 * KNOT_DISTANCE && rows.turn_between(knot, last) < KNOT_TURN {
         knots.pop();
@@ -64,7 +65,7 @@ fn first_knots(rows: Rows<'_>) -> Vec<usize> {
     knots
 }
 
-/// In each piece of the curve the row that is farthest from it, if that is too far.
+/// Returns the row farthest from the curve in each piece, if it is too far.
 fn rows_off_curve(rows: Rows<'_>, knots: &[usize], curve: &CubicCurve) -> Vec<usize> {
     let lengths = rows.lengths;
     let mut added = Vec::new();

@@ -2,25 +2,25 @@
 
 use super::cubic_curve::CubicCurve;
 
-/// Grid points of a curve. Every knot is one, so that each cell between two points lies on one cubic piece.
+/// Grid points of a curve. Every knot is a grid point, so each cell lies on one cubic piece.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Grid {
     pub(super) joints: usize,
-    /// Curve parameters of the points.
+    /// Curve parameters of the points, ascending.
     pub(super) points: Vec<f64>,
-    /// First and second derivatives of the joints, one row a point.
+    /// First and second derivatives of the joints, one row per point.
     pub(super) first: Vec<f64>,
     pub(super) second: Vec<f64>,
 }
 
-/// Cells of a piece at least, and at most where it is tightly bent.
+/// Minimum number of cells per piece, and maximum number in tight bends.
 const MIN_CELLS: usize = 3;
 const MAX_BENT_CELLS: usize = 64;
 /// Largest change of direction in a cell, radians.
 const MAX_CELL_TURN: f64 = 0.04;
 
 impl Grid {
-    /// Divides the pieces of a curve into cells of at most the `cells`-th part of its length, and shorter ones in tight bends.
+    /// Divides a curve into cells of at most its length divided by `cells`, and shorter cells in tight bends.
     pub(super) fn new(curve: &CubicCurve, cells: usize) -> Self {
         let n = curve.joints;
         let longest = (curve.end() - curve.start()) / cells as f64;

@@ -1,12 +1,14 @@
-//! Fast speed along a curve under velocity, acceleration and jerk limits.
+//! Speed profile along a curve under velocity, acceleration and jerk limits.
 //!
-//! The curve parameter is eased at both ends ([`Easing`]). The squared speed z = σ̇² of the eased parameter σ is a quadratic spline over σ, so
-//! that accelerations are continuous. With w = z′ / 2 joints move with velocity q′ √z, acceleration q′ w + q″ z and jerk
-//! √z (q‴ z + 3 q″ w + q′ w′). Minimising the time is convex apart from the jerk limits.
+//! The curve parameter is eased at both ends ([`Easing`]). The squared speed z = σ̇² of the eased parameter σ is a
+//! quadratic spline over σ, so accelerations are continuous. With w = z′ / 2, joints move with velocity q′ √z,
+//! acceleration q′ w + q″ z and jerk √z (q‴ z + 3 q″ w + q′ w′). Minimising the time is convex except for the jerk
+//! limits.
 //!
-//! A primal interior-point method minimises τ · time − Σ log(slack) for rising τ by Gauss-Newton steps (Nocedal & Wright 2006, "Numerical
-//! optimization", ch. 19.6). The Hessian has five diagonals. Limits are sampled in every cell. A closer check then slows the whole curve by
-//! what is left, so that the result may be some thousandths slower than a local optimum.
+//! A primal interior-point method minimises τ · time − Σ log(slack) for increasing τ by Gauss-Newton steps (Nocedal &
+//! Wright 2006, "Numerical optimization", ch. 19.6). The Hessian has five diagonals. Limits are sampled in every cell.
+//! A denser check then slows the whole curve by the remaining excess. The result may be some thousandths slower than a
+//! local optimum.
 
 use super::cell::Cell;
 use super::cubic_curve::CubicCurve;
@@ -24,46 +26,46 @@ pub(super) struct JerkLimits<'a> {
     pub(super) tool: Option<(&'a Arm, ToolLimits)>,
 }
 
-/// Cells of an interval between knots at least.
+/// Minimum number of cells per interval between knots.
 const MIN_CELLS: usize = 4;
-/// Places within a cell at which limits are kept, and the weights of Simpson's rule.
+/// Points within a cell at which limits are imposed, with the weights of Simpson's rule.
 const PLACES: [(f64, f64); 3] = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
-/// Parts of a cell at whose ends the result is checked.
+/// Number of parts of a cell at whose ends the result is checked.
 const CHECKS: usize = 6;
-/// First and last weight of the time, in units of the reciprocal time, and the factor between them.
+/// First and last weight τ of the time, in units of the reciprocal time, and the factor between successive weights.
 const FIRST_WEIGHT: f64 = 3.0;
 const LAST_WEIGHT: f64 = 1e4;
 const WEIGHT_FACTOR: f64 = 6.0;
-/// Newton steps for each weight, and the decrease at which they end.
+/// Maximum number of Newton steps for each weight, and the predicted decrease at which they end.
 const MAX_STEPS: usize = 60;
 const MIN_DECREASE: f64 = 1e-3;
-/// Halvings of a step.
+/// Maximum number of halvings of a step.
 const MAX_HALVINGS: usize = 40;
-/// Share of the limits that the start uses.
+/// Fraction of the limits that the initial profile uses.
 const START_SHARE: f64 = 0.5;
-/// Excess that the last check allows for beyond its bound between places.
+/// Relative margin of the last check.
 const CHECK_MARGIN: f64 = 1e-5;
-/// Product of slacks at which its logarithm is taken.
+/// Product of slacks below which its logarithm is taken, to avoid underflow.
 const SMALL_PRODUCT: f64 = 1e-200;
 
-/// Joint derivatives by σ at one place, and the basis of the spline there.
+/// Joint derivatives by σ at one point, and the spline basis there.
 struct Place {
     /// Curve parameter, and its first two derivatives by σ.
     eased: [f64; 3],
-    /// Weight of the place in integrals over σ.
+    /// Weight of the point in integrals over σ.
     weight: f64,
     cell: usize,
-    /// z, w and w′ by the cell's three coefficients.
+    /// z, w and w′ as linear functions of the cell's three coefficients.
     basis: [[f64; 3]; 3],
-    /// First, second and third derivatives of each joint.
+    /// First, second and third derivatives of each joint by σ.
     joints: Vec<[f64; 3]>,
-    /// Half-planes a w + b z ≤ c of the tool's acceleration.
+    /// Half-planes a w + b z ≤ c of the tool's acceleration limits.
     half_planes: Vec<[f64; 3]>,
-    /// Largest z by velocity limits.
+    /// Largest z by the velocity limits.
     largest: f64,
 }
 
-/// The curve in the eased parameter, divided into cells.
+/// Curve over the eased parameter, divided into cells.
 struct Cells<'a> {
     curve: &'a CubicCurve,
     easing: &'a Easing,
@@ -71,7 +73,7 @@ struct Cells<'a> {
     limits: JerkLimits<'a>,
 }
 
-/// Cells of the fastest motion along a curve in the eased parameter, from rest to rest.
+/// Returns the cells of the fastest motion along a curve over the eased parameter, from rest to rest.
 pub(super) fn cells(
     curve: &CubicCurve,
     easing: &Easing,
@@ -115,7 +117,8 @@ pub(super) fn cells(
     Ok(cells.timed(&z))
 }
 
-/// Bounds of cells in the eased parameter: the curve's knots, the ends of the ramps, and points between.
+/// Returns the bounds of the cells in the eased parameter: the curve's knots, the ends of the ramps, and points in
+/// between.
 fn nodes(curve: &CubicCurve, easing: &Easing, count: usize) -> Vec<f64> {
     let knots = curve.knots.iter().map(|s| easing.parameter(*s));
     let mut bounds: Vec<f64> = knots.chain(easing.ramp_ends()).collect();
@@ -136,7 +139,7 @@ fn nodes(curve: &CubicCurve, easing: &Easing, count: usize) -> Vec<f64> {
     nodes
 }
 
-/// z, w and w′ of three coefficients.
+/// Returns z, w and w′ for three coefficients.
 fn at(basis: &[[f64; 3]; 3], z: &[f64]) -> [f64; 3] {
     basis.map(|row| row[0] * z[0] + row[1] * z[1] + row[2] * z[2])
 }
@@ -150,7 +153,7 @@ impl Cells<'_> {
         self.nodes[cell + 1] - self.nodes[cell]
     }
 
-    /// z, w and w′ at a share of a cell, by its three coefficients.
+    /// Returns the basis of z, w and w′ at a fraction of a cell, for its three coefficients.
     fn basis(&self, cell: usize, share: f64) -> [[f64; 3]; 3] {
         let step = self.step(cell);
         let before = cell.checked_sub(1).map_or(0.0, |cell| self.step(cell));
@@ -170,7 +173,7 @@ impl Cells<'_> {
         ]
     }
 
-    /// Places at shares of every cell, with their weights.
+    /// Returns points at fractions of every cell, with their weights.
     fn places(&self, shares: &[(f64, f64)]) -> Result<Vec<Place>, QueryError> {
         let mut places = Vec::with_capacity(shares.len() * self.count());
         for cell in 0..self.count() {
@@ -195,7 +198,7 @@ impl Cells<'_> {
 
     fn place(&self, cell: usize, share: f64) -> Place {
         let parameter = |share: f64| self.nodes[cell] + self.step(cell) * share;
-        // Third derivatives are those within the cell.
+        // The third derivative is one-sided, so it is evaluated inside the cell.
         let [inside, .., third] = self
             .easing
             .derivatives(parameter(share.clamp(1e-6, 1.0 - 1e-6)));
@@ -227,7 +230,7 @@ impl Cells<'_> {
         }
     }
 
-    /// Largest constant z within all limits.
+    /// Returns the largest constant z within all limits.
     fn slowest(&self, places: &[Place]) -> f64 {
         let limits = self.limits;
         let mut most = f64::MAX;
@@ -247,7 +250,8 @@ impl Cells<'_> {
         most
     }
 
-    /// Factor by which time has to be stretched until all limits hold; at least 1. `places` are those of the last check.
+    /// Returns the factor, at least 1, by which time must be stretched to satisfy all limits. `places` are those of the
+    /// last check.
     fn slowing(&self, places: &[Place], z: &[f64]) -> f64 {
         let limits = self.limits;
         let mut most = 1.0_f64;
@@ -282,7 +286,7 @@ impl Cells<'_> {
         most * (1.0 + CHECK_MARGIN)
     }
 
-    /// Cells with their times.
+    /// Returns the cells with their start times.
     fn timed(&self, z: &[f64]) -> Vec<Cell> {
         let mut time = 0.0;
         let cells = (0..self.count()).map(|index| {
@@ -302,21 +306,23 @@ impl Cells<'_> {
     }
 }
 
-/// Largest size of a smooth function from samples: that of the samples, and an eighth of the largest second difference, by which
-/// it may exceed them between two.
+/// Returns a bound on the magnitude of a smooth function from uniform samples.
+///
+/// It is the largest sample plus an eighth of the largest second difference, which bounds the excess between two
+/// samples.
 fn largest(samples: impl Iterator<Item = f64>) -> f64 {
     let (mut most, mut bend) = (0.0_f64, 0.0_f64);
     let mut last = [f64::NAN; 2];
     for sample in samples {
         most = most.max(sample.abs());
-        // The first two are NaN, which no maximum is.
+        // The first two differences are NaN, which `max` ignores.
         bend = bend.max((last[0] - 2.0 * last[1] + sample).abs());
         last = [last[1], sample];
     }
     most + bend / 8.0
 }
 
-/// The function τ · time − Σ log(slack) over the coefficients of z.
+/// Objective τ · time − Σ log(slack) over the coefficients of z.
 struct Barrier<'a> {
     places: &'a [Place],
     limits: JerkLimits<'a>,
@@ -326,17 +332,17 @@ struct Barrier<'a> {
     weight: f64,
 }
 
-/// Value of the function at one place, and its derivatives by (z, w, w′): gradient and Gauss-Newton Hessian.
+/// Value of the objective at one point, with gradient and Gauss-Newton Hessian by (z, w, w′).
 struct Terms {
     value: f64,
-    /// Product of slacks whose logarithm is not in the value yet.
+    /// Product of slacks whose logarithm is still missing in the value.
     product: f64,
     gradient: [f64; 3],
     hessian: [[f64; 3]; 3],
 }
 
 impl Terms {
-    /// Adds a term with derivatives along one direction.
+    /// Adds a term with given derivatives along one direction.
     fn add(&mut self, direction: [f64; 3], first: f64, second: f64) {
         for (row, a) in direction.iter().enumerate() {
             self.gradient[row] += first * a;
@@ -352,7 +358,7 @@ impl Terms {
         self.product = 1.0;
     }
 
-    /// Adds −weight · log(limit − value), with the value's gradient.
+    /// Adds −weight · log(limit − value), given the value's gradient.
     fn keep_below(&mut self, value: f64, limit: f64, gradient: [f64; 3], weight: f64) {
         let slack = limit - value;
         if slack <= 0.0 || slack.is_nan() {
@@ -368,7 +374,7 @@ impl Terms {
 }
 
 impl Barrier<'_> {
-    /// Time of the motion, seconds; infinite where z is not above 0.
+    /// Returns the duration of the motion, seconds; infinity if z is not positive.
     fn time(&self, z: &[f64]) -> f64 {
         let times = self.places.iter().map(|place| {
             let [z, ..] = at(&place.basis, &z[place.cell..place.cell + 3]);
@@ -381,7 +387,7 @@ impl Barrier<'_> {
     }
 
     fn value(&self, z: &[f64]) -> f64 {
-        // With all coefficients above 0 the spline is, between the places too.
+        // Positive coefficients make the spline positive everywhere, also between the points.
         let mut sum = match z.iter().all(|z| *z > 0.0) {
             true => -z.iter().map(|z| ln(*z)).sum::<f64>() / z.len() as f64,
             false => return f64::INFINITY,
@@ -441,17 +447,17 @@ impl Barrier<'_> {
     }
 }
 
-/// Newton's method on a band of five diagonals.
+/// Newton's method on a Hessian with five diagonals.
 #[derive(Default)]
 struct Newton {
-    /// Diagonal of the Hessian and the two beside it.
+    /// Diagonal of the Hessian and the two upper diagonals.
     band: Vec<[f64; 3]>,
     gradient: Vec<f64>,
     trial: Vec<f64>,
 }
 
 impl Newton {
-    /// Moves z to a lower value. Returns the decrease that the model promised, 0 where nothing lower was found.
+    /// Moves z to a lower value. Returns the predicted decrease, or 0 if no lower value was found.
     fn step(&mut self, barrier: &Barrier<'_>, z: &mut [f64]) -> f64 {
         self.band.clear();
         self.band.resize(z.len(), [0.0; 3]);
@@ -461,7 +467,7 @@ impl Newton {
         for place in barrier.places {
             let terms = barrier.terms(place, z);
             value += terms.value;
-            // Sum over z, w and w′ of a derivative and the basis of one coefficient.
+            // Sum over z, w and w′ of a derivative times the basis of one coefficient.
             let by = |row: &[f64; 3], coefficient: usize| {
                 let each = row.iter().zip(&place.basis);
                 each.map(|(by, basis)| by * basis[coefficient]).sum::<f64>()
@@ -505,7 +511,7 @@ impl Newton {
         0.0
     }
 
-    /// Solves the band's system for the gradient, in place.
+    /// Solves the banded system for the gradient, in place.
     fn solve(&mut self) {
         let count = self.band.len();
         for k in 0..count {

@@ -5,13 +5,13 @@ use crate::arm::Arm;
 use crate::bad_option::{ABOVE_0, BadOption, NOT_NEGATIVE, Range};
 use crate::motion::path::PathError;
 
-/// Grid points of a path.
+/// Allowed number of grid points.
 const GRID_POINTS: Range = (|v| (2.0..=1e6).contains(&v), "a number from 2 to 1000000");
 
-/// Limits under which a path is timed, and how.
+/// Limits and options of path timing.
 ///
-/// Joint limits are one number a joint, in radians or metres and seconds; infinity is no limit. Every row needs a finite acceleration
-/// limit of at least one joint that moves there.
+/// Joint limits have one number per joint, in radians or metres and seconds. Infinity means no limit. In every step, at
+/// least one moving joint needs a finite acceleration limit.
 #[derive(Clone, Debug)]
 pub struct TimingLimits<'a> {
     pub(super) velocity: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct TimingLimits<'a> {
 }
 
 impl<'a> TimingLimits<'a> {
-    /// Joint velocity and acceleration limits, and the defaults of all other options.
+    /// Creates limits from joint velocities and accelerations, with default options.
     #[must_use]
     pub fn new(velocity_limits: &[f64], acceleration_limits: &[f64]) -> Self {
         Self {
@@ -40,51 +40,57 @@ impl<'a> TimingLimits<'a> {
         }
     }
 
-    /// An arm's own velocity and acceleration limits. Errors name its joints.
+    /// Creates limits from an arm's velocity and acceleration limits. Errors then name its joints.
     #[must_use]
     pub fn of(arm: &'a Arm) -> Self {
         Self::new(arm.velocity_limits(), arm.acceleration_limits()).with_arm(arm)
     }
 
     setters! {
-        /// Largest joint velocities, radians or metres a second.
+        /// Sets the joint velocity limits, rad/s or m/s.
         pub fn with_velocity_limits(mut self, limits: &[f64]) {
             self.velocity = limits.to_vec();
         }
-        /// Largest joint accelerations, radians or metres a second squared.
+        /// Sets the joint acceleration limits, rad/s² or m/s².
         pub fn with_acceleration_limits(mut self, limits: &[f64]) {
             self.acceleration = limits.to_vec();
         }
-        /// Largest joint jerks, radians or metres a second cubed. Without them accelerations change at once. With them motions start and
-        /// end with acceleration 0.
+        /// Sets the joint jerk limits, rad/s³ or m/s³.
+        ///
+        /// Without jerk limits accelerations are discontinuous. With jerk limits motions start and end with
+        /// acceleration 0.
         pub fn with_jerk_limits(mut self, limits: &[f64]) {
             self.jerk = Some(limits.to_vec());
         }
-        /// The arm whose tool the tool limits are for, and whose joint names errors use.
+        /// Sets the arm of the tool limits, whose joint names also appear in errors.
         pub fn with_arm(mut self, arm: &'a Arm) {
             self.arm = Some(arm);
             self.joint_names = arm.joints().map(str::to_owned).collect();
         }
-        /// Names of the joints in errors; their indices by default.
+        /// Sets the joint names in errors. The default is the indices.
         pub fn with_joint_names(mut self, names: &[String]) {
             self.joint_names = names.to_vec();
         }
-        /// Largest speed (m/s) and acceleration (m/s²) of the tool's origin; infinity for none. Needs [`with_arm`](Self::with_arm).
+        /// Sets the largest speed (m/s) and acceleration (m/s²) of the tool origin; infinity for none. Needs
+        /// [`with_arm`](Self::with_arm).
         pub fn with_tool_linear_limits(mut self, speed: f64, acceleration: f64) {
             self.tool.velocity[0] = speed;
             self.tool.acceleration[0] = acceleration;
         }
-        /// Largest angular speed (rad/s) and acceleration (rad/s²) of the tool; infinity for none. Needs [`with_arm`](Self::with_arm).
+        /// Sets the largest angular speed (rad/s) and acceleration (rad/s²) of the tool; infinity for none. Needs
+        /// [`with_arm`](Self::with_arm).
         pub fn with_tool_angular_limits(mut self, speed: f64, acceleration: f64) {
             self.tool.velocity[1] = speed;
             self.tool.acceleration[1] = acceleration;
         }
-        /// Largest distance of any joint from the path where a corner is blended, radians or metres; 1e-3 by default. With 0 the arm
-        /// stops at every corner. It always stops where the path reverses.
+        /// Sets the largest distance of any joint from the path at a blended corner, radians or metres. Default 1e-3.
+        ///
+        /// With 0 the arm stops at every corner. It always stops at reversals of the path.
         pub fn with_corner_tolerance(mut self, distance: f64) {
             self.corner_tolerance = distance;
         }
-        /// Grid points of the speed profile over the whole path, 1000 by default. Curve knots and stretches between stops add some.
+        /// Sets the number of grid points of the speed profile over the whole path. Default 1000. Curve knots and stops
+        /// add some.
         pub fn with_grid_points(mut self, count: usize) {
             self.grid_points = count;
         }
@@ -148,7 +154,7 @@ impl<'a> TimingLimits<'a> {
         Ok(())
     }
 
-    /// Name of a joint in messages, or its index.
+    /// Returns the name of a joint for messages, or its index.
     pub(super) fn joint_name(&self, joint: usize) -> String {
         let name = self.joint_names.get(joint);
         name.map_or_else(

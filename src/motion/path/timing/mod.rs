@@ -1,11 +1,11 @@
 //! Time-optimal trajectories along solved paths.
 //!
-//! 1. Rows are divided where the arm has to rest: before and after each reconfiguration.
-//! 2. Corners divide what is left into smooth stretches ([`corners`]).
+//! 1. Rows are divided at stops: before and after each reconfiguration.
+//! 2. Corners divide the rest into smooth stretches ([`corners`]).
 //! 3. A cubic spline over joint length goes through the rows of each stretch ([`fit`]).
 //! 4. Corners are blended within a tolerance, or the arm stops there ([`blends`]).
-//! 5. Reachability analysis on a grid gives the fastest profile under velocity and acceleration limits ([`profile`]). With jerk
-//!    limits an interior-point method slows that profile down ([`jerk`]).
+//! 5. Reachability analysis on a grid gives the fastest profile under velocity and acceleration limits ([`profile`]).
+//!    With jerk limits, an interior-point method computes a slower one ([`jerk`]).
 
 mod blends;
 mod cell;
@@ -35,19 +35,21 @@ use profile::RateLimits;
 use tool_motion::{ToolLimits, ToolMotion};
 use trajectory::Motion;
 
-/// Rows closer than this are equal, radians or metres of joint length.
+/// Distance below which rows count as equal, radians or metres of joint length.
 const EQUAL_ROWS: f64 = 1e-9;
-/// Grid cells of a curve at least, however short it is.
+/// Minimum number of grid cells of a curve.
 const MIN_CELLS: usize = 100;
 
 impl PathSolution {
-    /// Time of each row, seconds, the first at 0: the fastest under joint velocity and acceleration limits (radians or metres a
-    /// second and a second squared, infinity for none), such as
+    /// Computes the time of each row, seconds, starting at 0, under joint velocity and acceleration limits.
+    ///
+    /// Limits are in rad/s and rad/s², or m/s and m/s²; infinity means no limit.
     /// [`Arm::velocity_limits`](crate::arm::Arm::velocity_limits) and
-    /// [`Arm::acceleration_limits`](crate::arm::Arm::acceleration_limits). See [`trajectory`](Self::trajectory).
+    /// [`Arm::acceleration_limits`](crate::arm::Arm::acceleration_limits) have those of an arm. See
+    /// [`trajectory`](Self::trajectory).
     ///
     /// # Errors
-    /// As [`trajectory`](Self::trajectory).
+    /// Returns the errors of [`trajectory`](Self::trajectory).
     pub fn times(
         &self,
         velocity_limits: &[f64],
@@ -57,12 +59,15 @@ impl PathSolution {
         Ok(self.trajectory(&limits)?.times().to_vec())
     }
 
-    /// Time-optimal trajectory along the rows, from rest to rest. The arm also rests before and after each
-    /// [reconfiguration](Self::reconfigurations), which is timed by the same limits.
+    /// Computes the time-optimal trajectory along the rows, from rest to rest.
     ///
-    /// The joints follow a cubic spline over joint length, within 1e-5 (radians or metres) of every row. Where rows are over 0.03 apart it
-    /// goes through each of them. Corners are blended within
-    /// [`corner_tolerance`](TimingLimits::with_corner_tolerance). The result does not depend on how densely a path is sampled.
+    /// The arm also stops before and after each [reconfiguration](Self::reconfigurations), which is timed by the same
+    /// limits.
+    ///
+    /// The joints follow a cubic spline over joint length, within 1e-5 (radians or metres) of every row. Rows more than
+    /// 0.03 apart are interpolated. Corners are blended within
+    /// [`corner_tolerance`](TimingLimits::with_corner_tolerance). The result does not depend on the sampling density of
+    /// the path.
     ///
     /// ```
     /// # #[cfg(feature = "urdf")] {
@@ -90,8 +95,8 @@ impl PathSolution {
     /// ```
     ///
     /// # Errors
-    /// A limit or option out of its range; another number of limits than joints; tool limits without an arm; rows that no finite limit of
-    /// acceleration is for.
+    /// Returns an error if a limit or option is out of its range, or if the number of limits differs from that of
+    /// joints. Returns an error for tool limits without an arm, and for steps that no finite acceleration limit bounds.
     pub fn trajectory(&self, limits: &TimingLimits<'_>) -> Result<Trajectory, PathError> {
         let steps = self.reconfigurations.iter().map(|step| step.index);
         let rests: Vec<usize> = steps.collect();
@@ -100,11 +105,13 @@ impl PathSolution {
 }
 
 impl Trajectory {
-    /// Time-optimal trajectory through rows of joint values, `joint_count` numbers each. The arm rests at both ends, and before and
-    /// after the step to each row of `rests`, which rise. See [`PathSolution::trajectory`].
+    /// Computes the time-optimal trajectory through rows of joint values, `joint_count` numbers each.
+    ///
+    /// The arm stops at both ends, and before and after the step to each row of `rests`, which are ascending. See
+    /// [`PathSolution::trajectory`].
     ///
     /// # Errors
-    /// As [`PathSolution::trajectory`]; a row that is not finite.
+    /// Returns the errors of [`PathSolution::trajectory`], and an error for a row that is not finite.
     pub fn through(
         q: &[f64],
         joint_count: usize,
@@ -132,7 +139,7 @@ impl Trajectory {
         trajectory.times.extend(rows.first().map(|_| 0.0));
         let mut first = 0;
         while first + 1 < rows.len() {
-            // The step of a reconfiguration is a piece of its own.
+            // A reconfiguration is a motion of its own.
             let last = match rests.iter().find(|rest| **rest > first) {
                 Some(&rest) if rest >= rows.len() => rows.len() - 1,
                 Some(&rest) if rest == first + 1 => rest,
@@ -199,7 +206,7 @@ impl Trajectory {
     }
 }
 
-/// Joint length from the first row to each row; not finite from the first row on that is not.
+/// Returns the joint length from the first row to each row. It is not finite from the first invalid row on.
 fn lengths(rows: &[&[f64]]) -> Vec<f64> {
     let mut length = match rows.first() {
         Some(row) => 0.0 * row.iter().sum::<f64>(),
@@ -215,7 +222,7 @@ fn lengths(rows: &[&[f64]]) -> Vec<f64> {
     first.into_iter().chain(steps).collect()
 }
 
-/// Curves through rows, at whose ends the arm stops.
+/// Returns curves through rows. The arm stops at their ends.
 fn curves(
     rows: &[&[f64]],
     lengths: &[f64],
@@ -243,7 +250,7 @@ fn curves(
     blends::joined(stretches.collect(), corner_tolerance)
 }
 
-/// Why a curve cannot be timed.
+/// Reason why a curve cannot be timed.
 enum TimingProblem {
     /// No limit bounds the acceleration at a curve parameter.
     Unbounded(f64, CubicCurve),
@@ -266,7 +273,7 @@ impl TimingProblem {
     }
 }
 
-/// The fastest motion along a curve, from rest to rest.
+/// Computes the fastest motion along a curve, from rest to rest.
 fn timed(
     curve: CubicCurve,
     cells: usize,

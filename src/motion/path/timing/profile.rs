@@ -1,12 +1,12 @@
-//! Time-optimal speed along a curve under velocity and acceleration limits.
+//! Time-optimal speed profile along a curve under velocity and acceleration limits.
 //!
-//! Reachability analysis (Pham & Pham 2018, "A new approach to time-optimal path parameterization based on reachability analysis"):
-//! a backward pass finds at every grid point the largest squared speed from which the arm can still come to rest at the end. A
-//! forward pass then accelerates as much as these allow. Squared speed 0 is always controllable, so that each set is an interval
-//! from 0.
+//! Reachability analysis (Pham & Pham 2018, "A new approach to time-optimal path parameterization based on reachability
+//! analysis"): a backward pass finds at every grid point the largest squared speed from which the arm can still stop at
+//! the end. A forward pass then accelerates as much as these allow. Squared speed 0 is always controllable, so each
+//! controllable set is an interval from 0.
 //!
-//! Limits hold at both ends of every cell by their linear constraints. Within a cell the extremes are known in closed form. Cells that
-//! exceed a limit are tightened once more, and what is left slows the whole curve.
+//! Linear constraints impose the limits at both ends of every cell. The extrema within a cell have a closed form. Cells
+//! that exceed a limit are tightened iteratively. The remaining excess slows the whole curve.
 
 use super::constraints::Constraints;
 use super::grid::Grid;
@@ -20,15 +20,15 @@ pub(super) struct RateLimits<'a> {
     pub(super) tool: Option<&'a ToolMotion>,
 }
 
-/// Excess over a limit, as a share, that is left to slowing the whole curve.
+/// Relative excess over a limit that is left to slowing the whole curve.
 const SMALL_EXCESS: f64 = 5e-4;
-/// Passes that tighten single cells.
+/// Maximum number of passes that tighten single cells.
 const MAX_TIGHTENINGS: usize = 6;
 
-/// Squared speeds at the points of a grid, from rest to rest.
+/// Computes the squared speeds at the points of a grid, from rest to rest.
 ///
 /// # Errors
-/// The first cell in which no limit bounds the acceleration.
+/// Returns the index of the first cell with unbounded acceleration.
 pub(super) fn squared_speeds(grid: &Grid, limits: RateLimits<'_>) -> Result<Vec<f64>, usize> {
     let mut scales = vec![1.0; grid.cells()];
     let mut best: Option<(f64, Vec<f64>)> = None;
@@ -52,7 +52,7 @@ pub(super) fn squared_speeds(grid: &Grid, limits: RateLimits<'_>) -> Result<Vec<
     Ok(best.map_or_else(Vec::new, |(_, x)| x))
 }
 
-/// Time of a profile, seconds.
+/// Returns the duration of a profile, seconds.
 fn time(grid: &Grid, x: &[f64]) -> f64 {
     let cells = x.windows(2).enumerate();
     cells
@@ -60,7 +60,7 @@ fn time(grid: &Grid, x: &[f64]) -> f64 {
         .sum()
 }
 
-/// The backward and the forward pass.
+/// Runs the backward and the forward pass.
 fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64>, usize> {
     let RateLimits {
         velocity,
@@ -75,7 +75,7 @@ fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64
     let mut x = vec![0.0; cells + 1];
     for cell in (1..cells).rev() {
         let most = constraints.largest_squared_speed(cell, grid.step(cell), x[cell + 1]);
-        // A cell's own acceleration is small where it is tightened, which its speed is with it.
+        // In a tightened cell, both the acceleration limit and the speed are reduced.
         x[cell] = (most * scales[cell].min(scales[cell - 1])).min(constraints.speed[cell]);
     }
     let mut now = 0.0;
@@ -88,7 +88,7 @@ fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64
     Ok(x)
 }
 
-/// Largest factor by which a limit is exceeded in a cell, in terms of squared speed.
+/// Returns the largest ratio by which a limit is exceeded in a cell, in terms of squared speed.
 fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
     let step = grid.step(cell);
     let (from, to) = (x[cell], x[cell + 1]);
@@ -111,7 +111,7 @@ fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
         let summit = if has_summit { at(-0.5 * b / c) } else { a };
         let largest = a.abs().max(end.abs()).max(summit.abs());
         most = most.max(largest / acceleration);
-        // The velocity is extreme at the ends, or where the acceleration is 0.
+        // The velocity is extreme at the ends, or at zeros of the acceleration.
         let squared = |y: f64| {
             let slope = first + y * (second + y * half_third);
             slope * slope * (from + 2.0 * u * y)

@@ -1,7 +1,8 @@
 //! Velocity and acceleration limits of the tool along a curve.
 //!
-//! Per unit of curve parameter the tool moves by w = J q′, linear and angular. Its acceleration w u + w′ x lies in the plane of w and
-//! w′. The disc of allowed accelerations is replaced by an inscribed polygon, whose half-planes are linear in (u, x).
+//! Per unit of curve parameter the tool moves by w = J q′, linear and angular. Its acceleration w u + w′ x lies in the
+//! plane of w and w′. An inscribed polygon replaces the disc of allowed accelerations. Its half-planes are linear in
+//! (u, x).
 
 use super::cubic_curve::CubicCurve;
 use super::grid::Grid;
@@ -9,12 +10,12 @@ use crate::arm::{Arm, QueryError};
 use crate::kinematics::Jacobian;
 use crate::scalar::elementary::{cos, hypot, sin_cos};
 
-/// Largest speeds and accelerations of the tool in the arm's base; infinity for none.
+/// Largest speeds and accelerations of the tool relative to the arm's base; infinity for none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ToolLimits {
-    /// Metres, then radians, a second.
+    /// Linear limit, m/s, and angular limit, rad/s.
     pub(super) velocity: [f64; 2],
-    /// Metres, then radians, a second squared.
+    /// Linear limit, m/s², and angular limit, rad/s².
     pub(super) acceleration: [f64; 2],
 }
 
@@ -25,30 +26,30 @@ impl ToolLimits {
     };
 }
 
-/// Sides of the polygon in a quarter of the disc.
+/// Number of sides of the polygon per quarter of the disc.
 const SIDES: usize = 8;
-/// Distance of the points that second derivatives are computed from, as a share of the curve's length.
+/// Step of the central differences for second derivatives, relative to the curve's length.
 const DIFFERENCE: f64 = 1e-5;
 
-/// Motion of the tool per unit of curve parameter at one point: of its origin, then of its axes.
+/// Linear and angular motion of the tool per unit of curve parameter at one point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rate {
-    /// Length of w.
+    /// Norm of w.
     size: [f64; 2],
-    /// Part of w′ along w.
+    /// Component of w′ along w.
     along: [f64; 2],
-    /// Length of the part of w′ across w.
+    /// Norm of the component of w′ across w.
     across: [f64; 2],
 }
 
-/// The tool's motion at the points of a grid and halfway between them.
+/// Motion of the tool at the points of a grid and halfway between them.
 #[derive(Clone, Debug)]
 pub(super) struct ToolMotion {
     limits: ToolLimits,
     rates: Vec<Rate>,
 }
 
-/// Motion of the tool at points of a curve.
+/// Computes the motion of the tool at points of a curve.
 pub(super) fn rates(
     arm: &Arm,
     curve: &CubicCurve,
@@ -81,12 +82,12 @@ impl ToolMotion {
         Ok(Self { limits, rates })
     }
 
-    /// Largest squared speed of the curve parameter at a grid point, by the tool's velocity limits.
+    /// Returns the largest squared speed of the curve parameter at a grid point, by the tool's velocity limits.
     pub(super) fn largest_squared_speed(&self, point: usize) -> f64 {
         self.rates[2 * point].largest_squared_speed(self.limits)
     }
 
-    /// Half-planes a u + b x ≤ c of a cell, of twice the step `twice`.
+    /// Passes the half-planes a u + b x ≤ c of a cell to `push`. `twice` is twice the step, `scale` scales the limits.
     pub(super) fn half_planes(
         &self,
         cell: usize,
@@ -102,7 +103,8 @@ impl ToolMotion {
         self.rates[2 * cell + 2].half_planes(limits, twice, &mut push);
     }
 
-    /// Largest factor by which a limit is exceeded in a cell, in terms of squared speed; checked at the ends and halfway.
+    /// Returns the largest ratio by which a limit is exceeded in a cell, in terms of squared speed; sampled at the ends
+    /// and halfway.
     pub(super) fn excess(&self, cell: usize, step: f64, from: f64, u: f64) -> f64 {
         let places = (0..3_usize).map(|k| {
             let x = from + u * step * k as f64;
@@ -113,7 +115,7 @@ impl ToolMotion {
 }
 
 impl Rate {
-    /// Largest squared speed of the curve parameter, by the velocity limits.
+    /// Returns the largest squared speed of the curve parameter, by the velocity limits.
     pub(super) fn largest_squared_speed(&self, limits: ToolLimits) -> f64 {
         let ratios = limits.velocity.iter().zip(self.size);
         let most = ratios.map(|(limit, size)| limit / size);
@@ -121,7 +123,7 @@ impl Rate {
         most * most
     }
 
-    /// Half-planes a u + b x ≤ c of the acceleration limits where the squared speed is x + `later` · u.
+    /// Passes the half-planes a u + b x ≤ c of the acceleration limits at squared speed x + `later` · u to `push`.
     pub(super) fn half_planes(
         &self,
         limits: ToolLimits,
@@ -135,7 +137,7 @@ impl Rate {
                 continue;
             }
             let (along, across) = (self.along[part], self.across[part]);
-            // Coefficients of u in the parts along and across.
+            // Coefficients of u in the components along and across w.
             let [along_u, across_u] = [self.size[part] + later * along, later * across];
             for k in 0..SIDES {
                 let (sine, cosine) = sin_cos((k as f64 + 0.5) * side);
@@ -151,7 +153,8 @@ impl Rate {
         }
     }
 
-    /// Largest factor by which a limit is exceeded at acceleration u and squared speed x, in terms of squared speed.
+    /// Returns the largest ratio by which a limit is exceeded at acceleration u and squared speed x, in terms of
+    /// squared speed.
     pub(super) fn excess(&self, limits: ToolLimits, u: f64, x: f64) -> f64 {
         let parts = (0..2).map(|part| {
             let along = self.size[part] * u + self.along[part] * x;
@@ -162,7 +165,7 @@ impl Rate {
         parts.fold(0.0, f64::max)
     }
 
-    /// Motion per unit of another parameter, by the first two derivatives of the curve parameter.
+    /// Converts to the motion per unit of another parameter, given the first two derivatives of the curve parameter.
     pub(super) fn eased(&self, first: f64, second: f64) -> Self {
         let square = first * first;
         let each = |values: [f64; 2], by: f64| values.map(|value| value * by);
@@ -193,7 +196,7 @@ impl Rate {
     }
 }
 
-/// The tool's twist per unit of curve parameter.
+/// Returns the tool's twist per unit of curve parameter.
 fn twist(jacobian: &mut Jacobian, curve: &CubicCurve, s: f64) -> Result<[f64; 6], QueryError> {
     let jets: Vec<_> = curve.jets(curve.piece(s), s).collect();
     let q: Vec<f64> = jets.iter().map(|jet| jet.value).collect();

@@ -4,25 +4,26 @@ use super::cell::{Cell, State};
 use super::cubic_curve::CubicCurve;
 use super::easing::Easing;
 
-/// Joints at one time of a [`Trajectory`].
+/// Joint values and their derivatives at one time of a [`Trajectory`].
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TrajectoryPoint {
     /// Joint values, radians or metres.
     pub q: Vec<f64>,
-    /// Joint velocities, radians or metres a second.
+    /// Joint velocities, rad/s or m/s.
     pub velocity: Vec<f64>,
-    /// Joint accelerations, radians or metres a second squared.
+    /// Joint accelerations, rad/s² or m/s².
     pub acceleration: Vec<f64>,
 }
 
-/// Configurations over time, along the rows of a path.
+/// Trajectory along the rows of a path.
 ///
-/// Made by [`PathSolution::trajectory`](crate::motion::path::PathSolution::trajectory) or [`through`](Self::through).
+/// Created by [`PathSolution::trajectory`](crate::motion::path::PathSolution::trajectory) or
+/// [`through`](Self::through).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     pub(super) joints: usize,
-    /// The first row.
+    /// First row, used if there is no motion.
     pub(super) first: Vec<f64>,
     /// Time of each row, seconds.
     pub(super) times: Vec<f64>,
@@ -36,24 +37,25 @@ pub(super) struct Motion {
     /// Time at the start, seconds.
     pub(super) time: f64,
     pub(super) curve: CubicCurve,
-    /// Curve parameter over the parameter of the cells.
+    /// Curve parameter as a function of the cells' parameter; `None` if they are the same.
     pub(super) easing: Option<Easing>,
     pub(super) cells: Vec<Cell>,
 }
 
 impl Trajectory {
     getters! {
-        /// Time of each row of the path, seconds, the first at 0. Equal rows that follow each other have one time.
+        /// Time of each row of the path, seconds, starting at 0. Consecutive equal rows have equal times.
         pub fn times(&self) -> &[f64] = &self.times;
         /// Time of the last row, seconds.
         pub fn duration(&self) -> f64 = self.duration;
         /// Number of joints.
         pub fn joint_count(&self) -> usize = self.joints;
-        /// Number of stretches from rest to rest, reconfigurations among them.
+        /// Number of stretches from rest to rest, including reconfigurations.
         pub fn stretch_count(&self) -> usize = self.motions.len();
     }
 
-    /// Joint values, velocities and accelerations at a time in seconds. Before the start and after the end the arm rests; NaN is the start.
+    /// Returns joint values, velocities and accelerations at a time in seconds. Before the start and after the end the
+    /// arm is at rest. NaN counts as the start.
     #[must_use]
     pub fn at(&self, time: f64) -> TrajectoryPoint {
         let mut point = TrajectoryPoint::default();
@@ -61,13 +63,13 @@ impl Trajectory {
         point
     }
 
-    /// [`at`](Self::at) into a point that exists, without allocating once it has been used.
+    /// Writes [`at`](Self::at) into an existing point, without allocation once the point has been used.
     pub fn write_at(&self, time: f64, point: &mut TrajectoryPoint) {
         for numbers in [&mut point.q, &mut point.velocity, &mut point.acceleration] {
             numbers.clear();
         }
         let is_outside = time < 0.0 || time > self.duration;
-        // NaN is the start.
+        // `max` ignores NaN, which becomes the start.
         let time = time.max(0.0).min(self.duration);
         let after = self.motions.partition_point(|motion| motion.time <= time);
         let Some(motion) = self.motions.get(after.saturating_sub(1)) else {
@@ -102,7 +104,7 @@ impl Motion {
         last.map_or(0.0, |cell| cell.time + cell.time_to(cell.length))
     }
 
-    /// State of the curve parameter at a time from the start of the motion.
+    /// Returns the state of the curve parameter at a time from the start of the motion, seconds.
     pub(super) fn state(&self, time: f64) -> State {
         let after = self.cells.partition_point(|cell| cell.time <= time);
         let cell = &self.cells[after.saturating_sub(1)];
@@ -117,7 +119,7 @@ impl Motion {
         }
     }
 
-    /// Time at which the motion comes to a curve parameter, seconds from its start.
+    /// Returns the time at which the motion reaches a curve parameter, seconds from its start.
     pub(super) fn time_at(&self, s: f64) -> f64 {
         let parameter = match &self.easing {
             Some(easing) => easing.parameter(s),

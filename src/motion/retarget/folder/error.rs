@@ -1,56 +1,56 @@
-//! What can be wrong with a folder of movements.
+//! Errors of folders of motions.
 
 use std::path::{Path, PathBuf};
 
 use super::QUESTION;
 use crate::io::{ReadError, WriteError};
 
-/// Why a folder of movements cannot be begun, or gone on with.
+/// Reason why a folder of motions cannot be started or continued.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FolderError {
-    /// What is no folder.
+    /// The source is not a folder.
     #[error("{} is no folder", folder.display())]
     NoFolder {
-        /// What was given.
+        /// Path of the source.
         folder: PathBuf,
     },
-    /// A folder without movements.
+    /// The folder has no motions.
     #[error("{}: there is no {kinds} in it", folder.display())]
     Empty {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// What is looked for.
+        /// Supported file extensions.
         kinds: String,
     },
-    /// Two movements of one name.
+    /// Two motions have the same output file.
     #[error("{} and {} would both be written to {}", first.display(), second.display(), out.display())]
     OneName {
-        /// One movement.
+        /// First motion.
         first: PathBuf,
-        /// The other.
+        /// Second motion.
         second: PathBuf,
-        /// Where both would go.
+        /// Path of the output file.
         out: PathBuf,
     },
-    /// Movements that would be read again when the folder is gone on with.
+    /// Output files would be read as motions when the folder is continued.
     #[error("{}: what is written would be among the movements that are read", folder.display())]
     IntoItself {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// A folder whose movements answer another question.
+    /// The folder has results of other settings.
     #[error("{} answers another question, as {QUESTION} in it says{}", folder.display(), differing(differs))]
     OtherQuestion {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// What of the question is another: `whole`, say. None where what is noted is no question.
+        /// Names of the settings that differ, such as `whole`; empty if the stored settings are malformed.
         differs: Vec<String>,
     },
-    /// What cannot be read.
+    /// A file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// What cannot be written.
+    /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
 }

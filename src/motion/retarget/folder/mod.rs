@@ -1,6 +1,7 @@
-//! Folders of movements: what goes where, what is left of it, and what was asked, so that whoever began a folder, another goes on.
+//! Retargeting of folders of motions: output files, progress, and the settings of a folder.
 //!
-//! Files are written under [another name](unfinished) first, so that one that is there is whole.
+//! Settings are stored, so that another process can continue a folder. Files are written under [another
+//! name](unfinished) first, so existing files are complete.
 
 mod error;
 mod movement_folder;
@@ -10,5 +11,5 @@ pub use error::FolderError;
 pub use movement_folder::{Movement, MovementFolder, unfinished};
 pub use question::FolderQuestion;
 
-/// In a folder of movements: what was asked of it, so that it has the answers to one question.
+/// Name of the file with the settings of a folder, which all its results share.
 pub const QUESTION: &str = "retarget.json";

@@ -1,4 +1,4 @@
-//! The movements of a folder, and the files that they become.
+//! Motions of a folder, with their output files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use super::{FolderError, FolderQuestion, QUESTION};
 use crate::file_replacement::write_file;
 
-/// Files of movements, by their endings.
+/// File extensions of motions.
 const KINDS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
 
-/// What a file is called before it is whole begins so.
+/// Prefix of the names of unfinished files.
 const UNFINISHED: &str = ".part.";
 
-/// The movements of a folder and of those in it, and the folder of files of the same names that they are brought into.
+/// Motions in a folder and its subfolders, and the output folder with files of the same names.
 ///
 /// ```
 /// use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder, unfinished};
@@ -25,7 +25,7 @@ const UNFINISHED: &str = ".part.";
 /// let asked = FolderQuestion::new(&robot, RetargetOptions::default());
 /// let folder = MovementFolder::find("models/captures".as_ref(), &into, "csv")?;
 /// for movement in folder.begin(&asked, false)?.iter().filter(|own| !own.done_before) {
-///     // Here the movement is brought onto the robot.
+/// // The motion is retargeted to the robot here.
 ///     let written = unfinished(&movement.out);
 ///     std::fs::write(&written, "0,0,0")?;
 ///     std::fs::rename(&written, &movement.out)?;
@@ -37,29 +37,30 @@ const UNFINISHED: &str = ".part.";
 #[derive(Clone, Debug)]
 pub struct MovementFolder {
     into: PathBuf,
-    /// In the order of their names.
+    /// Sources and outputs, sorted by name.
     pairs: Vec<(PathBuf, PathBuf)>,
 }
 
-/// A movement of a folder that was begun.
+/// Motion of a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Movement {
-    /// Its file.
+    /// Path of the source file.
     pub source: PathBuf,
-    /// Where it goes.
+    /// Path of the output file.
     pub out: PathBuf,
-    /// Whether it is there already, and newer than its source.
+    /// True if the output file exists and is newer than its source.
     pub done_before: bool,
 }
 
 impl MovementFolder {
-    /// Finds the movements in `source` (.npy, .bvh, .glb, .gltf; none whose name begins with a dot) and says where each goes: to the
-    /// same name with another `ending` in `into`. Nothing is written.
+    /// Finds the motions in `source` (.npy, .bvh, .glb, .gltf; no hidden files) and determines their output files.
+    ///
+    /// Outputs have the same names in `into` with the extension `ending`. Nothing is written.
     ///
     /// # Errors
-    /// A folder that is none, cannot be read or has no movement, two movements that go to one file, and what is written among
-    /// what is read.
+    /// Returns an error if `source` is not a folder, cannot be read, or has no motion. Returns an error if two motions
+    /// have the same output, or if outputs would be read as motions.
     pub fn find(source: &Path, into: &Path, ending: &str) -> Result<Self, FolderError> {
         if !source.is_dir() {
             let folder = source.to_owned();
@@ -94,11 +95,13 @@ impl MovementFolder {
         })
     }
 
-    /// Makes the folder, notes what is asked, and removes what was left unfinished; says what is done already. `again`: nothing is, whatever
-    /// was asked before.
+    /// Creates the output folder, stores the settings, and removes unfinished files. Returns all motions with their
+    /// state.
+    ///
+    /// If `again` is set, all motions are to be done, and stored settings are replaced.
     ///
     /// # Errors
-    /// A folder whose movements answer another question, and what cannot be written.
+    /// Returns an error if the folder has results of other settings, or cannot be written.
     pub fn begin(
         &self,
         asked: &FolderQuestion<'_>,
@@ -138,7 +141,7 @@ impl MovementFolder {
     }
 }
 
-/// Where a file is written before it is whole: beside it, with the same ending.
+/// Returns the path of an unfinished output file, in the same folder with the same extension.
 #[must_use]
 pub fn unfinished(out: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(UNFINISHED);
@@ -146,7 +149,7 @@ pub fn unfinished(out: &Path) -> PathBuf {
     out.with_file_name(name)
 }
 
-/// The movements in a folder and those in it, in order, without those that are written.
+/// Returns the motions in a folder and its subfolders, sorted, without the output folder.
 fn movements(folder: &Path, is_into: &impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, FolderError> {
     let told = |error: std::io::Error| FolderError::reading(folder, error);
     let mut found = Vec::new();
@@ -175,7 +178,7 @@ fn make(folder: &Path) -> Result<(), FolderError> {
     fs::create_dir_all(folder).map_err(|error| FolderError::writing(folder, error))
 }
 
-/// Whether a movement was written after its source.
+/// Returns whether an output was written after its source.
 fn is_newer(out: &Path, source: &Path) -> bool {
     let time = |path: &Path| fs::metadata(path).and_then(|file| file.modified()).ok();
     time(out)
@@ -183,7 +186,7 @@ fn is_newer(out: &Path, source: &Path) -> bool {
         .is_some_and(|(out, source)| out >= source)
 }
 
-/// Removes what whoever was ended was writing.
+/// Removes the unfinished files of cancelled runs.
 fn sweep(folder: &Path) -> Result<(), FolderError> {
     let told = |error: std::io::Error| FolderError::writing(folder, error);
     for entry in fs::read_dir(folder).map_err(told)? {

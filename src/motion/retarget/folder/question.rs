@@ -1,4 +1,4 @@
-//! What is asked of a folder of movements, as a text by which another question is told.
+//! Settings of a folder of motions, as a text that identifies them.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -8,38 +8,38 @@ use serde_json::{Value, json};
 use crate::motion::retarget::{BodyMap, FootShapes, RetargetOptions, UpAxis};
 use crate::robot::Robot;
 
-/// What tells the answers of one question from another's: the target, the map and how it is done.
+/// Settings of a folder of motions: target, map and options.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FolderQuestion<'a> {
-    /// What the movements are brought onto.
+    /// Target of the motions.
     pub target: &'a Robot,
-    /// How they are.
+    /// Options of retargeting.
     pub options: RetargetOptions,
-    /// The map, where one is given.
+    /// Map, if one is given.
     pub map: Option<&'a BodyMap>,
-    /// The skeleton that the movements are said to be of.
+    /// Name of the skeleton of the motions, if one is given.
     pub skeleton: Option<&'a str>,
-    /// The joints of arrays, where they are said, as are the next two, beside the map.
+    /// Joints of arrays, if given in addition to the map.
     pub joints: Option<&'a [String]>,
-    /// Frames a second.
+    /// Capture frames per second, if given in addition to the map.
     pub frame_rate: Option<f64>,
-    /// The axis that points upward.
+    /// Upward axis, if given in addition to the map.
     pub up: Option<UpAxis>,
-    /// Which of a scene's clips.
+    /// Name of a clip of a scene.
     pub clip: Option<&'a str>,
-    /// Whether each movement is solved as one.
+    /// True if each motion is solved as a whole trajectory.
     pub whole: bool,
-    /// By how many metres links are kept apart.
+    /// Required distance between links, metres.
     pub keep_clear: Option<f64>,
-    /// The obstacles that are kept clear of, as `World::to_json` has them.
+    /// Obstacles as JSON of `World::to_json`.
     pub world: Option<String>,
-    /// What else is asked, in words of whoever asks.
+    /// Further settings, as text of the caller.
     pub more: Vec<String>,
 }
 
 impl<'a> FolderQuestion<'a> {
-    /// Movements onto a target, frame by frame, by maps that are guessed.
+    /// Creates settings for online retargeting to a target with guessed maps.
     #[must_use]
     pub fn new(target: &'a Robot, options: RetargetOptions) -> Self {
         Self {
@@ -59,33 +59,33 @@ impl<'a> FolderQuestion<'a> {
     }
 
     setters! {
-        /// By a map that is given.
+        /// Sets the map.
         pub fn with_map(mut self, map: impl Into<Option<&'a BodyMap>>) { self.map = map.into() }
-        /// Of a skeleton.
+        /// Sets the skeleton.
         pub fn with_skeleton(mut self, name: impl Into<Option<&'a str>>) { self.skeleton = name.into() }
-        /// Of arrays of joints.
+        /// Sets the joints of arrays.
         pub fn with_joints(mut self, joints: impl Into<Option<&'a [String]>>) { self.joints = joints.into() }
-        /// At so many frames a second.
+        /// Sets the rate in capture frames per second.
         pub fn with_frame_rate(mut self, rate: impl Into<Option<f64>>) { self.frame_rate = rate.into() }
-        /// With an axis that points upward.
+        /// Sets the upward axis.
         pub fn with_up(mut self, up: impl Into<Option<UpAxis>>) { self.up = up.into() }
-        /// Of one of a scene's clips.
+        /// Sets the clip of a scene.
         pub fn with_clip(mut self, clip: impl Into<Option<&'a str>>) { self.clip = clip.into() }
-        /// Each movement as one, or frame by frame.
+        /// Sets whether each motion is solved as a whole trajectory.
         pub fn with_whole(mut self, whole: bool) { self.whole = whole }
-        /// With links kept apart by so many metres.
+        /// Sets the required distance between links, metres.
         pub fn with_keep_clear(mut self, metres: impl Into<Option<f64>>) { self.keep_clear = metres.into() }
-        /// Clear of obstacles, as `World::to_json` has them.
+        /// Sets the obstacles, as JSON of `World::to_json`.
         pub fn with_world(mut self, json: impl Into<Option<String>>) { self.world = json.into() }
     }
 
-    /// The same text for the same question.
+    /// Returns the text of the settings, equal for equal settings.
     pub(super) fn text(&self) -> String {
         let asked = Value::from_iter(self.fields());
         format!("{asked:#}\n")
     }
 
-    /// What of it is another in a text.
+    /// Returns the names of the settings that differ from those in a text.
     pub(super) fn differs(&self, text: &[u8]) -> Vec<String> {
         let before: Option<BTreeMap<String, Value>> = serde_json::from_slice(text).ok();
         let Some(before) = before else {
@@ -108,7 +108,7 @@ impl<'a> FolderQuestion<'a> {
             up: None,
             ..map.clone()
         });
-        // A map says them too; what is said beside it comes first.
+        // Separate values override those of the map.
         let rate = self.frame_rate.or(self.map.and_then(|map| map.frame_rate));
         let up = self.up.or(self.map.and_then(|map| map.up));
         let of_map = || self.map.map(|map| map.joints.as_slice());
@@ -141,7 +141,7 @@ impl<'a> FolderQuestion<'a> {
         all.collect()
     }
 
-    /// A digest of all that makes the target move as it does.
+    /// Returns a digest of all properties of the target that affect the result.
     fn of_target(&self) -> String {
         let (model, map) = (self.target.model(), self.target.map());
         let mut digest = Digest(BEGUN);
@@ -159,7 +159,7 @@ impl<'a> FolderQuestion<'a> {
             &shapes,
         ];
         for part in parts {
-            // It takes whatever is written.
+            // Writing to the digest cannot fail.
             let _ = write!(digest, "{part:?}");
         }
         format!("{:016x}", digest.0)
@@ -170,23 +170,23 @@ fn as_value(map: &BodyMap) -> Value {
     serde_json::from_str(&map.to_json()).unwrap_or_default()
 }
 
-/// What JSON has no number for is nothing.
+/// Converts infinities to null, because JSON cannot represent them.
 fn finite(number: f64) -> Option<f64> {
     Some(number).filter(|number| number.is_finite())
 }
 
-/// What tells a long text from another.
+/// Returns a digest of a text.
 fn digest(text: &str) -> String {
     let mut digest = Digest(BEGUN);
-    // It takes whatever is written.
+    // Writing to the digest cannot fail.
     let _ = digest.write_str(text);
     format!("{:016x}", digest.0)
 }
 
-/// Where FNV-1a begins.
+/// Offset basis of FNV-1a.
 const BEGUN: u64 = 0xCBF2_9CE4_8422_2325;
 
-/// FNV-1a over what is written to it.
+/// FNV-1a hash of the text written to it.
 struct Digest(u64);
 
 impl Write for Digest {

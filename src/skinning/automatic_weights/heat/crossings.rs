@@ -1,15 +1,15 @@
-//! Whether a surface stands between two points: triangles in a tree of boxes.
+//! Visibility of points through a surface, with an AABB tree of its triangles.
 
 use glam::DVec3;
 
 use super::surface::Surface;
 
-/// Boxes of no more triangles are not divided.
+/// Largest number of triangles in a leaf.
 const SMALLEST: usize = 8;
 
 pub(super) struct Crossings<'a> {
     surface: &'a Surface,
-    /// The triangles, those of a box side by side.
+    /// Triangle indices; those of a leaf are contiguous.
     triangles: Vec<usize>,
     boxes: Vec<Bounds>,
 }
@@ -21,9 +21,9 @@ struct Bounds {
 }
 
 enum Content {
-    /// Places in the list of triangles.
+    /// Range in the list of triangles.
     Triangles(std::ops::Range<usize>),
-    /// The first of two boxes is the next one of the list.
+    /// Index of the second child; the first child follows its parent in the list.
     Second(usize),
 }
 
@@ -38,7 +38,7 @@ impl<'a> Crossings<'a> {
         own
     }
 
-    /// Halves each time, so it is no deeper than the logarithm of their number.
+    /// Splits a range at the median; the depth is logarithmic in the number of triangles.
     fn divide(&mut self, range: std::ops::Range<usize>) {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &triangle in &self.triangles[range.clone()] {
@@ -70,7 +70,7 @@ impl<'a> Crossings<'a> {
         self.divide(half..range.end);
     }
 
-    /// Whether a triangle without the point lies between the point and a place.
+    /// Reports whether a triangle that does not contain the point lies between the point and `place`.
     pub(super) fn hide(&self, point: usize, place: DVec3) -> bool {
         let from = self.surface.points[point];
         let way = place - from;
@@ -100,7 +100,7 @@ impl<'a> Crossings<'a> {
 }
 
 impl Bounds {
-    /// Whether from + s way is in the box for an s within [0, 1].
+    /// Reports whether from + s way is in the box for some s in [0, 1].
     fn meets(&self, from: DVec3, way: DVec3) -> bool {
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {
@@ -119,8 +119,8 @@ impl Bounds {
     }
 }
 
-/// Whether from + s way crosses a triangle for an s within (0, 1); by determinants (Möller & Trumbore
-/// 1997). Ways along the triangle do not.
+/// Reports whether from + s way crosses a triangle for some s in (0, 1), by determinants (Möller & Trumbore 1997).
+/// Segments parallel to the triangle do not.
 fn crosses(from: DVec3, way: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (ab, ac) = (b - a, c - a);
     let normal = way.cross(ac);

@@ -1,12 +1,12 @@
-//! In which order points are eliminated: nested dissection, which keeps the Cholesky factor thin.
+//! Elimination order by nested dissection, which keeps the Cholesky factor sparse.
 
 use glam::DVec3;
 
-/// Parts of no more points are not divided.
+/// Largest number of points in a part that is not divided.
 const SMALLEST: usize = 32;
 
-/// An order in which the points between two halves come after both, and so on within the halves
-/// (George 1973); halves are along the longest side. `neighbours` are the points next to each.
+/// A nested dissection order (George 1973): the separator of two halves comes after both halves, recursively. Parts are
+/// halved along their longest axis. `neighbours` lists the adjacent points of each point.
 pub(super) fn order(points: &[DVec3], neighbours: &[Vec<usize>]) -> Vec<usize> {
     let mut own = Dissection {
         points,
@@ -22,14 +22,14 @@ pub(super) fn order(points: &[DVec3], neighbours: &[Vec<usize>]) -> Vec<usize> {
 struct Dissection<'a> {
     points: &'a [DVec3],
     neighbours: &'a [Vec<usize>],
-    /// The last part that a point was put into, by a number that no other part has.
+    /// Number of the latest part to which each point belongs; numbers are unique.
     side: Vec<usize>,
     sides: usize,
     order: Vec<usize>,
 }
 
 impl Dissection<'_> {
-    /// Halves each time, so it is no deeper than the logarithm of their number.
+    /// Halves a part; the depth is logarithmic in the number of points.
     fn divide(&mut self, mut part: Vec<usize>) {
         if part.len() <= SMALLEST {
             self.order.append(&mut part);

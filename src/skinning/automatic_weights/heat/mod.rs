@@ -1,5 +1,4 @@
-//! Weights by heat: bones heat the skin that is near them and that they see, and heat spreads over the
-//! surface until it is at rest.
+//! Bone heat weighting: bones heat the nearest visible skin, and the heat spreads over the surface to equilibrium.
 
 mod crossings;
 mod dissection;
@@ -22,51 +21,52 @@ use crate::mesh::TriangleMesh;
 use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
-/// Weights below this are of no bone that matters.
+/// Smallest weight that is kept.
 const LEAST: f64 = 1e-4;
 
-/// Weights by heat on the surface (Baran & Popović 2007, "Automatic rigging and animation of 3D
-/// characters"): they pass smoothly from bone to bone along the skin, and never through the air.
+/// Bone heat weighting (Baran & Popović 2007, "Automatic rigging and animation of 3D characters"). Weights vary
+/// smoothly along the surface and do not cross gaps.
 ///
-/// The weights of bone j are the temperatures w_j at which the heat that flows over the surface and the
-/// heat that bones give balance,
+/// The weights of bone j are the temperatures w_j in the equilibrium of heat flow over the surface and heat from the
+/// bones,
 ///
 /// ```text
 /// (L + A H) w_j = A H p_j,   H_i = k_i c / d_i²
 /// ```
 ///
-/// with L the cotangent Laplacian, A_i the area around point i, d_i its distance from the nearest bone
-/// and c the heat. k_i bones are as near as that (within 1e-4) and seen from the point, that is without
-/// skin in between; p_ij is 1/k_i for these and 0 for others. Where none is seen, H_i is 0 and heat comes
-/// from around. A separate piece of skin that sees no bone takes the nearest ones all the same.
+/// L is the cotangent Laplacian, A_i the area of point i, d_i its distance from the nearest bone, and c the heat
+/// factor. k_i is the number of bones at that distance (within 1e-4) that are visible from the point, which means
+/// without skin in between.
 ///
-/// Vertices at one place are one point, so seams stay closed. Cotangents are bounded and conduction is
-/// above 0, so needles and obtuse triangles do no harm; all weights are within 0 and 1. At last the
-/// largest few stay, as those of [`AutomaticWeights`](super::AutomaticWeights) do. The same input gives
-/// the same bits.
+/// p_ij is 1/k_i for these bones and 0 for others. Without a visible bone H_i is 0, and heat arrives from neighbours
+/// only. A connected piece of skin without any visible bone uses the nearest bones.
+///
+/// Vertices at one position are one point, so seams stay closed. Cotangents are bounded and conductances positive, so
+/// degenerate and obtuse triangles give valid weights within 0 and 1. The largest weights are kept, as by
+/// [`AutomaticWeights`](super::AutomaticWeights). Results are bitwise reproducible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct HeatWeights {
-    /// c: how much heat bones give; larger is stiffer. Above 0.
+    /// c: heat factor of the bones. Larger values give stiffer skin. Above 0.
     pub heat: f64,
-    /// The most influences a vertex keeps, at least 1. Four take the packed path, and steeper steps
-    /// where many bones are near: palms, shoulders.
+    /// Largest number of influences per vertex, at least 1. Four allow packed weights, but give steeper transitions at
+    /// palms and shoulders, which many bones influence.
     pub most: usize,
 }
 
 impl Default for HeatWeights {
-    /// Heat 1, eight influences.
+    /// Heat 1, 8 influences.
     fn default() -> Self {
         Self { heat: 1.0, most: 8 }
     }
 }
 
 impl HeatWeights {
-    /// Weights for a skeleton's bones at rest, in the mesh's own frame and unit.
+    /// Weights for the bones of a skeleton at rest, in the mesh's frame and unit.
     ///
     /// # Errors
-    /// The skeleton has no bones, the heat is not above 0, or no influence may stay.
+    /// The skeleton has no bones, the heat is not above 0, or `most` is 0.
     pub fn for_skeleton(
         &self,
         mesh: &TriangleMesh,
@@ -75,11 +75,11 @@ impl HeatWeights {
         self.for_segments(mesh, &segments::of_skeleton(skeleton))
     }
 
-    /// Weights for bones given as [tail, tip]; a bone without length is a point.
+    /// Weights for bones given as [tail, tip]. A bone of length 0 is a point.
     ///
     /// # Errors
-    /// There are no bones, an end is not finite, the heat is not above 0, or the surface's equations
-    /// cannot be solved in double precision.
+    /// There are no bones, an end is not finite, the heat is not above 0, or `most` is 0. Also equations that cannot be
+    /// solved in double precision.
     pub fn for_segments(
         &self,
         mesh: &TriangleMesh,

@@ -1,19 +1,19 @@
-//! Which bones heat which points, and how much.
+//! Heat sources: the bones that heat each point, and their strength.
 
 use super::crossings::Crossings;
 use super::stiffness::Stiffness;
 use super::surface::Surface;
 use crate::skinning::automatic_weights::segments::{Segment, distance, nearest_point};
 
-/// Bones this much further than the nearest one, as a share, are as near.
+/// Largest relative excess over the smallest distance at which a bone still counts as nearest.
 const AS_NEAR: f64 = 1e-4;
-/// Bones are at least this far, in sizes of the mesh.
+/// Lower bound of distances to bones, relative to the size of the mesh.
 const NEAREST: f64 = 1e-3;
 
 pub(super) struct Sources {
     /// A_i H_i of each point.
     pub(super) given: Vec<f64>,
-    /// For each bone the points that it heats, each with A_i H_i p_ij.
+    /// The points that each bone heats, with A_i H_i p_ij.
     pub(super) of_bones: Vec<Vec<(usize, f64)>>,
 }
 
@@ -41,7 +41,7 @@ impl Sources {
         own
     }
 
-    /// Heats a point by the nearest bones of those that it sees.
+    /// Heats a point by the nearest bones that are visible from it.
     fn heat(
         &mut self,
         surface: &Surface,
@@ -64,7 +64,7 @@ impl Sources {
         }
     }
 
-    /// The points of pieces of the surface on which no point is heated.
+    /// The points of connected pieces without a heated point.
     fn points_of_cold_pieces(&self, stiffness: &Stiffness) -> Vec<usize> {
         let mut leader: Vec<usize> = (0..self.given.len()).collect();
         for &(a, b, _) in &stiffness.edges {
@@ -82,7 +82,7 @@ impl Sources {
     }
 }
 
-/// The first point of the piece that a point is in; ways to it are halved.
+/// Root of the set of a point in a union-find forest, with path halving.
 fn find(leader: &mut [usize], mut point: usize) -> usize {
     while leader[point] != point {
         leader[point] = leader[leader[point]];

@@ -1,29 +1,29 @@
-//! How well heat flows between the points of a surface: cotangent weights, which no needle breaks.
+//! Conductances between the points of a surface: bounded cotangent weights.
 
 use glam::DVec3;
 
 use super::surface::Surface;
 
-/// Cotangents count no further than this: a needle's would be without bound.
+/// Bound of cotangents, which are unbounded in degenerate triangles.
 const STEEPEST: f64 = 1e3;
-/// No edge conducts less than this. Obtuse corners would else make heat flow uphill, which ends in
-/// weights below 0, and edges without any conduction would cut the surface apart.
+/// Lower bound of conductances. Obtuse corners give negative ones, which lead to negative weights. Conductances of 0
+/// disconnect the surface.
 const LEAST_CONDUCTION: f64 = 1e-3;
-/// No point has less than this share of the mean area.
+/// Lower bound of areas, relative to the mean area.
 const LEAST_AREA: f64 = 1e-6;
 
-/// The surface's edges and the areas around its points.
+/// Edges with conductances, and areas of points.
 pub(super) struct Stiffness {
-    /// (point, point, conduction): the first point is the lower one; sorted, each edge once.
+    /// (point, point, conductance), the lower point first. Sorted; each edge occurs once.
     pub(super) edges: Vec<(usize, usize, f64)>,
-    /// A third of the triangles around a point.
+    /// A third of the area of the adjacent triangles.
     pub(super) areas: Vec<f64>,
 }
 
 impl Stiffness {
-    /// Of each edge ½ (cot α + cot β), with α and β the angles across it (Pinkall & Polthier 1993),
-    /// within bounds: all off-diagonal entries of the system are negative, so that its inverse has none,
-    /// and weights are within 0 and 1 on any mesh.
+    /// Conductances ½ (cot α + cot β), with α and β the angles opposite the edge (Pinkall & Polthier 1993), within
+    /// bounds. All off-diagonal entries of the system are then negative, so its inverse has no negative entry. Weights
+    /// are within 0 and 1 on any mesh.
     pub(super) fn of(surface: &Surface) -> Self {
         let mut edges = Vec::with_capacity(3 * surface.triangles.len());
         let mut areas = vec![0.0; surface.points.len()];
@@ -59,7 +59,7 @@ impl Stiffness {
     }
 }
 
-/// The cotangent of the angle between two vectors, within bounds.
+/// Cotangent of the angle between two vectors, within [`STEEPEST`].
 fn cotangent(a: DVec3, b: DVec3) -> f64 {
     let (along, across) = (a.dot(b), a.cross(b).length());
     if along.abs() < STEEPEST * across {

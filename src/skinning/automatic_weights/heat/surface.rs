@@ -1,4 +1,4 @@
-//! A mesh as a surface: points that stand at one place are one point.
+//! A mesh as a surface: vertices at one position are one point.
 
 use std::collections::BTreeMap;
 
@@ -6,14 +6,14 @@ use glam::DVec3;
 
 use crate::mesh::TriangleMesh;
 
-/// Points and triangles in units of the mesh's size.
+/// Points and triangles, in units of the mesh's size.
 pub(super) struct Surface {
     pub(super) points: Vec<DVec3>,
-    /// Corners that differ.
+    /// Triangles with three different corners.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// The point of each vertex of the mesh: a seam's vertices have one.
+    /// Point index of each vertex of the mesh; the vertices of a seam share a point.
     pub(super) point_of: Vec<usize>,
-    /// The mesh's size, or 1 for one without.
+    /// Size of the mesh, or 1 for a mesh of size 0.
     pub(super) unit: f64,
 }
 
@@ -25,7 +25,7 @@ impl Surface {
         let positions = mesh.positions().iter();
         let point_of: Vec<usize> = positions
             .map(|position| {
-                // Minus zero is zero.
+                // The addition maps −0 to 0.
                 let place = (*position + glam::Vec3::ZERO).to_array().map(f32::to_bits);
                 *known.entry(place).or_insert_with(|| {
                     points.push(position.as_dvec3() / unit);

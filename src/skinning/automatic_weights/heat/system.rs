@@ -1,4 +1,4 @@
-//! The equations of heat at rest, factored once and solved for each bone.
+//! The heat equations, factored once and solved for each bone.
 
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
@@ -9,16 +9,17 @@ use super::dissection;
 use super::stiffness::Stiffness;
 use super::surface::Surface;
 
-/// L + A H, factored.
+/// Cholesky factor of L + A H.
 pub(super) struct System {
     factor: CscCholesky<f64>,
-    /// The equation of each point.
+    /// Equation index of each point.
     equation_of: Vec<usize>,
     column: DMatrix<f64>,
 }
 
 impl System {
-    /// Of conductions and the heat given to each point, some on each piece of the surface.
+    /// Factors the system of the conductances and of the heat `given` to each point. Every connected piece of the
+    /// surface needs a heated point.
     pub(super) fn new(
         surface: &Surface,
         stiffness: &Stiffness,
@@ -64,7 +65,7 @@ impl System {
         })
     }
 
-    /// The temperature of each point where some are heated so much.
+    /// The temperature of each point for the given heat at some points.
     pub(super) fn solve(&mut self, heated: &[(usize, f64)]) -> impl Iterator<Item = f64> + '_ {
         self.column.fill(0.0);
         for &(point, heat) in heated {

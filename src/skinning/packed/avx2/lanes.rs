@@ -1,4 +1,4 @@
-//! Vectors of eight vertices: one register a coordinate.
+//! SIMD vectors of eight vertices: one register per coordinate.
 
 use std::arch::x86_64::*;
 
@@ -6,7 +6,7 @@ use glam::{Vec3, Vec4};
 
 use super::BLOCK;
 
-/// Squares of lengths below this count as zero: normals shorter than 1e-18 have no direction.
+/// Largest squared length that counts as zero: vectors shorter than 1e-18 have no direction.
 const NO_LENGTH: f32 = 1e-36;
 
 /// x, y and z of eight vectors.
@@ -17,7 +17,7 @@ pub(super) struct Vectors {
     pub(super) z: __m256,
 }
 
-/// The lower and upper half of a register.
+/// Lower half of a register.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn lower(v: __m256) -> __m128 {
@@ -30,7 +30,7 @@ pub(super) fn upper(v: __m256) -> __m128 {
     _mm256_extractf128_ps::<1>(v)
 }
 
-/// Eight vectors of four to four coordinates of eight.
+/// Transposes eight vectors of four coordinates to four registers.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
@@ -41,7 +41,7 @@ pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
         both(v[2], v[6]),
         both(v[3], v[7]),
     ];
-    // Each half by itself: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 w0 w1, z2 z3 w2 w3.
+    // Within each half: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 w0 w1, z2 z3 w2 w3.
     let (xy, xy_after) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
     let (zw, zw_after) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
     let vectors = Vectors {
@@ -52,7 +52,7 @@ pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
     (vectors, _mm256_shuffle_ps::<0xEE>(zw, zw_after))
 }
 
-/// `value`, with its sign changed where that of `by` is negative.
+/// `value` with its sign flipped if `by` is negative.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn with_sign_flipped_by(value: __m256, by: __m256) -> __m256 {
@@ -71,7 +71,7 @@ impl Vectors {
         }
     }
 
-    /// From eight vectors in memory: 24 numbers taken apart.
+    /// Loads eight vectors and separates their 24 numbers by coordinate.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn load(vectors: &[Vec3; BLOCK]) -> Self {
@@ -89,7 +89,7 @@ impl Vectors {
         }
     }
 
-    /// The way back of [`load`](Self::load).
+    /// Inverse of [`load`](Self::load).
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn store(self) -> [Vec3; BLOCK] {
@@ -107,7 +107,7 @@ impl Vectors {
         ])
     }
 
-    /// x, y, z, and w apart.
+    /// Loads eight vectors; returns x, y, z, and w separately.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn load_with_fourth(vectors: &[Vec4; BLOCK]) -> (Self, __m256) {
@@ -117,7 +117,7 @@ impl Vectors {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn store_with_fourth(self, w: __m256) -> [Vec4; BLOCK] {
-        // A transposition is its own inverse, half by half.
+        // A transposition is its own inverse within each half.
         let (xy, xy_after) = (
             _mm256_unpacklo_ps(self.x, self.y),
             _mm256_unpackhi_ps(self.x, self.y),
@@ -180,22 +180,22 @@ impl Vectors {
         }
     }
 
-    /// Of unit length, or zero where there is no length.
+    /// Normalised vectors; zero for vectors without length.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn normalised(self) -> Self {
         self.divided(self.length())
     }
 
-    /// Of unit length, turned round where `sign` is negative.
+    /// Normalised vectors, negated if `sign` is negative.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn normalised_with_sign_of(self, sign: __m256) -> Self {
         self.divided(with_sign_flipped_by(self.length(), sign))
     }
 
-    /// ‖v‖, or infinity where that counts as zero. An exact root: the processor's estimates
-    /// (rsqrt, rcp) have other bits on processors of other makers.
+    /// ‖v‖, or infinity for a length that counts as zero. The root is exact: the results of the estimates rsqrt and rcp
+    /// differ between processors.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     fn length(self) -> __m256 {

@@ -1,4 +1,4 @@
-//! Σ_j w_j T_j of eight vertices.
+//! Blended matrices Σ_j w_j T_j of eight vertices.
 
 use std::arch::x86_64::*;
 
@@ -8,11 +8,10 @@ use super::lanes::{lower, transposed, upper};
 use super::{BLOCK, Blended, entry};
 use crate::skinning::packed::weights::FourInfluences;
 
-/// A transform as two registers: the columns x and y, then z and the translation; each column with
-/// a zero below it.
+/// A transform in two registers: columns x and y, then z and the translation. Each column is padded with a zero.
 pub(crate) type Columns = [__m256; 2];
 
-/// A transform as the kernel reads it.
+/// Converts a transform to the layout of the kernel.
 #[inline]
 pub(crate) fn columns(transform: &Affine3A) -> Columns {
     let matrix = transform.matrix3;
@@ -25,7 +24,7 @@ pub(crate) fn columns(transform: &Affine3A) -> Columns {
     bytemuck::cast(columns.map(|column| Vec4::from((column, 0.0))))
 }
 
-/// The blends, with stretches or with whole transforms.
+/// Blends transforms, or stretches if `STRETCH` is set.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn blended<const STRETCH: bool>(
@@ -51,7 +50,7 @@ pub(super) fn blended<const STRETCH: bool>(
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn blend(palette: &[Columns], four: &FourInfluences) -> Columns {
-    // SAFETY: packing checked the bones, and `deform` that the palette has as many.
+    // SAFETY: `PackedWeights::new` checked the bone indices, and `deform` the length of the palette.
     #[allow(unsafe_code)]
     let column = |place: usize| unsafe { entry(palette, four.bones[place]) };
     let weight = |place: usize| _mm256_set1_ps(four.weights[place]);

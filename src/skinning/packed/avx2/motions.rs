@@ -9,7 +9,7 @@ use crate::skinning::packed::weights::FourInfluences;
 /// A dual quaternion in one register: the real part x, y, z, w, then the dual part.
 pub(crate) type Motion = __m256;
 
-/// The blends, after stretches or by themselves.
+/// Blends dual quaternions. With `STRETCH` a blended stretch precedes them.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn blended<const STRETCH: bool>(
@@ -29,7 +29,7 @@ pub(super) fn blended<const STRETCH: bool>(
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn blend(palette: &[Motion], four: &FourInfluences) -> Motion {
-    // SAFETY: packing checked the bones, and `deform` that the palette has as many.
+    // SAFETY: `PackedWeights::new` checked the bone indices, and `deform` the length of the palette.
     #[allow(unsafe_code)]
     let [pivot, a, b, c] = four.bones.map(|bone| unsafe { entry(palette, bone) });
     let products = [a, b, c].map(|motion| _mm_mul_ps(lower(pivot), lower(motion)));
