@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::Placement;
 use support::lane_chains::{Random, panda, target, ur5};
 

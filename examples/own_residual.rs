@@ -13,7 +13,7 @@ use kinopt::model::{FrameId, Limits, Model, ModelError};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Posture, Quantity, Residual, Rows, Task};
+use kinopt::task::{Posture, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 
@@ -38,8 +38,8 @@ impl Residual for OnTorus {
         vec![self.frame]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -67,8 +67,8 @@ impl Residual for Balance {
         self.parts.iter().map(|&(frame, _)| frame).collect()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 2)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {

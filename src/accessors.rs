@@ -33,8 +33,8 @@ macro_rules! as_inner {
     (@joint_values $inner:tt) => {
         fn joint_values(&self) -> Option<usize> { self.$inner.joint_values() }
     };
-    (@rows $inner:tt) => { fn rows(&self) -> Vec<crate::task::Rows> { self.$inner.rows() } };
-    (@rooms $inner:tt) => { fn rooms(&self) -> Vec<crate::task::Room> { self.$inner.rooms() } };
+    (@rows $inner:tt) => { fn rows(&self) -> Vec<crate::task::RowBlock> { self.$inner.rows() } };
+    (@inequalities $inner:tt) => { fn inequalities(&self) -> Vec<crate::task::Inequality> { self.$inner.inequalities() } };
     (@target_len $inner:tt) => { fn target_len(&self) -> usize { self.$inner.target_len() } };
     (@validate $inner:tt) => { fn validate(&self) -> Result<(), String> { self.$inner.validate() } };
 }

@@ -6,8 +6,8 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use kinopt::arm::{self, Arm};
 use kinopt::ik::Solution;
-use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::robot::Robot;
+use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt_benches::{ArmPoses, Sequence, chain, random_poses, smooth_path};
 
 const POSES: usize = 2000;

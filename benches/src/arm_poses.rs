@@ -1,7 +1,7 @@
 //! Arms from URDF as chains of the SIMD solver, and reachable poses.
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind};
 use kinopt::robot::Robot;
+use kinopt::simd_ik::{Chain, ChainJoint, JointKind};
 use kinopt::spatial::Placement;
 
 use crate::Sequence;

@@ -8,7 +8,7 @@ use kinopt::robot::Robot;
 use kinopt::scalar::Scalar;
 use kinopt::skeleton::BoneId;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Point, Pose, Quantity, Residual, Rows};
+use kinopt::task::{LocalJacobian, Point, Pose, Quantity, Residual, RowBlock};
 use kinopt::{Model, Problem, Skeleton};
 
 /// A body with unreachable problems.
@@ -38,8 +38,8 @@ impl Residual for Balance {
         self.frames.clone()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 2)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 use kinopt::counted;
 use serde::Serialize;
 
@@ -107,9 +107,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let robot = loaded.robot_with_shapes("spheres")?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let spheres = match (arguments.overhang, arguments.spheres) {
-        (Some(overhang), _) => SphereModel::of(&model, Fineness::Overhang(overhang))
+        (Some(overhang), _) => SphereModel::of(&model, Resolution::Overhang(overhang))
             .map_err(|wrong| failure!("--overhang {overhang}: {}", wrong.allowed))?,
-        (_, Some(count)) => SphereModel::of(&model, Fineness::PerLink(count))
+        (_, Some(count)) => SphereModel::of(&model, Resolution::PerLink(count))
             .map_err(|wrong| failure!("--spheres {count}: {}", wrong.allowed))?,
         _ => as_fine_as_may_be(&model, robot.model().reach())?,
     };
@@ -141,7 +141,7 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
         .fold(0.0, f64::max);
     let mut overhang = finest;
     for _ in 0..DOUBLINGS {
-        if let Ok(spheres) = SphereModel::of(model, Fineness::Overhang(overhang)) {
+        if let Ok(spheres) = SphereModel::of(model, Resolution::Overhang(overhang)) {
             if overhang > finest {
                 output::message(&format!(
                     "note: the spheres stick out by up to {overhang} m: some link is too large for {finest} m, a fiftieth of the reach"
@@ -151,7 +151,7 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
         }
         overhang = (2.0 * overhang).max(SHARE_OF_LARGEST * largest);
     }
-    Ok(SphereModel::of(model, Fineness::Overhang(overhang))?)
+    Ok(SphereModel::of(model, Resolution::Overhang(overhang))?)
 }
 
 fn report(

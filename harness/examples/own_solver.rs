@@ -9,7 +9,7 @@ use kinopt::problem::Evaluation;
 use kinopt::robot::Robot;
 use kinopt::solver::LeastSquares;
 use kinopt_harness::contenders::{ArgminAdapter, SolverAdapter};
-use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace, report};
+use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemInstance, ProblemSet, Trace, report};
 
 /// Moves one joint after another by a small angle in both directions, and keeps improvements.
 struct CoordinateSearch;
@@ -19,7 +19,7 @@ impl Adapter for CoordinateSearch {
         "coordinate search"
     }
 
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
         let mut scratch = question.problem.scratch();
         let mut evaluation = Evaluation::new(question.problem, &mut scratch);
         let mut residual = vec![0.0; question.problem.rows()];

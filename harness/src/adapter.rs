@@ -40,16 +40,16 @@ pub trait Adapter {
 
     /// Solves one problem within the budget. `trace` receives intermediate configurations ([`Trace::mark`]). A solver
     /// without marks has its total time for every accuracy.
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer;
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer;
 }
 
 /// One problem, equal for all solvers.
 #[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
+pub struct ProblemInstance<'a> {
     /// Model, frames and tolerances.
     pub set: &'a ProblemSet,
     /// Problem with its targets and derivative mode.
-    pub problem: problem::Question<'a>,
+    pub problem: problem::ProblemInstance<'a>,
     /// world_from_target of each frame of the set.
     pub targets: &'a [Placement<f64>],
     /// Start configuration, within the limits.
@@ -60,7 +60,7 @@ pub struct Question<'a> {
     pub seed: u64,
 }
 
-impl Question<'_> {
+impl ProblemInstance<'_> {
     /// Start of attempt `index`: 0 is the start of the case, the others are random configurations within the limits,
     /// equal for all solvers.
     #[must_use]
@@ -133,7 +133,7 @@ impl From<&Solution> for Answer {
 /// own. `attempt` receives the start, the index of the attempt, and the remaining time. Returns the attempt that
 /// reaches, else the one with the lowest cost.
 pub fn attempts(
-    question: &Question<'_>,
+    question: &ProblemInstance<'_>,
     mut attempt: impl FnMut(&[f64], usize, Duration) -> Answer,
 ) -> Answer {
     let begun = Instant::now();

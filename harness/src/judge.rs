@@ -1,7 +1,7 @@
 //! Verdict on a configuration by forward kinematics and limits, independent of the solver.
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::problem::{Evaluation, Question, Scratch};
+use kinopt::problem::{Evaluation, ProblemInstance, Scratch};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, rotation_log};
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,7 @@ impl<'s> Judge<'s> {
     /// Verdict on `q`. A configuration of the wrong length or with a number that is not finite has infinite errors.
     pub fn verdict<'a>(
         &mut self,
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         targets: &[Placement<f64>],
         q: &[f64],
     ) -> Verdict {
@@ -124,7 +124,7 @@ impl<'s> Judge<'s> {
         contained && follows.all(|(a, b)| (a - b).abs() <= FOLLOWS)
     }
 
-    fn cost(&mut self, question: Question<'_>, q: &[f64]) -> f64 {
+    fn cost(&mut self, question: ProblemInstance<'_>, q: &[f64]) -> f64 {
         let problem = question.problem();
         let mut x = vec![0.0; problem.variables()];
         if problem.parameters().reduce(q, &mut x).is_err() {

@@ -6,7 +6,7 @@
 //! kinematics and the joint limits. [`Results`] hold all data; [`report`] renders them as a table and pictures.
 //!
 //! ```
-//! use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, Question, Trace};
+//! use kinopt_harness::{Adapter, Answer, Bench, Budget, ProblemSet, ProblemInstance, Trace};
 //! # use kinopt::model::{Limits, Model};
 //! # use kinopt::spatial::{Placement, Vector3};
 //! # let mut builder = Model::builder("two links");
@@ -25,7 +25,7 @@
 //!         "lazy"
 //!     }
 //!
-//!     fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+//!     fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
 //!         Answer::at(question.start.to_vec())
 //!     }
 //! }
@@ -64,7 +64,7 @@ mod results;
 mod route;
 mod trace;
 
-pub use adapter::{Adapter, Answer, Question, attempts};
+pub use adapter::{Adapter, Answer, ProblemInstance, attempts};
 pub use bench::{Bench, Progress};
 pub use budget::Budget;
 pub use error::HarnessError;

@@ -6,18 +6,18 @@ mod two_links;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use kinopt_harness::{Adapter, Answer, Bench, Budget, Case, Question, Trace};
+use kinopt_harness::{Adapter, Answer, Bench, Budget, Case, ProblemInstance, Trace};
 use two_links::{points, run, two_links};
 
 /// Returns a given configuration, and reports success.
-struct Claims(fn(&Question<'_>) -> Vec<f64>);
+struct Claims(fn(&ProblemInstance<'_>) -> Vec<f64>);
 
 impl Adapter for Claims {
     fn name(&self) -> &str {
         "claims"
     }
 
-    fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
         Answer {
             reached: true,
             cost: 0.0,
@@ -27,7 +27,7 @@ impl Adapter for Claims {
 }
 
 /// Shoulder and elbow in closed form, by the law of cosines: independent of every solver here.
-fn closed_form(question: &Question<'_>) -> Vec<f64> {
+fn closed_form(question: &ProblemInstance<'_>) -> Vec<f64> {
     let [x, y, _] = question.targets[0].translation.to_array();
     let elbow = ((x * x + y * y) / 2.0 - 1.0).clamp(-1.0, 1.0).acos();
     let shoulder = |elbow: f64| y.atan2(x) - elbow.sin().atan2(1.0 + elbow.cos());
@@ -59,7 +59,7 @@ fn the_modest_have_solved() {
             "modest"
         }
 
-        fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+        fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
             Answer::at(closed_form(question))
         }
     }
@@ -81,7 +81,7 @@ fn too_late_does_not_count() {
             "dawdles"
         }
 
-        fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+        fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
             let begun = std::time::Instant::now();
             let mut q = closed_form(question);
             // Continues far beyond the limit on any clock.
@@ -110,7 +110,7 @@ fn too_late_does_not_count() {
 #[test]
 fn beyond_a_limit_nothing_is_solved() {
     // After a full turn the tip is at an equal position.
-    let beyond = |question: &Question<'_>| {
+    let beyond = |question: &ProblemInstance<'_>| {
         let mut q = closed_form(question);
         q[0] += std::f64::consts::TAU;
         q
@@ -138,7 +138,8 @@ fn the_limit_holds_to_the_last_bit() {
         start: vec![0.0, 0.0],
     };
     let set = set.with_cases(vec![case]).unwrap();
-    let solved = |q: fn(&Question<'_>) -> Vec<f64>| run(&set, Claims(q)).runs[0].records[0].clone();
+    let solved =
+        |q: fn(&ProblemInstance<'_>) -> Vec<f64>| run(&set, Claims(q)).runs[0].records[0].clone();
     let on = solved(|_| vec![2.0, 0.5]);
     assert!(on.solved);
     assert_eq!(on.active_limits, ["shoulder"]);

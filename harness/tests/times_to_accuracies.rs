@@ -7,7 +7,9 @@ mod two_links;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use kinopt_harness::{Adapter, Answer, Bench, Case, ProblemSet, Question, Trace, contenders};
+use kinopt_harness::{
+    Adapter, Answer, Bench, Case, ProblemInstance, ProblemSet, Trace, contenders,
+};
 use two_links::{patient, points, run, two_links};
 
 /// Has an error of 0.15, then of 0.015 …, with a pause before each mark.
@@ -20,7 +22,7 @@ impl Adapter for Approaches {
         "approaches"
     }
 
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
         let mut q = question.start.to_vec();
         for step in 0..4 {
             let begun = Instant::now();

@@ -43,7 +43,7 @@ impl<D: Dimension, T: Element> Deref for Numbers<'_, D, T> {
 /// One-dimensional array of numbers, such as a configuration.
 pub(crate) type Vector<'py> = Numbers<'py, Ix1>;
 /// Two-dimensional array of numbers in row order.
-pub(crate) type Rows<'py> = Numbers<'py, Ix2>;
+pub(crate) type RowBlock<'py> = Numbers<'py, Ix2>;
 
 /// Reads a list of numbers; `what` names it in messages.
 pub(crate) fn vector<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Vector<'py>> {
@@ -185,8 +185,8 @@ pub(crate) fn rows<'py>(
     value: &Bound<'py, PyAny>,
     what: &str,
     columns: usize,
-) -> PyResult<Rows<'py>> {
-    let rows: Rows<'py> = numbers(value, what, &format!("rows of {columns} numbers"))?;
+) -> PyResult<RowBlock<'py>> {
+    let rows: RowBlock<'py> = numbers(value, what, &format!("rows of {columns} numbers"))?;
     match rows.shape()[1] == columns {
         true => Ok(rows),
         false => Err(invalid(format!(

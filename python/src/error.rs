@@ -203,7 +203,7 @@ impl Fault for UnknownSkinning {
     }
 }
 
-impl Fault for kinopt::motion::clip::MotionError {
+impl Fault for kinopt::motion::trajectory::MotionError {
     fn kind(&self) -> Kind {
         match self {
             Self::Name(_) => Kind::UnknownName,

@@ -7,7 +7,7 @@ use super::error::{BridgeError, check_length};
 use super::pool::{Buffers, Pool};
 use super::solution::{Place, solution_of};
 use crate::ik::{Solution, SolveError};
-use crate::problem::{Evaluation, Question, Share};
+use crate::problem::{Evaluation, ProblemInstance, TaskSubset};
 use crate::search::variables_at;
 use crate::solver::{ConfigurationSpace, LeastSquares};
 
@@ -24,14 +24,14 @@ const SIMPLEX_SIZE: f64 = 0.1;
 /// [`ExecutorMethod`](super::ExecutorMethod).
 #[derive(Clone, Debug)]
 pub struct BoundedProblem<'p> {
-    question: Question<'p>,
+    question: ProblemInstance<'p>,
     pool: Pool,
 }
 
 impl<'p> BoundedProblem<'p> {
-    /// Wraps a problem, or a [problem instance](Question), for argmin.
+    /// Wraps a problem, or a [problem instance](ProblemInstance), for argmin.
     #[must_use]
-    pub fn new(question: impl Into<Question<'p>>) -> Self {
+    pub fn new(question: impl Into<ProblemInstance<'p>>) -> Self {
         let question = question.into();
         Self {
             question,
@@ -152,6 +152,6 @@ impl LeastSquares for BoundedProblem<'_> {
 
     fn is_reached(&self, residual: &[f64]) -> bool {
         let problem = self.question.problem();
-        problem.is_reached_by(Share::All, residual)
+        problem.is_reached_by(TaskSubset::All, residual)
     }
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::DMatrix;
 
-use crate::problem::{Question, Scratch};
+use crate::problem::{ProblemInstance, Scratch};
 
 /// Memory of one evaluation.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub(super) struct Pool(Arc<Mutex<Vec<Buffers>>>);
 impl Pool {
     pub(super) fn with<T>(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         work: impl FnOnce(&mut Buffers) -> T,
     ) -> T {
         let problem = question.problem();

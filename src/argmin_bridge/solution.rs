@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use super::error::BridgeError;
 use super::pool::{Buffers, Pool};
 use crate::ik::Solution;
-use crate::problem::{Evaluation, Question, Share};
+use crate::problem::{Evaluation, ProblemInstance, TaskSubset};
 use crate::search::End;
 use crate::solver::{Counts, LeastSquares, SolverState, Stopping, Termination};
 
@@ -33,7 +33,7 @@ impl Place for Particle<DVector<f64>, f64> {
 
 /// Solution at the best point of a run; `variables` converts its parameters to the problem's variables.
 pub(super) fn solution_of<O, S, I>(
-    (question, pool): (Question<'_>, &Pool),
+    (question, pool): (ProblemInstance<'_>, &Pool),
     run: &OptimizationResult<O, S, I>,
     variables: impl FnOnce(&DVector<f64>) -> Vec<f64>,
 ) -> Result<Solution, BridgeError>
@@ -53,7 +53,7 @@ where
 ///
 /// `run` is the state and the evaluations of a run, or `None` for one that failed at its start.
 pub(super) fn solution_at<I: State>(
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     pool: &Pool,
     x: &[f64],
     run: Option<(&I, &HashMap<&'static str, u64>)>,
@@ -71,7 +71,7 @@ pub(super) fn solution_at<I: State>(
         let end = End {
             question,
             x: at,
-            share: Share::All,
+            share: TaskSubset::All,
             searched: residual,
             residual,
         };

@@ -10,7 +10,7 @@ use super::error::{BridgeError, check_length};
 use super::pool::{Buffers, Pool};
 use super::solution::{Place, is_finished_at, solution_at, solution_of};
 use crate::ik::{Solution, SolveError};
-use crate::problem::{Evaluation, Question};
+use crate::problem::{Evaluation, ProblemInstance};
 use crate::search::variables_at;
 use crate::solver::{LeastSquares, half_squared};
 
@@ -32,15 +32,15 @@ const HESSIAN_FLOOR: f64 = 1e-10;
 /// Clones share their memory. Several threads may evaluate at the same time.
 #[derive(Clone, Debug)]
 pub struct UnboundedProblem<'p> {
-    question: Question<'p>,
+    question: ProblemInstance<'p>,
     transforms: Vec<BoundsTransform>,
     pool: Pool,
 }
 
 impl<'p> UnboundedProblem<'p> {
-    /// Wraps a problem, or a [problem instance](Question), for argmin.
+    /// Wraps a problem, or a [problem instance](ProblemInstance), for argmin.
     #[must_use]
-    pub fn new(question: impl Into<Question<'p>>) -> Self {
+    pub fn new(question: impl Into<ProblemInstance<'p>>) -> Self {
         let question = question.into();
         let bounds = question.lower().iter().zip(question.upper());
         Self {
@@ -127,7 +127,7 @@ impl<'p> UnboundedProblem<'p> {
     fn evaluate<T>(
         &self,
         y: &DVector<f64>,
-        work: impl FnOnce(Question<'_>, &mut Buffers) -> T,
+        work: impl FnOnce(ProblemInstance<'_>, &mut Buffers) -> T,
     ) -> Result<T, Error> {
         check_length(y.len(), self.transforms.len())?;
         Ok(self.pool.with(self.question, |buffers| {
@@ -156,7 +156,7 @@ impl<'p> UnboundedProblem<'p> {
 
 impl Buffers {
     /// Computes Jᵀr by x for buffers that hold x and r.
-    pub(super) fn differentiate_cost(&mut self, question: Question<'_>) {
+    pub(super) fn differentiate_cost(&mut self, question: ProblemInstance<'_>) {
         Evaluation::new(question, &mut self.scratch).gradient(
             &self.x,
             &self.residual,

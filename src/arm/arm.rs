@@ -3,18 +3,18 @@
 use std::sync::{Arc, Mutex, OnceLock};
 
 use super::coordinates::Coordinates;
-use super::core_seeds::SeedTable;
 use super::default_start::middle_of;
 use super::options::Options;
 use super::rate_limits::RateLimits;
+use super::seed_table::SeedTable;
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
 use crate::clock::Instant;
 use crate::ik::Solution;
-use crate::lanes::PoseSolver;
 use crate::model::{JointId, Limits};
 use crate::problem::ReportNames;
+use crate::simd_ik::PoseSolver;
 use crate::spatial::Placement;
 
 /// Inverse kinematics of the tool of a robot arm. It is immutable, `Send` and `Sync`: share it between threads.
@@ -41,7 +41,7 @@ pub struct Arm {
     pub(super) seeds: OnceLock<SeedTable>,
     /// Collision avoidance, if the arm has a checker.
     #[cfg(feature = "collision")]
-    pub(super) collisions: Option<std::sync::Arc<super::keep_clear::KeepClear>>,
+    pub(super) collisions: Option<std::sync::Arc<super::collision_avoidance::CollisionAvoidance>>,
     workspaces: Workspaces,
 }
 

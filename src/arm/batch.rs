@@ -1,12 +1,12 @@
 //! Batches of queries.
 
 use super::arm::Arm;
-use super::lanes_or_core::QUICK;
+use super::dispatch::QUICK;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError, Reply};
 use crate::ik::Solution;
-use crate::lanes::{Attempts, Work};
-use crate::search::Found;
+use crate::search::SearchResult;
+use crate::simd_ik::{Attempts, Work};
 use crate::spatial::Placement;
 
 /// Number of queries per batch of the SIMD solver: enough to keep the lanes filled.
@@ -223,7 +223,7 @@ impl Arm {
     }
 }
 
-pub(super) fn outcome_of(found: &Found, errors: Errors) -> PoseOutcome {
+pub(super) fn outcome_of(found: &SearchResult, errors: Errors) -> PoseOutcome {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     PoseOutcome {
         reached: found.reached,

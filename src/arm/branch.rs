@@ -1,9 +1,9 @@
 //! Branch of a path follower or servo: null-space motion, and the side of a stretched arm.
 
 use super::arm::Arm;
-use super::elbow_side::Bend;
 use super::null_space::Factor;
-use super::redundancy::{Easing, SHARE};
+use super::redundancy::{NominalPosture, SHARE};
+use super::singularity_branch::SingularityBranch;
 use super::workspace::ArmWorkspace;
 
 /// Factor per step on the null-space motion while a target stays unreached.
@@ -20,7 +20,7 @@ const STIFFNESS_KEPT: f64 = 0.9;
 pub(super) struct Branch {
     /// Nominal posture of the null-space motion.
     ease: Vec<f64>,
-    bend: Bend,
+    bend: SingularityBranch,
     /// True if the last step did not reach its target.
     missed: bool,
     /// True if a step has failed since the arm was last at its nominal posture.
@@ -41,8 +41,8 @@ impl Branch {
     /// Branch of an arm that begins at `start`.
     pub(super) fn begin(arm: &Arm, start: &[f64]) -> Self {
         Self {
-            ease: arm.ease_from(start),
-            bend: Bend::unknown(start),
+            ease: arm.nominal_posture_from(start),
+            bend: SingularityBranch::unknown(start),
             missed: false,
             strayed: false,
             rests: false,
@@ -55,12 +55,12 @@ impl Branch {
 
     /// Sets the nominal posture to that of an arm that begins at `start`.
     pub(super) fn set_ease(&mut self, arm: &Arm, start: &[f64]) {
-        self.ease = arm.ease_from(start);
+        self.ease = arm.nominal_posture_from(start);
     }
 
     getters! {
         /// True if the arm is near a singularity, where branches meet.
-        pub(super) fn asks_for_care(&self) -> bool = self.missed || self.bend.is_known();
+        pub(super) fn near_singularity(&self) -> bool = self.missed || self.bend.is_known();
         /// True if the arm is stretched and its side is known.
         pub(super) fn is_stretched(&self) -> bool = self.bend.is_known();
         /// True if a target has stayed unreached until the null-space motion ended.
@@ -105,7 +105,7 @@ impl Branch {
     ) -> f64 {
         let x = std::mem::take(&mut workspace.x);
         workspace.take_twists(arm, &x);
-        self.aim_at_ease(arm, workspace, &x, longest, share, None);
+        self.aim_at_nominal_posture(arm, workspace, &x, longest, share, None);
         workspace.x = x;
         workspace.go_by_projected();
         let moved = workspace.projected.iter();
@@ -116,7 +116,7 @@ impl Branch {
     /// joint.
     ///
     /// The workspace must hold the Jacobian at x; `free` is its factorisation, if known.
-    pub(super) fn aim_at_ease(
+    pub(super) fn aim_at_nominal_posture(
         &mut self,
         arm: &Arm,
         workspace: &mut ArmWorkspace,
@@ -125,7 +125,7 @@ impl Branch {
         share: f64,
         free: Option<&Factor>,
     ) {
-        let how = Easing {
+        let how = NominalPosture {
             ease: &self.ease,
             stretched: Some(&self.bend).filter(|bend| self.missed && bend.is_known()),
             share: self.left * share,
@@ -135,7 +135,7 @@ impl Branch {
             stiffness: STIFFNESS_KEPT * self.stiffness,
             free,
         };
-        let (moves, stiffness) = workspace.aim_at_ease(arm, x, &how);
+        let (moves, stiffness) = workspace.aim_at_nominal_posture(arm, x, &how);
         self.strayed &= moves;
         self.stiffness = stiffness;
         self.slope.copy_from_slice(&workspace.slope);

@@ -3,17 +3,17 @@
 use std::time::Duration;
 
 use super::arm::Arm;
+use super::arm_model::ArmModel;
 use super::coordinates::Coordinates;
 use super::kinematic_path::{self, Part};
-use super::mechanism::Mechanism;
 use super::options::{ATTEMPTS, Options, Search};
 use super::rate_limits::RateLimits;
 use super::serial_chain::{Serial, source_of};
 use super::{ArmError, Goal};
-use crate::lanes::{LaneOptions, PoseSolver};
 use crate::model::{FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName};
 use crate::problem::NEARBY;
 use crate::robot::{Mimic, coupled};
+use crate::simd_ik::{LaneOptions, PoseSolver};
 use crate::spatial::Placement;
 
 /// Base of an arm: the frame in which targets are given.
@@ -61,7 +61,7 @@ impl Arm {
     /// # Errors
     /// Returns the errors of [`ArmBuilder::build`].
     pub fn new<'a>(
-        mechanism: &impl Mechanism,
+        mechanism: &impl ArmModel,
         base: impl Into<Base<'a>>,
         tip: impl Into<FrameRef<'a>>,
     ) -> Result<Self, ArmError> {
@@ -72,7 +72,7 @@ impl Arm {
     ///
     /// Any two frames of the tree will do: the chain leads from the base up to the common ancestor and down to the tip.
     pub fn builder<'m, 'a>(
-        mechanism: &'m impl Mechanism,
+        mechanism: &'m impl ArmModel,
         base: impl Into<Base<'a>>,
         tip: impl Into<FrameRef<'a>>,
     ) -> ArmBuilder<'m> {

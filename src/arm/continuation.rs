@@ -2,13 +2,13 @@
 
 use super::Reply;
 use super::arm::Arm;
-use super::lanes_or_core::Query;
+use super::dispatch::Query;
 use crate::buffer::refill;
-use crate::lanes::{Attempts, Prefer, Work};
 use crate::model::Source;
+use crate::simd_ik::{Attempts, Prefer, Work};
 use crate::spatial::Placement;
 
-pub(crate) use crate::lanes::PoseOutcome;
+pub(crate) use crate::simd_ik::PoseOutcome;
 
 /// End configurations of several attempts, in sequence, and their outcomes.
 #[derive(Debug, Default)]

@@ -4,9 +4,9 @@ use thiserror::Error;
 
 use crate::bad_option::BadOption;
 use crate::kinematics::KinematicsError;
-use crate::lanes::LaneError;
 use crate::model::{ModelError, UnknownName};
 use crate::problem::ProblemError;
+use crate::simd_ik::LaneError;
 use crate::spatial::RigidDefect;
 
 /// Error of building an arm.

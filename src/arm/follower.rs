@@ -10,7 +10,7 @@ use super::redundancy::SHARE;
 use super::workspace::Errors;
 use super::{QueryError, Reply};
 use crate::ik::Solution;
-use crate::search::Found;
+use crate::search::SearchResult;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
@@ -142,7 +142,7 @@ impl Follower<'_> {
         }
         self.branch.take_target(self.target == Some(target));
         // After an unreached target branches meet: return in short steps.
-        let careful = self.branch.asks_for_care() && !self.goes_far(&target)?;
+        let careful = self.branch.near_singularity() && !self.goes_far(&target)?;
         let mut continuous = careful && self.settle(&target, solution)?;
         let settled = continuous || careful && self.branch.is_stretched();
         if !settled {
@@ -175,13 +175,13 @@ impl Follower<'_> {
                 let most = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
                 workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-most, most);
             }
-            let mut found = Found::alone(Termination::IterationLimit, 0);
+            let mut found = SearchResult::alone(Termination::IterationLimit, 0);
             arm.judge(workspace, &mut found);
             let mut joints = arm.limits().zip(&workspace.x);
             let inside = joints.all(|(limits, x)| limits.contains(*x));
             found.reached &= inside;
             workspace.errors.reached &= inside;
-            arm.tell_place(&found, workspace, solution);
+            arm.record_configuration(&found, workspace, solution);
         })
     }
 
@@ -343,7 +343,7 @@ impl Follower<'_> {
             for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
                 *motion -= by;
             }
-            branch.aim_at_ease(arm, workspace, q, LONGEST_EASE, SHARE, free.as_ref());
+            branch.aim_at_nominal_posture(arm, workspace, q, LONGEST_EASE, SHARE, free.as_ref());
             for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
                 *motion += by;
             }

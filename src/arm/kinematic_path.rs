@@ -7,7 +7,7 @@ use crate::spatial::Placement;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
     /// A constant placement.
-    Way(Placement<f64>),
+    Fixed(Placement<f64>),
     /// Motion of a joint, or its inverse if the chain goes up.
     ///
     /// The inverse of a motion by q is exactly the motion by q about (along) the opposite axis.
@@ -28,19 +28,19 @@ pub(super) fn parts(model: &Model, base: Option<FrameId>, tip: FrameId) -> Vec<P
     let on_joint = |frame: FrameId| model.frames()[frame.index()].joint_from_frame;
 
     let mut parts: Vec<Part> = base
-        .map(|base| Part::Way(on_joint(base).inverse()))
+        .map(|base| Part::Fixed(on_joint(base).inverse()))
         .into_iter()
         .collect();
     for id in path.up {
         let reversed = true;
         parts.push(Part::Joint { id, reversed });
-        parts.push(Part::Way(placement(id).inverse()));
+        parts.push(Part::Fixed(placement(id).inverse()));
     }
     for id in path.down {
         let reversed = false;
-        parts.push(Part::Way(placement(id)));
+        parts.push(Part::Fixed(placement(id)));
         parts.push(Part::Joint { id, reversed });
     }
-    parts.push(Part::Way(on_joint(tip)));
+    parts.push(Part::Fixed(on_joint(tip)));
     parts
 }

@@ -1,7 +1,7 @@
 //! Robot arms: joint values from a base, a tip and a target.
 //!
 //! An [`Arm`] is built once from a [`Model`](crate::Model) or a [`Robot`](crate::robot::Robot) and solves for poses of
-//! its tool with the SIMD solver ([`lanes`](crate::lanes)). Chains that this solver does not support, such as those
+//! its tool with the SIMD solver ([`lanes`](crate::simd_ik)). Chains that this solver does not support, such as those
 //! with mimic joints, use the general [`Problem`](crate::Problem). Both have the same API and results.
 //!
 //! ```
@@ -19,54 +19,54 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod after_miss;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
+mod arm_model;
 mod batch;
 mod branch;
 mod builder;
+#[cfg(feature = "collision")]
+mod collision_avoidance;
 mod configuration;
 mod continuation;
 mod coordinates;
-mod core_search;
-mod core_seeds;
 mod default_start;
 mod derivative;
-mod elbow_side;
+mod dispatch;
 mod error;
+mod fallback;
 mod follower;
+mod general_solver;
 mod jacobian;
-#[cfg(feature = "collision")]
-mod keep_clear;
 mod kinematic_path;
-mod lanes_or_core;
-mod mechanism;
+mod local_descent;
 mod move_bounds;
-mod nearest_and_distinct;
+mod multi_solution;
 mod null_space;
 mod options;
 mod pose_question;
 mod rate_limits;
 mod redundancy;
-mod retarget;
+mod seed_table;
 mod serial_chain;
 mod servo;
-mod settling;
-mod substeps;
+mod singularity_branch;
+mod step_subdivision;
 mod toward_posture;
 mod track;
+mod with_tool;
 mod workspace;
 
-pub use crate::lanes::PoseOutcome;
+pub use crate::simd_ik::PoseOutcome;
 pub use crate::task::{Axis, Goal};
 pub use arm::Arm;
+pub use arm_model::ArmModel;
 pub use builder::{ArmBuilder, Base};
 pub(crate) use continuation::{ChainMotion, Ends};
 pub use derivative::ArmDerivative;
 pub(crate) use error::Reply;
 pub use error::{ArmError, QueryError};
 pub use follower::{Follower, Jump};
-pub use mechanism::Mechanism;
 pub use options::Search;
 pub use servo::{HeldBy, Servo, ServoStatus, ServoStep};
 pub use track::Track;

@@ -44,10 +44,10 @@ pub enum Search {
 
 impl Search {
     /// Preference of the SIMD solver for its attempts.
-    pub(super) fn lanes(self) -> crate::lanes::Prefer {
+    pub(super) fn lanes(self) -> crate::simd_ik::Prefer {
         match self {
-            Self::First => crate::lanes::Prefer::First,
-            _ => crate::lanes::Prefer::Start,
+            Self::First => crate::simd_ik::Prefer::First,
+            _ => crate::simd_ik::Prefer::Start,
         }
     }
 

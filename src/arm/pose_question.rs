@@ -2,9 +2,9 @@
 
 use super::options::Options;
 use super::serial_chain::Serial;
-use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
+use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::spatial::Placement;
-use crate::task::{Pose, Quantity, Rows, Task};
+use crate::task::{Pose, Quantity, RowBlock, Task};
 
 /// Problem of a chain's tool pose, with the target and the bounds of the current query.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub(super) struct PoseQuestion {
     targets: Targets,
     task: TaskId<Pose>,
     /// Measure of the orientation rows.
-    turn: Rows,
+    turn: RowBlock,
     /// Lower bounds of the query.
     pub(super) lower: Vec<f64>,
     /// Upper bounds of the query.
@@ -76,8 +76,8 @@ impl PoseQuestion {
     }
 
     /// Problem instance for the general solver.
-    pub(super) fn ask(&self) -> Question<'_> {
-        let question = Question::from(&self.problem).with_targets(&self.targets);
+    pub(super) fn ask(&self) -> ProblemInstance<'_> {
+        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
         question.within(&self.lower, &self.upper, &[])
     }
 }

@@ -1,6 +1,6 @@
 //! Velocity, acceleration and jerk limits of an arm's joints.
 
-use super::mechanism::Mechanism;
+use super::arm_model::ArmModel;
 use super::serial_chain::{Serial, source_of};
 use crate::model::{Model, ParameterMap};
 
@@ -17,7 +17,7 @@ pub(super) struct RateLimits<T> {
 
 impl RateLimits<Option<f64>> {
     /// Limits of the model's joints in the order of their ids; `None` for no limit.
-    pub(super) fn of(mechanism: &impl Mechanism) -> Self {
+    pub(super) fn of(mechanism: &impl ArmModel) -> Self {
         let joints = || mechanism.model().joint_ids();
         Self {
             velocity: joints().map(|id| mechanism.velocity_limit(id)).collect(),

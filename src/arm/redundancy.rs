@@ -8,8 +8,8 @@
 //! to it.
 
 use super::arm::Arm;
-use super::elbow_side::Bend;
 use super::null_space::Factor;
+use super::singularity_branch::SingularityBranch;
 use super::workspace::ArmWorkspace;
 
 /// Fraction of a joint's half range beyond which its limit pulls.
@@ -26,7 +26,7 @@ const SHARP: f64 = 1e-3;
 /// Largest measured stiffness, radians per radian: moving targets change the slope, too.
 const MAX_STIFFNESS: f64 = 20.0;
 /// Largest motion of a joint that counts as none, radians.
-const AT_EASE: f64 = 1e-9;
+const AT_NOMINAL_POSTURE: f64 = 1e-9;
 
 impl Arm {
     /// Returns true if the goal may leave a null space.
@@ -35,7 +35,7 @@ impl Arm {
     }
 
     /// Nominal posture of an arm that begins at `start`.
-    pub(super) fn ease_from(&self, start: &[f64]) -> Vec<f64> {
+    pub(super) fn nominal_posture_from(&self, start: &[f64]) -> Vec<f64> {
         if let Some(posture) = &self.options.posture {
             return posture.clone();
         }
@@ -77,10 +77,10 @@ impl Arm {
 }
 
 /// Parameters of a null-space step.
-pub(super) struct Easing<'e> {
+pub(super) struct NominalPosture<'e> {
     pub(super) ease: &'e [f64],
     /// Side to keep, of a stretched arm that does not reach its target.
-    pub(super) stretched: Option<&'e Bend>,
+    pub(super) stretched: Option<&'e SingularityBranch>,
     /// Fraction of the distance to the minimum that is taken, 0 to 1.
     pub(super) share: f64,
     /// Last motion, radians per joint.
@@ -95,7 +95,7 @@ pub(super) struct Easing<'e> {
     pub(super) free: Option<&'e Factor>,
 }
 
-impl Easing<'_> {
+impl NominalPosture<'_> {
     /// Stiffness along the last motion, by the change of the slope.
     ///
     /// The null space is curved, so the stiffness of the pull alone is too small and a step overshoots.
@@ -117,7 +117,12 @@ impl ArmWorkspace {
     ///
     /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::take_twists). Returns true
     /// if there is any motion, and the smallest stiffness for the next step.
-    pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> (bool, f64) {
+    pub(super) fn aim_at_nominal_posture(
+        &mut self,
+        arm: &Arm,
+        x: &[f64],
+        how: &NominalPosture<'_>,
+    ) -> (bool, f64) {
         let mut pull = std::mem::take(&mut self.wanted);
         arm.pull(x, how.ease, &mut pull);
         let reach = self.longest_column();
@@ -135,7 +140,7 @@ impl ArmWorkspace {
         self.wanted = pull;
         let most = self.projected.iter();
         let most = most.fold(0.0_f64, |most, by| most.max(by.abs()));
-        let moves = most > AT_EASE;
+        let moves = most > AT_NOMINAL_POSTURE;
         let stiffness = how.stiffness.max(how.measured_stiffness(&self.projected));
         let share = match moves {
             true => {

@@ -2,8 +2,8 @@
 
 use super::ArmError;
 use super::kinematic_path::Part;
-use crate::lanes::{Chain, ChainJoint};
 use crate::model::{FrameId, Joint, JointId, Limits, Model, ModelBuilder, ParameterMap, Source};
+use crate::simd_ik::{Chain, ChainJoint};
 use crate::spatial::Placement;
 
 /// Name of the tool's frame in the chain's model.
@@ -79,7 +79,7 @@ impl Serial {
     ) -> Result<Self, ArmError> {
         let mut balls = parts.iter().filter_map(|part| match *part {
             Part::Joint { id, .. } => Some(&source.joints()[id.index()]),
-            Part::Way(_) => None,
+            Part::Fixed(_) => None,
         });
         if let Some(ball) = balls.find(|joint| joint.kind.is_ball()) {
             return Err(ArmError::BallJoint {
@@ -127,7 +127,7 @@ impl Serial {
 impl Assembly<'_> {
     fn add(&mut self, part: &Part, parts: &[Part]) {
         let (id, reversed) = match *part {
-            Part::Way(way) => {
+            Part::Fixed(way) => {
                 self.extent += way.translation.norm();
                 self.way = self.way * way;
                 return;

@@ -9,10 +9,10 @@ use super::pose_question::PoseQuestion;
 use super::serial_chain::Serial;
 use crate::ik::{DerivativeWorkspace, Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
-use crate::lanes::{PoseOutcome, PoseSolver};
 use crate::model::Source;
-use crate::problem::{Evaluation, ProblemError, Scratch, Share};
+use crate::problem::{Evaluation, ProblemError, Scratch, TaskSubset};
 use crate::search::{Attempts, Engine};
+use crate::simd_ik::{PoseOutcome, PoseSolver};
 use crate::solver::{
     AnyMethod, LeastSquares, LevenbergMarquardt, Observer, Silent, SolverState, Stopping,
     Termination, negligible_slope,
@@ -48,7 +48,7 @@ pub(super) struct ArmWorkspace {
     pub(super) spare: Solution,
     /// Buffers of the collision checks.
     #[cfg(feature = "collision")]
-    pub(super) clear_room: Option<super::keep_clear::ClearRoom>,
+    pub(super) clear_room: Option<super::collision_avoidance::CollisionWorkspace>,
     /// SIMD solver with the bounds of the query, if motions are bounded.
     pub(super) bounded_lanes: Option<PoseSolver>,
     /// Start, clamped to the bounds.
@@ -269,7 +269,7 @@ impl ArmWorkspace {
     ) -> Minimiser<'a> {
         Minimiser {
             question: self.question.ask(),
-            share: Share::All,
+            share: TaskSubset::All,
             method,
             deadline,
             observer,

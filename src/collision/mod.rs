@@ -18,27 +18,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod aabb_tree;
 mod bounding_box;
-mod box_tree;
-mod changing_tree;
 mod checker;
 mod convex_surface;
 mod distance;
-pub(crate) mod in_lanes;
+mod dynamic_aabb_tree;
 mod mesh_file;
 mod mesh_folders;
 mod model;
 mod shape;
+pub(crate) mod simd_spheres;
 mod sphere_model;
 #[cfg(test)]
 mod test_numbers;
-mod wide_nodes;
+mod wide_aabb_tree;
 pub(crate) mod world;
 
 pub use crate::problem::{BodyKind, Collision};
 pub use bounding_box::BoundingBox;
 pub(crate) use checker::FIRST_PLANE;
-pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};
+pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, MotionCheck, MotionChecker};
 pub(crate) use distance::ROUNDING;
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
@@ -49,5 +49,5 @@ pub use shape::{
     Ball, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind, ShapeNote,
     TriangleMesh,
 };
-pub use sphere_model::{Fineness, SphereGroup, SphereModel};
+pub use sphere_model::{Resolution, SphereGroup, SphereModel};
 pub use world::{Obstacle, World, WorldError};

@@ -5,7 +5,7 @@ use super::goal::goals;
 use super::sweeps::{self, Limits};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::solver::{Observer, Stopping};
 
 /// Cyclic coordinate descent (Wang & Chen 1991), from the tips to the root.
@@ -44,7 +44,7 @@ impl Geometric for Ccd {
 
     fn solve_question(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {

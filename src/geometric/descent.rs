@@ -6,12 +6,12 @@ use super::sweeps::Sweep;
 use super::turn::{Slide, Turn, move_joint, turned};
 use crate::kinematics::{JointAxis, TreeState};
 use crate::model::Limits;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::spatial::{Placement, Vector3};
 
 /// State of a search: the frames of the targets and the joints that move them.
 pub(super) struct Descent<'a> {
-    question: Question<'a>,
+    question: ProblemInstance<'a>,
     state: TreeState<f64>,
     goals: Vec<Goal>,
     /// The present placement of each target's frame.
@@ -23,7 +23,7 @@ pub(super) struct Descent<'a> {
 }
 
 impl<'a> Descent<'a> {
-    pub(super) fn new(question: Question<'a>, goals: Vec<Goal>) -> Self {
+    pub(super) fn new(question: ProblemInstance<'a>, goals: Vec<Goal>) -> Self {
         let tree = question.tree();
         let mut moved = Vec::with_capacity(tree.joints());
         for (index, goal) in goals.iter().enumerate() {

@@ -7,7 +7,7 @@ use super::linkage::{Linkage, Pin, Span, lay_straight};
 use super::sweeps::{self, Limits, Sweep};
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::solver::{Observer, Stopping};
 use crate::spatial::Vector3;
 
@@ -48,7 +48,7 @@ impl Geometric for Fabrik {
 
     fn solve_question(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {

@@ -2,7 +2,7 @@
 
 use super::GeometricError;
 use crate::kinematics::FrameSlot;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::spatial::{Matrix3, Vector3};
 use crate::task::{FrameGoal, Quantity};
 
@@ -29,9 +29,9 @@ pub(super) struct Goal {
 /// The kinds of tasks that [`goals`] supports.
 const VALID: &str = "`point`, `pose` or `orientation`, in the world and without room";
 
-/// The targets of the problem's tasks, in order. Rows of weight zero have no target.
+/// The targets of the problem's tasks, in order. RowBlock of weight zero have no target.
 pub(super) fn goals(
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     solver: &'static str,
 ) -> Result<Vec<Goal>, GeometricError> {
     let problem = question.problem;

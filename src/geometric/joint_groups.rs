@@ -5,7 +5,7 @@ use super::goal::Goal;
 use super::joint_points::{Carried, Group, JointPoints};
 use super::linkage::Pin;
 use crate::kinematics::TreeState;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::spatial::{Placement, Vector3};
 
 /// Distance below which points coincide, relative to the model's reach.
@@ -16,7 +16,7 @@ const SAME: f64 = 1e-9;
 /// # Errors
 /// Returns an error for a prismatic joint, or for a task without a position, by name.
 pub(super) fn joint_points(
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     goals: &[Goal],
     solver: &'static str,
 ) -> Result<JointPoints, GeometricError> {
@@ -57,7 +57,7 @@ pub(super) fn joint_points(
 
 /// Points and joints during construction.
 struct PointLayout<'a> {
-    question: Question<'a>,
+    question: ProblemInstance<'a>,
     state: TreeState<f64>,
     same: f64,
     /// By joint: the point at its origin.
@@ -68,7 +68,7 @@ struct PointLayout<'a> {
 }
 
 impl<'a> PointLayout<'a> {
-    fn new(question: Question<'a>) -> Self {
+    fn new(question: ProblemInstance<'a>) -> Self {
         let tree = question.tree();
         let mut near_zero = vec![0.0; question.variables()];
         question.space().project(&mut near_zero);

@@ -3,7 +3,7 @@
 use super::joint_points::{Group, JointPoints};
 use super::turn::{BoundedVariable, Turn, move_joint, turned, two_turns};
 use crate::kinematics::{JointAxis, TreeState};
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::scalar::elementary;
 use crate::spatial::Vector3;
 
@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// Fit of a problem's joints to points.
 pub(super) struct JointFit<'a> {
-    question: Question<'a>,
+    question: ProblemInstance<'a>,
     joint_points: JointPoints,
     /// By point: the point about which its bone rotates.
     centres: Vec<Option<usize>>,
@@ -27,7 +27,7 @@ pub(super) struct JointFit<'a> {
 }
 
 impl<'a> JointFit<'a> {
-    pub(super) fn new(question: Question<'a>, joint_points: JointPoints) -> Self {
+    pub(super) fn new(question: ProblemInstance<'a>, joint_points: JointPoints) -> Self {
         let tree = question.tree();
         let linkage = joint_points.linkage();
         let points = 0..joint_points.points.len();

@@ -61,7 +61,7 @@ pub use triangle::{Triangle, triangle};
 pub use two_bone::{Elbow, TwoBone};
 
 use crate::ik::Solution;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::solver::{Observer, Silent};
 
 /// A geometric method with its settings, immutable and shareable.
@@ -80,18 +80,18 @@ pub trait Geometric: Send + Sync {
     /// support, by name. An unreached target is not an error.
     fn solve_question(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError>;
 
-    /// Solves a problem, or an [instance](Question) of it, without an observer.
+    /// Solves a problem, or an [instance](ProblemInstance) of it, without an observer.
     ///
     /// # Errors
     /// Returns the errors of [`solve_question`](Self::solve_question).
     fn solve<'a>(
         &self,
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         start: &[f64],
     ) -> Result<Solution, GeometricError>
     where
@@ -106,7 +106,7 @@ pub trait Geometric: Send + Sync {
     /// Returns the errors of [`solve_question`](Self::solve_question).
     fn solve_observed<'a>(
         &self,
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError>

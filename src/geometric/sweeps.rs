@@ -3,7 +3,7 @@
 use super::GeometricError;
 use crate::clock::{Instant, is_past};
 use crate::ik::{Restarts, Solution};
-use crate::problem::{Evaluation, Question, Scratch, Share};
+use crate::problem::{Evaluation, ProblemInstance, Scratch, TaskSubset};
 use crate::search::{Attempt, Attempts, End, Engine, Schedule, SolveError, run, variables_at};
 use crate::solver::{
     Counts, Iteration, LeastSquares, Observer, SolverState, Stopping, Termination, half_squared,
@@ -51,7 +51,7 @@ impl Default for Limits {
 ///
 /// A search that stopped at a stationary point ends as stationary.
 pub(super) fn solve(
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     start: &[f64],
     limits: Limits,
     method: &mut dyn Sweep,
@@ -62,13 +62,13 @@ pub(super) fn solve(
     restarts.check().map_err(SolveError::from)?;
     let mut search = Attempts::default();
     search.start = variables_at(question, start)?;
-    search.fit(question, Share::All);
+    search.fit(question, TaskSubset::All);
     let deadline = stopping.deadline();
     let mut sweeps = Sweeps::new(question, &search.start, method, observer, deadline);
     let schedule = Schedule::of_sweeps(question, restarts, stopping);
     let found = run(
         question,
-        Share::All,
+        TaskSubset::All,
         &schedule,
         deadline,
         &mut sweeps,
@@ -79,7 +79,7 @@ pub(super) fn solve(
     let end = End {
         question,
         x: &search.keeper.x,
-        share: Share::All,
+        share: TaskSubset::All,
         searched: &search.keeper.residual,
         residual: &search.keeper.residual,
     };
@@ -95,7 +95,7 @@ pub(super) fn solve(
 
 /// A geometric method as an engine of the search.
 struct Sweeps<'a> {
-    question: Question<'a>,
+    question: ProblemInstance<'a>,
     method: &'a mut dyn Sweep,
     observer: &'a mut dyn Observer,
     deadline: Option<Instant>,
@@ -113,7 +113,7 @@ struct Sweeps<'a> {
 
 impl<'a> Sweeps<'a> {
     fn new(
-        question: Question<'a>,
+        question: ProblemInstance<'a>,
         start: &[f64],
         method: &'a mut dyn Sweep,
         observer: &'a mut dyn Observer,
@@ -183,7 +183,9 @@ impl Engine for Sweeps<'_> {
                 best = if index == 0 { cost } else { best };
                 break Termination::NonFinite;
             }
-            let arrived = question.problem.is_reached_by(Share::All, &self.residual);
+            let arrived = question
+                .problem
+                .is_reached_by(TaskSubset::All, &self.residual);
             let hardly_lower = best - cost <= FLAT * cost;
             flat = if hardly_lower { flat + 1 } else { 0 };
             let counts = index > 0 || self.method.start_counts();

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 
 use crate::kinematics::JointAxis;
 use crate::model::Limits;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
@@ -69,7 +69,7 @@ impl Turn {
 
 /// Moves the variable of a joint by the result of `best` for the joint's range; returns the joint's motion.
 pub(super) fn move_joint(
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     joint: usize,
     x: &mut [f64],
     best: impl FnOnce(Limits) -> f64,
@@ -133,7 +133,7 @@ pub(super) struct BoundedVariable {
 
 impl BoundedVariable {
     /// Index and bounds of a joint's variable.
-    pub(super) fn of(question: Question<'_>, joint: usize) -> (usize, Self) {
+    pub(super) fn of(question: ProblemInstance<'_>, joint: usize) -> (usize, Self) {
         let (variable, ratio) = question.tree().variable_of(joint);
         let bounds = Limits::new(question.lower()[variable], question.upper()[variable]);
         (variable, Self { bounds, ratio })

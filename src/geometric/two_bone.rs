@@ -8,7 +8,7 @@ use super::sweeps::{self, Limits, Sweep};
 use super::triangle::triangle;
 use super::{Geometric, GeometricError};
 use crate::ik::{Restarts, Solution};
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::solver::{Observer, Stopping};
 use crate::spatial::Vector3;
 
@@ -61,7 +61,7 @@ impl Geometric for TwoBone {
 
     fn solve_question(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         start: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Solution, GeometricError> {

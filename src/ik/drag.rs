@@ -1,17 +1,17 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
+use super::collision_avoidance::CollisionWorkspace;
+use super::depenetration::WayOutOfContact;
 use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
 use super::drag_motion::DragMotion;
-use super::keep_clear::ClearRoom;
-use super::levels::Extent;
-use super::straight_way::furthest_move;
-use super::way_out::{WayOut, WayOutSolvers};
-use super::way_out_of_contact::WayOutOfContact;
+use super::escape::{LocalMinimumEscape, WayOutSolvers};
+use super::joint_interpolation::furthest_move;
+use super::priority::Extent;
 use super::{
     BoundKind, MotionLimits, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace,
 };
 use crate::bad_option::BadOption;
-use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
+use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::{check_start, slide_per_radian};
 use crate::solver::Stopping;
@@ -99,13 +99,13 @@ pub struct Drag {
     pub(super) misses: usize,
     /// The furthest that a joint moved in the last frame, in radians.
     pub(super) moved: f64,
-    pub(super) way_out: WayOut,
+    pub(super) way_out: LocalMinimumEscape,
     pub(super) way_out_solvers: WayOutSolvers,
     pub(super) way_out_of_contact: WayOutOfContact,
     pub(super) leap: Option<(usize, f64)>,
     /// Where a frame of a body that keeps clear begins, and room for its checks.
     pub(super) q_before: Vec<f64>,
-    pub(super) clear: Option<Box<ClearRoom>>,
+    pub(super) clear: Option<Box<CollisionWorkspace>>,
     /// Whether something may touch where the body stands.
     pub(super) touches: bool,
     /// The commanded motion, if rates are limited; all other fields are then those of its goal.
@@ -150,7 +150,7 @@ impl Drag {
             trial: Workspace::new(),
             misses: 0,
             moved: 0.0,
-            way_out: WayOut::new(n),
+            way_out: LocalMinimumEscape::new(n),
             way_out_solvers: WayOutSolvers::new(&Solver::default(), Stopping::default()),
             way_out_of_contact: WayOutOfContact::new(n),
             leap: None,
@@ -278,8 +278,8 @@ impl Drag {
 
     /// What is dragged, with the targets as they are now.
     #[must_use]
-    pub fn question(&self) -> Question<'_> {
-        Question::from(&self.problem).with_targets(&self.targets)
+    pub fn question(&self) -> ProblemInstance<'_> {
+        ProblemInstance::from(&self.problem).with_targets(&self.targets)
     }
 
     /// A task's residual, to move its target; as [`Targets::get_mut`].
@@ -316,7 +316,9 @@ impl Drag {
     pub fn stand_at(&mut self, q: &[f64]) -> Result<(), SolveError> {
         check_start(&self.problem, q)?;
         self.problem.parameters().gather(q, &mut self.x);
-        Question::from(&self.problem).space().project(&mut self.x);
+        ProblemInstance::from(&self.problem)
+            .space()
+            .project(&mut self.x);
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.x, &mut self.q);
         self.misses = 0;
@@ -347,7 +349,7 @@ impl Drag {
         }
         if let Some(motion) = &mut self.motion {
             motion.follow(&self.problem, &self.x);
-            let question = Question::from(&self.problem).with_targets(&self.targets);
+            let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
             motion.report(question, &self.workspace.solution);
         }
         self.solution()
@@ -436,7 +438,7 @@ impl Drag {
         let Some(search) = &self.search else {
             return;
         };
-        let question = Question::from(&self.problem).with_targets(&self.targets);
+        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
         solve(
             search,
             question,

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use super::Drag;
-use super::clear_engine::distance_of_first;
+use super::collision_avoidance::CollisionWorkspace;
+use super::collision_free_search::distance_of_first;
 use super::drag_frame::near;
-use super::keep_clear::ClearRoom;
-use super::levels::Extent;
+use super::priority::Extent;
 use super::solver::Run;
 use super::step_guard::WayGuard;
-use crate::problem::{Collision, Fence};
-use crate::search::Found;
+use crate::problem::{Collision, CollisionConstraint};
+use crate::search::SearchResult;
 use crate::solver::Silent;
 
 impl Drag {
@@ -21,7 +21,10 @@ impl Drag {
         let Some(fence) = self.problem.fence().map(Arc::clone) else {
             return;
         };
-        let mut room = self.clear.take().unwrap_or_else(|| ClearRoom::new(&fence));
+        let mut room = self
+            .clear
+            .take()
+            .unwrap_or_else(|| CollisionWorkspace::new(&fence));
         let end = &self.workspace.solution.q;
         if end.iter().all(|value| value.is_finite()) {
             if let Some(by) = room.engine.check.blocked(&self.q_before, end) {
@@ -37,7 +40,7 @@ impl Drag {
         self.clear = Some(room);
     }
 
-    fn slide(&mut self, fence: &Fence, room: &mut ClearRoom, by: Collision) {
+    fn slide(&mut self, fence: &CollisionConstraint, room: &mut CollisionWorkspace, by: Collision) {
         // What it only stands on does not keep it from going on.
         let stays = room.engine.check.blocked(&self.q_before, &self.q_before);
         let free = stays.is_none();
@@ -45,7 +48,7 @@ impl Drag {
             true => f64::INFINITY,
             false => room.engine.least_distance(&self.q_before),
         };
-        let mut found = Found::of(&self.workspace.solution);
+        let mut found = SearchResult::of(&self.workspace.solution);
         let out = self.go_out_of_contact().filter(|_| !free);
         let goes_out = out.is_some();
         let end = out.or_else(|| self.slide_to(fence, room, (free, before), &mut found));
@@ -73,10 +76,10 @@ impl Drag {
     /// where that touches something, to less of it.
     fn slide_to(
         &mut self,
-        fence: &Fence,
-        room: &mut ClearRoom,
+        fence: &CollisionConstraint,
+        room: &mut CollisionWorkspace,
         (free, before): (bool, f64),
-        found: &mut Found,
+        found: &mut SearchResult,
     ) -> Option<Vec<f64>> {
         // Preferences may lead where the goals alone do not.
         for extent in [Extent::Frame, Extent::Goals] {
@@ -98,7 +101,13 @@ impl Drag {
     }
 
     /// Solves a frame with the clearance among its goals, from where the body stood; guarded from where that is free.
-    fn solve_fenced(&mut self, fence: &Fence, room: &mut ClearRoom, extent: Extent, guarded: bool) {
+    fn solve_fenced(
+        &mut self,
+        fence: &CollisionConstraint,
+        room: &mut CollisionWorkspace,
+        extent: Extent,
+        guarded: bool,
+    ) {
         let question = near(&self.problem, &self.targets, &self.moves).fenced(fence.holding());
         let mut q = std::mem::take(&mut self.q);
         let mut guard = WayGuard {

@@ -2,7 +2,7 @@
 
 use super::solver::Run;
 use super::{MoveLimits, Solver, Workspace};
-use crate::problem::{Problem, Question, Targets};
+use crate::problem::{Problem, ProblemInstance, Targets};
 use crate::solver::Silent;
 
 /// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
@@ -16,15 +16,17 @@ pub(super) fn near<'a>(
     problem: &'a Problem,
     targets: &'a Targets,
     moves: &'a MoveLimits,
-) -> Question<'a> {
-    Question::from(problem).with_targets(targets).near(moves)
+) -> ProblemInstance<'a> {
+    ProblemInstance::from(problem)
+        .with_targets(targets)
+        .near(moves)
 }
 
 /// A solve from a start of the right length. Where a number in it is not finite, which a residual of
 /// the caller's may bring about, the last solution stays.
 pub(super) fn solve(
     solver: &Solver,
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     from: &[f64],
     workspace: &mut Workspace,
 ) {

@@ -8,14 +8,14 @@ use super::drag_frame::{REST, solve};
 use super::{MotionLimits, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::{ABOVE_0, AT_LEAST_0, BadOption, POSITIVE, Range};
 use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion};
-use crate::problem::{Problem, Question};
+use crate::problem::{Problem, ProblemInstance};
 use crate::solver::Stopping;
 use crate::spatial::{Quaternion, Vector3};
 
 /// Step of a variable without a velocity limit in a frame, radians or metres: more than any goal moves.
 const UNLIMITED_STEP: f64 = 1e3;
 
-/// Share of a limit of three rates that each has, so that their norm keeps the limit: 1/√3, less rounding.
+/// TaskSubset of a limit of three rates that each has, so that their norm keeps the limit: 1/√3, less rounding.
 const SHARE_OF_THREE: f64 = 0.577_350_269;
 
 /// A ball joint of the commanded motion.
@@ -202,7 +202,7 @@ impl DragMotion {
     }
 
     /// Reports on the commanded configuration, with the effort of the frame that found its goal.
-    pub(super) fn report(&mut self, question: Question<'_>, goal: &Solution) {
+    pub(super) fn report(&mut self, question: ProblemInstance<'_>, goal: &Solution) {
         solve(&self.look, question, &self.q, &mut self.workspace);
         let solution = &mut self.workspace.solution;
         // To the bit, and with its own sign of quaternions.

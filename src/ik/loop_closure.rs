@@ -4,7 +4,7 @@ use super::loop_gap::{LoopClosureError, LoopGap};
 use super::nearest_closing::NearestClosing;
 use super::{Solution, Solver};
 use crate::model::{JointId, Model, ModelError, ParameterMap, ParameterMapBuilder};
-use crate::problem::{Evaluation, Problem, ProblemError, Share};
+use crate::problem::{Evaluation, Problem, ProblemError, TaskSubset};
 use crate::robot::Robot;
 use crate::search::check_start;
 use crate::solver::LeastSquares;
@@ -169,7 +169,7 @@ impl<'m> LoopClosure<'m> {
         let mut residual = vec![0.0; problem.rows()];
         let mut scratch = problem.scratch();
         Evaluation::new(&problem, &mut scratch).residual(&x, &mut residual);
-        for rows in problem.errors(Share::All, &residual) {
+        for rows in problem.errors(TaskSubset::All, &residual) {
             gaps[rows.task].take(rows.quantity, rows.error);
         }
         Ok(gaps)

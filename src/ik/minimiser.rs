@@ -3,15 +3,15 @@
 use crate::clock::Instant;
 
 use super::step_guard::{Guarded, StepGuard};
-use crate::problem::{Evaluation, Question, Scratch, Share};
+use crate::problem::{Evaluation, ProblemInstance, Scratch, TaskSubset};
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};
 
 /// Method applied to one problem instance.
 pub(crate) struct Minimiser<'a> {
-    pub(crate) question: Question<'a>,
+    pub(crate) question: ProblemInstance<'a>,
     /// Task subset that is minimised.
-    pub(crate) share: Share,
+    pub(crate) share: TaskSubset,
     pub(crate) method: &'a dyn AnyMethod,
     pub(crate) deadline: Option<Instant>,
     pub(crate) observer: &'a mut dyn Observer,

@@ -1,26 +1,26 @@
 //! Solvers of a [`Problem`](crate::Problem), drags, loop closure and derivatives of solutions.
 
-mod clear_engine;
+mod collision_avoidance;
+mod collision_free_search;
+mod depenetration;
 mod drag;
 mod drag_clear;
 mod drag_frame;
 mod drag_motion;
 mod drag_to_rest;
+mod escape;
 mod hold_postures;
-mod keep_clear;
-mod levels;
+mod joint_interpolation;
 mod loop_closure;
 mod loop_gap;
 mod minimiser;
 mod motion_limits;
 mod nearest_closing;
+mod priority;
 mod solution_derivative;
 mod solver;
 mod stance;
 mod step_guard;
-mod straight_way;
-mod way_out;
-mod way_out_of_contact;
 mod workspace;
 
 pub use crate::search::{

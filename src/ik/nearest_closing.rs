@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::{Restarts, Solution, SolveError, Solver, Workspace};
 use crate::model::Source;
-use crate::problem::{Problem, Question};
+use crate::problem::{Problem, ProblemInstance};
 use crate::random::RandomStream;
 use crate::search::{slide_per_radian, variables_at};
 use crate::solver::half_squared;
@@ -31,7 +31,7 @@ impl<'a> NearestClosing<'a> {
         let angles = problem.names().variable_is_angle.iter();
         Ok(Self {
             problem,
-            start: variables_at(Question::from(problem), start)?,
+            start: variables_at(ProblemInstance::from(problem), start)?,
             units: angles
                 .map(|&angle| if angle { 1.0 } else { slide })
                 .collect(),
@@ -83,7 +83,7 @@ impl<'a> NearestClosing<'a> {
         for ((x, start), unit) in x.iter_mut().zip(&self.start).zip(&self.units) {
             *x = start + far * unit * *x;
         }
-        Question::from(self.problem).space().project(x);
+        ProblemInstance::from(self.problem).space().project(x);
     }
 
     /// Removes full revolutions away from the start from revolute joints, and returns the distance to the start,

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use super::clear_engine::{ClearEngine, EngineRoom};
-use super::levels::{ByRank, Extent, Ranked};
+use super::collision_free_search::{ClearEngine, SearchWorkspace};
 use super::minimiser::Minimiser;
+use super::priority::{Extent, PriorityDescent, Ranked};
 use super::step_guard::{StepGuard, reborrowed};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
 use crate::clock::Instant;
-use crate::problem::{Evaluation, Fence, Question, Share};
-use crate::search::{self, Engine, Found, Schedule, check_start};
+use crate::problem::{CollisionConstraint, Evaluation, ProblemInstance, TaskSubset};
+use crate::search::{self, Engine, Schedule, SearchResult, check_start};
 use crate::solver::{
     AnyMethod, LeastSquares, LevenbergMarquardt, Method, Observer, Silent, Stopping,
 };
@@ -79,7 +79,7 @@ impl Solver {
         self.restarts.check()
     }
 
-    /// Solves a problem or a [problem instance](Question) from the configuration `start`.
+    /// Solves a problem or a [problem instance](ProblemInstance) from the configuration `start`.
     ///
     /// `start` is projected into the joint limits. Locked joints and mimic joints take their values from the parameter
     /// map.
@@ -96,7 +96,7 @@ impl Solver {
     /// range. An unreached target is not an error: see [`Solution::reached`] and [`Solution::explain`].
     pub fn solve<'a, 'w>(
         &self,
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
     ) -> Result<&'w Solution, SolveError> {
@@ -109,7 +109,7 @@ impl Solver {
     /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_once<'a>(
         &self,
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         start: &[f64],
     ) -> Result<Solution, SolveError> {
         let mut workspace = Workspace::new();
@@ -125,7 +125,7 @@ impl Solver {
     /// Returns the errors of [`solve`](Self::solve).
     pub fn solve_observed<'a, 'w>(
         &self,
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         start: &[f64],
         workspace: &'w mut Workspace,
         observer: &mut dyn Observer,
@@ -148,7 +148,7 @@ impl Solver {
     /// Solves a problem instance without collision avoidance, except for the step guard and the engine in `run`.
     pub(super) fn run(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         run: &mut Run<'_>,
@@ -186,10 +186,10 @@ impl Solver {
             }
         };
         let mut found = search::run(question, share, &schedule, deadline, engine, search);
-        if share != Share::All {
+        if share != TaskSubset::All {
             let mut ranked = Ranked {
                 question,
-                by: ByRank {
+                by: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule,
@@ -222,9 +222,9 @@ impl Solver {
     /// Reports on the variables `x`, found by a search with additional required tasks.
     pub(super) fn report_at(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         x: &[f64],
-        found: Found,
+        found: SearchResult,
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) {
@@ -237,7 +237,7 @@ impl Solver {
         if problem.ranks().levels() > 1 {
             let mut ranked = Ranked {
                 question,
-                by: ByRank {
+                by: PriorityDescent {
                     method: &*self.method,
                     stopping: self.stopping,
                     schedule: Schedule::of_searches(
@@ -269,5 +269,5 @@ pub(super) struct Run<'a> {
     /// Collision check of the steps, if any.
     pub(super) guard: Option<&'a mut dyn StepGuard>,
     /// Collision constraint and workspace of a collision-free search, if any.
-    pub(super) clear: Option<(&'a Fence, &'a mut EngineRoom)>,
+    pub(super) clear: Option<(&'a CollisionConstraint, &'a mut SearchWorkspace)>,
 }

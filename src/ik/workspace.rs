@@ -1,10 +1,10 @@
 //! Scratch memory of a solver, owned by the caller.
 
 use super::Solution;
-use super::keep_clear::ClearRoom;
-use super::levels::{RankMemory, is_better};
-use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
-use crate::search::{Attempts, End, Found, Pulls};
+use super::collision_avoidance::CollisionWorkspace;
+use super::priority::{LevelWorkspace, is_better};
+use crate::problem::{Evaluation, Problem, ProblemInstance, Scratch, TaskSubset};
+use crate::search::{Attempts, End, PreferenceConflict, SearchResult};
 use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
 /// Scratch memory and storage of the solution.
@@ -18,10 +18,10 @@ pub struct Workspace {
     pub(super) search: Attempts,
     /// Residual of all tasks.
     whole_residual: Vec<f64>,
-    pub(super) ranks: RankMemory,
+    pub(super) ranks: LevelWorkspace,
     pub(super) solution: Solution,
     /// Workspace of collision avoidance.
-    pub(super) clear: Option<Box<ClearRoom>>,
+    pub(super) clear: Option<Box<CollisionWorkspace>>,
 }
 
 impl Workspace {
@@ -56,11 +56,11 @@ impl Workspace {
     }
 
     /// Resizes the memory for the problem and returns scratch memory, which is new only for a new problem.
-    pub(super) fn fit(&mut self, question: Question<'_>) -> Scratch {
+    pub(super) fn fit(&mut self, question: ProblemInstance<'_>) -> Scratch {
         let problem = question.problem;
         let share = problem.search_share();
         self.search.fit(question, share);
-        if share != Share::All {
+        if share != TaskSubset::All {
             self.whole_residual.resize(problem.rows(), 0.0);
             self.ranks.fit(question);
         }
@@ -79,16 +79,16 @@ impl Workspace {
     /// Fills in the solution from a search result.
     pub(super) fn report(
         &mut self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         stopping: &Stopping,
         scratch: &mut Scratch,
-        found: &Found,
+        found: &SearchResult,
     ) {
         let problem = question.problem;
         let solution = &mut self.solution;
         let (share, kept) = (problem.search_share(), &self.search.keeper);
         let residual = match share {
-            Share::All => &kept.residual,
+            TaskSubset::All => &kept.residual,
             _ => {
                 let mut whole = Evaluation::new(question, scratch);
                 whole.residual(&kept.x, &mut self.whole_residual);
@@ -114,8 +114,8 @@ impl Workspace {
             return;
         }
         solution.find_beyond(question);
-        if let (Some(slope), Share::All, true) = (slope, share, problem.has_preferences()) {
-            let pulls = Pulls {
+        if let (Some(slope), TaskSubset::All, true) = (slope, share, problem.has_preferences()) {
+            let pulls = PreferenceConflict {
                 question,
                 jacobian: self.memory.jacobian(),
                 residual,

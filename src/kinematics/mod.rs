@@ -26,4 +26,4 @@ pub use jacobian::{Jacobian, frame_jacobian};
 pub(crate) use joint_axis::JointAxis;
 pub(crate) use joint_rotations::joint_rotations;
 pub(crate) use reverse::{Wrench, Wrenches};
-pub(crate) use tree::{FrameSlot, Tree, TreeMemory};
+pub(crate) use tree::{FrameSlot, Tree, TreeWorkspace};

@@ -114,7 +114,7 @@ pub(crate) struct Tree {
 
 /// Workspace for compiling a tree again.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct TreeMemory {
+pub(crate) struct TreeWorkspace {
     /// By joint: true if it carries a requested frame.
     needed: Vec<bool>,
     /// By joint: the node that carries it, and node_from_joint after its motion.
@@ -132,12 +132,17 @@ impl Tree {
             origin: Vector3::zero(),
             variables: map.variables(),
         };
-        own.compile(model, map, &mut TreeMemory::default());
+        own.compile(model, map, &mut TreeWorkspace::default());
         own
     }
 
     /// Compiles again from the same model after its joints or frames moved; allocates on the first call only.
-    pub(crate) fn compile(&mut self, model: &Model, map: &ParameterMap, memory: &mut TreeMemory) {
+    pub(crate) fn compile(
+        &mut self,
+        model: &Model,
+        map: &ParameterMap,
+        memory: &mut TreeWorkspace,
+    ) {
         let joints = model.joints();
         let Self {
             nodes,
@@ -146,7 +151,7 @@ impl Tree {
             frames,
             ..
         } = self;
-        let TreeMemory { needed, carried } = memory;
+        let TreeWorkspace { needed, carried } = memory;
         refill(needed, joints.len(), false);
         for frame in &*frames {
             let mut at = model.frames()[frame.index()].joint;

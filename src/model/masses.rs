@@ -62,7 +62,7 @@ pub enum MassError {
             n => format!("`{frame}`, like {n} more bodies, leaves"),
         }
     )]
-    LeftToMeshes {
+    MissingInertia {
         /// The first body without inertial.
         frame: String,
         /// Number of further bodies without inertial.

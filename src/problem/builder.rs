@@ -3,16 +3,16 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::collision_avoidance::ClearanceRequest;
 use super::compiled_task::{Block, CompiledTask};
 use super::frame_reach::anchor;
-use super::keep_clear::ClearanceRequest;
 use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
 use crate::solver::{RotationSets, Swing, TurnLimit};
-use crate::task::{ErasedResidual, Quantity, Residual, Role, Room, Rows, Task};
+use crate::task::{ErasedResidual, Inequality, Quantity, Residual, Role, RowBlock, Task};
 
 /// Default tolerance of lengths in metres and angles in radians.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
@@ -37,7 +37,7 @@ pub(super) struct PendingTask {
     tolerances: Vec<(Quantity, f64)>,
     frames: Vec<FrameId>,
     joints: Vec<JointId>,
-    rows: Vec<Rows>,
+    rows: Vec<RowBlock>,
     residual: Box<dyn ErasedResidual>,
 }
 
@@ -424,9 +424,9 @@ fn compile_task(
         });
         next_row += rows.count;
     }
-    let (rooms, count) = (pending.residual.rooms(), next_row - first_row);
-    let beyond = |room: &&Room| room.rows().is_empty() || room.rows().end > count;
-    if let Some(room) = rooms.iter().find(beyond) {
+    let (inequalities, count) = (pending.residual.inequalities(), next_row - first_row);
+    let beyond = |room: &&Inequality| room.rows().is_empty() || room.rows().end > count;
+    if let Some(room) = inequalities.iter().find(beyond) {
         let rows = room.rows();
         return Err(ProblemError::BadTask {
             task: name,
@@ -447,7 +447,7 @@ fn compile_task(
         edges_by_rank: 0..0,
         swept: false,
         edge_weights: Vec::new(),
-        rooms,
+        inequalities,
         weights: Vec::new(),
         frames: slots,
         coordinates,
@@ -459,7 +459,7 @@ fn compile_task(
 /// Checks that a task's weights and tolerances are valid and refer to rows that it has.
 fn check_numbers(
     task: &str,
-    rows: &[Rows],
+    rows: &[RowBlock],
     weights: &[(Quantity, f64)],
     tolerances: &[(Quantity, f64)],
 ) -> Result<(), ProblemError> {

@@ -4,17 +4,17 @@ use std::ops::Range;
 
 use super::ProblemError;
 use crate::kinematics::FrameSlot;
-use crate::task::{Quantity, Role, Room, Rows};
+use crate::task::{Inequality, Quantity, Role, RowBlock};
 
 /// Largest change of a required task's error in favour of lower priorities, relative to its tolerance.
 const KEPT: f64 = 1e-3;
 
-/// Rows of one quantity with their weight and tolerance.
+/// RowBlock of one quantity with their weight and tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     /// Quantity and number of the rows.
-    pub(crate) measure: Rows,
-    /// Rows of the whole problem.
+    pub(crate) measure: RowBlock,
+    /// RowBlock of the whole problem.
     pub(crate) rows: Range<usize>,
     pub(crate) weight: f64,
     pub(crate) tolerance: f64,
@@ -85,7 +85,7 @@ pub(crate) struct CompiledTask {
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
     /// Inequalities of the rows; the range of their slacks in the priority order and the weight of each slack follow.
-    pub(crate) rooms: Vec<Room>,
+    pub(crate) inequalities: Vec<Inequality>,
     pub(crate) edges_by_rank: Range<usize>,
     pub(crate) edge_weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
@@ -112,7 +112,7 @@ impl CompiledTask {
             blocks.flat_map(|block| std::iter::repeat_n(block.weight, block.measure.count)),
         );
         self.edge_weights.clear();
-        for room in &self.rooms {
+        for room in &self.inequalities {
             let weight = self.weights.get(room.rows().start).copied();
             let edges = std::iter::repeat_n(weight.unwrap_or_default(), room.edges());
             self.edge_weights.extend(edges);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Derivatives, Problem, Question, ReportNames, Share};
+use super::{Derivatives, Problem, ProblemInstance, ReportNames, TaskSubset};
 use crate::kinematics::{Partials, Tree, TreeState, Wrench, Wrenches};
 use crate::scalar::{Dual, Scalar};
 use crate::solver::{ConfigurationSpace, LeastSquares};
@@ -122,8 +122,8 @@ impl Scratch {
 /// A problem instance with the workspace to evaluate it.
 #[derive(Debug)]
 pub struct Evaluation<'a> {
-    pub(super) question: Question<'a>,
-    pub(super) share: Share,
+    pub(super) question: ProblemInstance<'a>,
+    pub(super) share: TaskSubset,
     pub(super) scratch: &'a mut Scratch,
 }
 
@@ -132,12 +132,16 @@ impl<'a> Evaluation<'a> {
     ///
     /// A workspace of another problem is replaced. Arguments of wrong length give NaN in every entry.
     #[must_use]
-    pub fn new(question: impl Into<Question<'a>>, scratch: &'a mut Scratch) -> Self {
-        Self::of(Share::All, question.into(), scratch)
+    pub fn new(question: impl Into<ProblemInstance<'a>>, scratch: &'a mut Scratch) -> Self {
+        Self::of(TaskSubset::All, question.into(), scratch)
     }
 
     /// Does the same as [`new`](Self::new), for a subset of the tasks.
-    pub(crate) fn of(share: Share, question: Question<'a>, scratch: &'a mut Scratch) -> Self {
+    pub(crate) fn of(
+        share: TaskSubset,
+        question: ProblemInstance<'a>,
+        scratch: &'a mut Scratch,
+    ) -> Self {
         if !scratch.fits(question.problem) {
             *scratch = question.problem.scratch();
         }

@@ -3,6 +3,7 @@
 mod builder;
 mod by_parameters;
 mod collision;
+mod collision_avoidance;
 mod compiled_task;
 mod derivatives;
 mod dual_jacobian;
@@ -10,8 +11,7 @@ mod error;
 mod evaluation;
 mod finite_differences;
 mod frame_reach;
-mod inequality_depths;
-mod keep_clear;
+mod inequality_slacks;
 mod loops;
 mod names;
 mod normal_equations;
@@ -29,17 +29,17 @@ use std::ops::Range;
 pub use builder::ProblemBuilder;
 pub(crate) use by_parameters::ParameterScratch;
 pub use collision::{BodyKind, Collision};
+pub(crate) use collision_avoidance::{AnyClearanceCheck, CollisionConstraint};
+pub use collision_avoidance::{ClearanceCheck, CollisionAvoidance};
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
-pub(crate) use keep_clear::{AnyClearanceCheck, Fence};
-pub use keep_clear::{ClearanceCheck, KeepClear};
 pub(crate) use names::ReportNames;
 pub(crate) use normal_equations::NormalEquations;
 pub use parameter_vector::ParameterVector;
 pub use preferences::Preferences;
-pub use question::Question;
-pub(crate) use ranks::{Ranks, Share};
+pub use question::ProblemInstance;
+pub(crate) use ranks::{Ranks, TaskSubset};
 pub(crate) use tangent::{Standing, Tangent};
 pub use targets::Targets;
 
@@ -114,7 +114,7 @@ pub struct Problem {
     reach: f64,
     derivatives: Derivatives,
     /// The collision constraint, if any.
-    fence: Option<Arc<Fence>>,
+    fence: Option<Arc<CollisionConstraint>>,
 }
 
 impl std::fmt::Debug for Problem {
@@ -175,20 +175,20 @@ impl Problem {
         /// The priority order of the tasks.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
         /// The collision constraint, if any.
-        pub(crate) fn fence(&self) -> Option<&Arc<Fence>> = self.fence.as_ref();
+        pub(crate) fn fence(&self) -> Option<&Arc<CollisionConstraint>> = self.fence.as_ref();
         /// A workspace for this problem.
         pub fn scratch(&self) -> Scratch = Scratch::new(self);
     }
 
     /// True if every required task is within its tolerances for the weighted residual `r`.
     ///
-    /// `r` has [`rows`](Self::rows) entries. Rows of weight 0 are ignored.
+    /// `r` has [`rows`](Self::rows) entries. RowBlock of weight 0 are ignored.
     ///
     /// # Errors
     /// Returns an error for a wrong length.
     pub fn is_reached(&self, r: &[f64]) -> Result<bool, SizeMismatch> {
         SizeMismatch::check("rows of the residual", r.len(), self.rows())?;
-        Ok(self.is_reached_by(Share::All, r))
+        Ok(self.is_reached_by(TaskSubset::All, r))
     }
 
     /// The name of a task; `None` for an index out of range.
@@ -210,9 +210,12 @@ impl Problem {
     ///
     /// # Errors
     /// Returns an error for targets of a problem with other tasks.
-    pub fn with_targets<'a>(&'a self, targets: &'a Targets) -> Result<Question<'a>, ProblemError> {
+    pub fn with_targets<'a>(
+        &'a self,
+        targets: &'a Targets,
+    ) -> Result<ProblemInstance<'a>, ProblemError> {
         match targets.fit(self) {
-            true => Ok(Question::from(self).with_targets(targets)),
+            true => Ok(ProblemInstance::from(self).with_targets(targets)),
             false => Err(ProblemError::ForeignTargets {
                 given: targets.residuals.len(),
                 model: self.names.model.clone(),
@@ -228,46 +231,46 @@ impl Problem {
     }
 
     /// True if some task of a subset is soft.
-    pub(crate) fn pulls_in(&self, share: Share) -> bool {
+    pub(crate) fn pulls_in(&self, share: TaskSubset) -> bool {
         let mut tasks = self.tasks_of(share);
         tasks.any(|(_, task, _)| task.role == Role::Preference)
     }
 
     /// The required tasks that can be unreached, and soft tasks weighted against them.
-    pub(crate) fn goals(&self) -> Share {
-        Share::above(self.ranks.levels())
+    pub(crate) fn goals(&self) -> TaskSubset {
+        TaskSubset::above(self.ranks.levels())
     }
 
     /// The tasks of a solver's first search.
     ///
     /// The required tasks of all levels if there are several ranks to separate, otherwise all tasks.
-    pub(crate) fn search_share(&self) -> Share {
+    pub(crate) fn search_share(&self) -> TaskSubset {
         let (levels, ranks) = (self.ranks.levels(), self.ranks.count());
         match levels > 1 || (levels > 0 && ranks > levels && self.has_preferences()) {
             true => self.goals(),
-            false => Share::All,
+            false => TaskSubset::All,
         }
     }
 
     /// Number of rows of a subset.
-    pub(crate) fn rows_of(&self, share: Share) -> usize {
+    pub(crate) fn rows_of(&self, share: TaskSubset) -> usize {
         match share {
-            Share::All => self.rows,
-            Share::Ranks { from, to } => self.ranks.rows(from, to),
+            TaskSubset::All => self.rows,
+            TaskSubset::Ranks { from, to } => self.ranks.rows(from, to),
         }
     }
 
     /// The tasks of a subset with their indices and the range of their rows in it.
     pub(crate) fn tasks_of(
         &self,
-        share: Share,
+        share: TaskSubset,
     ) -> impl Iterator<Item = (usize, &CompiledTask, Range<usize>)> {
         let tasks = self.tasks.iter().enumerate();
         tasks.filter_map(move |(index, task)| Some((index, task, self.ranks.rows_in(task, share)?)))
     }
 
-    /// Rows with weight 0 or infinite tolerance in binding tasks of a subset.
-    pub(crate) fn free_rows(&self, share: Share) -> impl Iterator<Item = Range<usize>> {
+    /// RowBlock with weight 0 or infinite tolerance in binding tasks of a subset.
+    pub(crate) fn free_rows(&self, share: TaskSubset) -> impl Iterator<Item = Range<usize>> {
         self.tasks_of(share).flat_map(|(_, task, rows)| {
             let free = task
                 .blocks()
@@ -277,7 +280,7 @@ impl Problem {
     }
 
     /// True if a change of a subset's weighted residual keeps the errors of its required tasks.
-    pub(crate) fn is_kept(&self, share: Share, change: &[f64]) -> bool {
+    pub(crate) fn is_kept(&self, share: TaskSubset, change: &[f64]) -> bool {
         self.tasks_of(share).all(|(_, task, rows)| {
             let mut kept = task.blocks().filter(|block| task.keeps(block));
             kept.all(|block| {
@@ -300,7 +303,7 @@ impl Problem {
     /// Marks the variables that move an unreached required task and no reached one.
     ///
     /// `r` is the weighted residual of the subset. Without such variables, marks all that move a task.
-    pub(crate) fn mark_local(&self, share: Share, r: &[f64], marked: &mut [bool]) {
+    pub(crate) fn mark_local(&self, share: TaskSubset, r: &[f64], marked: &mut [bool]) {
         marked.fill(false);
         for pass_reached in [false, true] {
             for (index, task, _) in self.tasks_of(share) {
@@ -365,7 +368,7 @@ impl Problem {
     ///
     /// Afterwards `joined` holds for each variable the lowest variable of its set. On entry, each entry is its own
     /// index. Returns the number of separate sets on which tasks depend.
-    pub(crate) fn join_by_tasks(&self, share: Share, joined: &mut [usize]) -> usize {
+    pub(crate) fn join_by_tasks(&self, share: TaskSubset, joined: &mut [usize]) -> usize {
         fn root(joined: &[usize], mut variable: usize) -> usize {
             while joined[variable] != variable {
                 variable = joined[variable];
@@ -395,7 +398,7 @@ impl Problem {
     /// `residual` is the weighted residual of the subset. False for a set without required tasks.
     pub(crate) fn is_limb_reached(
         &self,
-        share: Share,
+        share: TaskSubset,
         residual: &[f64],
         joined: &[usize],
         limb: usize,
@@ -434,10 +437,10 @@ impl Problem {
 
     /// The error of every row block of a subset, for its weighted residual `r`.
     ///
-    /// Errors are in the unit of their quantity. Rows of weight 0 report an error of 0.
+    /// Errors are in the unit of their quantity. RowBlock of weight 0 report an error of 0.
     pub(crate) fn errors<'a>(
         &'a self,
-        share: Share,
+        share: TaskSubset,
         r: &'a [f64],
     ) -> impl Iterator<Item = BlockError> + 'a {
         let tasks = self.tasks.iter().enumerate();
@@ -485,7 +488,7 @@ impl Problem {
     /// True if every required task of a subset is reached or within [`NEARBY`] of its target at the start.
     ///
     /// Metres are compared relative to the distance that has the weight of a radian. `r` is the weighted residual.
-    pub(crate) fn is_nearby(&self, share: Share, r: &[f64]) -> bool {
+    pub(crate) fn is_nearby(&self, share: TaskSubset, r: &[f64]) -> bool {
         self.errors(share, r).all(|block| {
             let most = match block.quantity {
                 Quantity::Radians => NEARBY,
@@ -497,7 +500,7 @@ impl Problem {
     }
 
     /// Does the same as [`is_reached`](Self::is_reached), for the residual of a subset.
-    pub(crate) fn is_reached_by(&self, share: Share, r: &[f64]) -> bool {
+    pub(crate) fn is_reached_by(&self, share: TaskSubset, r: &[f64]) -> bool {
         r.len() == self.rows_of(share)
             && self
                 .errors(share, r)

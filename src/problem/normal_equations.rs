@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 use nalgebra::DMatrix;
 
 use super::compiled_task::CompiledTask;
-use super::{Evaluation, Problem, Question, Scratch};
+use super::{Evaluation, Problem, ProblemInstance, Scratch};
 use crate::kinematics::{Composites, Partials};
 use crate::solver::BranchedMatrix;
 
 /// Workspace for a problem's normal equations.
 ///
-/// Rows that depend on one frame are added by [`Composites`]. All other rows are added row by row, from the variables
+/// RowBlock that depend on one frame are added by [`Composites`]. All other rows are added row by row, from the variables
 /// that each depends on. These rows add coupling to a factorisation, next to the paths of joints to the root.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalEquations {
@@ -90,7 +90,7 @@ fn variables_of_joints(
     let x: Vec<f64> = bounds
         .map(|(low, high)| 0.0_f64.max(*low).min(*high))
         .collect();
-    let question = Question::from(problem);
+    let question = ProblemInstance::from(problem);
     Evaluation::new(question, scratch).forward(&x);
     Evaluation::differentiate(scratch, task, question.residual(index));
     let mut variables = vec![BTreeSet::new(); task.rows.len()];
@@ -184,7 +184,7 @@ mod tests {
 
     use super::NormalEquations;
     use crate::model::{BallLimits, JointId, Limits, Model, ParameterMap};
-    use crate::problem::{Evaluation, Problem, Question};
+    use crate::problem::{Evaluation, Problem, ProblemInstance};
     use crate::random::RandomStream;
     use crate::solver::LeastSquares;
     use crate::spatial::{Placement, Vector3};
@@ -252,7 +252,7 @@ mod tests {
             let problem = problem(&model, knees, map.clone(), ties);
             let mut equations = NormalEquations::new(&problem);
             let (mut scratch, n) = (problem.scratch(), problem.variables());
-            let mut evaluation = Evaluation::new(Question::from(&problem), &mut scratch);
+            let mut evaluation = Evaluation::new(ProblemInstance::from(&problem), &mut scratch);
             for _ in 0..20 {
                 let mut x: Vec<f64> = (0..n).map(|_| 4.0 * random.unit() - 2.0).collect();
                 evaluation.space().project(&mut x);

@@ -8,7 +8,7 @@ use crate::task::ErasedResidual;
 
 /// An instance of a [`Problem`]. A problem reference converts to one with its own targets and bounds.
 #[derive(Clone, Copy, Debug)]
-pub struct Question<'a> {
+pub struct ProblemInstance<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) targets: &'a Targets,
     lower: &'a [f64],
@@ -20,7 +20,7 @@ pub struct Question<'a> {
     tree: &'a Tree,
 }
 
-impl<'a> From<&'a Problem> for Question<'a> {
+impl<'a> From<&'a Problem> for ProblemInstance<'a> {
     fn from(problem: &'a Problem) -> Self {
         Self {
             problem,
@@ -34,7 +34,7 @@ impl<'a> From<&'a Problem> for Question<'a> {
     }
 }
 
-impl<'a> Question<'a> {
+impl<'a> ProblemInstance<'a> {
     getters! {
         /// The problem.
         pub fn problem(&self) -> &'a Problem = self.problem;

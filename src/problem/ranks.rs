@@ -11,7 +11,7 @@ use super::{CompiledTask, Preferences};
 
 /// A subset of a problem's tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Share {
+pub(crate) enum TaskSubset {
     /// Every task, in the order of addition.
     All,
     /// The tasks of a range of ranks, rank by rank, and in the order of addition within a rank.
@@ -23,7 +23,7 @@ pub(crate) enum Share {
     },
 }
 
-impl Share {
+impl TaskSubset {
     /// The tasks of one rank.
     pub(crate) fn rank(rank: usize) -> Self {
         Self::Ranks {
@@ -116,10 +116,10 @@ impl Ranks {
     }
 
     /// The rows of a task among those of a subset; `None` if it is not in the subset.
-    pub(super) fn rows_in(&self, task: &CompiledTask, share: Share) -> Option<Range<usize>> {
+    pub(super) fn rows_in(&self, task: &CompiledTask, share: TaskSubset) -> Option<Range<usize>> {
         match share {
-            Share::All => Some(task.rows.clone()),
-            Share::Ranks { from, to } => {
+            TaskSubset::All => Some(task.rows.clone()),
+            TaskSubset::Ranks { from, to } => {
                 let before = self.start(from);
                 let Range { start, end } = task.rows_by_rank;
                 (from..to)

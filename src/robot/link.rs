@@ -14,13 +14,13 @@ pub struct Link {
     pub inertial: Option<Inertial>,
     /// The part of the inertia that depends on mesh files, which the reader does not open. Only MJCF computes masses
     /// from shapes.
-    pub left_to_meshes: Option<LeftToMeshes>,
+    pub left_to_meshes: Option<MissingInertia>,
 }
 
 /// Mass properties that are unknown without opening a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum LeftToMeshes {
+pub enum MissingInertia {
     /// The mass: a volume times a density.
     Mass,
     /// The centre of mass; the mass itself is known.

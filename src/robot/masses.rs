@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3xX;
 
-use super::{LeftToMeshes, Link, Robot};
+use super::{Link, MissingInertia, Robot};
 use crate::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
 use crate::model::{MassError, Masses, PointMass, moving_joint};
 use crate::spatial::Vector3;
@@ -34,7 +34,7 @@ impl Robot {
     /// # Errors
     /// As [`masses`](Self::masses), except for links of which only the centre of mass depends on a mesh file.
     pub fn total_mass(&self) -> Result<f64, MassError> {
-        let masses = self.gathered(|link| link.left_to_meshes == Some(LeftToMeshes::Mass))?;
+        let masses = self.gathered(|link| link.left_to_meshes == Some(MissingInertia::Mass))?;
         Ok(masses.total())
     }
 
@@ -46,12 +46,12 @@ impl Robot {
         if let Some((frame, _)) = left.next() {
             let frame = self.model.frames()[frame.index()].name.clone();
             let others = left.count();
-            return Err(MassError::LeftToMeshes { frame, others });
+            return Err(MassError::MissingInertia { frame, others });
         }
         let masses = links().filter_map(|(frame, link)| {
             let (at, mass) = match (&link.inertial, link.left_to_meshes) {
                 (Some(own), _) => (own.link_from_inertia.translation, own.mass),
-                (None, Some(LeftToMeshes::Centre { mass })) => (Vector3::zero(), mass),
+                (None, Some(MissingInertia::Centre { mass })) => (Vector3::zero(), mass),
                 (None, _) => return None,
             };
             Some(PointMass { frame, at, mass })

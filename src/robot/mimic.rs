@@ -3,7 +3,7 @@
 use super::Robot;
 use crate::model::{JointId, Limits, Model, ModelBuilder, ModelError, ParameterMap, Source};
 #[cfg(feature = "xml")]
-use crate::robot::Mended;
+use crate::robot::RepairKind;
 
 /// Largest distance of a mimic joint from its range that counts as rounding of the file's numbers, radians or metres.
 #[cfg(any(feature = "urdf", feature = "mjcf"))]
@@ -140,7 +140,7 @@ impl Robot {
         let (model, map) = self.mimics.applied(self.model)?;
         #[cfg(feature = "xml")]
         self.repairs
-            .retain(|repair| !matches!(repair.mended, Mended::MimicBeyondRange { .. }));
+            .retain(|repair| !matches!(repair.mended, RepairKind::MimicBeyondRange { .. }));
         Ok(Self { model, map, ..self })
     }
 
@@ -216,7 +216,7 @@ impl Robot {
     /// The mimic joints that their source joints move out of the range that the file states. Each comes with the repair
     /// that names the source joint at the end of the chain and the values of the mimic joint.
     #[cfg(any(feature = "urdf", feature = "mjcf"))]
-    pub(super) fn mimics_beyond_range(&self) -> Vec<(JointId, Mended)> {
+    pub(super) fn mimics_beyond_range(&self) -> Vec<(JointId, RepairKind)> {
         let beyond = |(mimic, range): (&Mimic, &Limits)| {
             let values = values_of(&self.model, &self.map, mimic.joint)?;
             if values.lower >= range.lower - MAX_ROUNDING
@@ -231,7 +231,7 @@ impl Robot {
             };
             let source =
                 std::iter::successors(Some(mimic.master), |joint| master(*joint)).last()?;
-            let mended = Mended::MimicBeyondRange {
+            let mended = RepairKind::MimicBeyondRange {
                 joint: joints[mimic.joint.index()].name.clone(),
                 source: joints[source.index()].name.clone(),
                 range: *range,

@@ -22,7 +22,7 @@ mod urdf;
 mod xml;
 
 pub use base_joint::BaseJoint;
-pub use link::{Geometry, Inertial, LeftToMeshes, Link, Shape};
+pub use link::{Geometry, Inertial, Link, MissingInertia, Shape};
 pub use mimic::Mimic;
 #[cfg(feature = "mjcf")]
 pub use mjcf::{mjcf_with_includes, mjcf_with_includes_confined};
@@ -31,7 +31,7 @@ pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, SrdfReader, V
 #[cfg(feature = "urdf")]
 pub use urdf::UrdfReader;
 #[cfg(feature = "xml")]
-pub use xml::{Fault, Mended, Repair, RobotFileError};
+pub use xml::{ParseIssue, Repair, RepairKind, RobotFileError};
 
 use std::path::{Path, PathBuf};
 

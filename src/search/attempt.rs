@@ -17,7 +17,7 @@ pub(crate) struct Attempt {
 /// Result of a search over several attempts: that of the best attempt, with totals. The [`Keeper`] holds its
 /// configuration.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
+pub(crate) struct SearchResult {
     pub(crate) termination: Termination,
     /// Index of the latest attempt when this result was taken, from 0.
     pub(crate) number: usize,
@@ -32,7 +32,7 @@ pub(crate) struct Found {
     pub(crate) agreeing: usize,
 }
 
-impl Default for Found {
+impl Default for SearchResult {
     /// No attempt.
     fn default() -> Self {
         Self {
@@ -49,7 +49,7 @@ impl Default for Found {
     }
 }
 
-impl Found {
+impl SearchResult {
     /// Adds the result of a later search; returns whether its best attempt is the new best one.
     pub(crate) fn go_on_with(&mut self, more: &Self) -> bool {
         let better = more.reached || self.attempts == 0 || more.cost < self.cost;
@@ -75,7 +75,7 @@ impl Found {
     }
 }
 
-impl Found {
+impl SearchResult {
     /// The result of the search that led to a solution.
     pub(crate) fn of(solution: &Solution) -> Self {
         let mut found = Self::default();

@@ -1,12 +1,12 @@
 //! The loop over the attempts of a search.
 
-use super::attempt::{Attempt, Found};
+use super::attempt::{Attempt, SearchResult};
 use super::basin_hopping::Hops;
 use super::best_attempt::Keeper;
 use super::independent_limbs::IndependentLimbs;
 use super::schedule::{Schedule, Trial};
 use crate::clock::{Instant, is_past};
-use crate::problem::{Question, Share};
+use crate::problem::{ProblemInstance, TaskSubset};
 use crate::solver::{Stopping, Termination};
 
 /// A local search from one start.
@@ -37,7 +37,7 @@ pub(crate) struct Attempts {
 
 impl Attempts {
     /// Resizes the workspace for a problem.
-    pub(crate) fn fit(&mut self, question: Question<'_>, share: Share) {
+    pub(crate) fn fit(&mut self, question: ProblemInstance<'_>, share: TaskSubset) {
         let variables = question.variables();
         self.start.resize(variables, 0.0);
         self.x.resize(variables, 0.0);
@@ -51,13 +51,13 @@ impl Attempts {
 /// Runs the trials of a schedule. The search ends when an attempt reaches the goals, when enough attempts agree, or
 /// when no trials or time remain.
 pub(crate) fn run(
-    question: Question<'_>,
-    share: Share,
+    question: ProblemInstance<'_>,
+    share: TaskSubset,
     schedule: &Schedule,
     deadline: Option<Instant>,
     engine: &mut dyn Engine,
     search: &mut Attempts,
-) -> Found {
+) -> SearchResult {
     let late = || is_past(deadline);
     let Attempts {
         start,

@@ -6,7 +6,7 @@
 //! The method is iterated local search (Lourenço, Martin & Stützle 2003, "Iterated local search").
 
 use super::attempt::Attempt;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 use crate::random::RandomStream;
 
 /// Number of first attempts without hops, from starts near the caller's start or anywhere. Most problems need no more.
@@ -42,7 +42,7 @@ impl Hops {
         &mut self,
         index: usize,
         seed: u64,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         x: &mut [f64],
     ) -> bool {
         if index < FIRST || self.cost == f64::INFINITY {

@@ -1,6 +1,6 @@
 //! Choice of the best attempt, and the number of attempts that agree with it.
 
-use super::attempt::{Attempt, Found};
+use super::attempt::{Attempt, SearchResult};
 use super::schedule::{Schedule, Trial};
 use crate::solver::Termination;
 
@@ -20,7 +20,7 @@ pub(crate) struct Keeper {
     pub(crate) x: Vec<f64>,
     /// Weighted residual at x, of the tasks that are searched for.
     pub(crate) residual: Vec<f64>,
-    pub(super) found: Found,
+    pub(super) found: SearchResult,
     /// End of the attempt from the caller's start.
     first_x: Vec<f64>,
     first_is_best: bool,
@@ -41,7 +41,7 @@ impl Keeper {
 
     /// Resets the state for a search by a schedule.
     pub(super) fn begin(&mut self, schedule: &Schedule) {
-        self.found = Found::default();
+        self.found = SearchResult::default();
         (self.first_is_best, self.first_may_win) = (true, false);
         self.settled_costs.clear();
         self.costs.clear();
@@ -137,7 +137,7 @@ impl Keeper {
     }
 
     /// The result of the search.
-    pub(super) fn found(&mut self, schedule: &Schedule) -> Found {
+    pub(super) fn found(&mut self, schedule: &Schedule) -> SearchResult {
         if schedule.tells_agreement() {
             let alike = self.found.cost * (1.0 + AGREEING_COST);
             let agreeing = self.costs.iter().filter(|cost| **cost <= alike);

@@ -2,7 +2,7 @@
 
 use super::SolveError;
 use crate::model::{BallVariables, quaternion_at};
-use crate::problem::{Problem, Question};
+use crate::problem::{Problem, ProblemInstance};
 
 /// Checks the length of a start, that its coordinates of variables are finite, and that its quaternions are not zero.
 pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveError> {
@@ -35,7 +35,10 @@ pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveE
 }
 
 /// The variables of a configuration, projected into the bounds.
-pub(crate) fn variables_at(question: Question<'_>, q: &[f64]) -> Result<Vec<f64>, SolveError> {
+pub(crate) fn variables_at(
+    question: ProblemInstance<'_>,
+    q: &[f64],
+) -> Result<Vec<f64>, SolveError> {
     let problem = question.problem;
     check_start(problem, q)?;
     let mut x = vec![0.0; problem.variables()];

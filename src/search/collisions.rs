@@ -1,7 +1,7 @@
 //! Collisions of a solution.
 
 use super::Solution;
-use crate::problem::{Collision, Question};
+use crate::problem::{Collision, ProblemInstance};
 
 impl Solution {
     /// Collision pairs that prevent the solution from being [reached](Self::reached); empty for a reached solution and
@@ -27,7 +27,7 @@ impl Solution {
     }
 
     /// Checks the collisions of the problem at `q`, for engines that do not avoid them.
-    pub(crate) fn check_clear(&mut self, question: Question<'_>) {
+    pub(crate) fn check_clear(&mut self, question: ProblemInstance<'_>) {
         let fence = question.problem.fence();
         if let Some(fence) = fence.filter(|_| self.q.iter().all(|value| value.is_finite())) {
             self.set_collisions(fence.check().collisions(&self.q));

@@ -3,7 +3,7 @@
 //! An attempt that solves one limb and not another is still useful: later attempts start the solved limb at its
 //! solution. Each limb then needs a good start at some time, not all of them in one attempt.
 
-use crate::problem::{Question, Share};
+use crate::problem::{ProblemInstance, TaskSubset};
 
 /// Limbs of a search, and their solutions so far.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +31,7 @@ impl IndependentLimbs {
     }
 
     /// Starts a search.
-    pub(super) fn begin(&mut self, question: Question<'_>, share: Share) {
+    pub(super) fn begin(&mut self, question: ProblemInstance<'_>, share: TaskSubset) {
         let problem = question.problem;
         self.several = false;
         // With collision avoidance the solution of one limb may collide with obstacles or other limbs.
@@ -53,8 +53,8 @@ impl IndependentLimbs {
     /// Stores the solutions of the limbs that an attempt solved. It ended at `x` with this residual of the task subset.
     pub(super) fn take(
         &mut self,
-        question: Question<'_>,
-        share: Share,
+        question: ProblemInstance<'_>,
+        share: TaskSubset,
         (x, residual): (&[f64], &[f64]),
     ) {
         if !self.several {

@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use super::solution::Blocked;
 use super::{BoundKind, RowsReport, Solution};
-use crate::problem::{Evaluation, Question, ReportNames, Scratch, Share};
+use crate::problem::{Evaluation, ProblemInstance, ReportNames, Scratch, TaskSubset};
 use crate::solver::{Edge, Side, SolverState, Stopping, half_squared, negligible_slope};
 use crate::task::{Quantity, Role};
 
 /// End of a search.
 pub(crate) struct End<'a> {
-    pub(crate) question: Question<'a>,
+    pub(crate) question: ProblemInstance<'a>,
     pub(crate) x: &'a [f64],
     /// Task subset that was searched for, and its weighted residual at x.
-    pub(crate) share: Share,
+    pub(crate) share: TaskSubset,
     pub(crate) searched: &'a [f64],
     /// Weighted residual of all tasks.
     pub(crate) residual: &'a [f64],
@@ -46,8 +46,8 @@ impl Solution {
         self.q.resize(problem.configuration_len(), 0.0);
         problem.parameters().scatter_within_limits(x, &mut self.q);
         self.cost = half_squared(end.residual);
-        let errors = problem.errors(Share::All, end.residual);
-        self.tell_errors(
+        let errors = problem.errors(TaskSubset::All, end.residual);
+        self.record_errors(
             problem.names(),
             errors.map(|block| RowsReport {
                 task: block.task,
@@ -76,7 +76,7 @@ impl Solution {
         let negligible = negligible_slope(steepest, cost, stopping);
         let space = question.space();
         let left = |curvature| space.projected_gradient_norm(x, gradient, curvature);
-        if end.share != Share::All || self.projected_gradient.is_none() {
+        if end.share != TaskSubset::All || self.projected_gradient.is_none() {
             self.projected_gradient = Some(left(1.0));
         }
         if !self.reached {
@@ -91,7 +91,7 @@ impl Solution {
     }
 
     /// Sets the errors of all tasks and clears the findings about an unreached target.
-    pub(crate) fn tell_errors(
+    pub(crate) fn record_errors(
         &mut self,
         names: &Arc<ReportNames>,
         errors: impl Iterator<Item = RowsReport>,
@@ -112,7 +112,7 @@ impl Solution {
     /// Lists the variables at a bound beyond which the cost would fall, with a derivative above `negligible`.
     pub(crate) fn tell_limits(
         &mut self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         x: &[f64],
         gradient: &[f64],
         negligible: f64,

@@ -26,7 +26,7 @@ mod solution;
 
 pub use crate::problem::{BodyKind, Collision};
 pub use crate::solver::Side;
-pub(crate) use attempt::{Attempt, Found};
+pub(crate) use attempt::{Attempt, SearchResult};
 pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
 pub use error::SolveError;
@@ -34,7 +34,7 @@ pub(crate) use measure::End;
 pub use move_limits::MoveLimits;
 pub(crate) use move_limits::{slide_per_radian, within};
 pub use open_loops::OpenLoop;
-pub(crate) use preference_conflicts::Pulls;
+pub(crate) use preference_conflicts::PreferenceConflict;
 pub use restarts::Restarts;
 pub(crate) use schedule::Schedule;
 pub use solution::{ActiveLimit, BoundKind, RowsReport, Solution, TaskReport};

@@ -2,7 +2,7 @@
 
 use super::{SolveError, check_start};
 use crate::bad_option::{AT_LEAST_0, BadOption};
-use crate::problem::{Problem, Question};
+use crate::problem::{Problem, ProblemInstance};
 use crate::solver::TurnLimit;
 
 /// Displacement of a prismatic joint that corresponds to one radian, relative to the model's reach.
@@ -24,7 +24,7 @@ const LEAST_TURN: f64 = 1e-12;
 /// ```
 /// use kinopt::ik::{MoveLimits, Solver};
 /// use kinopt::model::Model;
-/// use kinopt::problem::{Problem, Question};
+/// use kinopt::problem::{Problem, ProblemInstance};
 /// use kinopt::spatial::{Placement, Vector3};
 /// use kinopt::task::Point;
 ///
@@ -40,7 +40,7 @@ const LEAST_TURN: f64 = 1e-12;
 /// // 2 rad/s for 0.01 s.
 /// let start = model.neutral();
 /// let moves = MoveLimits::new(&problem, &[0.02; 4], &start)?;
-/// let step = Solver::default().solve_once(Question::from(&problem).with_moves(&moves)?, &start)?;
+/// let step = Solver::default().solve_once(ProblemInstance::from(&problem).with_moves(&moves)?, &start)?;
 /// let mut turned = [0.0; 3];
 /// model.difference(&start, &step.q, &mut turned)?;
 /// assert!((turned[2] - 0.02).abs() < 1e-9);
@@ -182,7 +182,7 @@ impl MoveLimits {
         check_start(problem, start)?;
         let mut x = vec![0.0; problem.variables()];
         problem.parameters().gather(start, &mut x);
-        Question::from(problem).space().project(&mut x);
+        ProblemInstance::from(problem).space().project(&mut x);
         self.start_from(problem, &x);
         Ok(())
     }
@@ -209,7 +209,7 @@ impl MoveLimits {
     }
 }
 
-impl<'a> Question<'a> {
+impl<'a> ProblemInstance<'a> {
     /// Limits the displacements of joints from a start.
     ///
     /// # Errors

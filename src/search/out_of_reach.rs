@@ -1,13 +1,13 @@
 //! Detection of targets that are provably out of reach.
 
 use super::Solution;
-use crate::problem::{CompiledTask, Question};
+use crate::problem::{CompiledTask, ProblemInstance};
 use crate::task::{FrameGoal, Quantity, Role};
 
 /// A required task whose target is farther from the start of its chain than the chain is long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Beyond {
+pub(super) struct OutOfReach {
     pub(super) task: usize,
     /// Distance from the first joint of the chain to the target.
     pub(super) distance: f64,
@@ -22,14 +22,14 @@ impl Solution {
     }
 
     /// Searches for an unreached required task that is provably unreachable.
-    pub(crate) fn find_beyond(&mut self, question: Question<'_>) {
+    pub(crate) fn find_beyond(&mut self, question: ProblemInstance<'_>) {
         let tasks = question.problem.compiled_tasks().iter().enumerate();
         let mut goals = tasks.filter(|(_, task)| task.role == Role::Goal);
         self.beyond = goals.find_map(|(index, task)| beyond(question, index, task));
     }
 }
 
-fn beyond(question: Question<'_>, index: usize, task: &CompiledTask) -> Option<Beyond> {
+fn beyond(question: ProblemInstance<'_>, index: usize, task: &CompiledTask) -> Option<OutOfReach> {
     // Anchors are valid only for the targets with which the problem was built.
     let problem = (!question.places_moved()).then_some(question.problem)?;
     let residual = question.residual(index).as_any();
@@ -39,7 +39,7 @@ fn beyond(question: Question<'_>, index: usize, task: &CompiledTask) -> Option<B
     let place = asked.find(|block| block.measure.quantity == Quantity::Metres)?;
     let anchor = problem.anchor(index)?;
     let (distance, reach) = anchor.falls_short_of(target, offset, place.tolerance)?;
-    Some(Beyond {
+    Some(OutOfReach {
         task: index,
         distance,
         reach,

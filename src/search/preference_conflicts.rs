@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use crate::problem::{Question, Share};
+use crate::problem::{ProblemInstance, TaskSubset};
 use crate::solver::largest;
 use crate::task::Role;
 
@@ -12,15 +12,15 @@ use crate::task::Role;
 const WORTH_NAMING: f64 = 0.1;
 
 /// An unreached weighted sum: Jacobian and residual of all tasks at the solution.
-pub(crate) struct Pulls<'a> {
-    pub(crate) question: Question<'a>,
+pub(crate) struct PreferenceConflict<'a> {
+    pub(crate) question: ProblemInstance<'a>,
     pub(crate) jacobian: &'a DMatrix<f64>,
     pub(crate) residual: &'a [f64],
     /// Largest derivative of the total cost that counts as zero.
     pub(crate) negligible: f64,
 }
 
-impl Pulls<'_> {
+impl PreferenceConflict<'_> {
     /// Lists the soft tasks whose cost rises along the steepest descent of the required tasks, within the bounds at x.
     /// The strongest comes first. `slope` is a workspace with one number per variable.
     pub(crate) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
@@ -34,7 +34,7 @@ impl Pulls<'_> {
             let own = column[task.clone()].iter().zip(&residual[task.clone()]);
             own.map(|(j, r)| j * r).sum::<f64>()
         };
-        let goals = problem.tasks_of(Share::All);
+        let goals = problem.tasks_of(TaskSubset::All);
         let goals = goals.filter(|(_, task, _)| task.role == Role::Goal);
         slope.fill(0.0);
         for (_, _, rows) in goals {

@@ -5,7 +5,7 @@
 //! attempts may start at the end of an earlier one: see `basin_hopping.rs`.
 
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
-use crate::problem::{Question, Share};
+use crate::problem::{ProblemInstance, TaskSubset};
 use crate::random::RandomStream;
 
 /// Fraction of the distance to a random configuration by which a start is perturbed. Rest poses of rigs are singular:
@@ -93,7 +93,7 @@ impl Restarts {
     }
 
     /// Number of attempts for a problem.
-    pub(super) fn attempts_for(&self, question: Question<'_>, share: Share) -> usize {
+    pub(super) fn attempts_for(&self, question: ProblemInstance<'_>, share: TaskSubset) -> usize {
         self.attempts.unwrap_or_else(|| {
             let problem = question.problem;
             let room = problem.rows_of(share) + TIGHT;
@@ -112,7 +112,7 @@ impl Restarts {
         index: usize,
         start: &[f64],
         local: &[bool],
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         x: &mut [f64],
     ) {
         x.copy_from_slice(start);

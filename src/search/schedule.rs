@@ -5,7 +5,7 @@
 //! returned if its cost is nearly as low. An unreached target costs a few times the steps of one converged attempt.
 
 use super::Restarts;
-use crate::problem::{Question, Share};
+use crate::problem::{ProblemInstance, TaskSubset};
 use crate::solver::{Stopping, Termination};
 
 /// Number of steps without halving the cost after which the attempt from the caller's start stalls. That start is
@@ -71,7 +71,7 @@ impl Schedule {
     /// Schedule of searches for a task subset of a problem, each within `stopping`. With `patient` all run until they
     /// converge.
     pub(crate) fn of_searches(
-        (question, share): (Question<'_>, Share),
+        (question, share): (ProblemInstance<'_>, TaskSubset),
         restarts: Restarts,
         stopping: Stopping,
         patient: bool,
@@ -93,12 +93,12 @@ impl Schedule {
 
     /// Schedule of sweeps, each within `stopping`.
     pub(crate) fn of_sweeps(
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         restarts: Restarts,
         stopping: Stopping,
     ) -> Self {
         Self {
-            attempts: restarts.attempts_for(question, Share::All),
+            attempts: restarts.attempts_for(question, TaskSubset::All),
             hops: false,
             restarts,
             stopping,

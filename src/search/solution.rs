@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::Collision;
-use super::attempt::Found;
-use super::out_of_reach::Beyond;
+use super::attempt::SearchResult;
+use super::out_of_reach::OutOfReach;
 use crate::buffer::vacate;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
@@ -67,7 +67,7 @@ pub struct RowsReport {
     /// Euclidean norm of the rows without weights, in the unit of `quantity`.
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub error: f64,
-    /// True if the error is within the task's tolerance. Rows of weight 0 always count as reached.
+    /// True if the error is within the task's tolerance. RowBlock of weight 0 always count as reached.
     pub reached: bool,
     pub(super) role: Role,
 }
@@ -143,7 +143,7 @@ pub struct Solution {
     pub(super) blocked: Vec<Blocked>,
     /// Soft tasks that are weighted against the required tasks and keep them from being reached, strongest first.
     pub(crate) pulling: Vec<usize>,
-    pub(super) beyond: Option<Beyond>,
+    pub(super) beyond: Option<OutOfReach>,
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) collisions: Vec<Collision>,
     pub(super) names: Option<Arc<ReportNames>>,
@@ -180,7 +180,7 @@ impl Solution {
     }
 
     /// Takes the result of a search, except its configuration.
-    pub(crate) fn tell(&mut self, found: &Found) {
+    pub(crate) fn tell(&mut self, found: &SearchResult) {
         self.termination = found.termination;
         self.projected_gradient = found.projected_gradient;
         self.iterations = found.iterations;

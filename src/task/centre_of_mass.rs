@@ -2,7 +2,7 @@
 
 use super::goal::Axis;
 use super::residual::{moved, not_finite};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::{FrameId, Masses};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -144,7 +144,7 @@ impl Residual for CentreOfMass {
     answers! {
         fn kind(&self) -> &'static str = "center of mass";
         fn is_of_body(&self) -> bool = true;
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, self.axes().count())];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, self.axes().count())];
         fn target_len(&self) -> usize = 3;
         fn has_edges(&self) -> bool = false;
     }

@@ -118,15 +118,15 @@ impl<S: Scalar> ConvexPolygon<S> {
         for (from, way, length) in self.edges() {
             // Positive inside.
             let scale = S::one() / length;
-            let depth = |at: &Point2<S>| {
+            let slack = |at: &Point2<S>| {
                 let away = minus(*at, from);
                 (way[0] * away[1] - way[1] * away[0]) * scale - S::constant(margin)
             };
-            let depths: Vec<S> = left.iter().map(depth).collect();
+            let slacks: Vec<S> = left.iter().map(slack).collect();
             let mut kept = Vec::with_capacity(left.len() + 1);
             for k in 0..left.len() {
                 let next = (k + 1) % left.len();
-                let (here, there) = (depths[k], depths[next]);
+                let (here, there) = (slacks[k], slacks[next]);
                 if value(here) >= 0.0 {
                     kept.push(left[k]);
                 }
@@ -152,18 +152,18 @@ impl<S: Scalar> ConvexPolygon<S> {
     /// The slack of an edge has the index of the point that starts it. Points that start no edge get infinity. Almost
     /// straight corners start no edge, because rounding would create and remove it. A degenerate polygon gives minus
     /// infinity everywhere.
-    pub(super) fn depths(&self, at: Point2<S>, margin: f64, depths: &mut [S]) {
-        depths.fill(S::constant(f64::INFINITY));
+    pub(super) fn slacks(&self, at: Point2<S>, margin: f64, slacks: &mut [S]) {
+        slacks.fill(S::constant(f64::INFINITY));
         let turns = self.turning_corners();
         if turns.len() < 3 {
-            return depths.fill(S::constant(f64::NEG_INFINITY));
+            return slacks.fill(S::constant(f64::NEG_INFINITY));
         }
         let next = turns.iter().cycle().skip(1);
         for (&from, &to) in turns.iter().zip(next) {
             let way = minus(self.corners[to], self.corners[from]);
             let away = minus(at, self.corners[from]);
-            let depth = (way[0] * away[1] - way[1] * away[0]) / dot(way, way).sqrt();
-            depths[self.sources[from]] = depth - S::constant(margin);
+            let slack = (way[0] * away[1] - way[1] * away[0]) / dot(way, way).sqrt();
+            slacks[self.sources[from]] = slack - S::constant(margin);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Distance task between two frames.
 
 use super::residual::{moved_by, not_finite, refuse};
-use super::{Quantity, Residual, Rows};
+use super::{Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -48,7 +48,7 @@ impl Residual for Distance {
     answers! {
         fn kind(&self) -> &'static str = "distance";
         fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
         fn target_len(&self) -> usize = 1;
     }
 

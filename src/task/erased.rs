@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::by_dual_numbers::{CHUNK, DualScratch, by_dual_numbers};
-use super::{LocalJacobian, Residual, Room};
+use super::{Inequality, LocalJacobian, Residual};
 use crate::scalar::Dual;
 use crate::spatial::Placement;
 
@@ -47,9 +47,9 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         scratch: &mut DualScratch,
     );
 
-    fn rooms(&self) -> Vec<Room>;
+    fn inequalities(&self) -> Vec<Inequality>;
 
-    fn depths(&self, frames: &[Placement<f64>], joints: &[f64], depths: &mut [f64]);
+    fn slacks(&self, frames: &[Placement<f64>], joints: &[f64], slacks: &mut [f64]);
 
     /// The same as [`differentiate`](Self::differentiate), for the slacks.
     fn differentiate_depths(
@@ -90,7 +90,7 @@ impl<R: Residual> ErasedResidual for R {
     answers! {
         fn kind(&self) -> &'static str = Residual::kind(self);
         fn target_len(&self) -> usize = Residual::target_len(self);
-        fn rooms(&self) -> Vec<Room> = Residual::rooms(self);
+        fn inequalities(&self) -> Vec<Inequality> = Residual::inequalities(self);
         fn joint_values(&self) -> Option<usize> = Residual::joint_values(self);
         fn has_edges(&self) -> bool = Residual::has_edges(self);
         fn validate(&self) -> Result<(), String> = Residual::validate(self);
@@ -150,8 +150,8 @@ impl<R: Residual> ErasedResidual for R {
         }
     }
 
-    fn depths(&self, frames: &[Placement<f64>], joints: &[f64], depths: &mut [f64]) {
-        Residual::depths(self, frames, joints, depths);
+    fn slacks(&self, frames: &[Placement<f64>], joints: &[f64], slacks: &mut [f64]) {
+        Residual::slacks(self, frames, joints, slacks);
     }
 
     fn differentiate_depths(
@@ -163,7 +163,7 @@ impl<R: Residual> ErasedResidual for R {
     ) {
         if !Residual::differentiate_depths(self, frames, joints, jacobian) {
             by_dual_numbers(
-                |frames, joints, depths| Residual::depths(self, frames, joints, depths),
+                |frames, joints, slacks| Residual::slacks(self, frames, joints, slacks),
                 frames,
                 joints,
                 jacobian,

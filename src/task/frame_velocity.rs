@@ -2,7 +2,7 @@
 
 use super::orientation::check_rotation;
 use super::residual::{moved, no_time_step, not_finite};
-use super::{Orientation, Quantity, Residual, Rows};
+use super::{Orientation, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -78,10 +78,10 @@ impl Residual for FrameVelocity {
         fn has_edges(&self) -> bool = false;
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         vec![
-            Rows::new(Quantity::MetresPerSecond, 3),
-            Rows::new(Quantity::RadiansPerSecond, 3),
+            RowBlock::new(Quantity::MetresPerSecond, 3),
+            RowBlock::new(Quantity::RadiansPerSecond, 3),
         ]
     }
 

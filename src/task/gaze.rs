@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::look_at::{line_of_sight, turn_onto};
 use super::residual::{moved, no_direction, not_finite, refuse};
 use super::within::beyond;
-use super::{Quantity, Residual, Room, Rows};
+use super::{Inequality, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -126,18 +126,18 @@ impl Residual for Gaze {
     answers! {
         fn kind(&self) -> &'static str = "gaze";
         fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Radians, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 1)];
         fn target_len(&self) -> usize = 3;
-        fn rooms(&self) -> Vec<Room> = vec![Room::new(0..1, 1)];
+        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..1, 1)];
     }
 
     evaluate_by_frames!();
 
     /// (α² − θ²) / 2α: unlike α − θ, it has a derivative at θ = 0.
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
         let half_angle = S::constant(self.half_angle);
         let squared = self.squared_angle(frames, &[]);
-        depths[0] = (half_angle * half_angle - squared) / (half_angle + half_angle);
+        slacks[0] = (half_angle * half_angle - squared) / (half_angle + half_angle);
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -1,7 +1,7 @@
 //! Linear relation between joints.
 
 use super::residual::{moved_by, not_finite, refuse};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -79,7 +79,7 @@ impl Residual for JointCoupling {
         fn frames(&self) -> Vec<FrameId> = Vec::new();
         fn joints(&self) -> Vec<JointId> = self.joints.clone();
         fn joint_values(&self) -> Option<usize> = Some(self.coefficients.len());
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(self.quantity, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(self.quantity, 1)];
         fn target_len(&self) -> usize = 1;
         fn has_edges(&self) -> bool = false;
     }

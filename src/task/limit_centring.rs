@@ -1,6 +1,6 @@
 //! Joint limit avoidance.
 
-use super::{LocalJacobian, Quantity, Residual, Role, Rows};
+use super::{LocalJacobian, Quantity, Residual, Role, RowBlock};
 use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -47,7 +47,7 @@ impl Residual for LimitCentring {
         fn kind(&self) -> &'static str = "limit centring";
         fn frames(&self) -> Vec<FrameId> = Vec::new();
         fn joints(&self) -> Vec<JointId> = self.joints.clone();
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Ratio, self.joints.len())];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Ratio, self.joints.len())];
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

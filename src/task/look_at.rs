@@ -1,7 +1,7 @@
 //! Look-at task: an axis of a frame points at a target.
 
 use super::residual::{moved, no_direction, not_finite};
-use super::{Quantity, Residual, Rows};
+use super::{Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Quaternion, Vector3};
@@ -53,7 +53,7 @@ impl Residual for LookAt {
     answers! {
         fn kind(&self) -> &'static str = "look-at";
         fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Radians, 3)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 3)];
         fn target_len(&self) -> usize = 3;
         fn has_edges(&self) -> bool = false;
     }

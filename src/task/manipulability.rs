@@ -2,7 +2,7 @@
 
 use super::residual::refuse;
 use super::within::beyond;
-use super::{Quantity, Residual, Role, Room, Rows};
+use super::{Inequality, Quantity, Residual, Role, RowBlock};
 use crate::model::{FrameId, JointId, JointKind, Model};
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
@@ -278,8 +278,8 @@ impl Residual for Manipulability {
         fn frames(&self) -> Vec<FrameId> = Vec::new();
         fn joints(&self) -> Vec<JointId> = self.joints.clone();
         fn joint_values(&self) -> Option<usize> = Some(self.values);
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Ratio, 1)];
-        fn rooms(&self) -> Vec<Room> = vec![Room::new(0..1, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Ratio, 1)];
+        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..1, 1)];
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -287,8 +287,8 @@ impl Residual for Manipulability {
         residual[0] = beyond(missing, f64::NEG_INFINITY, 0.0);
     }
 
-    fn depths<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
-        depths[0] = self.measure(joints) * S::constant(1.0 / self.least) - S::one();
+    fn slacks<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
+        slacks[0] = self.measure(joints) * S::constant(1.0 / self.least) - S::one();
     }
 
     fn validate(&self) -> Result<(), String> {

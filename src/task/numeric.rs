@@ -2,7 +2,7 @@
 
 use std::any::TypeId;
 
-use super::{LocalJacobian, Residual, Role, Rows};
+use super::{LocalJacobian, Residual, Role, RowBlock};
 use crate::model::{FrameId, JointId};
 use crate::scalar::{Scalar, elementary};
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
@@ -28,7 +28,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
     }
 
     /// See [`Residual::rows`].
-    fn rows(&self) -> Vec<Rows>;
+    fn rows(&self) -> Vec<RowBlock>;
 
     /// Writes every row of `residual`, as [`Residual::evaluate`] does.
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]);
@@ -60,7 +60,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
 /// ```
 /// use kinopt::model::{FrameId, Limits, Model};
 /// use kinopt::spatial::{Placement, Vector3};
-/// use kinopt::task::{Numeric, NumericResidual, Quantity, Rows};
+/// use kinopt::task::{Numeric, NumericResidual, Quantity, RowBlock};
 /// use kinopt::{Problem, Solver};
 ///
 /// /// The height above a terrain that is known by samples.
@@ -69,7 +69,7 @@ pub trait NumericResidual: Clone + Send + Sync + 'static {
 ///
 /// impl NumericResidual for OnTerrain {
 ///     fn frames(&self) -> Vec<FrameId> { vec![self.foot] }
-///     fn rows(&self) -> Vec<Rows> { vec![Rows::new(Quantity::Metres, 1)] }
+///     fn rows(&self) -> Vec<RowBlock> { vec![RowBlock::new(Quantity::Metres, 1)] }
 ///     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
 ///         let Vector3 { x, z, .. } = frames[0].translation;
 ///         let at = x.clamp(0.0, 2.99);

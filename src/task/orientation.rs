@@ -1,7 +1,7 @@
 //! Orientation task for a frame.
 
 use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_log, rotation_log_jacobian};
@@ -104,7 +104,7 @@ impl Residual for Orientation {
     answers! {
         fn kind(&self) -> &'static str = "orientation";
         fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Radians, 3)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Radians, 3)];
         fn target_len(&self) -> usize = 3;
         fn has_edges(&self) -> bool = false;
     }

@@ -3,7 +3,7 @@
 use nalgebra as na;
 
 use super::residual::{moved_by, not_finite};
-use super::{Quantity, Residual, Rows};
+use super::{Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -106,7 +106,7 @@ impl Residual for Pixel {
     answers! {
         fn kind(&self) -> &'static str = "pixel";
         fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Pixels, 2)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Pixels, 2)];
         fn target_len(&self) -> usize = 2;
         fn has_edges(&self) -> bool = false;
     }

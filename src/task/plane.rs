@@ -1,7 +1,7 @@
 //! Plane task: a frame's origin is in a plane.
 
 use super::residual::{moved, no_direction, not_finite};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -52,7 +52,7 @@ impl Residual for Plane {
     answers! {
         fn kind(&self) -> &'static str = "plane";
         fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
         fn target_len(&self) -> usize = 3;
         fn has_edges(&self) -> bool = false;
     }

@@ -1,7 +1,7 @@
 //! Position task for a point of a frame.
 
 use super::residual::{add_base, frame_and_base, in_base, moved, not_finite, own_base};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -63,7 +63,7 @@ impl Residual for Point {
     answers! {
         fn kind(&self) -> &'static str = "point";
         fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 3)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 3)];
         fn target_len(&self) -> usize = 3;
         fn has_edges(&self) -> bool = false;
     }

@@ -4,7 +4,7 @@ use super::goal::Goal;
 use super::orientation::check_rotation;
 use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
 use super::within::beyond;
-use super::{LocalJacobian, Orientation, Quantity, Residual, Room, Rows};
+use super::{Inequality, LocalJacobian, Orientation, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacobian};
@@ -94,12 +94,12 @@ impl Pose {
     }
 
     /// The row blocks of this task.
-    pub(crate) fn measures(&self) -> [Rows; 2] {
+    pub(crate) fn measures(&self) -> [RowBlock; 2] {
         let turn = match self.goal {
-            Some(goal) if !goal.is_full_pose() => Rows::chords(3),
-            _ => Rows::new(Quantity::Radians, 3),
+            Some(goal) if !goal.is_full_pose() => RowBlock::chords(3),
+            _ => RowBlock::new(Quantity::Radians, 3),
         };
-        [Rows::new(Quantity::Metres, 3), turn]
+        [RowBlock::new(Quantity::Metres, 3), turn]
     }
 
     /// Placement of the tool, in the base or the world.
@@ -210,7 +210,7 @@ impl Residual for Pose {
     answers! {
         fn kind(&self) -> &'static str = "pose";
         fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<Rows> = self.measures().to_vec();
+        fn rows(&self) -> Vec<RowBlock> = self.measures().to_vec();
         fn target_len(&self) -> usize = 6;
     }
 
@@ -262,13 +262,13 @@ impl Residual for Pose {
     }
 
     /// One inequality for each bounded component.
-    fn rooms(&self) -> Vec<Room> {
+    fn inequalities(&self) -> Vec<Inequality> {
         let bands = self.goal.map(|goal| goal.bands()).unwrap_or_default();
         let rows = (0..6).filter(|&row| 0.0 < bands[row] && bands[row] < f64::INFINITY);
-        rows.map(|row| Room::new(row..row + 1, 2)).collect()
+        rows.map(|row| Inequality::new(row..row + 1, 2)).collect()
     }
 
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
         let Some(goal) = &self.goal else { return };
         let placed = self.base_from_tool(frames);
         let target = Placement::constant(&self.target);
@@ -279,7 +279,7 @@ impl Residual for Pose {
         let components = [Self::offset(&target, &placed), turn.v * twice].map(Vector3::to_array);
         let components = components.into_iter().flatten().zip(goal.bands());
         let roomy = components.filter(|(_, band)| 0.0 < *band && *band < f64::INFINITY);
-        for (own, (value, band)) in depths.chunks_exact_mut(2).zip(roomy) {
+        for (own, (value, band)) in slacks.chunks_exact_mut(2).zip(roomy) {
             own[0] = S::constant(band) + value;
             own[1] = S::constant(band) - value;
         }

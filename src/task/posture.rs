@@ -1,7 +1,7 @@
 //! Posture task: joints are near reference values.
 
 use super::residual::{moved_by, not_finite, refuse};
-use super::{LocalJacobian, Quantity, Residual, Role, Rows};
+use super::{LocalJacobian, Quantity, Residual, Role, RowBlock};
 use crate::SizeMismatch;
 use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
 use crate::scalar::{Dual, Scalar};
@@ -215,7 +215,7 @@ impl Residual for Posture {
         fn frames(&self) -> Vec<FrameId> = Vec::new();
         fn joints(&self) -> Vec<JointId> = self.joints.clone();
         fn joint_values(&self) -> Option<usize> = Some(self.reference.len());
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::JointUnits, self.target_len())];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::JointUnits, self.target_len())];
         fn has_edges(&self) -> bool = false;
     }
 

@@ -65,7 +65,7 @@ impl fmt::Display for Quantity {
 
 /// A row block: consecutive residual rows of one quantity. Their Euclidean norm is the reported error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rows {
+pub struct RowBlock {
     /// The unit of the rows.
     pub quantity: Quantity,
     /// Number of rows.
@@ -74,7 +74,7 @@ pub struct Rows {
     chords: bool,
 }
 
-impl Rows {
+impl RowBlock {
     /// `count` rows of `quantity`.
     #[must_use]
     pub const fn new(quantity: Quantity, count: usize) -> Self {

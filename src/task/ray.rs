@@ -1,7 +1,7 @@
 //! Ray task: a frame's origin is on a line, such as a viewing ray.
 
 use super::residual::{moved, not_finite, refuse};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -58,7 +58,7 @@ impl Residual for Ray {
     answers! {
         fn kind(&self) -> &'static str = "ray";
         fn frames(&self) -> Vec<FrameId> = vec![self.frame];
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 3)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 3)];
         fn target_len(&self) -> usize = 3;
         fn has_edges(&self) -> bool = false;
     }

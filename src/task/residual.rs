@@ -1,6 +1,6 @@
 //! The trait of all residuals.
 
-use super::{LocalJacobian, Room, Rows};
+use super::{Inequality, LocalJacobian, RowBlock};
 use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
@@ -28,7 +28,7 @@ pub enum Role {
 /// ```
 /// use kinopt::model::FrameId;
 /// use kinopt::spatial::Placement;
-/// use kinopt::task::{Quantity, Residual, Rows};
+/// use kinopt::task::{Quantity, Residual, RowBlock};
 /// use kinopt::Scalar;
 ///
 /// /// Keeps a frame on a cylinder around the world's z axis.
@@ -37,7 +37,7 @@ pub enum Role {
 ///
 /// impl Residual for OnCylinder {
 ///     fn frames(&self) -> Vec<FrameId> { vec![self.frame] }
-///     fn rows(&self) -> Vec<Rows> { vec![Rows::new(Quantity::Metres, 1)] }
+///     fn rows(&self) -> Vec<RowBlock> { vec![RowBlock::new(Quantity::Metres, 1)] }
 ///     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
 ///         let at = frames[0].translation;
 ///         r[0] = (at.x * at.x + at.y * at.y).sqrt() - S::constant(self.radius);
@@ -80,7 +80,7 @@ pub trait Residual: Clone + Send + Sync + 'static {
     }
 
     /// Its row blocks in order.
-    fn rows(&self) -> Vec<Rows>;
+    fn rows(&self) -> Vec<RowBlock>;
 
     /// Writes every row of `residual`.
     ///
@@ -144,12 +144,12 @@ pub trait Residual: Clone + Send + Sync + 'static {
     /// The inequalities of the residual: row blocks that are zero if all their slacks are at least zero.
     ///
     /// Lower priority levels treat these rows as the inequalities slack ≥ 0, with the slacks of
-    /// [`depths`](Self::depths). Rows in no inequality are equations, even if they are zero at a solution.
+    /// [`slacks`](Self::slacks). RowBlock in no inequality are equations, even if they are zero at a solution.
     ///
     /// ```
     /// use kinopt::model::FrameId;
     /// use kinopt::spatial::Placement;
-    /// use kinopt::task::{Quantity, Residual, Room, Rows};
+    /// use kinopt::task::{Quantity, Residual, Inequality, RowBlock};
     /// use kinopt::Scalar;
     ///
     /// /// Keeps a frame outside a ball about the world's origin.
@@ -164,29 +164,29 @@ pub trait Residual: Clone + Send + Sync + 'static {
     ///
     /// impl Residual for OutsideBall {
     ///     fn frames(&self) -> Vec<FrameId> { vec![self.frame] }
-    ///     fn rows(&self) -> Vec<Rows> { vec![Rows::new(Quantity::Metres, 1)] }
+    ///     fn rows(&self) -> Vec<RowBlock> { vec![RowBlock::new(Quantity::Metres, 1)] }
     ///     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], r: &mut [S]) {
     ///         r[0] = self.depth(frames).min(S::zero());
     ///     }
-    ///     fn rooms(&self) -> Vec<Room> { vec![Room::new(0..1, 1)] }
-    ///     fn depths<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
-    ///         depths[0] = self.depth(frames);
+    ///     fn inequalities(&self) -> Vec<Inequality> { vec![Inequality::new(0..1, 1)] }
+    ///     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], slacks: &mut [S]) {
+    ///         slacks[0] = self.depth(frames);
     ///     }
     /// }
     /// ```
-    fn rooms(&self) -> Vec<Room> {
+    fn inequalities(&self) -> Vec<Inequality> {
         Vec::new()
     }
 
-    /// Writes the slacks of its [inequalities](Self::rooms), one inequality after the other.
+    /// Writes the slacks of its [inequalities](Self::inequalities), one inequality after the other.
     ///
     /// A slack is zero at the boundary, positive inside, and smooth on both sides, in the unit of the rows. An absent
     /// bound has an infinite slack.
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
-        let _ = (frames, joints, depths);
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
+        let _ = (frames, joints, slacks);
     }
 
-    /// The same as [`differentiate`](Self::differentiate), for the slacks of [`depths`](Self::depths).
+    /// The same as [`differentiate`](Self::differentiate), for the slacks of [`slacks`](Self::slacks).
     fn differentiate_depths(
         &self,
         frames: &[Placement<f64>],

@@ -1,7 +1,7 @@
 //! Joint velocity minimisation.
 
 use super::residual::no_time_step;
-use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
+use super::{LocalJacobian, Posture, Quantity, Residual, Role, RowBlock};
 use crate::SizeMismatch;
 use crate::model::{FrameId, Model};
 use crate::scalar::Scalar;
@@ -57,9 +57,9 @@ impl Residual for Smoothness {
         fn has_edges(&self) -> bool = false;
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         let count = self.previous.rows().iter().map(|rows| rows.count).sum();
-        vec![Rows::new(Quantity::JointUnitsPerSecond, count)]
+        vec![RowBlock::new(Quantity::JointUnitsPerSecond, count)]
     }
 
     evaluate_unmoved!();

@@ -4,7 +4,7 @@ use super::by_dual_numbers::moved_by_unit_twists;
 use super::centre_of_mass::Body;
 use super::convex_polygon::{ConvexPolygon, Point2};
 use super::residual::{not_finite, refuse};
-use super::{LocalJacobian, Quantity, Residual, Room, Rows};
+use super::{Inequality, LocalJacobian, Quantity, Residual, RowBlock};
 use crate::model::{FrameId, Masses};
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Vector3};
@@ -166,10 +166,10 @@ impl SupportPolygon {
     }
 
     /// Writes the slack of the centre in each edge, less the margin, by the point that starts the edge.
-    fn depths<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>], slacks: &mut [S]) {
         let axes = self.across().map(Vector3::constant);
         let seen = axes.map(|axis| axis.dot(centre));
-        self.polygon(frames).depths(seen, self.margin, depths);
+        self.polygon(frames).slacks(seen, self.margin, slacks);
     }
 
     /// The convex hull of the support points, projected along the vertical.
@@ -232,9 +232,9 @@ impl Residual for SupportPolygon {
     answers! {
         fn kind(&self) -> &'static str = "support polygon";
         fn is_of_body(&self) -> bool = true;
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 2)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 2)];
         /// The polygon; one slack for each support point, finite for corners.
-        fn rooms(&self) -> Vec<Room> = vec![Room::new(0..2, self.points.len())];
+        fn inequalities(&self) -> Vec<Inequality> = vec![Inequality::new(0..2, self.points.len())];
     }
 
     fn frames(&self) -> Vec<FrameId> {
@@ -261,9 +261,9 @@ impl Residual for SupportPolygon {
         true
     }
 
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
         let (parts, feet) = frames.split_at(self.body.frames.len());
-        Self::depths(self, self.body.centre(parts), feet, depths);
+        Self::slacks(self, self.body.centre(parts), feet, slacks);
     }
 
     fn differentiate_depths(
@@ -275,8 +275,8 @@ impl Residual for SupportPolygon {
         let edges = jacobian.rows();
         let (mut rows, mut slopes) = (vec![Dual::zero(); edges], vec![Vector3::zero(); edges]);
         let room = (&mut rows[..], &mut slopes[..]);
-        self.differentiate_by(frames, jacobian, room, |centre, feet, depths| {
-            Self::depths(self, centre, feet, depths);
+        self.differentiate_by(frames, jacobian, room, |centre, feet, slacks| {
+            Self::slacks(self, centre, feet, slacks);
         });
         true
     }

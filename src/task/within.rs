@@ -1,7 +1,7 @@
 //! Bounds on any residual.
 
 use super::residual::refuse;
-use super::{Residual, Role, Room};
+use super::{Inequality, Residual, Role};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -42,7 +42,7 @@ use crate::spatial::Placement;
 /// ```
 /// # use kinopt::model::{FrameId, JointId, Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
-/// # use kinopt::task::{Point, Quantity, Residual, Rows, Task, Within};
+/// # use kinopt::task::{Point, Quantity, Residual, RowBlock, Task, Within};
 /// # use kinopt::{Problem, Scalar, Solver};
 /// /// The angle of a wrist beyond 1.2 rad minus half the angle of the elbow.
 /// #[derive(Clone)]
@@ -58,8 +58,8 @@ use crate::spatial::Placement;
 ///     fn joints(&self) -> Vec<JointId> {
 ///         self.0.to_vec()
 ///     }
-///     fn rows(&self) -> Vec<Rows> {
-///         vec![Rows::new(Quantity::Radians, 1)]
+///     fn rows(&self) -> Vec<RowBlock> {
+///         vec![RowBlock::new(Quantity::Radians, 1)]
 ///     }
 ///     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {
 ///         residual[0] = joints[0] + joints[1] * S::constant(0.5) - S::constant(1.2);
@@ -159,23 +159,23 @@ impl<R: Residual> Residual for Within<R> {
     }
 
     /// One inequality for each row, if the interval is more than a number.
-    fn rooms(&self) -> Vec<Room> {
+    fn inequalities(&self) -> Vec<Inequality> {
         let edges = self.edges();
         let rows: usize = self.residual.rows().iter().map(|rows| rows.count).sum();
         let rows = if self.lower < self.upper { rows } else { 0 };
         (0..rows)
-            .map(|row| Room::new(row..row + 1, edges))
+            .map(|row| Inequality::new(row..row + 1, edges))
             .collect()
     }
 
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
         let edges = self.edges();
-        let rows = depths.len() / edges;
-        self.residual.evaluate(frames, joints, &mut depths[..rows]);
+        let rows = slacks.len() / edges;
+        self.residual.evaluate(frames, joints, &mut slacks[..rows]);
         // Backwards, so that no slack overwrites a row that is still needed.
         for row in (0..rows).rev() {
-            let value = depths[row];
-            let own = &mut depths[row * edges..(row + 1) * edges];
+            let value = slacks[row];
+            let own = &mut slacks[row * edges..(row + 1) * edges];
             if self.lower.is_finite() {
                 own[0] = value - S::constant(self.lower);
             }

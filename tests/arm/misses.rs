@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, PoseOutcome, Search};
-use kinopt::lanes::{LaneOptions, PoseSolver};
+use kinopt::simd_ik::{LaneOptions, PoseSolver};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, panda, robot, within_limits};
 
@@ -99,11 +99,14 @@ fn simd_overflow_returns_the_clamped_start() {
         .iter()
         .map(|j| 9.0_f64.min(j.upper))
         .collect();
-    for search in [kinopt::lanes::Prefer::Start, kinopt::lanes::Prefer::First] {
+    for search in [
+        kinopt::simd_ik::Prefer::Start,
+        kinopt::simd_ik::Prefer::First,
+    ] {
         let (mut q, mut outcomes) = ([99.0; 7], [PoseOutcome::default()]);
         let outcome = solver.solve(&target, &start, search, None, &mut q).unwrap();
         assert!(!outcome.reached && q.iter().zip(&clamped).all(|(q, c)| q <= c));
-        if search == kinopt::lanes::Prefer::Start {
+        if search == kinopt::simd_ik::Prefer::Start {
             assert_eq!(q, *clamped);
         }
         q = [99.0; 7];

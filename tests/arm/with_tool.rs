@@ -6,7 +6,7 @@
     clippy::print_stdout
 )]
 
-use kinopt::arm::{Arm, ArmError, Axis, Goal, Mechanism, Search};
+use kinopt::arm::{Arm, ArmError, ArmModel, Axis, Goal, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
@@ -60,7 +60,7 @@ fn crane() -> Model {
 }
 
 fn check_tools(
-    joints: &impl Mechanism,
+    joints: &impl ArmModel,
     (base, tip): (&str, &str),
     search: Search,
     tools: &[Placement<f64>],

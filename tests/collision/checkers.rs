@@ -143,7 +143,9 @@ fn motion_reports_the_deepest_pair() {
         }
         let checker = Checker::new(balls()).with_world(&world).unwrap();
         let mut workspace = checker.workspace();
-        let motion = checker.way(&mut workspace, &[0.0; 3], &[0.3; 3]).unwrap();
+        let motion = checker
+            .check_motion(&mut workspace, &[0.0; 3], &[0.3; 3])
+            .unwrap();
         let blocked = motion.blocked_by.unwrap();
         assert_eq!(blocked.first, link);
         assert!((blocked.distance + 0.08).abs() < 1e-9, "{blocked:?}");
@@ -272,7 +274,9 @@ fn motion_is_free_up_to_contact() {
     let mut workspace = checker.workspace();
     let touches = (0.9_f64 / 3.0).asin();
     let to = [1.2, 0.0, 0.0];
-    let motion = checker.way(&mut workspace, &[0.0; 3], &to).unwrap();
+    let motion = checker
+        .check_motion(&mut workspace, &[0.0; 3], &to)
+        .unwrap();
     let exact = touches / 1.2;
     assert!(
         motion.free <= exact && motion.free > exact - 1e-4,
@@ -284,7 +288,7 @@ fn motion_is_free_up_to_contact() {
     // Short of contact the motion is free, in both directions.
     let short = [0.999 * touches, 0.0, 0.0];
     for (from, to) in [([0.0; 3], short), (short, [0.0; 3])] {
-        let motion = checker.way(&mut workspace, &from, &to).unwrap();
+        let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
         assert_eq!((motion.free, motion.blocked_by), (1.0, None));
     }
     // Through a thin wall: free at both ends, not between.
@@ -295,7 +299,7 @@ fn motion_is_free_up_to_contact() {
     let (from, to) = ([0.0; 3], [3.0, 0.0, 0.0]);
     assert!(checker.collisions(&from).unwrap().is_empty());
     assert!(checker.collisions(&to).unwrap().is_empty());
-    let motion = checker.way(&mut workspace, &from, &to).unwrap();
+    let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
     assert!(
         motion.free < 1.4_f64.atan2(3.0) / 3.0 + 0.02 && motion.blocked_by.is_some(),
         "{motion:?}"
@@ -326,7 +330,7 @@ fn far_motion_at_either_end_is_stopped() {
             world.add_sphere("pea", 0.01, at).unwrap();
             let checker = Checker::new(ball_model.clone()).with_world(&world).unwrap();
             let mut workspace = checker.workspace();
-            let motion = checker.way(&mut workspace, &from, &to).unwrap();
+            let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert!(
                 motion.free <= share && motion.blocked_by.is_some(),
                 "{share}: {motion:?}"
@@ -360,7 +364,9 @@ fn motion_into_the_margin_is_stopped() {
                 .unwrap();
             let checker = checker.with_margin(0.05).unwrap();
             let mut workspace = checker.workspace();
-            let motion = checker.way(&mut workspace, &[0.0; 2], &to).unwrap();
+            let motion = checker
+                .check_motion(&mut workspace, &[0.0; 2], &to)
+                .unwrap();
             assert_eq!(
                 motion.blocked_by.is_some(),
                 stops,
@@ -405,7 +411,7 @@ fn workspace_serves_different_checkers() {
             let reported = |workspace: &mut CheckerWorkspace| {
                 let collisions = checker.collisions_with(workspace, &to).unwrap();
                 let nearest = checker.nearest(workspace, &to, 1.0).unwrap();
-                let motion = checker.way(workspace, &from, &to).unwrap();
+                let motion = checker.check_motion(workspace, &from, &to).unwrap();
                 let free = checker.is_free(workspace, &from).unwrap();
                 (collisions, nearest, motion, free)
             };

@@ -3,7 +3,7 @@
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, World};
-use kinopt::problem::{ClearanceCheck, KeepClear};
+use kinopt::problem::{ClearanceCheck, CollisionAvoidance};
 use kinopt::spatial::Vector3;
 use support::arms::robot;
 use support::random::Random;

@@ -52,7 +52,7 @@ impl Panda {
         let mut workspace = self.checker.workspace();
         let motion = self
             .checker
-            .way(&mut workspace, &self.whole(from), &self.whole(to));
+            .check_motion(&mut workspace, &self.whole(from), &self.whole(to));
         motion.unwrap().blocked_by.is_none()
     }
 

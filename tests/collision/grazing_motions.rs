@@ -67,7 +67,7 @@ fn grazing_motion_is_free_as_reported() {
             }
         }
         let checker = nearer_by(low - 1e-5);
-        let motion = checker.way(&mut workspace, &q, &to).unwrap();
+        let motion = checker.check_motion(&mut workspace, &q, &to).unwrap();
         let mut between = q.clone();
         for step in 0..=300 {
             let share = motion.free * f64::from(step) / 300.0;
@@ -124,7 +124,7 @@ fn motion_dipping_into_the_ground_is_stopped() {
         let mut workspace = checker.workspace();
         for (from, to) in [(from, to), (to, from)] {
             assert!(checker.is_free(&mut workspace, &from).unwrap(), "{deep}");
-            let motion = checker.way(&mut workspace, &from, &to).unwrap();
+            let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert_eq!(motion.blocked_by.is_none(), is_free, "{deep}: {motion:?}");
         }
     }
@@ -142,7 +142,7 @@ fn rotation_about_the_centre_sweeps() {
     let (from, to) = ([0.0, 0.0], [std::f64::consts::FRAC_PI_2, 0.0]);
     for (from, to) in [(from, to), (to, from)] {
         assert!(checker.is_free(&mut workspace, &from).unwrap());
-        let motion = checker.way(&mut workspace, &from, &to).unwrap();
+        let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
         assert_eq!(motion.blocked_by.unwrap().second, "pole");
         assert!(motion.free < 0.5, "{}", motion.free);
     }
@@ -176,7 +176,7 @@ fn rotation_of_a_ball_joint_sweeps() {
         for (from, to) in [(0.0, turn), (turn, 0.0)] {
             let (from, to) = (turned(from), turned(to));
             assert!(checker.is_free(&mut workspace, &from).unwrap());
-            let motion = checker.way(&mut workspace, &from, &to).unwrap();
+            let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert!(
                 motion.blocked_by.is_some() && motion.free < 0.5,
                 "{turn}: {motion:?}"
@@ -210,11 +210,20 @@ fn motion_in_deep_contact_proceeds_slightly() {
     let checker = Checker::new(bodies.with_checked("pin", "hub").unwrap());
     let mut workspace = checker.workspace();
     let (from, to) = ([0.0, 0.0], [1.5, 1.5]);
-    assert!(checker.way(&mut workspace, &from, &to).unwrap().free == 0.0);
+    assert!(
+        checker
+            .check_motion(&mut workspace, &from, &to)
+            .unwrap()
+            .free
+            == 0.0
+    );
     let motion = checker
         .way_from_contact(&mut workspace, &from, &to)
         .unwrap();
-    assert!((motion.begins_deep - 0.3).abs() < 1e-9, "{motion:?}");
+    assert!(
+        (motion.initial_penetration - 0.3).abs() < 1e-9,
+        "{motion:?}"
+    );
     assert!(
         motion.free > 1e-4 && motion.blocked_by.is_some(),
         "{motion:?}"

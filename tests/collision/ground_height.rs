@@ -20,7 +20,7 @@ fn heights_of_steps_sphere_and_slope_are_exact() {
         .add("ball", Shape::sphere(0.3).unwrap(), at(-2.0, 1.0, 0.0))
         .unwrap();
     let up = Vector3::UNITS[1];
-    let top = |x: f64, z: f64| world.top(Vector3::new(x, -7.0, z), up);
+    let top = |x: f64, z: f64| world.height_at(Vector3::new(x, -7.0, z), up);
     for (x, height) in [
         (0.1, 0.2),
         (0.4999, 0.2),
@@ -42,10 +42,10 @@ fn heights_of_steps_sphere_and_slope_are_exact() {
     let turned = Matrix3::from_columns(along, normal.cross(along), normal);
     let slope = Placement::new(turned, Vector3::new(0.0, -0.5, 0.0));
     world.add("slope", Shape::half_space(), slope).unwrap();
-    let top = |x: f64| world.top(Vector3::new(x, 0.0, 0.0), up).unwrap();
+    let top = |x: f64| world.height_at(Vector3::new(x, 0.0, 0.0), up).unwrap();
     assert!((top(30.0) - 9.5).abs() < 1e-6 && (top(0.1) - 0.2).abs() < TO);
     assert!((top(-30.0) + 10.5).abs() < 1e-6);
-    assert_eq!(World::new().top(Vector3::zero(), up), None);
+    assert_eq!(World::new().height_at(Vector3::zero(), up), None);
 }
 
 /// Attached objects are no ground, wherever their files place them; detached ones are.
@@ -62,7 +62,7 @@ fn attached_objects_are_no_ground() {
         .unwrap();
     let beside = Vector3::new(-1.0, 0.0, 5.0);
     let over = Vector3::new(0.5, 0.1, 5.0);
-    let top = |world: &World, at| world.top(at, up).unwrap();
+    let top = |world: &World, at| world.height_at(at, up).unwrap();
     assert!((top(&world, over) - 0.9).abs() < TO);
     world.attach("crate", "hand", placement).unwrap();
     for at in [over, beside] {
@@ -75,7 +75,7 @@ fn attached_objects_are_no_ground() {
     held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), placement)
         .unwrap();
     held.attach("crate", "hand", placement).unwrap();
-    assert_eq!(held.top(over, up), None);
+    assert_eq!(held.height_at(over, up), None);
 }
 
 /// Nearly six times as high as it is far.
@@ -88,7 +88,7 @@ fn height_of_a_steep_slope_is_exact() {
     let placement = Placement::new(slope, Vector3::zero());
     world.add("slope", Shape::half_space(), placement).unwrap();
     for at in [0.5, 3.0] {
-        let top = world.top(Vector3::new(at, 0.2, 0.0), Vector3::UNITS[2]);
+        let top = world.height_at(Vector3::new(at, 0.2, 0.0), Vector3::UNITS[2]);
         assert!(
             (top.unwrap() - at * sin / cos).abs() < 1e-6 * at,
             "{at}: {top:?}"

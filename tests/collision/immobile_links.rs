@@ -4,7 +4,7 @@
 //! A plain solution that is collision-free by shapes is kept, for any sphere resolution.
 
 use kinopt::Arm;
-use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
+use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel, World};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::random::Random;
@@ -23,7 +23,7 @@ impl Panda {
         let robot = robot("franka_panda");
         let bodies = CollisionModel::of(&robot).unwrap();
         let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-        let spheres = SphereModel::of(&bodies, Fineness::Overhang(overhang)).unwrap();
+        let spheres = SphereModel::of(&bodies, Resolution::Overhang(overhang)).unwrap();
         Self {
             checker: Checker::new(bodies).with_spheres(spheres),
             rest: vec![0.0; robot.model().configuration_len()],

@@ -136,7 +136,9 @@ fn drag_onto_a_table_slides_along_it() {
                 assert!(text.contains("obstacle `table` end the way"), "{text}");
                 assert!(!text.contains("too near"), "{text}");
             }
-            let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            let motion = checker
+                .check_motion(&mut workspace, &before, drag.q())
+                .unwrap();
             assert_eq!(motion.blocked_by, None, "frame {step}");
             let at = kinematics.place(drag.q()).unwrap()[left.index()].translation;
             let beside = at - target;
@@ -233,7 +235,9 @@ fn feet_on_the_first_level_stay_while_hand_slides() {
             feet.iter().all(|miss| *miss < 1e-5),
             "frame {step}: {feet:?}"
         );
-        let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        let motion = checker
+            .check_motion(&mut workspace, &before, drag.q())
+            .unwrap();
         assert_eq!(motion.blocked_by, None, "frame {step}");
     }
     let nearest = checker
@@ -450,7 +454,9 @@ fn characters_hand_stops_at_its_belly() {
             drag.target_mut(hand).unwrap().set_target(target);
             let before = drag.q().to_vec();
             drag.advance();
-            let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            let motion = checker
+                .check_motion(&mut workspace, &before, drag.q())
+                .unwrap();
             blocked += usize::from(motion.blocked_by.is_some());
         }
         (drag.solution().clone(), blocked)
@@ -514,7 +520,9 @@ fn loop_stays_closed_at_an_obstacle() {
             .filter_map(|task| task.position_error())
             .collect();
         assert!(solution.loops_closed(), "frame {step}: {open:?}");
-        let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        let motion = checker
+            .check_motion(&mut workspace, &before, drag.q())
+            .unwrap();
         assert_eq!(motion.blocked_by, None, "frame {step}");
     }
     assert_eq!(drag.solution().collisions()[0].second, "stone");

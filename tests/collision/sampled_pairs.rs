@@ -1,6 +1,6 @@
 //! Promise: sampling disables no pair of links that can collide, although a thousand samples may miss its contacts.
 
-use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel};
+use kinopt::collision::{Checker, CollisionModel, Resolution, SphereModel};
 use kinopt::robot::Robot;
 use support::arms::robot;
 use support::lines::ROBOTS;
@@ -94,7 +94,7 @@ fn given_spheres_do_not_change_the_pairs() {
         let robot = robot(name);
         let all = CollisionModel::of(&robot).unwrap();
         let sampled = all.clone().with_pairs_sampled(1000, 0).unwrap();
-        let spheres = SphereModel::of(&all, Fineness::PerLink(1)).unwrap();
+        let spheres = SphereModel::of(&all, Resolution::PerLink(1)).unwrap();
         let checker = Checker::sampled_with_spheres(all.clone(), spheres);
         assert_eq!(checker.model().pairs(), sampled.pairs(), "{name}");
         fewer += usize::from(sampled.pairs().len() < all.pairs().len());

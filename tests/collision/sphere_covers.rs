@@ -1,6 +1,8 @@
 //! Promise: the spheres of a link contain all its shapes and protrude no farther than reported.
 
-use kinopt::collision::{CollisionModel, CollisionObject, Fineness, Shape, ShapeKind, SphereModel};
+use kinopt::collision::{
+    CollisionModel, CollisionObject, Resolution, Shape, ShapeKind, SphereModel,
+};
 use kinopt::model::Model;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
@@ -118,7 +120,7 @@ fn spheres_cover_shipped_robots() {
     let mut random = Random::new(4);
     for name in part(robots, 2) {
         let model = CollisionModel::of(&robot(name)).unwrap();
-        let spheres = SphereModel::of(&model, Fineness::Overhang(0.03)).unwrap();
+        let spheres = SphereModel::of(&model, Resolution::Overhang(0.03)).unwrap();
         assert!(spheres.overhang() <= 0.03, "{name}");
         assert_eq!(spheres.groups().len(), model.links().len());
         assert_eq!(spheres.pairs().len(), model.pairs().len());
@@ -147,13 +149,13 @@ fn spheres_cover_random_shapes() {
         });
         let model = one_link(shapes.collect::<Vec<_>>());
         let fineness = match case % 2 {
-            0 => Fineness::Overhang(random.within(0.1, 0.3)),
-            _ => Fineness::PerLink(1 + random.below(20)),
+            0 => Resolution::Overhang(random.within(0.1, 0.3)),
+            _ => Resolution::PerLink(1 + random.below(20)),
         };
         let spheres = SphereModel::of(&model, fineness).unwrap();
         match fineness {
-            Fineness::Overhang(overhang) => assert!(spheres.overhang() <= overhang),
-            Fineness::PerLink(most) => {
+            Resolution::Overhang(overhang) => assert!(spheres.overhang() <= overhang),
+            Resolution::PerLink(most) => {
                 assert!(spheres.count() <= most.max(count), "{}", spheres.count())
             }
             _ => {}
@@ -177,7 +179,7 @@ fn spheres_cover_large_hulls() {
         ];
         let shapes = own.map(|placed| (Shape::convex(&corners).unwrap(), placed));
         let model = one_link(shapes);
-        let spheres = SphereModel::of(&model, Fineness::Overhang(0.03)).unwrap();
+        let spheres = SphereModel::of(&model, Resolution::Overhang(0.03)).unwrap();
         assert!(spheres.overhang() <= 0.03);
         holds(&model, &spheres, 4000, &mut random);
     }
@@ -187,7 +189,7 @@ fn spheres_cover_large_hulls() {
 fn sphere_shapes_are_kept() {
     let at = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
     let model = one_link([(Shape::sphere(0.25).unwrap(), at)]);
-    let spheres = SphereModel::of(&model, Fineness::Overhang(0.5)).unwrap();
+    let spheres = SphereModel::of(&model, Resolution::Overhang(0.5)).unwrap();
     assert_eq!((spheres.count(), spheres.overhang()), (1, 0.0));
     assert_eq!(spheres.groups()[0].spheres[0].radius, 0.25);
     assert_eq!(SphereModel::of_spheres(&model), Some(spheres));
@@ -199,7 +201,7 @@ fn sphere_shapes_are_kept() {
 fn capsule_cover_is_minimal() {
     // Neighbours may be 2 √(0.12² − 0.1²) = 0.1327 apart, and the last ones 0.02 from the ends: 0.96 / 0.1327.
     let model = one_link([(Shape::capsule(0.1, 1.0).unwrap(), Placement::identity())]);
-    let spheres = SphereModel::of(&model, Fineness::Overhang(0.02)).unwrap();
+    let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
     assert_eq!(spheres.count(), 9);
 }
 
@@ -209,7 +211,7 @@ fn capsule_cover_is_minimal() {
 fn bar_cover_is_nearly_minimal() {
     let bar = Shape::cuboid([1.0, 0.1, 0.1]).unwrap();
     let model = one_link([(bar, Placement::identity())]);
-    let spheres = SphereModel::of(&model, Fineness::Overhang(0.05)).unwrap();
+    let spheres = SphereModel::of(&model, Resolution::Overhang(0.05)).unwrap();
     assert!((8..=20).contains(&spheres.count()), "{}", spheres.count());
 }
 
@@ -229,7 +231,7 @@ fn protrusion_of_capsules_is_the_maximum() {
         (vec![long, short], farthest),
     ] {
         let model = one_link(capsules);
-        let spheres = SphereModel::of(&model, Fineness::Overhang(0.02)).unwrap();
+        let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
         let reported = spheres.overhang();
         assert!((reported - expected).abs() < 1e-9, "{reported} {expected}");
     }
@@ -238,7 +240,7 @@ fn protrusion_of_capsules_is_the_maximum() {
 #[test]
 fn cover_is_reproducible() {
     let model = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let twice = [0, 1].map(|_| SphereModel::of(&model, Fineness::Overhang(0.04)).unwrap());
+    let twice = [0, 1].map(|_| SphereModel::of(&model, Resolution::Overhang(0.04)).unwrap());
     assert_eq!(twice[0], twice[1]);
 }
 
@@ -246,12 +248,12 @@ fn cover_is_reproducible() {
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let message = SphereModel::of(&model, Fineness::Overhang(bad))
+        let message = SphereModel::of(&model, Resolution::Overhang(bad))
             .unwrap_err()
             .to_string();
         assert!(message.contains("overhang"), "{message}");
     }
-    assert!(SphereModel::of(&model, Fineness::PerLink(0)).is_err());
+    assert!(SphereModel::of(&model, Resolution::PerLink(0)).is_err());
 }
 
 /// For links that are spheres, sphere checks equal exact checks, on chains of revolute and prismatic joints about any
@@ -317,7 +319,7 @@ fn sphere_links_are_checked_exactly() {
             }
         }
         let bodies = CollisionModel::new(&model, objects).unwrap();
-        let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.01)).unwrap();
+        let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.01)).unwrap();
         let alone = Checker::new(bodies).with_world(&world).unwrap();
         let checker = alone.clone().with_spheres(spheres);
         let arm = Arm::builder(&model, base, tip).with_atlas(false).build();

@@ -49,7 +49,9 @@ fn dragged(links: usize) -> Vec<Vector3<f64>> {
     let places = (0..30).map(|frame| {
         let before = drag.q().to_vec();
         drag.advance();
-        let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        let motion = checker
+            .check_motion(&mut workspace, &before, drag.q())
+            .unwrap();
         assert_eq!(motion.blocked_by, None, "frame {frame}");
         kinematics.place(drag.q()).unwrap()[tip.index()].translation - y * from.y
     });

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
-use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
+use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel, World};
 use kinopt::robot::Robot;
 use kinopt::solver::{Iteration, Stopping, Termination};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
@@ -31,7 +31,7 @@ fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
         Vector3::new(0.0, 0.0, 0.25),
     );
     world.add("ceiling", Shape::half_space(), down).unwrap();
-    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
     let checker = Checker::new(bodies).with_world(&world).unwrap();
     match with_spheres {
         true => checker.with_spheres(spheres),

@@ -124,7 +124,7 @@ fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         to[..q.len()].copy_from_slice(&q);
         let collisions = checker.collisions(&to).unwrap();
         let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
-        let motion = checker.way(&mut workspace, &from, &to).unwrap();
+        let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
         told += &format!("{collisions:?} {nearest:?} {motion:?}\n");
         from = to;
         if index % 4 == 0 {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, GeometricError, TwoBone};
 use kinopt::ik::{BoundKind, MoveLimits, Restarts, Side};
 use kinopt::model::{Limits, Model};
-use kinopt::problem::Question;
+use kinopt::problem::ProblemInstance;
 use kinopt::solver::{Iteration, Termination};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
@@ -200,7 +200,7 @@ fn move_limits_hold_exactly() {
         builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), target));
         let problem = builder.build().unwrap();
         let limits = MoveLimits::new(&problem, &moves, &start).unwrap();
-        let question = Question::from(&problem).with_moves(&limits).unwrap();
+        let question = ProblemInstance::from(&problem).with_moves(&limits).unwrap();
         for solver in solvers {
             let mut silent = |_: &Iteration<'_>| ControlFlow::Continue(());
             let solution = solver
@@ -235,7 +235,7 @@ fn two_bone_limb_keeps_move_limits() {
         let problem = builder.build().unwrap();
         let moves = MoveLimits::new(&problem, &most, &start).unwrap();
         for elbow in [Elbow::Positive, Elbow::Negative, Elbow::Towards(y)] {
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let solution = TwoBone::new(elbow).solve(question, &start).unwrap();
             for k in 0..2 {
                 assert!((solution.q[k] - start[k]).abs() <= most[k]);
@@ -257,7 +257,7 @@ fn ball_joints_are_rejected_with_move_limits() {
     let problem = builder.build().unwrap();
     let start = model.neutral();
     let moves = MoveLimits::new(&problem, &[0.1; 4], &start).unwrap();
-    let question = Question::from(&problem).with_moves(&moves).unwrap();
+    let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
     for refused in [
         Ccd::default().solve(question, &start),
         Fabrik::default().solve(question, &start),

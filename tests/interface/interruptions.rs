@@ -4,7 +4,7 @@
 use std::cell::Cell;
 
 use kinopt::arm::Arm;
-use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 use kinopt::interruption::interruptible;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
@@ -36,7 +36,7 @@ fn endless_computations_end_when_interrupted() {
     CALLS.set(0);
     // Its spheres are incomplete and discarded.
     let _ = interruptible(interrupts, || {
-        SphereModel::of(&model, Fineness::PerLink(100_000_000))
+        SphereModel::of(&model, Resolution::PerLink(100_000_000))
     });
     assert!(CALLS.get() > 100);
 }

@@ -11,12 +11,12 @@ use kinopt::animation::{
 use kinopt::arm::{Arm, Base};
 use kinopt::collision::{CollisionModel, MeshUse};
 use kinopt::kinematics::{ForwardKinematics, Jacobian, frame_jacobian};
-use kinopt::lanes::{Chain, ChainJoint};
 use kinopt::mesh::TriangleMesh;
 use kinopt::model::{JointKind, Limits, Model, ParameterMap};
 use kinopt::motion::path::CartesianPath;
 use kinopt::problem::{Evaluation, ProblemBuilder};
 use kinopt::robot::Robot;
+use kinopt::simd_ik::{Chain, ChainJoint};
 use kinopt::skeleton::{BallSkeleton, Bone, Cones, Posing, Skeleton, SkeletonRoot};
 use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningMethod};
 use kinopt::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};

@@ -9,8 +9,8 @@ use std::path::Path;
 use kinopt::scalar::Dual;
 use kinopt::{
     BadOption, Model, Problem, SizeMismatch, Skeleton, Solution, Solver, Workspace, animation, arm,
-    collision, geometric, ik, io, kinematics, lanes, mesh, model, motion, problem, robot, skeleton,
-    skinning, solver, spatial, task,
+    collision, geometric, ik, io, kinematics, mesh, model, motion, problem, robot, simd_ik,
+    skeleton, skinning, solver, spatial, task,
 };
 
 const fn value<T: Clone + Debug + Send + Sync>() {}
@@ -31,7 +31,7 @@ each! { value:
     Skeleton, skeleton::SkeletonBuilder, skeleton::Bone, skeleton::BoneId, skeleton::Posing,
     skeleton::BonePlacements, skeleton::Holds,
     robot::Robot, robot::Mimic, robot::Link, robot::Shape, robot::Geometry, robot::Inertial,
-    robot::UrdfReader, robot::Repair, robot::Mended, robot::Srdf,
+    robot::UrdfReader, robot::Repair, robot::RepairKind, robot::Srdf,
     kinematics::ForwardKinematics, kinematics::ForwardKinematics<Dual<6>>,
     spatial::Matrix3<f64>, spatial::Placement<f64>, spatial::Quaternion<f64>,
     spatial::Vector3<f64>, Dual<6>,
@@ -41,10 +41,10 @@ each! { value:
     collision::Separation, collision::World, collision::Obstacle, collision::MeshFile,
     collision::CollisionModel, collision::CollisionObject, collision::SphereModel, collision::SphereGroup,
     collision::Checker, collision::Collision,
-    motion::clip::MotionProblem, motion::clip::MotionSolver, motion::clip::Windows, motion::clip::RateCost,
-    motion::clip::Contact, motion::clip::MotionSolution, motion::clip::MotionTermination,
-    motion::clip::MotionCounts, motion::clip::MotionBound, motion::clip::MotionLimit<'static>,
-    motion::clip::MotionMiss<'static>,
+    motion::trajectory::MotionProblem, motion::trajectory::MotionSolver, motion::trajectory::Windows, motion::trajectory::RateCost,
+    motion::trajectory::Contact, motion::trajectory::MotionSolution, motion::trajectory::MotionTermination,
+    motion::trajectory::MotionCounts, motion::trajectory::MotionBound, motion::trajectory::MotionLimit<'static>,
+    motion::trajectory::MotionMiss<'static>,
 }
 
 each! { value:
@@ -94,13 +94,13 @@ each! { value:
     geometric::TwoBone, task::Camera, task::CentreOfMass, task::Distance, task::FrameVelocity,
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::Pose, task::Posture,
-    task::Quantity, task::Ray, task::Role, task::Rows, task::Smoothness,
+    task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
     arm::ArmBuilder<'static>, arm::Goal, arm::Jump, arm::ServoStatus, arm::Track,
-    lanes::Chain, lanes::LaneOptions,
+    simd_ik::Chain, simd_ik::LaneOptions,
 }
 
 each! { value:
-    motion::ContactDetection, motion::clip::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
+    motion::ContactDetection, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::Led, motion::clip_ik::Reach, motion::clip_ik::Stance, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
@@ -121,19 +121,19 @@ each! { value:
     arm::Follower<'static>, arm::HeldBy, arm::PoseOutcome, arm::Search, arm::Servo<'static>,
     arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::Trajectory,
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,
-    collision::CollisionModelBuilder<'static>, collision::Fineness, collision::MeshUse, collision::Way,
-    collision::WayChecker, geometric::Reaching, geometric::Span, geometric::Triangle, ik::BoundKind,
+    collision::CollisionModelBuilder<'static>, collision::Resolution, collision::MeshUse, collision::MotionCheck,
+    collision::MotionChecker, geometric::Reaching, geometric::Span, geometric::Triangle, ik::BoundKind,
     ik::DerivativeWorkspace, ik::Drag, ik::Existence, ik::Leap<'static>, ik::MotionLimits, ik::MoveLimits, ik::NoDerivative,
-    ik::RowsReport, ik::Side, io::gltf::SceneFile, kinematics::Jacobian, lanes::AxisGoal, lanes::ChainJoint,
-    lanes::JointKind, lanes::PoseSolver, lanes::Prefer, lanes::lane::LaneMask<4>,
-    lanes::lane::Lanes<4, false>, model::Reference<'static, model::FrameId>, problem::ParameterVector,
-    problem::Question<'static>, robot::BaseJoint, robot::DisabledPair, robot::EndEffector, robot::Group,
-    robot::GroupState, robot::LeftToMeshes, robot::SrdfReader, robot::VirtualJoint, skeleton::BallSkeleton,
+    ik::RowsReport, ik::Side, io::gltf::SceneFile, kinematics::Jacobian, simd_ik::AxisGoal, simd_ik::ChainJoint,
+    simd_ik::JointKind, simd_ik::PoseSolver, simd_ik::Prefer, simd_ik::lane::LaneMask<4>,
+    simd_ik::lane::Lanes<4, false>, model::Reference<'static, model::FrameId>, problem::ParameterVector,
+    problem::ProblemInstance<'static>, robot::BaseJoint, robot::DisabledPair, robot::EndEffector, robot::Group,
+    robot::GroupState, robot::MissingInertia, robot::SrdfReader, robot::VirtualJoint, skeleton::BallSkeleton,
     skeleton::BoneCone, skeleton::SkeletonRoot, skinning::BoneVolume, solver::ConfigurationSpace<'static>,
     solver::Counts, solver::Damping, solver::FirstStep, solver::GaussNewtonState,
     solver::Iteration<'static>, solver::LevenbergMarquardtState, solver::Outcome,
     solver::ProjectedGradientState, solver::Silent, solver::SolverState, solver::Step, task::LocalJacobian,
-    task::Numeric<task::Point>, task::Room, task::Task<task::Point>, task::Within<task::Point>,
+    task::Numeric<task::Point>, task::Inequality, task::Task<task::Point>, task::Within<task::Point>,
 }
 
 // Each borrows the caller's memory exclusively.
@@ -145,7 +145,7 @@ each! { shown: solver::Iterate<'static>, }
 
 each! { error:
     collision::ShapeError, collision::WorldError, collision::CollisionModelError, collision::CheckerError,
-    motion::clip::MotionError,
+    motion::trajectory::MotionError,
     animation::AimError, animation::ArmatureError, animation::BlendError,
     animation::ChannelError, animation::ClipError, animation::ClipNameError,
     animation::HandleError, animation::LimbError, animation::LocalError, animation::NoEffector,
@@ -162,9 +162,9 @@ each! { error:
     skinning::UnknownSkinning, skinning::WeightsError, spatial::NotRigid,
     spatial::RigidDefect,
     BadOption, SizeMismatch, animation::MaskError, ik::DerivativeError, ik::LoopClosureError,
-    ik::StanceError, lanes::ChainError, lanes::LaneError, motion::clip_ik::ClipIkError,
+    ik::StanceError, simd_ik::ChainError, simd_ik::LaneError, motion::clip_ik::ClipIkError,
     motion::path::PathError, motion::retarget::RetargetError, motion::retarget::folder::FolderError,
-    robot::Fault, solver::SearchError,
+    robot::ParseIssue, solver::SearchError,
 }
 
 #[test]

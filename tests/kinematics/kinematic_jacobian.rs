@@ -11,7 +11,7 @@ use kinopt::model::{FrameId, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation, Problem};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::Placement;
-use kinopt::task::{Point, Quantity, Residual, Rows};
+use kinopt::task::{Point, Quantity, Residual, RowBlock};
 use nalgebra::DMatrix;
 use support::bones::RandomRig;
 use support::planar_arm;
@@ -72,8 +72,8 @@ impl Residual for Counted {
         vec![self.frame]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 3)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 3)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {

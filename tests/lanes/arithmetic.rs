@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Scalar;
-use kinopt::lanes::lane::Lanes;
-use kinopt::lanes::trigonometry::MAX_ANGLE;
-use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::lane::Lanes;
+use kinopt::simd_ik::trigonometry::MAX_ANGLE;
+use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{Random, panda, target};
 
 fn worst_error(x: f64) -> f64 {

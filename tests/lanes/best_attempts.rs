@@ -2,7 +2,7 @@
 //! search prefers that.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{Random, errors, panda, target};
 
 /// Weight of the orientation in the cost ½ p² + w² (1 − cos θ), which the solver minimises.

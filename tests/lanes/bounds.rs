@@ -1,7 +1,7 @@
 //! Promise: no q returned by the SIMD solver exceeds its bounds by a single bit, whether the target is reached or not.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{
     Random, far_away, panda, planar, random_chain, target, ur5, within_bounds,
 };

@@ -1,7 +1,7 @@
 //! Promise: all entry points of a pose solver solve the same problem, reject the same input and respect the options.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainError, LaneError, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement, Vector3};

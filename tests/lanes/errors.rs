@@ -1,7 +1,7 @@
 //! Promise: the errors reported with a q are those of that q, according to nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
@@ -203,7 +203,7 @@ fn unresolvable_long_links_are_not_reached() {
 /// Each of the twelve weights and half widths is validated.
 #[test]
 fn every_number_of_an_axis_goal_is_validated() {
-    use kinopt::lanes::AxisGoal;
+    use kinopt::simd_ik::AxisGoal;
     type Part = fn(&mut AxisGoal) -> &mut [f64; 3];
     let parts: [Part; 4] = [
         |goal| &mut goal.position_weights,

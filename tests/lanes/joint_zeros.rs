@@ -2,7 +2,7 @@
 //! limits is solved from the same seeds in the same number of steps.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, LaneOptions, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, panda, target, ur5};
 use support::sample::cases;

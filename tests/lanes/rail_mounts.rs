@@ -2,7 +2,7 @@
 //! upright one, for any direction of the tilt.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::lane_chains::{Random, panda, target};
 

@@ -1,7 +1,7 @@
 //! Promise: every reachable pose is solved, on arms of all sizes and kinds.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement};

@@ -2,7 +2,7 @@
 //! same angles, bitwise where the units differ by a power of two.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::Placement;

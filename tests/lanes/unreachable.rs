@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use kinopt::lanes::{AxisGoal, LaneError, LaneOptions, PoseSolver, Prefer};
+use kinopt::simd_ik::{AxisGoal, LaneError, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{far_away, panda, planar, target};
 

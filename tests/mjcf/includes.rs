@@ -1,7 +1,7 @@
 //! Promise: included content keeps its position and order, up to 32 nested files.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::robot::{Fault, Robot, RobotFileError, mjcf_with_includes};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError, mjcf_with_includes};
 
 use crate::malformed::files;
 
@@ -59,7 +59,7 @@ fn nested_includes_are_limited() {
     assert!(
         matches!(
             &error,
-            RobotFileError::Element { file, fault: Fault::TooDeep { limit: 32 }, .. } if file.ends_with("chain_32.xml")
+            RobotFileError::Element { file, fault: ParseIssue::TooDeep { limit: 32 }, .. } if file.ends_with("chain_32.xml")
         ),
         "{error}"
     );

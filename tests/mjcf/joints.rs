@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, JointKind, Limits};
-use kinopt::robot::{Mended, Robot};
+use kinopt::robot::{RepairKind, Robot};
 
 fn joint(compiler: &str, joint: &str) -> Robot {
     let text = format!(
@@ -108,7 +108,7 @@ fn ball_range_above_half_a_turn_is_noted() {
         let note = &robot.repairs()[0];
         assert_eq!((note.line, note.element.as_str()), (2, "joint `j`"));
         assert!(
-            matches!(note.mended, Mended::StopsNothing { angle } if (angle - end).abs() < 1e-12)
+            matches!(note.mended, RepairKind::StopsNothing { angle } if (angle - end).abs() < 1e-12)
         );
         assert!(note.to_string().contains("no limit"), "{note}");
     }

@@ -3,9 +3,9 @@
 
 use std::path::PathBuf;
 
-use kinopt::robot::{Fault, Robot, RobotFileError};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 
-fn fault(text: &str) -> (u32, String, Fault) {
+fn fault(text: &str) -> (u32, String, ParseIssue) {
     match Robot::parse_mjcf(text, "robot.xml") {
         Err(RobotFileError::Element {
             file,
@@ -37,7 +37,7 @@ fn nested_or_repeated_class_is_named() {
             (line, fault),
             (
                 2,
-                Fault::RepeatedClass {
+                ParseIssue::RepeatedClass {
                     class,
                     first_line: 2
                 }
@@ -45,9 +45,12 @@ fn nested_or_repeated_class_is_named() {
         );
     }
     let (_, _, main) = fault(&world(r#"<default class="main"/>"#, ""));
-    assert!(matches!(main, Fault::RepeatedClass { first_line: 0, .. }));
+    assert!(matches!(
+        main,
+        ParseIssue::RepeatedClass { first_line: 0, .. }
+    ));
     let (_, _, unnamed) = fault(&world("<default/>", ""));
-    assert_eq!(unnamed, Fault::MissingAttribute { attribute: "class" });
+    assert_eq!(unnamed, ParseIssue::MissingAttribute { attribute: "class" });
 }
 
 #[test]
@@ -60,7 +63,7 @@ fn unknown_class_lists_the_valid_ones() {
         r#"<site class="lek"/>"#,
     ] {
         let (line, _, fault) = fault(&world(defaults, body));
-        let Fault::UnknownName(unknown) = fault else {
+        let ParseIssue::UnknownName(unknown) = fault else {
             panic!("{fault:?}")
         };
         assert_eq!(
@@ -95,29 +98,29 @@ fn lines_are_counted_from_the_first() {
 
 #[test]
 fn each_fault_is_identified() {
-    let zero = |attribute| Fault::ZeroLength { attribute };
+    let zero = |attribute| ParseIssue::ZeroLength { attribute };
     let body = |inner: &str| world("", &format!("<body name=\"b\">{inner}</body>"));
-    let bodies: Vec<(String, Fault)> = vec![
+    let bodies: Vec<(String, ParseIssue)> = vec![
         (world("", r#"<body quat="0 0 0 0"/>"#), zero("quat")),
         (world("", r#"<body axisangle="0 0 0 1"/>"#), zero("axisangle")),
         (world("", r#"<body zaxis="0 0 0"/>"#), zero("zaxis")),
         (world("", r#"<body xyaxes="1 0 0 2 0 0"/>"#), zero("xyaxes")),
         (world("", r#"<site fromto="1 1 1 1 1 1"/>"#), zero("fromto")),
         (body(r#"<joint axis="0 0 0"/>"#), zero("axis")),
-        (body(r#"<joint range="1 -1"/>"#), Fault::LimitsOutOfOrder { lower: 1_f64.to_radians(), upper: -1_f64.to_radians() }),
-        (body(r#"<joint type="ball" range="1 2"/>"#), Fault::BadBallRange),
-        (body(r#"<joint type="ball" limited="true"/>"#), Fault::BadBallRange),
-        (world("", r#"<body quat="1 0 0 0" euler="1 2 3"/>"#), Fault::SeveralOrientations),
-        (body("<freejoint/><joint/>"), Fault::MisplacedFreeJoint),
-        (body("<body><joint type=\"free\"/></body>"), Fault::MisplacedFreeJoint),
-        (world("", "<freejoint/>"), Fault::MisplacedFreeJoint),
-        (world("", "<replicate/>"), Fault::UnsupportedElement { element: "replicate".to_owned() }),
-        (body("<body name=\"b\"/>"), Fault::DuplicateName { first_line: 3 }),
-        (body("<joint name=\"j\"/><joint name=\"j\"/>"), Fault::DuplicateName { first_line: 3 }),
-        ("<robot/>".to_owned(), Fault::NotMujoco),
-        ("<mujoco><compiler autolimits=\"false\"/><worldbody><body><joint range=\"0 1\"/></body></worldbody></mujoco>".to_owned(), Fault::UnsaidLimits),
-        ("<mujoco><compiler eulerseq=\"xyw\"/></mujoco>".to_owned(), Fault::BadEulerSequence { text: "xyw".to_owned() }),
-        ("<mujoco><include/></mujoco>".to_owned(), Fault::MissingAttribute { attribute: "file" }),
+        (body(r#"<joint range="1 -1"/>"#), ParseIssue::LimitsOutOfOrder { lower: 1_f64.to_radians(), upper: -1_f64.to_radians() }),
+        (body(r#"<joint type="ball" range="1 2"/>"#), ParseIssue::BadBallRange),
+        (body(r#"<joint type="ball" limited="true"/>"#), ParseIssue::BadBallRange),
+        (world("", r#"<body quat="1 0 0 0" euler="1 2 3"/>"#), ParseIssue::SeveralOrientations),
+        (body("<freejoint/><joint/>"), ParseIssue::MisplacedFreeJoint),
+        (body("<body><joint type=\"free\"/></body>"), ParseIssue::MisplacedFreeJoint),
+        (world("", "<freejoint/>"), ParseIssue::MisplacedFreeJoint),
+        (world("", "<replicate/>"), ParseIssue::UnsupportedElement { element: "replicate".to_owned() }),
+        (body("<body name=\"b\"/>"), ParseIssue::DuplicateName { first_line: 3 }),
+        (body("<joint name=\"j\"/><joint name=\"j\"/>"), ParseIssue::DuplicateName { first_line: 3 }),
+        ("<robot/>".to_owned(), ParseIssue::NotMujoco),
+        ("<mujoco><compiler autolimits=\"false\"/><worldbody><body><joint range=\"0 1\"/></body></worldbody></mujoco>".to_owned(), ParseIssue::UnsaidLimits),
+        ("<mujoco><compiler eulerseq=\"xyw\"/></mujoco>".to_owned(), ParseIssue::BadEulerSequence { text: "xyw".to_owned() }),
+        ("<mujoco><include/></mujoco>".to_owned(), ParseIssue::MissingAttribute { attribute: "file" }),
     ];
     for (text, expected) in bodies {
         assert_eq!(fault(&text).2, expected, "{text}");
@@ -129,7 +132,7 @@ fn each_fault_is_identified() {
         "<mujoco><worldbody/><equality><weld active=\"maybe\"/></equality></mujoco>".to_owned(),
     ] {
         assert!(
-            matches!(fault(&text).2, Fault::UnknownWord { .. }),
+            matches!(fault(&text).2, ParseIssue::UnknownWord { .. }),
             "{text}"
         );
     }
@@ -138,7 +141,7 @@ fn each_fault_is_identified() {
         assert!(
             matches!(
                 fault(&text).2,
-                Fault::BadNumbers {
+                ParseIssue::BadNumbers {
                     attribute: "pos",
                     count: 3,
                     ..
@@ -157,7 +160,10 @@ fn each_fault_is_identified() {
         let text = format!(
             "<mujoco><worldbody><body name=\"b\"><joint name=\"j\"/></body></worldbody><equality>{equality}</equality></mujoco>"
         );
-        assert!(matches!(fault(&text).2, Fault::UnknownName(_)), "{text}");
+        assert!(
+            matches!(fault(&text).2, ParseIssue::UnknownName(_)),
+            "{text}"
+        );
     }
 }
 
@@ -174,14 +180,14 @@ fn nesting_depth_is_limited() {
     assert!(matches!(
         Robot::parse_mjcf(&nested(1000), "robot.xml"),
         Err(RobotFileError::Element {
-            fault: Fault::TooDeep { limit: 1000 },
+            fault: ParseIssue::TooDeep { limit: 1000 },
             ..
         })
     ));
     assert!(matches!(
         Robot::parse_mjcf(&nested(1100), "robot.xml"),
         Err(RobotFileError::Element {
-            fault: Fault::TooDeep { .. },
+            fault: ParseIssue::TooDeep { .. },
             ..
         } | RobotFileError::NotXml { .. })
     ));
@@ -241,7 +247,7 @@ fn cyclic_and_missing_includes_are_named() {
             matches!(
                 error,
                 RobotFileError::Element {
-                    fault: Fault::IncludedTwice { .. },
+                    fault: ParseIssue::IncludedTwice { .. },
                     ..
                 }
             ),

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::MassError;
-use kinopt::robot::{LeftToMeshes, Link, Robot};
+use kinopt::robot::{Link, MissingInertia, Robot};
 use kinopt::spatial::Vector3;
 
 const TWO: &str = r#"<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .1 .1" group="3"/>"#;
@@ -103,7 +103,7 @@ fn mass_overrides_the_density_of_a_class() {
     let of_mesh = robot.link(robot.model().frame("b").unwrap()).unwrap();
     assert_eq!(
         of_mesh.left_to_meshes,
-        Some(LeftToMeshes::Centre { mass: 2.0 })
+        Some(MissingInertia::Centre { mass: 2.0 })
     );
 }
 
@@ -111,12 +111,12 @@ fn mass_overrides_the_density_of_a_class() {
 fn unknown_mesh_masses_are_noted() {
     let mass = "mass is that of a mesh";
     let centre = "2 kg are a mesh's";
-    let of_two = Some(LeftToMeshes::Centre { mass: 2.0 });
+    let of_two = Some(MissingInertia::Centre { mass: 2.0 });
     for (compiler, geoms, left, note) in [
         (
             "",
             r#"<geom type="mesh" mesh="m"/>"#,
-            Some(LeftToMeshes::Mass),
+            Some(MissingInertia::Mass),
             mass,
         ),
         (
@@ -140,13 +140,13 @@ fn unknown_mesh_masses_are_noted() {
         (
             "",
             r#"<geom type="mesh" mesh="m" density="500"/><geom size=".1" mass=".5"/>"#,
-            Some(LeftToMeshes::Mass),
+            Some(MissingInertia::Mass),
             mass,
         ),
         (
             r#"settotalmass="9""#,
             r#"<geom size=".1"/><body><geom type="mesh" mesh="m"/></body>"#,
-            Some(LeftToMeshes::Mass),
+            Some(MissingInertia::Mass),
             mass,
         ),
         // A known mass is scaled wherever it is.
@@ -162,8 +162,8 @@ fn unknown_mesh_masses_are_noted() {
         assert_eq!(body.inertial, None);
         match (body.left_to_meshes, left) {
             (
-                Some(LeftToMeshes::Centre { mass }),
-                Some(LeftToMeshes::Centre { mass: expected }),
+                Some(MissingInertia::Centre { mass }),
+                Some(MissingInertia::Centre { mass: expected }),
             ) => {
                 assert!((mass - expected).abs() < 1e-12, "{mass}");
             }
@@ -179,10 +179,10 @@ fn unknown_mesh_masses_are_noted() {
             "{reported}"
         );
         let refused = robot.masses().unwrap_err();
-        assert!(matches!(&refused, MassError::LeftToMeshes { frame, .. } if frame == "a"));
+        assert!(matches!(&refused, MassError::MissingInertia { frame, .. } if frame == "a"));
         assert!(refused.to_string().contains("`a`"), "{refused}");
         match body.left_to_meshes {
-            Some(LeftToMeshes::Centre { mass }) => assert_eq!(robot.total_mass().unwrap(), mass),
+            Some(MissingInertia::Centre { mass }) => assert_eq!(robot.total_mass().unwrap(), mass),
             _ => assert_eq!(robot.total_mass().unwrap_err(), refused),
         }
         assert!(robot.centre_of_mass(&robot.model().neutral()).is_err());

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use kinopt::robot::{Fault, Robot, RobotFileError, mjcf_with_includes};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError, mjcf_with_includes};
 use support::changed_xml::Element;
 use support::random::Random;
 use support::robot_promises;
@@ -165,7 +165,7 @@ fn zero_quaternions_and_open_loops_are_named() {
         matches!(
             &error,
             RobotFileError::Element {
-                fault: Fault::ZeroLength { attribute: "quat" },
+                fault: ParseIssue::ZeroLength { attribute: "quat" },
                 ..
             }
         ),

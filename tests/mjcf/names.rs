@@ -2,7 +2,7 @@
 //! distinguishes MJCF from URDF.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::robot::{Geometry, LeftToMeshes, Robot};
+use kinopt::robot::{Geometry, MissingInertia, Robot};
 use kinopt::spatial::Vector3;
 
 #[test]
@@ -88,7 +88,7 @@ fn geoms_become_shapes_by_group_and_contact() {
     );
     // The mass of a mesh needs its file.
     assert_eq!(link.inertial, None);
-    assert_eq!(link.left_to_meshes, Some(LeftToMeshes::Mass));
+    assert_eq!(link.left_to_meshes, Some(MissingInertia::Mass));
 }
 
 /// `meshdir` applies to meshes, `assetdir` to all assets without a folder of their own.

@@ -3,7 +3,7 @@
 //! limits.
 
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder, ParameterMap};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolution, MotionSolver,
     MotionTermination, RateCost, Windows,
 };

@@ -2,7 +2,7 @@
 //! (notebooks-ref/motions.py).
 
 use kinopt::model::Model;
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, MotionTermination, RateCost};
 use kinopt::robot::Robot;
 use kinopt::task::Point;
 use serde::Deserialize;

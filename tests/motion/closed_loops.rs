@@ -3,7 +3,7 @@
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Loop, Model, ModelBuilder};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     MotionProblem, MotionSolution, MotionSolver, MotionTermination, RateCost, Windows,
 };
 use kinopt::robot::Robot;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::clip::{Contact, MotionProblem, MotionSolution, MotionSolver, Windows};
+use kinopt::motion::trajectory::{Contact, MotionProblem, MotionSolution, MotionSolver, Windows};
 use kinopt::task::{Point, Task};
 
 use crate::slide::slide;

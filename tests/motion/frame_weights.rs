@@ -3,7 +3,7 @@
 
 use crate::slide::{rail, slide};
 use kinopt::ik::Side;
-use kinopt::motion::clip::{MotionBound, MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionBound, MotionProblem, MotionSolver, RateCost};
 use kinopt::task::{Point, Task};
 
 const FRAMES: usize = 9;

@@ -1,7 +1,7 @@
 //! Promise: a free joint rotates smoothly through one turn and more, without singularities.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Pose;
 

@@ -1,7 +1,7 @@
 //! Promise: an invalid motion problem is an error that names the fault, and limits hold at fixed ends.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     Contact, MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolver, RateCost,
 };
 use kinopt::spatial::{Placement, Vector3};

@@ -6,8 +6,8 @@
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
+use kinopt::motion::trajectory::MotionBound;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3};
 

@@ -1,7 +1,7 @@
 //! Promise: a mimic joint keeps its own velocity limit, which bounds its source joint by their ratio and no more.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;

@@ -2,7 +2,7 @@
 //! active.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, MotionTermination, RateCost};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 

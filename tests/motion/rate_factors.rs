@@ -1,7 +1,7 @@
 //! Promise: a joint's factor in a rate cost affects only that joint, and counts like a weight.
 
 use kinopt::model::{FrameId, Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Orientation;
 

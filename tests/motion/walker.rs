@@ -3,7 +3,7 @@
 use kinopt::ik::bent_stance;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
-use kinopt::motion::clip::{Contact, MotionProblem, RateCost};
+use kinopt::motion::trajectory::{Contact, MotionProblem, RateCost};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Task};

@@ -2,7 +2,9 @@
 //! accelerations across the seam count in it, according to the normal equations of its frames.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
+use kinopt::motion::trajectory::{
+    MotionProblem, MotionSolver, MotionTermination, RateCost, Windows,
+};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use nalgebra::{DMatrix, DVector};

@@ -1,7 +1,9 @@
 //! Promise: a long clip costs as much per frame as a short one, and its motion in windows is that of the whole.
 
 use crate::slide::slide;
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
+use kinopt::motion::trajectory::{
+    MotionProblem, MotionSolver, MotionTermination, RateCost, Windows,
+};
 use kinopt::task::Point;
 
 use crate::walker::Walker;

@@ -28,7 +28,7 @@ const PLACED_WITHIN: f64 = 1e-12;
 const JACOBIAN_WITHIN: f64 = 1e-10;
 
 /// Six rows, linear then angular, with one number for each variable.
-type Rows = Vec<Vec<f64>>;
+type RowBlock = Vec<Vec<f64>>;
 
 #[derive(Deserialize)]
 struct Robots {
@@ -46,7 +46,7 @@ struct ReferenceRobot {
 struct RobotCase {
     /// All moving joints, including mimic joints.
     q: Vec<f64>,
-    jacobians: BTreeMap<String, Rows>,
+    jacobians: BTreeMap<String, RowBlock>,
 }
 
 #[derive(Deserialize)]
@@ -66,7 +66,7 @@ struct RigCase {
     x: Vec<f64>,
     /// x, y, z, then the rotation by rows.
     frames: BTreeMap<String, [f64; 12]>,
-    jacobians: BTreeMap<String, Rows>,
+    jacobians: BTreeMap<String, RowBlock>,
     /// One for each of [`tips`].
     targets: Vec<[f64; 3]>,
     cost: f64,
@@ -140,7 +140,7 @@ fn twists(
     jacobian
 }
 
-fn assert_jacobian(ours: &DMatrix<f64>, theirs: &Rows, what: &str) {
+fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
     assert_eq!(theirs.len(), 6, "{what}");
     for (row, theirs) in theirs.iter().enumerate() {
         assert_eq!(theirs.len(), ours.ncols(), "{what}");

@@ -4,8 +4,8 @@
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
-use kinopt::lanes::PoseOutcome;
 use kinopt::robot::Robot;
+use kinopt::simd_ik::PoseOutcome;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
 

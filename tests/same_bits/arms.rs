@@ -5,10 +5,10 @@
 use std::f64::consts::PI;
 
 use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
-use kinopt::lanes::{
+use kinopt::robot::Robot;
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
-use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
 

@@ -10,7 +10,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Limits, Loop, Masses, Model, ParameterMap, PointMass};
 use kinopt::motion::ContactDetection;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
-use kinopt::problem::{Problem, Question};
+use kinopt::problem::{Problem, ProblemInstance};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Gaze, Point, Pose, Posture, SupportPolygon, Task};
@@ -96,7 +96,7 @@ fn levels() -> [u64; 2] {
         let (problem, _) = standing.problem(to);
         let solution = solver.solve_once(&problem, &standing.start).unwrap();
         solved.solution(&solution);
-        let question = Question::from(&problem);
+        let question = ProblemInstance::from(&problem);
         let mut derivative =
             SolutionDerivative::new(question, &solution.q, &mut workspace).unwrap();
         differentiated.bytes(derivative.existence().name());

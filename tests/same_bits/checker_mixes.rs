@@ -4,11 +4,12 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::collision::{
-    Checker, CheckerWorkspace, Clearance, CollisionModel, CollisionObject, SphereModel, Way, World,
+    Checker, CheckerWorkspace, Clearance, CollisionModel, CollisionObject, MotionCheck,
+    SphereModel, World,
 };
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::Model;
-use kinopt::problem::{ClearanceCheck, KeepClear};
+use kinopt::problem::{ClearanceCheck, CollisionAvoidance};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Residual;
 use support::random::Random;
@@ -65,10 +66,10 @@ impl Digest {
         ));
     }
 
-    fn way_told<E: ToString>(&mut self, way: Result<Way, E>) {
+    fn way_told<E: ToString>(&mut self, way: Result<MotionCheck, E>) {
         match way {
             Ok(way) => {
-                self.doubles([way.free, way.begins_deep]);
+                self.doubles([way.free, way.initial_penetration]);
                 self.noted(&way.blocked_by);
             }
             Err(error) => self.bytes(error.to_string()),
@@ -142,7 +143,7 @@ fn asked(
     let share = [0.02, 0.2, 1.0][random.below(3)];
     let model = checker.model().model();
     model.interpolate(from, to, share, &mut between).unwrap();
-    digest.way_told(checker.way(workspace, from, &between));
+    digest.way_told(checker.check_motion(workspace, from, &between));
     digest.way_told(checker.way_from_contact(workspace, from, &between));
     let mut check = checker.check();
     digest.noted(&check.blocked(from, &between));
@@ -159,7 +160,7 @@ fn cleared(digest: &mut Digest, clearance: &Clearance, model: &Model, q: &[f64])
     let mut values = vec![0.0; rows];
     clearance.evaluate(&placed, &[], &mut values);
     digest.doubles(values.iter().copied());
-    clearance.depths(&placed, &[], &mut values);
+    clearance.slacks(&placed, &[], &mut values);
     digest.doubles(values);
     digest.noted(&(clearance.distance(), clearance.validate(), clearance.kind()));
 }
@@ -237,8 +238,8 @@ fn checkers() -> [u64; 2] {
             cleared(&mut digest, &clearance, &model, &q);
             last = q;
         }
-        digest.refusal(checker.way(&mut workspace, &last[1..], &last));
-        digest.refusal(checker.way(&mut workspace, &last, &vec![f64::NAN; last.len()]));
+        digest.refusal(checker.check_motion(&mut workspace, &last[1..], &last));
+        digest.refusal(checker.check_motion(&mut workspace, &last, &vec![f64::NAN; last.len()]));
         digest.refusal(checker.nearest(&mut workspace, &[], 1.0));
         let times = [0.3, 2.0, 0.0][random.below(3)];
         match world.scaled(times) {
@@ -247,7 +248,7 @@ fn checkers() -> [u64; 2] {
         }
         for _ in 0..3 {
             let up = vector(&mut random, 1.0);
-            worlds.noted(&world.top(vector(&mut random, 0.5), up));
+            worlds.noted(&world.height_at(vector(&mut random, 0.5), up));
         }
         let text = world.to_json();
         worlds.bytes(&text);

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::collision::{
-    BodyKind, Checker, Collision, CollisionModel, Fineness, MeshUse, Shape, SphereModel, Way, World,
+    BodyKind, Checker, Collision, CollisionModel, MeshUse, MotionCheck, Resolution, Shape,
+    SphereModel, World,
 };
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{Robot, Srdf};
@@ -47,8 +48,8 @@ impl Digest {
         self.doubles([pair.distance]);
     }
 
-    fn way(&mut self, way: &Way) {
-        self.doubles([way.free, way.begins_deep]);
+    fn way(&mut self, way: &MotionCheck) {
+        self.doubles([way.free, way.initial_penetration]);
         way.blocked_by.iter().for_each(|pair| self.collision(pair));
     }
 }
@@ -76,7 +77,7 @@ fn checked(digest: &mut Digest, checker: &Checker, random: &mut Random, count: u
             .map(|(a, b)| a + 0.1 * (b - a))
             .collect();
         for to in [&near, &q] {
-            digest.way(&checker.way(&mut workspace, &last, to).unwrap());
+            digest.way(&checker.check_motion(&mut workspace, &last, to).unwrap());
             digest.way(&checker.way_from_contact(&mut workspace, to, &last).unwrap());
         }
         last = q;
@@ -89,7 +90,7 @@ fn checkers() -> u64 {
     let world = full(&mut random);
     let plain = Checker::new(bodies.clone());
     checked(&mut digest, &plain, &mut random, 4);
-    let spheres = SphereModel::of(&bodies, Fineness::PerLink(3)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::PerLink(3)).unwrap();
     for checker in [
         plain.clone(),
         plain.clone().with_spheres(spheres),
@@ -230,9 +231,9 @@ fn sphere_models() -> u64 {
     let mut digest = Digest::new();
     let bodies = CollisionModel::of(&robot()).unwrap();
     for fineness in [
-        Fineness::Overhang(0.06),
-        Fineness::PerLink(1),
-        Fineness::PerLink(3),
+        Resolution::Overhang(0.06),
+        Resolution::PerLink(1),
+        Resolution::PerLink(3),
     ] {
         let spheres = SphereModel::of(&bodies, fineness).unwrap();
         spheres_of(&mut digest, &spheres);
@@ -251,7 +252,7 @@ fn sphere_models() -> u64 {
         let again = serde_json::to_string(&spheres).unwrap();
         spheres_of(&mut digest, &serde_json::from_str(&again).unwrap());
     }
-    for fineness in [Fineness::Overhang(0.0), Fineness::PerLink(0)] {
+    for fineness in [Resolution::Overhang(0.0), Resolution::PerLink(0)] {
         told(&mut digest, SphereModel::of(&bodies, fineness));
     }
     let short = "robot_cfg:\n  collision_spheres:\n    hand:\n      - center: [0, 0.01, 0]\n        radius: 0.05\n      - center: [0, 0, 0]\n        radius: -10\n    wrist:\n      - {center: [0, 0, 0], radius: 0.1}\n    base: []\n";
@@ -281,7 +282,7 @@ fn sphere_models() -> u64 {
             SphereModel::parse(text.as_bytes(), file, &bodies),
         );
     }
-    let spheres = SphereModel::of(&bodies, Fineness::PerLink(2)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::PerLink(2)).unwrap();
     told(&mut digest, spheres.spherised("<a/>", "a.urdf"));
     told(&mut digest, spheres.spherised("<robot>", "a.urdf"));
     digest.value()

@@ -4,7 +4,7 @@
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, Axis, Goal, Search};
-use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
+use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel, World};
 use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -240,7 +240,7 @@ fn arms(seed: u64, count: usize, turns: usize) -> u64 {
         let bodies = bodies.with_touching_ignored(&rest).unwrap();
         let covering = match count > 100 {
             true => spheres(&bodies, 1.0),
-            false => SphereModel::of(&bodies, Fineness::PerLink(3)).unwrap(),
+            false => SphereModel::of(&bodies, Resolution::PerLink(3)).unwrap(),
         };
         for turn in 0..turns {
             let mut own = checker(&bodies, &covering, &mut random);

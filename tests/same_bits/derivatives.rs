@@ -3,7 +3,7 @@
 
 use kinopt::ik::{DerivativeWorkspace, Restarts, SolutionDerivative};
 use kinopt::model::{Limits, Model, ParameterMap};
-use kinopt::problem::{Preferences, Problem, ProblemBuilder, Question};
+use kinopt::problem::{Preferences, Problem, ProblemBuilder, ProblemInstance};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
@@ -124,7 +124,7 @@ fn derivatives() -> [u64; 2] {
         let solver = Solver::default().with_restarts(Restarts::default().with_attempts(2));
         let solver = solver.with_stopping(Stopping::default().with_max_iterations(35));
         let solution = solver.solve(&problem, &q, &mut workspace).unwrap();
-        let (question, q) = (Question::from(&problem), solution.q.clone());
+        let (question, q) = (ProblemInstance::from(&problem), solution.q.clone());
         let own = SolutionDerivative::new(question, &q, &mut memory).unwrap();
         let mut own = if case % 2 == 0 {
             own.with_joint_origins(&model).unwrap()

@@ -6,11 +6,11 @@ use kinopt::Solver;
 use kinopt::ik::{Drag, Restarts};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
-use kinopt::problem::{ClearanceCheck, Collision, KeepClear, Problem, TaskId};
+use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance, Problem, TaskId};
 use kinopt::scalar::Scalar;
 use kinopt::solver::{Damping, GaussNewton, LevenbergMarquardt, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LimitCentring, Point, Posture, Quantity, Residual, Rows, Task};
+use kinopt::task::{LimitCentring, Point, Posture, Quantity, Residual, RowBlock, Task};
 use support::random::Random;
 
 use crate::digest::{Digest, check};
@@ -140,8 +140,8 @@ impl Residual for Depths {
         self.0.clone()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, self.0.len())]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, self.0.len())]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -187,7 +187,7 @@ impl ClearanceCheck for Floor {
     }
 }
 
-impl KeepClear for Floor {
+impl CollisionAvoidance for Floor {
     type Clearance = Depths;
     type Check = Self;
 

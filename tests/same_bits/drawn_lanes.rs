@@ -2,7 +2,7 @@
 //! alone, in batches of any length, attempt by attempt and along ways, from starts that are far beyond, and for what is no question.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{AxisGoal, Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{AxisGoal, Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms;
 use support::random::Random;

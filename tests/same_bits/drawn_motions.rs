@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, JointId, Limits, Model, ModelBuilder, ParameterMap};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     Contact, MotionProblem, MotionProblemBuilder, MotionSolver, RateCost, Windows,
 };
 use kinopt::spatial::{Placement, Vector3};

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::collision::{Checker, CollisionModel};
-use kinopt::motion::clip::Windows;
 use kinopt::motion::retarget::{
     BodyMap, BodyPart, Capture, ContactDetection, FootShapes, KnownSkeleton, RetargetOptions,
     Retargeting, UpAxis,
 };
+use kinopt::motion::trajectory::Windows;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use support::random::Random;

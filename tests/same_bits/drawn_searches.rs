@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::{DerivativeWorkspace, MoveLimits, Restarts, SolutionDerivative};
-use kinopt::problem::{Derivatives, Problem, Question};
+use kinopt::problem::{Derivatives, Problem, ProblemInstance};
 use kinopt::solver::Stopping;
 use kinopt::{Solver, Workspace};
 use support::methods::solvers;
@@ -109,7 +109,7 @@ fn looked_at(digest: &mut Digest, problem: &Problem, q: &[f64]) {
 /// How an answer changes.
 fn changes(
     digest: &mut Digest,
-    (body, question): (&Body, Question<'_>),
+    (body, question): (&Body, ProblemInstance<'_>),
     q: &[f64],
     memory: &mut DerivativeWorkspace,
     random: &mut Random,
@@ -207,7 +207,7 @@ fn mixes(seed: u64, cases: usize) -> [u64; 3] {
             let other = other.unwrap_or_else(|_| problem.clone());
             let question = match (random.below(4), &moves) {
                 (0, _) => other.with_targets(&targets).unwrap(),
-                (1, Ok(moves)) => match Question::from(&other).with_moves(moves) {
+                (1, Ok(moves)) => match ProblemInstance::from(&other).with_moves(moves) {
                     Ok(question) => question,
                     Err(error) => {
                         told.bytes(error.to_string());
@@ -218,7 +218,7 @@ fn mixes(seed: u64, cases: usize) -> [u64; 3] {
                     told.bytes(error);
                     continue;
                 }
-                _ => Question::from(&other),
+                _ => ProblemInstance::from(&other),
             };
             // Slow routes and loops go on for a few steps only.
             let slow = other.derivatives() != Derivatives::Analytic;

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, TwoBone};
 use kinopt::ik::{MoveLimits, Restarts};
 use kinopt::model::{FrameId, JointId, Limits, Model, ParameterMap};
-use kinopt::problem::{Problem, Question};
+use kinopt::problem::{Problem, ProblemInstance};
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LookAt, Orientation, Point, Pose, Posture, Quantity, Residual, Task};
@@ -194,9 +194,9 @@ fn mixes(cases: usize) -> u64 {
             let moves = MoveLimits::by_angle(&problem, 0.3, &start);
             let question = match &moves {
                 Ok(moves) if rarely(&mut random, 4) => {
-                    Question::from(&problem).with_moves(moves).unwrap()
+                    ProblemInstance::from(&problem).with_moves(moves).unwrap()
                 }
-                _ => Question::from(&problem),
+                _ => ProblemInstance::from(&problem),
             };
             let method = method(&mut random);
             let most = one_of(&mut random, &[usize::MAX, usize::MAX, 2]);

@@ -1,7 +1,7 @@
 //! Promise: so it is for the lane engine under options that are not usual, and for what it refuses.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Placement, Vector3};

@@ -12,7 +12,7 @@ use kinopt::animation::{Armature, Clip, Cursor, Playback};
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Restarts;
 use kinopt::io::rig::Rig;
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::skinning::{
     AutomaticWeights, Deformation, DualQuaternionBlend, LinearBlend, PackedDualQuaternionBlend,
     PackedLinearBlend, PackedWeights,

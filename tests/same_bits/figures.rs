@@ -6,12 +6,12 @@ use std::path::Path;
 
 use kinopt::animation::Armature;
 use kinopt::io::rig::Rig;
-use kinopt::motion::clip::Windows;
 use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder, QUESTION, unfinished};
 use kinopt::motion::retarget::{
     BodyMap, Capture, ContactDetection, FigureTarget, FootShapes, RetargetOptions, Retargeting,
     UpAxis,
 };
+use kinopt::motion::trajectory::Windows;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 

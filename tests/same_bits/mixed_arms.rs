@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use kinopt::arm::{Arm, ArmBuilder, Axis, Base, Goal, Search};
-use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
+use kinopt::collision::{Checker, CollisionModel, Resolution, SphereModel, World};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
@@ -238,7 +238,7 @@ pub(crate) fn checker(robot: &Robot, random: &mut Random) -> Checker {
     let checker = match random.below(6) {
         1.. => Checker::new(bodies),
         0 => {
-            let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+            let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
             Checker::new(bodies).with_spheres(spheres)
         }
     };

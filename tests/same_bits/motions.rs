@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     Contact, MotionProblem, MotionSolution, MotionSolver, RateCost, Windows,
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};

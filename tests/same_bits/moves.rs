@@ -3,7 +3,7 @@
 
 use kinopt::ik::{MoveLimits, Restarts, SolveError};
 use kinopt::model::JointId;
-use kinopt::problem::Question;
+use kinopt::problem::ProblemInstance;
 use kinopt::solver::Stopping;
 use kinopt::{Solver, Workspace};
 use support::random::Random;
@@ -41,7 +41,7 @@ fn moves() -> u64 {
                 }
             };
             for step in 0..2 {
-                let question = Question::from(problem).with_moves(&limits).unwrap();
+                let question = ProblemInstance::from(problem).with_moves(&limits).unwrap();
                 digest.doubles(question.lower().iter().chain(question.upper()).copied());
                 let solution = solver.solve(question, start, &mut workspace).unwrap();
                 digest.told(solution);
@@ -65,7 +65,7 @@ fn moves() -> u64 {
         ];
         all.into_iter().for_each(|own| digest.refusal(own));
         let limits = MoveLimits::by_angle(&problems[1].0, 0.1, start).unwrap();
-        digest.refusal(Question::from(problem).with_moves(&limits));
+        digest.refusal(ProblemInstance::from(problem).with_moves(&limits));
     }
     digest.value()
 }

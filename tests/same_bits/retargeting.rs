@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape};
-use kinopt::motion::clip::Windows;
 use kinopt::motion::retarget::{
     BodyMap, BodyPart, Capture, ContactDetection, Drive, FootShapes, RetargetOptions, Retargeted,
     Retargeting, UpAxis,
 };
+use kinopt::motion::trajectory::Windows;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 

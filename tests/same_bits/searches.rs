@@ -14,7 +14,7 @@ use kinopt::solver::{
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
     Gaze, JointCoupling, LimitCentring, Numeric, NumericResidual, Orientation, Point, Pose,
-    Posture, Quantity, Rows, Smoothness, Task,
+    Posture, Quantity, RowBlock, Smoothness, Task,
 };
 use kinopt::{Solver, Workspace};
 use support::random::Random;
@@ -160,8 +160,8 @@ impl NumericResidual for Lost {
         vec![self.0]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Pixels, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Pixels, 1)]
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {

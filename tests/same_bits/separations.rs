@@ -149,7 +149,7 @@ fn tops() -> u64 {
         for _ in 0..6 {
             let up = turned(|| random.unit()).z;
             for up in [up, Vector3::UNITS[2], Vector3::UNITS[0]] {
-                let top = world.top(vector(&mut random, 1.0), up);
+                let top = world.height_at(vector(&mut random, 1.0), up);
                 digest.doubles([top.unwrap_or(-99.0)]);
             }
         }

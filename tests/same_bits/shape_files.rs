@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use kinopt::collision::{CollisionModel, CollisionObject, Fineness, MeshUse, Shape, SphereModel};
+use kinopt::collision::{CollisionModel, CollisionObject, MeshUse, Resolution, Shape, SphereModel};
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use support::random::Random;
@@ -185,7 +185,7 @@ fn serialised() -> u64 {
                 Err(error) => add_error(&mut digest, &error),
             }
         }
-        let spheres = SphereModel::of(&bodies, Fineness::PerLink(2)).unwrap();
+        let spheres = SphereModel::of(&bodies, Resolution::PerLink(2)).unwrap();
         let text = serde_json::to_string(&spheres).unwrap();
         for text in changed_json::changed(&text, 22, &mut random) {
             match serde_json::from_str::<SphereModel>(&text) {
@@ -197,7 +197,7 @@ fn serialised() -> u64 {
             }
         }
     }
-    for fineness in [Fineness::Overhang(0.2), Fineness::PerLink(3)] {
+    for fineness in [Resolution::Overhang(0.2), Resolution::PerLink(3)] {
         spheres_of(&mut digest, &SphereModel::of(&own, fineness).unwrap());
     }
     digest.word(SphereModel::of_spheres(&own).is_some().into());
@@ -329,7 +329,7 @@ fn capsules() -> u64 {
             vec![cloud.clone(), cloud],
         ] {
             let bodies = CollisionModel::new(robot.model(), objects).unwrap();
-            for fineness in [Fineness::Overhang(0.05), Fineness::PerLink(2)] {
+            for fineness in [Resolution::Overhang(0.05), Resolution::PerLink(2)] {
                 spheres_of(&mut digest, &SphereModel::of(&bodies, fineness).unwrap());
             }
         }
@@ -345,7 +345,7 @@ fn plates() -> u64 {
         let plate = Shape::cuboid(size).unwrap();
         let plate = CollisionObject::new("plate", link, Vector3::zero(), plate);
         let bodies = CollisionModel::new(robot.model(), vec![plate]).unwrap();
-        let cover = SphereModel::of(&bodies, Fineness::Overhang(0.05)).unwrap();
+        let cover = SphereModel::of(&bodies, Resolution::Overhang(0.05)).unwrap();
         spheres_of(&mut digest, &cover);
     }
     digest.value()

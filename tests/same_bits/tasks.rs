@@ -9,7 +9,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
     Axis, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LimitCentring,
     LocalJacobian, LookAt, Manipulability, Numeric, NumericResidual, Orientation, Pixel, Plane,
-    Point, Pose, Posture, Quantity, Ray, Rows, Smoothness, SupportPolygon, Task, Within,
+    Point, Pose, Posture, Quantity, Ray, RowBlock, Smoothness, SupportPolygon, Task, Within,
 };
 use nalgebra::DMatrix;
 use support::random::Random;
@@ -50,10 +50,10 @@ impl NumericResidual for Own {
         vec![self.joint]
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         vec![
-            Rows::new(Quantity::Metres, 2),
-            Rows::new(Quantity::Ratio, 1),
+            RowBlock::new(Quantity::Metres, 2),
+            RowBlock::new(Quantity::Ratio, 1),
         ]
     }
 

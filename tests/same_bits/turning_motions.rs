@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, JointId, Limits, Loop, Model, ModelBuilder};
-use kinopt::motion::clip::{MotionError, MotionProblem, MotionSolver, RateCost, Windows};
+use kinopt::motion::trajectory::{MotionError, MotionProblem, MotionSolver, RateCost, Windows};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{Point, Pose};
 

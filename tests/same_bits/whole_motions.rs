@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{Limits, Model, ParameterMap};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     Contact, MotionProblem, MotionProblemBuilder, MotionSolution, MotionSolver, RateCost, Windows,
 };
 use kinopt::spatial::{Placement, Vector3};
@@ -79,7 +79,7 @@ fn asked(
     model: &Model,
     frames: usize,
     ask: Ask<'_>,
-) -> Result<MotionProblem, kinopt::motion::clip::MotionError> {
+) -> Result<MotionProblem, kinopt::motion::trajectory::MotionError> {
     let mut motion = MotionProblem::builder(model, frames, STEP);
     let tip = motion.add(Point::new(model.frame("tip").unwrap(), [1.0, 1.0, 0.0]));
     motion.follow(tip, |frame, point| point.set_target(wave(frame)));

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Arm;
-use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World, separation};
+use kinopt::collision::{
+    Checker, CollisionModel, Resolution, Shape, SphereModel, World, separation,
+};
 use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, QuaternionOrder};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
@@ -78,7 +80,7 @@ fn checker(world: &World) -> Checker {
 fn spheres() -> u64 {
     let mut digest = Digest::new();
     let bodies = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let cover = SphereModel::of(&bodies, Fineness::Overhang(0.01)).unwrap();
+    let cover = SphereModel::of(&bodies, Resolution::Overhang(0.01)).unwrap();
     for sphere in cover.groups().iter().flat_map(|group| &group.spheres) {
         digest.doubles(sphere.centre.to_array());
         digest.doubles([sphere.radius]);

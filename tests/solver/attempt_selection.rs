@@ -9,7 +9,7 @@ use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Scalar, Solver, Workspace};
 
 /// One row that nearly vanishes at −2 and vanishes at 2. One row of infinite tolerance that costs more at 2 than the
@@ -26,10 +26,10 @@ impl Residual for Wells {
         vec![self.0]
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         vec![
-            Rows::new(Quantity::Metres, 1),
-            Rows::new(Quantity::Ratio, 1),
+            RowBlock::new(Quantity::Metres, 1),
+            RowBlock::new(Quantity::Ratio, 1),
         ]
     }
 
@@ -114,8 +114,8 @@ impl Residual for Ripples {
         vec![self.0]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {

@@ -5,7 +5,7 @@
 use std::f64::consts::{PI, TAU};
 
 use kinopt::model::{BallLimits, Limits, Model};
-use kinopt::problem::Question;
+use kinopt::problem::ProblemInstance;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{Orientation, Point};
@@ -54,7 +54,7 @@ fn is_within(problem: &Problem, model: &Model, x: &[f64]) -> bool {
 fn steps_and_differences_are_inverse() {
     let model = body();
     let problem = problem_of(&model);
-    let question = Question::from(&problem);
+    let question = ProblemInstance::from(&problem);
     let (space, n) = (question.space(), problem.variables());
     let mut random = Random::new(81);
     let (mut to, mut step, mut back) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -132,7 +132,7 @@ fn steps_and_differences_are_inverse() {
 fn half_a_turn_is_not_an_edge() {
     let model = body();
     let problem = problem_of(&model);
-    let question = Question::from(&problem);
+    let question = ProblemInstance::from(&problem);
     let (space, n) = (question.space(), problem.variables());
     let mut random = Random::new(82);
     let mut back = vec![0.0; n];

@@ -129,7 +129,7 @@ fn derivative_routes_agree_at_special_rotations() {
             if case == 3 {
                 // Far outside: projection puts it on the edges.
                 x.iter_mut().for_each(|value| *value *= 9.0);
-                kinopt::problem::Question::from(&problem)
+                kinopt::problem::ProblemInstance::from(&problem)
                     .space()
                     .project(&mut x);
             }

@@ -5,11 +5,11 @@
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Limits, Model};
-use kinopt::problem::{ClearanceCheck, Collision, KeepClear};
+use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use kinopt::scalar::Scalar;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Solution, Solver};
 use support::planar_arm;
 
@@ -29,8 +29,8 @@ impl Residual for Depth {
         vec![self.0]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -62,7 +62,7 @@ impl ClearanceCheck for OverTable {
 
 struct Table(FrameId);
 
-impl KeepClear for Table {
+impl CollisionAvoidance for Table {
     type Clearance = Depth;
     type Check = OverTable;
 

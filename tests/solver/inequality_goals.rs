@@ -7,8 +7,8 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Gaze, Goal, Plane, Point, Pose, Posture, Quantity, Residual, Room, Rows, SupportPolygon, Task,
-    Within,
+    Gaze, Goal, Plane, Point, Pose, Posture, Quantity, Residual, Room, RowBlock, SupportPolygon,
+    Task, Within,
 };
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::robot;
@@ -54,17 +54,17 @@ impl Residual for Below {
     fn frames(&self) -> Vec<FrameId> {
         vec![self.0]
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
         let below = S::constant(self.1) - frames[0].translation.z;
         residual[0] = below.max(S::zero());
     }
-    fn rooms(&self) -> Vec<Room> {
+    fn inequalities(&self) -> Vec<Room> {
         vec![Room::new(0..1, 1)]
     }
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = frames[0].translation.z - S::constant(self.1);
     }
 }

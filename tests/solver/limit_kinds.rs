@@ -8,7 +8,7 @@
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::{BoundKind, Drag, MoveLimits, Restarts, Solution};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::problem::{Preferences, ProblemBuilder, Question};
+use kinopt::problem::{Preferences, ProblemBuilder, ProblemInstance};
 use kinopt::solver::{Silent, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
@@ -185,7 +185,7 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
             let limits = MoveLimits::new(&problem, &most, &start).unwrap();
             let mut stood = vec![0.0; start.len()];
             let mut x = vec![0.0; problem.variables()];
-            let question = Question::from(&problem).with_moves(&limits).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&limits).unwrap();
             problem.parameters().reduce(&start, &mut x).unwrap();
             question.space().project(&mut x);
             problem.parameters().expand(&x, &mut stood).unwrap();

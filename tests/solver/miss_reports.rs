@@ -6,7 +6,7 @@ use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Pose, Quantity, Residual, RowBlock, Task};
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::arms::robot;
 use support::planar_arm;
@@ -116,7 +116,7 @@ fn attempts_of_earlier_problems_do_not_agree() {
     }
 }
 
-/// Rows of one unit in several blocks are one error.
+/// RowBlock of one unit in several blocks are one error.
 #[derive(Clone)]
 struct Split(JointId);
 
@@ -129,9 +129,9 @@ impl Residual for Split {
         vec![self.0]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        let metres = || Rows::new(Quantity::Metres, 1);
-        vec![metres(), Rows::new(Quantity::Radians, 1), metres()]
+    fn rows(&self) -> Vec<RowBlock> {
+        let metres = || RowBlock::new(Quantity::Metres, 1);
+        vec![metres(), RowBlock::new(Quantity::Radians, 1), metres()]
     }
 
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {

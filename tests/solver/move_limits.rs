@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use kinopt::ik::{BoundKind, Drag, MoveLimits, SolveError};
 use kinopt::model::{BallLimits, FrameId, Limits, Model, ParameterMap};
-use kinopt::problem::{Derivatives, Evaluation, Question};
+use kinopt::problem::{Derivatives, Evaluation, ProblemInstance};
 use kinopt::solver::{LeastSquares, Side};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{Orientation, Point, Pose};
@@ -62,7 +62,7 @@ fn move_limited_ball_follows_the_geodesic() {
             let problem = turned_to(&model, hand, start * rotation);
             let from = quaternion(start);
             let moves = MoveLimits::new(&problem, &[most; 4], &from).unwrap();
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let solution = Solver::default().solve_once(question, &from).unwrap();
             assert!(!solution.reached);
             // On the geodesic, at the limited angle.
@@ -170,7 +170,7 @@ fn scalar_and_mimic_joints_keep_move_limits() {
     let start = [0.2, 0.3, -0.5];
     // The mimic joint's limit of 0.1 limits its source joint to 0.05.
     let moves = MoveLimits::new(&problem, &[0.05, 1.0, 0.1], &start).unwrap();
-    let question = Question::from(&problem).with_moves(&moves).unwrap();
+    let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
     let solution = Solver::default().solve_once(question, &start).unwrap();
     let moved: Vec<f64> = solution.q.iter().zip(start).map(|(a, b)| a - b).collect();
     assert!((moved[0].abs() - 0.05).abs() < 1e-12, "{moved:?}");
@@ -213,7 +213,7 @@ fn source_joint_keeps_the_tighter_move_limit() {
                 [followers, own]
             };
             let moves = MoveLimits::new(&problem, &most, &[0.0; 2]).unwrap();
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let solution = Solver::default().solve_once(question, &[0.0; 2]).unwrap();
             let moved = solution.q[usize::from(!leader_first)];
             assert!((moved - goes).abs() < 1e-12, "{most:?}: {moved}");
@@ -236,7 +236,7 @@ fn projection_stays_within_the_move_limit() {
             problem.parameters().reduce(&start, &mut centre).unwrap();
             let most = random.within(0.05, 0.8);
             let moves = MoveLimits::new(&problem, &[most; 4], &start).unwrap();
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             for _ in 0..200 {
                 let mut x = centre.map(|at| at + random.within(-most, most));
                 question.space().project(&mut x);
@@ -267,14 +267,14 @@ fn derivatives_agree_at_a_move_limit() {
         let mut x: Vec<f64> = (0..problem.variables())
             .map(|_| random.within(-3.0, 3.0))
             .collect();
-        Question::from(&problem)
+        ProblemInstance::from(&problem)
             .with_moves(&moves)
             .unwrap()
             .space()
             .project(&mut x);
         let jacobians = Derivatives::ALL.map(|route| {
             let problem = problem.clone().with_derivatives(route);
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let mut scratch = problem.scratch();
             let mut jacobian =
                 na::DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
@@ -355,7 +355,7 @@ fn invalid_move_limits_are_named_in_errors() {
     assert!(matches!(zero, SolveError::StartNoRotation { .. }));
     assert!(MoveLimits::by_angle(&problem, 0.0, &start).is_err());
     let moves = MoveLimits::new(&problem, &[0.0; 4], &start).unwrap();
-    let question = Question::from(&problem).with_moves(&moves).unwrap();
+    let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
     let still = Solver::default().solve_once(question, &start).unwrap();
     assert_eq!(still.q, start);
 
@@ -363,7 +363,9 @@ fn invalid_move_limits_are_named_in_errors() {
     let mut tasks = Problem::builder(&other);
     tasks.add(Point::new(other.frame("tip").unwrap(), [1.0, 0.0, 0.0]));
     let other = tasks.build().unwrap();
-    let foreign = Question::from(&other).with_moves(&moves).unwrap_err();
+    let foreign = ProblemInstance::from(&other)
+        .with_moves(&moves)
+        .unwrap_err();
     assert!(matches!(
         foreign,
         SolveError::ForeignMoves {
@@ -386,7 +388,7 @@ fn move_limits_never_violate_the_total_angle() {
     for case in 0..40 {
         let start = quaternion(random_turn(random, 9.0));
         let moves = MoveLimits::new(&problem, &[0.3; 4], &start).unwrap();
-        let question = Question::from(&problem).with_moves(&moves).unwrap();
+        let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
         for _ in 0..400 {
             let mut x = [2.0, 2.0, 9.0].map(|size| random.within(-size, size));
             question.space().project(&mut x);

@@ -9,7 +9,9 @@ use kinopt::model::{FrameId, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::Termination;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
-use kinopt::task::{LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, Rows};
+use kinopt::task::{
+    LimitCentring, Orientation, Point, Pose, Posture, Quantity, Residual, RowBlock,
+};
 use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::methods::solvers;
 use support::{planar_arm, planar_tip};
@@ -144,8 +146,8 @@ impl Residual for Cliff {
         vec![self.tip]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 2)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
@@ -206,8 +208,8 @@ impl Residual for CarelessLength {
         vec![self.tip]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {

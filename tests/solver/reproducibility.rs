@@ -20,13 +20,13 @@ fn bits(solution: &Solution) -> (Vec<u64>, String) {
     (q, format!("{solution:?}\n{}", solution.explain()))
 }
 
-struct Question {
+struct ProblemInstance {
     problem: Problem,
     start: Vec<f64>,
 }
 
 /// Problems of several sizes, reachable and not.
-fn questions() -> Vec<Question> {
+fn questions() -> Vec<ProblemInstance> {
     let mut all = Vec::new();
     for seed in 0..3 {
         let mut random = Random::new(seed);
@@ -36,14 +36,14 @@ fn questions() -> Vec<Question> {
         let mut builder = Problem::builder(&tree.model);
         let target = placement(&tree.frames_at(&q)[frame]);
         builder.add(Pose::new(tree.frames[frame], target));
-        all.push(Question {
+        all.push(ProblemInstance {
             problem: builder.build().unwrap(),
             start: tree.configuration(&mut random),
         });
     }
     let rig = RandomRig::new(4);
     let mut random = Random::new(4);
-    all.push(Question {
+    all.push(ProblemInstance {
         problem: rig.drawn_to(|| random.vector(0.8)),
         start: rig.skeleton.model().neutral(),
     });
@@ -74,7 +74,7 @@ fn reused_moved_and_fresh_workspaces_agree() {
                 .collect();
             // Visits problems of other sizes, some twice in a row.
             for k in [0, 0, 1, 3, 2, 3, 1] {
-                let Question { problem, start } = &questions[k];
+                let ProblemInstance { problem, start } = &questions[k];
                 let again = bits(solver.solve(problem, start, &mut shared).unwrap());
                 assert_eq!(again, fresh[k], "{}, {route:?}", solver.method());
             }

@@ -8,7 +8,7 @@ use kinopt::problem::{Problem, TaskId};
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
 use kinopt::task::{
-    LimitCentring, Point, Pose, Posture, Quantity, Residual, Rows, Smoothness, Task,
+    LimitCentring, Point, Pose, Posture, Quantity, Residual, RowBlock, Smoothness, Task,
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
@@ -94,7 +94,7 @@ fn rig_reaches_with_all_kinds_of_soft_tasks() {
     assert!(steps < 6 * 50, "{steps}");
 }
 
-/// Rows with an infinite tolerance constrain nothing: a pose with free orientation leaves the same freedom as a point.
+/// RowBlock with an infinite tolerance constrain nothing: a pose with free orientation leaves the same freedom as a point.
 #[test]
 fn rows_of_infinite_tolerance_constrain_nothing() {
     let (robot, _, tool) = panda();
@@ -202,8 +202,8 @@ impl Residual for Sum {
         self.0.to_vec()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {

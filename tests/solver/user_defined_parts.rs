@@ -11,7 +11,7 @@ use kinopt::solver::{
     Stopping, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Posture, Quantity, Residual, Rows, Task, Within};
+use kinopt::task::{Posture, Quantity, Residual, RowBlock, Task, Within};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 use support::classics::{Bounded, Rosenbrock};
@@ -30,8 +30,8 @@ impl Residual for OnCircle {
         vec![self.frame]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {

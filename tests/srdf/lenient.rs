@@ -2,7 +2,7 @@
 //! strict reader rejects the same file.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use kinopt::robot::{Fault, Mended, Robot, Srdf};
+use kinopt::robot::{ParseIssue, RepairKind, Robot, Srdf};
 
 const DOOR: &str = r#"<robot name="door"><link name="frame"/><link name="leaf"/><link name="handle"/>
   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint>
@@ -55,9 +55,11 @@ fn unknown_names_are_omitted_and_listed_by_line() {
     assert_eq!(lines, [2, 4, 6, 8, 9, 10, 12, 12, 13, 15, 17, 19]);
     for repair in &srdf.repairs {
         match (&repair.mended, repair.line) {
-            (Mended::FirstCounts { child }, 10) => assert_eq!(*child, "group"),
-            (Mended::LeftOut(Fault::BadNumbers { text, .. }), 12) => assert_eq!(text, "one"),
-            (Mended::LeftOut(Fault::UnknownName(unknown)), _) => {
+            (RepairKind::FirstCounts { child }, 10) => assert_eq!(*child, "group"),
+            (RepairKind::LeftOut(ParseIssue::BadNumbers { text, .. }), 12) => {
+                assert_eq!(text, "one")
+            }
+            (RepairKind::LeftOut(ParseIssue::UnknownName(unknown)), _) => {
                 assert!(["hing", "lead", "inner"].contains(&&*unknown.name));
             }
             (other, line) => panic!("{line}: {other:?}"),

@@ -2,13 +2,13 @@
 //! makes the reader panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use kinopt::robot::{Fault, Robot, RobotFileError, Srdf};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError, Srdf};
 
 const DOOR: &str = r#"<robot name="door"><link name="frame"/><link name="leaf"/><link name="handle"/>
   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint>
   <joint name="ball" type="spherical"><parent link="leaf"/><child link="handle"/></joint></robot>"#;
 
-fn fault(inner: &str) -> Fault {
+fn fault(inner: &str) -> ParseIssue {
     let robot = Robot::parse(DOOR, "door.urdf").unwrap();
     let text = format!("<robot>\n{inner}</robot>");
     match Srdf::parse(&text, "door.srdf", &robot) {
@@ -50,7 +50,7 @@ fn unknown_names_are_reported_with_their_kind() {
             "frame",
         ),
     ] {
-        let Fault::UnknownName(unknown) = fault(inner) else {
+        let ParseIssue::UnknownName(unknown) = fault(inner) else {
             panic!("{inner}")
         };
         assert_eq!(unknown.kind, kind, "{inner}");
@@ -66,14 +66,14 @@ fn cyclic_groups_and_unfit_values_are_named() {
     ] {
         assert_eq!(
             fault(inner),
-            Fault::GroupWithinItself {
+            ParseIssue::GroupWithinItself {
                 group: group.clone()
             }
         );
     }
     assert_eq!(
         fault(r#"<group name="g"/><group name="g"/>"#),
-        Fault::RepeatedGroup { group }
+        ParseIssue::RepeatedGroup { group }
     );
     let state = |joint: &str, value: &str| {
         fault(&format!(
@@ -87,16 +87,16 @@ fn cyclic_groups_and_unfit_values_are_named() {
         ("ball", "1 0 0", 4),
     ] {
         assert!(
-            matches!(state(joint, value), Fault::BadNumbers { count, .. } if count == expected)
+            matches!(state(joint, value), ParseIssue::BadNumbers { count, .. } if count == expected)
         );
     }
     assert_eq!(
         state("ball", "0 0 0 0"),
-        Fault::ZeroLength { attribute: "value" }
+        ParseIssue::ZeroLength { attribute: "value" }
     );
     assert_eq!(
         fault("<group/>"),
-        Fault::MissingAttribute { attribute: "name" }
+        ParseIssue::MissingAttribute { attribute: "name" }
     );
     let robot = Robot::parse(DOOR, "door.urdf").unwrap();
     let error = Srdf::parse("<mujoco/>", "door.srdf", &robot).unwrap_err();

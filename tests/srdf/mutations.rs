@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use kinopt::robot::{BaseJoint, Fault, Robot, RobotFileError, Srdf};
+use kinopt::robot::{BaseJoint, ParseIssue, Robot, RobotFileError, Srdf};
 use support::changed_xml::Element;
 use support::random::Random;
 use support::sample::cases;
@@ -114,7 +114,7 @@ fn modified_file_is_an_error_or_fits_the_robot() {
                         check(&srdf, &robot);
                         assert!(!srdf.repairs.is_empty());
                     }
-                    Err(error) => assert_eq!(fault, Fault::NotARobot, "{error}"),
+                    Err(error) => assert_eq!(fault, ParseIssue::NotARobot, "{error}"),
                 }
                 let reported = format!("{fault:?}");
                 reported.split([' ', '(']).next().unwrap().to_owned()

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind};
+use kinopt::simd_ik::{Chain, ChainJoint, JointKind};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra::{Isometry3, Rotation3, Translation3, Unit, UnitQuaternion};
 

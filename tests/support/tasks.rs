@@ -11,7 +11,7 @@ use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
     Axis, Camera, Distance, Goal, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose,
-    Posture, Quantity, Ray, Residual, Rows, Smoothness, Task, Within,
+    Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task, Within,
 };
 use nalgebra as na;
 
@@ -42,10 +42,10 @@ impl Residual for Entangled {
         self.joints.to_vec()
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         vec![
-            Rows::new(Quantity::Metres, 3),
-            Rows::new(Quantity::Ratio, 2),
+            RowBlock::new(Quantity::Metres, 3),
+            RowBlock::new(Quantity::Ratio, 2),
         ]
     }
 
@@ -420,8 +420,8 @@ impl<C: Curve> Residual for OfJoint<C> {
         vec![self.0]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {

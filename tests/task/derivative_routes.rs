@@ -10,7 +10,7 @@ use kinopt::model::{FrameId, Limits};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Model, Problem, Scalar};
 use nalgebra::{DMatrix, DVector};
 use support::maps::maps_of;
@@ -171,8 +171,8 @@ impl Residual for Centre {
         self.0.clone()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 2)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
@@ -202,7 +202,7 @@ fn frames_sharing_joints_agree() {
     }
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
-    // Rows of other tasks above and below.
+    // RowBlock of other tasks above and below.
     tasks.add(Point::new(frames[3], [0.0; 3]));
     tasks.add(Task::new(Centre(frames.clone())).times(0.5));
     tasks.add(Point::new(frames[11], [0.0; 3]));
@@ -221,7 +221,7 @@ fn frames_sharing_joints_agree() {
 #[test]
 fn routes_agree_on_cone_edges() {
     use kinopt::model::BallLimits;
-    use kinopt::problem::Question;
+    use kinopt::problem::ProblemInstance;
     use kinopt::task::Pose;
     let mut random = Random::new(47);
     for _ in 0..20 {
@@ -246,7 +246,7 @@ fn routes_agree_on_cone_edges() {
         let mut x: Vec<f64> = (0..problem.variables())
             .map(|_| random.within(-2.5, 2.5))
             .collect();
-        Question::from(&problem).space().project(&mut x);
+        ProblemInstance::from(&problem).space().project(&mut x);
         let exact = jacobian(&problem, Derivatives::Dual, &x);
         for (route, within) in [
             (Derivatives::Analytic, 1e-12),

@@ -5,7 +5,7 @@ use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Quantity, Residual, Rows, Task};
+use kinopt::task::{LocalJacobian, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar};
 use nalgebra::DMatrix;
 
@@ -23,10 +23,10 @@ impl Residual for TwoSorts {
     fn joints(&self) -> Vec<JointId> {
         self.joints.to_vec()
     }
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         vec![
-            Rows::new(Quantity::JointUnits, 1),
-            Rows::new(Quantity::Ratio, 1),
+            RowBlock::new(Quantity::JointUnits, 1),
+            RowBlock::new(Quantity::Ratio, 1),
         ]
     }
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], r: &mut [S]) {
@@ -86,8 +86,8 @@ impl Residual for DiagonalAndMore {
     fn joints(&self) -> Vec<JointId> {
         self.joints.to_vec()
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::JointUnits, self.rows)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::JointUnits, self.rows)]
     }
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], r: &mut [S]) {
         for (row, &joint) in r.iter_mut().zip(joints) {

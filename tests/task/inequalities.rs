@@ -18,9 +18,9 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
     let model = robot.model();
     let residual = make(&robot);
     let (frames, joints) = (residual.frames(), residual.joints());
-    let (rooms, rows) = (residual.rooms(), residual.rows());
+    let (rooms, rows) = (residual.inequalities(), residual.rows());
     let mut values = vec![0.0; rows.iter().map(|rows| rows.count).sum()];
-    let mut depths = vec![0.0; rooms.iter().map(kinopt::task::Room::edges).sum()];
+    let mut depths = vec![0.0; rooms.iter().map(kinopt::task::Inequality::edges).sum()];
     let mut kinematics = ForwardKinematics::new(model);
     let mut random = Random::new(5);
     let mut met = [0; 2];
@@ -33,7 +33,7 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
             .map(|id| q[model.coordinate(*id).unwrap()])
             .collect();
         residual.evaluate(&placements, &turned, &mut values);
-        residual.depths(&placements, &turned, &mut depths);
+        residual.slacks(&placements, &turned, &mut depths);
         let mut edge = 0;
         for room in &rooms {
             let least = depths[edge..edge + room.edges()].iter().copied();
@@ -147,7 +147,7 @@ fn slacks_of_large_rotations_use_the_shorter_angle() {
         let rotation = rotation_exp(support::vector(turn));
         let placed = [Placement::new(rotation, [0.1, 0.2, 0.3].into())];
         let mut depths = [f64::NAN; 6];
-        task.depths(&placed, &[], &mut depths);
+        task.slacks(&placed, &[], &mut depths);
         let half = na::UnitQuaternion::new(turn).quaternion().imag();
         for (k, depths) in depths.chunks(2).enumerate() {
             let band = 2.0 * (0.5 * bands[3 + k]).sin();

@@ -6,7 +6,7 @@ use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Rows, Within};
+use kinopt::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock, Within};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 use support::random::Random;
@@ -33,8 +33,8 @@ impl Residual for Mixed {
     fn joints(&self) -> Vec<JointId> {
         vec![self.joint]
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, 2)]
     }
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         mixed(frames, joints, residual);
@@ -48,8 +48,8 @@ impl NumericResidual for Mixed {
     fn joints(&self) -> Vec<JointId> {
         vec![self.joint]
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, 2)]
     }
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
         mixed(frames, joints, residual);
@@ -134,8 +134,8 @@ fn solutions_match_the_scalar_residual() {
         fn frames(&self) -> Vec<FrameId> {
             vec![self.0]
         }
-        fn rows(&self) -> Vec<Rows> {
-            vec![Rows::new(Quantity::Metres, 3)]
+        fn rows(&self) -> Vec<RowBlock> {
+            vec![RowBlock::new(Quantity::Metres, 3)]
         }
         fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
             residual.copy_from_slice(&(frames[0].translation - self.1).to_array());
@@ -168,8 +168,8 @@ fn difference_steps_scale_with_coordinates() {
         fn frames(&self) -> Vec<FrameId> {
             vec![self.0]
         }
-        fn rows(&self) -> Vec<Rows> {
-            vec![Rows::new(Quantity::Metres, 1)]
+        fn rows(&self) -> Vec<RowBlock> {
+            vec![RowBlock::new(Quantity::Metres, 1)]
         }
         fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
             residual[0] = frames[0].translation.norm();
@@ -206,8 +206,8 @@ fn difference_steps_scale_with_joint_values() {
         fn joints(&self) -> Vec<JointId> {
             vec![self.0]
         }
-        fn rows(&self) -> Vec<Rows> {
-            vec![Rows::new(Quantity::Metres, 1)]
+        fn rows(&self) -> Vec<RowBlock> {
+            vec![RowBlock::new(Quantity::Metres, 1)]
         }
         fn evaluate(&self, _frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
             residual[0] = 0.3 * joints[0];

@@ -3,7 +3,7 @@
 
 use kinopt::Problem;
 use kinopt::model::{Limits, Model};
-use kinopt::problem::{Evaluation, Question};
+use kinopt::problem::{Evaluation, ProblemInstance};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Distance, Gaze, LookAt, Point, Posture, Quantity, Residual, Smoothness, Task};
@@ -80,7 +80,7 @@ fn target_at_the_frames_origin_is_looked_at() {
 }
 
 /// Residual of the only task at a configuration.
-fn residual<'a>(question: impl Into<Question<'a>>, q: &[f64]) -> Vec<f64> {
+fn residual<'a>(question: impl Into<ProblemInstance<'a>>, q: &[f64]) -> Vec<f64> {
     let question = question.into();
     let mut residual = vec![f64::NAN; question.rows()];
     let mut scratch = question.scratch();

@@ -12,7 +12,7 @@ use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
     Axis, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LimitCentring, LookAt,
-    Manipulability, Orientation, Plane, Point, Pose, Posture, Quantity, Ray, Residual, Rows,
+    Manipulability, Orientation, Plane, Point, Pose, Posture, Quantity, Ray, Residual, RowBlock,
     Smoothness, SupportPolygon, Task, Within,
 };
 use kinopt::{Problem, Scalar, Solver};
@@ -401,8 +401,8 @@ impl Residual for Depth {
     fn frames(&self) -> Vec<FrameId> {
         vec![self.0]
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
         r[0] = frames[0].translation.norm() - S::constant(2.0);

@@ -12,7 +12,7 @@ use kinopt::solver::{
     LeastSquares, Outcome, SearchError, Silent, SolverState, Stopping, Termination, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Point, Quantity, Residual, Room, Rows};
+use kinopt::task::{Inequality, LocalJacobian, Point, Quantity, Residual, RowBlock};
 use nalgebra::DMatrix;
 use support::methods::methods;
 use support::planar_arm;
@@ -161,8 +161,8 @@ impl Residual for Careless {
     fn frames(&self) -> Vec<FrameId> {
         vec![self.0]
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
         r[0] = frames[0].translation.x;
@@ -260,16 +260,16 @@ impl Residual for Roomy {
     fn frames(&self) -> Vec<FrameId> {
         vec![self.frame]
     }
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
         residual[0] = frames[0].translation.z.max(S::zero());
     }
-    fn rooms(&self) -> Vec<Room> {
-        vec![Room::new(self.room.clone(), 1)]
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(self.room.clone(), 1)]
     }
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = -frames[0].translation.z;
     }
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::Limits;
-use kinopt::robot::{Mended, Robot};
+use kinopt::robot::{RepairKind, Robot};
 
 /// Robot of one joint `j` on line 2 with the given body.
 fn text(kind: &str, body: &str) -> String {
@@ -235,7 +235,7 @@ fn valid_files_need_no_repair() {
     }
     let speed = text("revolute", "<limit lower='-1' upper='1' velocity='fast'/>");
     let robot = Robot::reader().lenient().parse(&speed, "one.urdf").unwrap();
-    assert!(matches!(robot.repairs()[0].mended, Mended::LeftOut(_)));
+    assert!(matches!(robot.repairs()[0].mended, RepairKind::LeftOut(_)));
     let joint = robot.model().joint("j").unwrap();
     assert_eq!(robot.velocity_limit(joint), None);
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::ModelError;
-use kinopt::robot::{Fault, Robot, RobotFileError};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 
 /// A valid robot of two joints, to be damaged.
 const SOUND: &str = r#"<?xml version="1.0"?>
@@ -285,7 +285,7 @@ fn invalid_documents_are_named() {
     assert!(matches!(
         parse("<robot name='nobody'/>").unwrap_err(),
         RobotFileError::Element {
-            fault: Fault::NoLinks,
+            fault: ParseIssue::NoLinks,
             line: 1,
             ..
         }
@@ -299,7 +299,7 @@ fn cycle_without_a_root_is_found() {
     assert!(matches!(
         parse(&text).unwrap_err(),
         RobotFileError::Element {
-            fault: Fault::Cycle,
+            fault: ParseIssue::Cycle,
             ..
         }
     ));

@@ -128,7 +128,7 @@ fn control_step_keeps_velocity_limits() {
     let problem = tasks.build().unwrap();
     let start = model.neutral();
     let moves = kinopt::ik::MoveLimits::new(&problem, &most, &start).unwrap();
-    let question = kinopt::problem::Question::from(&problem)
+    let question = kinopt::problem::ProblemInstance::from(&problem)
         .with_moves(&moves)
         .unwrap();
     let step = kinopt::Solver::default()

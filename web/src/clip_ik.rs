@@ -137,7 +137,7 @@ impl Clip {
                 up.as_dvec3().to_array(),
             );
             ik = ik.with_ground(move |at| {
-                let top = world.top(at, up.into());
+                let top = world.height_at(at, up.into());
                 top.unwrap_or(0.0).max(0.0)
             });
         }

@@ -1,6 +1,6 @@
 //! Verification of results.
 
-use kinopt::lanes::Chain;
+use kinopt::simd_ik::Chain;
 use kinopt::spatial::{Placement, rotation_log};
 
 use crate::TOLERANCE;

@@ -1,6 +1,6 @@
 //! Pose error as one smooth function, for optimisers without kinematics.
 
-use kinopt::lanes::{Chain, JointKind};
+use kinopt::simd_ik::{Chain, JointKind};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 use crate::TOLERANCE;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use kinopt::lanes::Chain;
+use kinopt::simd_ik::Chain;
 use kinopt_benches::{Sequence, random_configuration};
 
 /// Finite limits for optimisers; unbounded joints get ±4π.

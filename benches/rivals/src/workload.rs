@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kinopt::lanes::Chain;
+use kinopt::simd_ik::Chain;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use kinopt_benches::{Sequence, random_poses};

@@ -3,8 +3,8 @@
 use std::error::Error;
 use std::hint::black_box;
 
-use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::robot::Robot;
+use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 
 use super::{Run, Stage};
 use crate::{ArmPoses, Sequence, chain, random_poses};

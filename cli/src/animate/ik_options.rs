@@ -164,7 +164,7 @@ impl IkOptions {
         ik = ik.with_travel(travel.unwrap_or(Vec3::ZERO));
         if let Some(file) = &self.ground {
             let (world, up) = (world_file::read(Some(file))?, Vector3::from(up));
-            ik = ik.with_ground(move |at| world.top(at, up).unwrap_or(0.0).max(0.0));
+            ik = ik.with_ground(move |at| world.height_at(at, up).unwrap_or(0.0).max(0.0));
         }
         let edited = ik.solve(&clip)?;
         let report = IkReport::of_clip(&edited, armature, travel);

@@ -6,7 +6,7 @@ use kinopt::arm::ArmDerivative;
 use kinopt::ik::{DerivativeWorkspace, Existence, SolutionDerivative};
 use kinopt::model::JointKind;
 use kinopt::nalgebra::DMatrix;
-use kinopt::problem::Question;
+use kinopt::problem::ProblemInstance;
 use serde::Serialize;
 
 use super::task_name::TaskName;
@@ -32,7 +32,7 @@ pub(super) struct TargetDerivatives {
 /// Of a problem as it was asked, at the answer q.
 pub(super) fn of_problem(
     loaded: &LoadedModel,
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     tasks: &[TaskName],
     q: &[f64],
 ) -> Outcome<TargetDerivatives> {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::clock;
 use crate::trace::Mark;
-use crate::{Adapter, Answer, Judge, Question, Record, Trace};
+use crate::{Adapter, Answer, Judge, ProblemInstance, Record, Trace};
 
 /// Shorter solves are repeated, and the shortest time counts.
 const QUICK: Duration = Duration::from_millis(2);
@@ -29,7 +29,7 @@ pub(super) struct Judged {
 }
 
 impl Measured {
-    pub(super) fn new(adapter: &mut dyn Adapter, question: &Question<'_>) -> Self {
+    pub(super) fn new(adapter: &mut dyn Adapter, question: &ProblemInstance<'_>) -> Self {
         let mut ask = || adapter.solve(question, &Trace::off());
         let (answer, mut plain) = clock::time(&mut ask);
         let together = if plain < TINY { TOGETHER } else { 1 };
@@ -54,7 +54,7 @@ impl Measured {
     pub(super) fn judged(
         self,
         problem: usize,
-        question: &Question<'_>,
+        question: &ProblemInstance<'_>,
         judge: &mut Judge<'_>,
         accuracies: &[f64],
     ) -> Judged {

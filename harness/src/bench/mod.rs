@@ -11,8 +11,8 @@ use crate::clock;
 use crate::problem_set::SetProblem;
 use crate::route::route_name;
 use crate::{
-    Adapter, Budget, ConvergenceHistory, HarnessError, Judge, ModelSummary, ProblemSet, Provenance,
-    Question, Results, Run, Setting,
+    Adapter, Budget, ConvergenceHistory, HarnessError, Judge, ModelSummary, ProblemInstance,
+    ProblemSet, Provenance, Results, Run, Setting,
 };
 
 /// Progress of a bench; reported between two solves, outside all timing.
@@ -102,7 +102,7 @@ impl<'s> Bench<'s> {
                     break 'problems;
                 }
                 problem.derive_by(entry.route.unwrap_or_default());
-                let question = Question {
+                let question = ProblemInstance {
                     set: self.set,
                     problem: problem.question()?,
                     targets: &case.targets,

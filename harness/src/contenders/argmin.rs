@@ -12,7 +12,7 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 
 use super::{STEPS, marked_run};
-use crate::{Adapter, Answer, Question, Trace, attempts};
+use crate::{Adapter, Answer, ProblemInstance, Trace, attempts};
 
 /// Number of past steps stored by L-BFGS.
 const MEMORY: usize = 7;
@@ -28,7 +28,7 @@ pub struct ArgminAdapter {
     name: &'static str,
     setting: String,
     routes: &'static [Derivatives],
-    solve: fn(&Question<'_>, &Trace) -> Answer,
+    solve: fn(&ProblemInstance<'_>, &Trace) -> Answer,
 }
 
 /// A solver with bounds, created for each attempt from its start and seed.
@@ -159,7 +159,7 @@ impl Adapter for ArgminAdapter {
         self.routes
     }
 
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
         (self.solve)(question, trace)
     }
 }

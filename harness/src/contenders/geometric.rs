@@ -7,7 +7,7 @@ use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Restarts;
 use kinopt::solver::{Iteration, Silent, Stopping};
 
-use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace, attempts};
+use crate::{Adapter, Answer, Budget, ProblemInstance, ProblemSet, Trace, attempts};
 
 /// Sweeps of one attempt, as by default.
 const SWEEPS: usize = 500;
@@ -74,7 +74,7 @@ impl Adapter for GeometricAdapter {
         tried.map(|_| ()).map_err(|error| error.to_string())
     }
 
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
         attempts(question, |start, _, left| {
             let method = self.limited(left);
             let solved = if trace.is_on() {

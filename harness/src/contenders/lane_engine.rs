@@ -4,7 +4,7 @@ use kinopt::Solution;
 use kinopt::arm::{Arm, ArmError, Base, Goal, Search};
 use kinopt::model::FrameId;
 
-use crate::{Adapter, Answer, Budget, ProblemSet, Question, Trace};
+use crate::{Adapter, Answer, Budget, ProblemInstance, ProblemSet, Trace};
 
 /// [`Arm`] with the search [`Search::First`]: one frame on one chain. It makes no marks.
 #[derive(Debug, Default)]
@@ -53,7 +53,7 @@ impl Adapter for LaneEngineAdapter {
         Ok(())
     }
 
-    fn solve(&mut self, question: &Question<'_>, _trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, _trace: &Trace) -> Answer {
         let (q_arm, solution) = (&mut self.q_arm, &mut self.solution);
         let mut q = question.start.to_vec();
         let solved = match (&self.arm, question.targets) {

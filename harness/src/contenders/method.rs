@@ -7,7 +7,7 @@ use kinopt::problem::Derivatives;
 use kinopt::solver::{Iteration, Method, Stopping};
 use kinopt::{Solver, Workspace};
 
-use crate::{Adapter, Answer, Question, Trace, attempts};
+use crate::{Adapter, Answer, ProblemInstance, Trace, attempts};
 
 /// A [`Method`] with the restarts of the harness.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ impl Adapter for MethodAdapter {
         &Derivatives::ALL
     }
 
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
         attempts(question, |start, _, left| {
             let stopping = Stopping::default()
                 .with_max_iterations(self.steps)
@@ -60,7 +60,7 @@ impl Adapter for MethodAdapter {
 /// Runs a solver of kinopt and marks every iteration.
 pub(super) fn solve_marked(
     solver: &Solver,
-    question: &Question<'_>,
+    question: &ProblemInstance<'_>,
     start: &[f64],
     workspace: &mut Workspace,
     trace: &Trace,

@@ -5,7 +5,7 @@ use kinopt::solver::Stopping;
 use kinopt::{Solver, Workspace};
 
 use super::method::solve_marked;
-use crate::{Adapter, Answer, Question, Trace};
+use crate::{Adapter, Answer, ProblemInstance, Trace};
 
 /// A [`Solver`] with its own restarts.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ impl Adapter for SolverAdapter {
         &Derivatives::ALL
     }
 
-    fn solve(&mut self, question: &Question<'_>, trace: &Trace) -> Answer {
+    fn solve(&mut self, question: &ProblemInstance<'_>, trace: &Trace) -> Answer {
         let stopping = Stopping::default().with_time_limit(question.budget.time_limit);
         let solver = self.solver.clone().with_stopping(stopping);
         solve_marked(

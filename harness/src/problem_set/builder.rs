@@ -1,7 +1,7 @@
 //! Builder of problem sets.
 
 use kinopt::Model;
-use kinopt::arm::Mechanism;
+use kinopt::arm::ArmModel;
 use kinopt::model::{FrameId, ParameterMap};
 use kinopt::robot::Mimic;
 
@@ -23,7 +23,7 @@ pub struct ProblemSetBuilder {
 }
 
 impl ProblemSetBuilder {
-    pub(super) fn new(mechanism: &impl Mechanism) -> Self {
+    pub(super) fn new(mechanism: &impl ArmModel) -> Self {
         Self {
             model: mechanism.model().clone(),
             mimics: mechanism.followers().to_vec(),

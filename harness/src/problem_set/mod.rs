@@ -6,7 +6,7 @@ mod set_problem;
 pub use builder::ProblemSetBuilder;
 pub(crate) use set_problem::SetProblem;
 
-use kinopt::arm::Mechanism;
+use kinopt::arm::ArmModel;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, ParameterMap};
 use kinopt::robot::Mimic;
@@ -42,7 +42,7 @@ pub struct ProblemSet {
     seed: u64,
 }
 
-impl Mechanism for ProblemSet {
+impl ArmModel for ProblemSet {
     fn model(&self) -> &Model {
         &self.model
     }
@@ -55,7 +55,7 @@ impl Mechanism for ProblemSet {
 impl ProblemSet {
     /// Starts a set on a model, whose joints are all free, or on a robot with mimic joints.
     #[must_use]
-    pub fn builder(mechanism: &impl Mechanism) -> ProblemSetBuilder {
+    pub fn builder(mechanism: &impl ArmModel) -> ProblemSetBuilder {
         ProblemSetBuilder::new(mechanism)
     }
 

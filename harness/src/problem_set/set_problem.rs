@@ -1,7 +1,7 @@
 //! Problem of all cases of a set.
 
 use kinopt::Problem;
-use kinopt::problem::{Derivatives, ProblemError, Question, Targets, TaskId};
+use kinopt::problem::{Derivatives, ProblemError, ProblemInstance, Targets, TaskId};
 use kinopt::spatial::Placement;
 use kinopt::task::{Point, Pose, Quantity};
 
@@ -54,7 +54,7 @@ impl SetProblem {
     }
 
     /// Problem instance with the targets of the case.
-    pub(crate) fn question(&self) -> Result<Question<'_>, ProblemError> {
+    pub(crate) fn question(&self) -> Result<ProblemInstance<'_>, ProblemError> {
         self.problem.with_targets(&self.targets)
     }
 }

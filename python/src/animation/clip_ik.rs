@@ -170,7 +170,7 @@ fn on_ground<'a>(
 ) -> PyResult<ClipIk<'a>> {
     if let Ok(world) = ground.cast::<World>() {
         let (world, up) = (world.get().snapshot(), Vector3::from(up));
-        return Ok(ik.with_ground(move |at| world.top(at, up).unwrap_or(0.0).max(0.0)));
+        return Ok(ik.with_ground(move |at| world.height_at(at, up).unwrap_or(0.0).max(0.0)));
     }
     if !ground.is_callable() {
         return Err(invalid(

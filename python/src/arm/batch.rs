@@ -8,7 +8,7 @@ use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyAny, PyType};
 
-use crate::arrays::{self, Picked, Rows, Vector, axes};
+use crate::arrays::{self, Picked, RowBlock, Vector, axes};
 use crate::error::{OrRaise, invalid};
 use crate::items::{self, Items};
 use crate::pickling;
@@ -66,7 +66,7 @@ type Parts = (
 
 /// One start for each target, or a common one.
 enum Starts<'py> {
-    Each(Rows<'py>),
+    Each(RowBlock<'py>),
     Same(Vector<'py>),
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use kinopt::collision::{self, Fineness, MeshUse};
+use kinopt::collision::{self, MeshUse, Resolution};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -249,8 +249,8 @@ impl CollisionModel {
         per_link: Option<usize>,
     ) -> PyResult<SphereModel> {
         let fineness = match (overhang, per_link) {
-            (Some(overhang), None) => Fineness::Overhang(overhang),
-            (None, Some(count)) => Fineness::PerLink(count),
+            (Some(overhang), None) => Resolution::Overhang(overhang),
+            (None, Some(count)) => Resolution::PerLink(count),
             _ => return Err(invalid("spheres takes either overhang or per_link")),
         };
         let spheres = interruptible(py, || collision::SphereModel::of(&self.inner, fineness))?;

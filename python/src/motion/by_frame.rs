@@ -1,6 +1,6 @@
 //! Targets and weights of tasks by sample of a trajectory.
 
-use kinopt::motion::clip::MotionProblemBuilder;
+use kinopt::motion::trajectory::MotionProblemBuilder;
 use kinopt::task::Task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -6,7 +6,7 @@ mod solution;
 use std::sync::Arc;
 
 use kinopt::model::FrameId;
-use kinopt::motion::clip::{self, Contact, MotionSolver, RateCost, Windows};
+use kinopt::motion::trajectory::{self, Contact, MotionSolver, RateCost, Windows};
 use kinopt::spatial::Vector3;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
@@ -37,7 +37,7 @@ use crate::robot::Robot;
 /// Raises `UnknownNameError` for unknown names, and `InvalidValueError`, with the name, for values out of range.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionProblem {
-    inner: Arc<clip::MotionProblem>,
+    inner: Arc<trajectory::MotionProblem>,
     joint_names: Vec<String>,
     given: (Py<PyAny>, usize, f64, Py<PyList>),
     options: Py<PyDict>,
@@ -226,7 +226,7 @@ fn build(
     time_step: f64,
     tasks: &Bound<'_, PyTuple>,
     options: &Bound<'_, PyDict>,
-) -> PyResult<clip::MotionProblem> {
+) -> PyResult<trajectory::MotionProblem> {
     let py = whole.py();
     let own = model_of(whole)?;
     // Compiles the problem of one sample first, which validates names, tasks and options.
@@ -239,7 +239,7 @@ fn build(
     of_frame.set_item("derivatives", "analytic")?;
     of_frame.set_item("preferences", "traded")?;
     let stated = Stated::new(whole, tasks, &of_frame, None)?.map_err(invalid)?;
-    let mut builder = clip::MotionProblem::builder(&own, frames, time_step);
+    let mut builder = trajectory::MotionProblem::builder(&own, frames, time_step);
     let map = options.get_item("parameters")?;
     let robot = whole.cast::<Robot>().ok();
     match (map, robot) {

@@ -1,6 +1,6 @@
 //! Solutions of trajectory optimisation.
 
-use kinopt::motion::clip::{self, MotionBound, MotionTermination};
+use kinopt::motion::trajectory::{self, MotionBound, MotionTermination};
 use kinopt::solver::Side;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -104,7 +104,11 @@ pub(crate) struct MotionSolution {
 }
 
 impl MotionSolution {
-    pub(super) fn new(solved: &clip::MotionSolution, names: Vec<String>, width: usize) -> Self {
+    pub(super) fn new(
+        solved: &trajectory::MotionSolution,
+        names: Vec<String>,
+        width: usize,
+    ) -> Self {
         let frames = 0..solved.frames();
         let missed = frames.clone().flat_map(|frame| {
             solved.missed(frame).map(move |miss| MissedFrame {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kinopt::Model;
 use kinopt::model::{FrameId, JointId};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, NumericResidual, Rows};
+use kinopt::task::{LocalJacobian, NumericResidual, RowBlock};
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 
@@ -46,7 +46,7 @@ pub(crate) struct PythonResidual {
     functions: Arc<Functions>,
     frames: Arc<[FrameId]>,
     joints: Arc<[JointId]>,
-    rows: Arc<[Rows]>,
+    rows: Arc<[RowBlock]>,
 }
 
 struct Functions {
@@ -72,8 +72,8 @@ impl PythonResidual {
         for item in task.getattr("rows")?.cast::<PyMapping>()?.items()?.iter() {
             let (name, count): (String, usize) = item.extract()?;
             rows.push(match name.as_str() {
-                "chords" => Rows::chords(count),
-                _ => Rows::new(quantity(&name)?, count),
+                "chords" => RowBlock::chords(count),
+                _ => RowBlock::new(quantity(&name)?, count),
             });
         }
         let jacobian = task.getattr("jacobian")?;
@@ -176,7 +176,7 @@ impl NumericResidual for PythonResidual {
         self.joints.to_vec()
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         self.rows.to_vec()
     }
 

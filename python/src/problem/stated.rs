@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kinopt::Workspace;
 use kinopt::collision::Checker;
 use kinopt::model::JointId;
-use kinopt::problem::{Evaluation, ProblemError, Question, Targets};
+use kinopt::problem::{Evaluation, ProblemError, ProblemInstance, Targets};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -172,7 +172,7 @@ impl Stated {
     }
 
     /// Problem instance with these targets.
-    pub(crate) fn question<'a>(&'a self, targets: &'a Targets) -> PyResult<Question<'a>> {
+    pub(crate) fn question<'a>(&'a self, targets: &'a Targets) -> PyResult<ProblemInstance<'a>> {
         self.inner.with_targets(targets).or_raise()
     }
 

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
-use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{RetargetError, UpAxis};
+use kinopt::motion::trajectory::MotionBound;
 use kinopt::solver::Side;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;

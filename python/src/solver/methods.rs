@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use kinopt::geometric::{Ccd, Elbow, Fabrik, Geometric, TwoBone};
 use kinopt::ik::Restarts;
-use kinopt::problem::Question;
+use kinopt::problem::ProblemInstance;
 use kinopt::solver::{
     Damping, FirstStep, GaussNewton, LevenbergMarquardt, Observer, ProjectedGradient, Stopping,
 };
@@ -222,7 +222,7 @@ impl Engine {
     /// Solves one query.
     pub(super) fn solve(
         &self,
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         start: &[f64],
         workspace: &mut Workspace,
         observer: &mut dyn Observer,

@@ -9,9 +9,9 @@ use super::reach_error::ReachError;
 use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Solution, Solver, Workspace};
-use crate::kinematics::{Tree, TreeMemory};
+use crate::kinematics::{Tree, TreeWorkspace};
 use crate::model::UnknownName;
-use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
+use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Quaternion, Vector3};
 use crate::task::{Point, Quantity};
@@ -32,7 +32,7 @@ pub struct ReachLayer {
     targets: Targets,
     /// The problem's joints where the pose has them.
     tree: Tree,
-    places: TreeMemory,
+    places: TreeWorkspace,
     effectors: Vec<Effector>,
     held: Vec<Held>,
     /// Those that the tasks move, by index.
@@ -104,7 +104,7 @@ impl ReachLayer {
             targets: problem.targets(),
             tree: problem.tree().clone(),
             problem,
-            places: TreeMemory::default(),
+            places: TreeWorkspace::default(),
             stances: Stances::new(skeleton, &moved),
             effectors,
             held: turned,
@@ -215,7 +215,7 @@ impl ReachLayer {
                 task.set_target(own.target(stance.rotation));
             }
         }
-        let question = Question::from(&self.problem);
+        let question = ProblemInstance::from(&self.problem);
         let question = question.with_targets(&self.targets).with_places(&self.tree);
         let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
         for &bone in &self.moved {

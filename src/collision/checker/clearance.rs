@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use super::Checker;
 use super::parts::{Pair, Scene};
-use super::workspace_pool::Rooms;
+use super::workspace_pool::WorkspacePool;
 use crate::collision::Separation;
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Room, Rows};
+use crate::task::{
+    Inequality, LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock,
+};
 
 /// Residual that keeps all checked pairs at least a distance d₀ apart, metres.
 ///
@@ -48,7 +50,7 @@ pub struct Clearance(Numeric<Distances>);
 struct Distances {
     scene: Arc<Scene>,
     distance: f64,
-    rooms: Rooms,
+    inequalities: WorkspacePool,
 }
 
 impl Clearance {
@@ -59,7 +61,7 @@ impl Clearance {
         Self(Numeric(Distances {
             scene: Arc::clone(&checker.scene),
             distance,
-            rooms: Rooms::default(),
+            inequalities: WorkspacePool::default(),
         }))
     }
 
@@ -88,14 +90,14 @@ impl Distances {
         frames: &[Placement<f64>],
         mut each: impl FnMut(Pair, usize, f64, &Separation),
     ) {
-        let mut room = self.rooms.take();
+        let mut room = self.inequalities.take();
         self.scene
             .visit(frames, self.distance, &mut room, |pair, separation| {
                 let (Pair::Standing(row, _) | Pair::Parts(row, _)) = pair;
                 each(pair, row, self.distance - separation.distance, separation);
                 true
             });
-        self.rooms.put_back(room);
+        self.inequalities.put_back(room);
     }
 
     /// Writes the derivatives of the rows, multiplied by `sign`.
@@ -135,7 +137,7 @@ impl NumericResidual for Distances {
     answers! {
         fn kind(&self) -> &'static str = "clearance";
         fn frames(&self) -> Vec<FrameId> = self.scene.frames().collect();
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, self.scene.frames().len())];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, self.scene.frames().len())];
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
@@ -182,16 +184,16 @@ impl Residual for Clearance {
         self.0.evaluate(frames, joints, residual);
     }
 
-    fn rooms(&self) -> Vec<Room> {
+    fn inequalities(&self) -> Vec<Inequality> {
         let rows = 0..self.0.0.scene.frames().len();
-        rows.map(|row| Room::new(row..row + 1, 1)).collect()
+        rows.map(|row| Inequality::new(row..row + 1, 1)).collect()
     }
 
     /// The slack of a collision-free pair is not evaluated. It is reported as a small constant, so that a pair at the
     /// boundary counts as active.
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
-        self.0.evaluate(frames, joints, depths);
-        for depth in depths {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
+        self.0.evaluate(frames, joints, slacks);
+        for depth in slacks {
             *depth = S::constant(FELT) - *depth;
         }
     }

@@ -1,7 +1,7 @@
 //! Continuous collision checking of a joint-space motion, by conservative advancement.
 
 use super::parts::Pair;
-use super::scene_placements::SceneRoom;
+use super::scene_placements::SceneWorkspace;
 use super::{Checker, CheckerWorkspace};
 use crate::collision::{ROUNDING, Separation};
 use crate::kinematics::KinematicsError;
@@ -15,7 +15,7 @@ pub(super) const RESOLUTION: f64 = 1e-6;
 /// locked feet.
 const CONTACT: f64 = 1e-5;
 
-/// Share of the remaining motion above which a step counts as long.
+/// TaskSubset of the remaining motion above which a step counts as long.
 const LONG: f64 = 0.2;
 
 /// Largest number of steps. A motion that takes more is not proven collision-free.
@@ -24,15 +24,15 @@ const STEPS: usize = 10_000;
 /// Result of a continuous collision check of a motion.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Way {
-    /// Share of the motion from its start that is proven collision-free, from 0 to 1.
+pub struct MotionCheck {
+    /// TaskSubset of the motion from its start that is proven collision-free, from 0 to 1.
     pub free: f64,
     /// The pair that ends the collision-free part, marked as [`on_the_way`](Collision::on_the_way).
     pub blocked_by: Option<Collision>,
     /// Initial penetration below the required margin, in metres; 0 if the start is collision-free.
     ///
-    /// It is always 0 in results of [`Checker::way`].
-    pub begins_deep: f64,
+    /// It is always 0 in results of [`Checker::check_motion`].
+    pub initial_penetration: f64,
 }
 
 /// A pair nearer than the margin at the start of a motion, or barely farther.
@@ -45,10 +45,10 @@ pub(super) struct Contact {
     margin: f64,
 }
 
-impl Way {
+impl MotionCheck {
     /// True if a pair is in contact at the start by more than rounding.
     pub(crate) fn begins_touching(&self) -> bool {
-        self.begins_deep > ROUNDING
+        self.initial_penetration > ROUNDING
     }
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Watched {
     what: What,
     /// Upper bound of its approach in the whole motion, metres.
     motion: f64,
-    /// Share of the motion up to which it is proven collision-free.
+    /// TaskSubset of the motion up to which it is proven collision-free.
     free: f64,
     /// Closest pair and its distance at the last measurement, metres.
     nearest: Option<(Pair, f64)>,
@@ -114,27 +114,27 @@ impl Checker {
     ///
     /// # Errors
     /// Returns an error if a configuration has the wrong length or is not finite, or if a quaternion has length zero.
-    pub fn way(
+    pub fn check_motion(
         &self,
         workspace: &mut CheckerWorkspace,
         from: &[f64],
         to: &[f64],
-    ) -> Result<Way, KinematicsError> {
+    ) -> Result<MotionCheck, KinematicsError> {
         self.way_past(workspace, (from, to), false)
     }
 
-    /// As [`way`](Self::way), but pairs nearer than the margin at the start may remain that near, and no nearer.
+    /// As [`check_motion`](Self::check_motion), but pairs nearer than the margin at the start may remain that near, and no nearer.
     ///
     /// For example, a hand in contact with a table departs from it, and a foot remains on the floor.
     ///
     /// # Errors
-    /// As [`way`](Self::way).
+    /// As [`check_motion`](Self::check_motion).
     pub fn way_from_contact(
         &self,
         workspace: &mut CheckerWorkspace,
         from: &[f64],
         to: &[f64],
-    ) -> Result<Way, KinematicsError> {
+    ) -> Result<MotionCheck, KinematicsError> {
         self.way_past(workspace, (from, to), true)
     }
 
@@ -144,7 +144,7 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         (from, to): (&[f64], &[f64]),
         past_contacts: bool,
-    ) -> Result<Way, KinematicsError> {
+    ) -> Result<MotionCheck, KinematicsError> {
         // Validates both configurations.
         workspace.place(self, to)?;
         workspace.place(self, from)?;
@@ -164,10 +164,10 @@ impl Checker {
                     }
                 }
                 Ok(blocked_by) => {
-                    break Ok(Way {
+                    break Ok(MotionCheck {
                         free,
                         blocked_by,
-                        begins_deep: 0.0,
+                        initial_penetration: 0.0,
                     });
                 }
                 Err(error) => break Err(error),
@@ -175,18 +175,18 @@ impl Checker {
             watched.retain(|one| one.free < 1.0);
             let next = watched.iter().min_by(|a, b| a.free.total_cmp(&b.free));
             let Some(next) = next else {
-                break Ok(Way {
+                break Ok(MotionCheck {
                     free: 1.0,
                     blocked_by: None,
-                    begins_deep: 0.0,
+                    initial_penetration: 0.0,
                 });
             };
             steps += 1;
             if let (Some((pair, distance)), true) = (next.nearest, steps >= STEPS) {
-                break Ok(Way {
+                break Ok(MotionCheck {
                     free,
                     blocked_by: Some(self.collision(pair, distance).met_on_the_way()),
-                    begins_deep: 0.0,
+                    initial_penetration: 0.0,
                 });
             }
             free = next.free;
@@ -202,7 +202,7 @@ impl Checker {
             }
             let contacts = workspace.contacts.iter();
             let depths = contacts.map(|one| self.margin - one.distance);
-            way.begins_deep = depths.fold(0.0, f64::max);
+            way.initial_penetration = depths.fold(0.0, f64::max);
         }
         workspace.watched = watched;
         workspace.between = between;
@@ -364,7 +364,7 @@ impl Checker {
         found: &Separation,
         margin: f64,
         placements: &[Placement<f64>],
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
     ) -> Slow {
         let gap = self.scene.gap_along(pair, found.normal, placements, room);
         Slow {

@@ -4,8 +4,8 @@ mod clearance;
 mod close_pairs;
 mod continuous_check;
 mod error;
-mod keep_clear;
 mod motion_bound;
+mod motion_checker;
 mod of_robot;
 mod parts;
 mod placed_shapes;
@@ -19,9 +19,9 @@ mod workspace_pool;
 use std::sync::Arc;
 
 pub use clearance::Clearance;
-pub use continuous_check::Way;
+pub use continuous_check::MotionCheck;
 pub use error::CheckerError;
-pub use keep_clear::WayChecker;
+pub use motion_checker::MotionChecker;
 pub(crate) use parts::FIRST_PLANE;
 pub use workspace::CheckerWorkspace;
 

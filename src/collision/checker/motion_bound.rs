@@ -23,7 +23,7 @@ struct PartChain {
 
 /// Workspace and result of a bound.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BoundRoom {
+pub(super) struct BoundWorkspace {
     /// Velocity from one configuration to the other, over a unit of time.
     velocity: Vec<f64>,
     /// Rotation or translation of each joint, radians or metres.
@@ -68,7 +68,7 @@ impl MotionBound {
         &self,
         model: &Model,
         (from, to): (&[f64], &[f64]),
-        room: &mut BoundRoom,
+        room: &mut BoundWorkspace,
     ) -> Result<(), ModelError> {
         room.velocity.resize(model.degrees_of_freedom(), 0.0);
         model.difference(from, to, &mut room.velocity)?;
@@ -99,7 +99,7 @@ impl MotionBound {
     }
 
     /// Upper bound of the motion of a part's points in the world, metres.
-    pub(super) fn of_part(&self, part: usize, room: &BoundRoom) -> f64 {
+    pub(super) fn of_part(&self, part: usize, room: &BoundWorkspace) -> f64 {
         self.beyond(part, 0, room)
     }
 
@@ -107,19 +107,19 @@ impl MotionBound {
     ///
     /// Joints with rates ω accelerate a point by at most Σ ωᵢ rᵢ (ωᵢ + 2 Σ ωⱼ) over the joints j above i. That is at
     /// most twice the sum of the rates times the motion.
-    pub(super) fn bend_of(&self, part: usize, room: &BoundRoom) -> f64 {
+    pub(super) fn bend_of(&self, part: usize, room: &BoundWorkspace) -> f64 {
         room.bends[part]
     }
 
     /// Upper bound of the approach of two parts, metres. Joints above both do not move them relative to each other.
-    pub(super) fn of_pair(&self, [a, b]: [usize; 2], room: &BoundRoom) -> f64 {
+    pub(super) fn of_pair(&self, [a, b]: [usize; 2], room: &BoundWorkspace) -> f64 {
         let above = |part: usize| self.joints[self.parts[part].joints.clone()].iter().rev();
         let shared = above(a).zip(above(b)).take_while(|(a, b)| a == b).count();
         self.beyond(a, shared, room) + self.beyond(b, shared, room)
     }
 
     /// Bound of the motion of a part relative to the frame below the uppermost `shared` joints, metres.
-    fn beyond(&self, part: usize, shared: usize, room: &BoundRoom) -> f64 {
+    fn beyond(&self, part: usize, shared: usize, room: &BoundWorkspace) -> f64 {
         let joints = &self.parts[part].joints;
         match joints.len().checked_sub(shared + 1) {
             Some(last) => room.motion[joints.start + last],
@@ -129,7 +129,7 @@ impl MotionBound {
 }
 
 /// Computes the rotation or translation of each joint.
-fn take_moves(model: &Model, room: &mut BoundRoom) {
+fn take_moves(model: &Model, room: &mut BoundWorkspace) {
     room.moves.clear();
     room.moves.resize(model.joints().len(), 0.0);
     let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();

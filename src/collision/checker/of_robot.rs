@@ -1,7 +1,7 @@
 //! Checkers of a robot with default options.
 
 use super::Checker;
-use crate::collision::{CollisionModel, CollisionModelError, Fineness, SphereModel};
+use crate::collision::{CollisionModel, CollisionModelError, Resolution, SphereModel};
 use crate::robot::Robot;
 
 /// Number of random configurations for the pairs that never or always collide.
@@ -45,7 +45,7 @@ impl Checker {
         let sizes = checker.model.objects().iter();
         let largest = sizes.map(|object| object.shape.bounding_sphere().radius);
         let overhang = OVERHANG * largest.fold(0.0, f64::max);
-        match SphereModel::of(&checker.model, Fineness::Overhang(overhang)) {
+        match SphereModel::of(&checker.model, Resolution::Overhang(overhang)) {
             Ok(spheres) => checker.with_spheres(spheres),
             // Without spheres, all pairs are checked by exact distances.
             Err(_) => checker,

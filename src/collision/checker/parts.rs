@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::CheckerError;
 use super::motion_bound::MotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
-use super::scene_placements::SceneRoom;
+use super::scene_placements::SceneWorkspace;
 use super::sphere_cover::{Cover, PlacedCover};
 use super::touches::Touches;
-use crate::collision::changing_tree::ChangingTree;
+use crate::collision::dynamic_aabb_tree::ChangingTree;
 use crate::collision::model::Bodies;
 use crate::collision::world::Change;
 use crate::collision::{
@@ -189,7 +189,7 @@ impl Scene {
         &self,
         placements: &[Placement<f64>],
         within: f64,
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
         mut each: impl FnMut(Pair, &Separation) -> bool,
     ) {
         self.begin(room);
@@ -217,14 +217,14 @@ impl Scene {
         part: usize,
         placements: &[Placement<f64>],
         within: f64,
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
     ) {
         room.near.clear();
         if self.standing.is_empty() {
             return;
         }
         self.place(part, placements, room);
-        let SceneRoom { shapes, near, .. } = room;
+        let SceneWorkspace { shapes, near, .. } = room;
         let placed = (&*self.parts[part].shapes, &shapes[self.shapes_of(part)]);
         self.near(placed, within, |standing, separation| {
             match near.iter_mut().find(|(known, _)| *known == standing) {
@@ -251,7 +251,7 @@ impl Scene {
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
         within: f64,
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
     ) -> Option<Separation> {
         if !self.covers_meet([a, b], placements, within, &mut room.covers) {
             return None;
@@ -287,7 +287,7 @@ impl Scene {
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
         within: f64,
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
     ) -> Option<Separation> {
         self.place(a, placements, room);
         self.place(b, placements, room);

@@ -11,7 +11,7 @@ use crate::spatial::Placement;
 /// Workspace of checks at one configuration after another: the shapes and covers placed so far, and the obstacles near
 /// a part.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SceneRoom {
+pub(super) struct SceneWorkspace {
     pub(super) shapes: Vec<Placed>,
     /// True for each part whose shapes are placed.
     has_shapes: Vec<bool>,
@@ -22,7 +22,7 @@ pub(super) struct SceneRoom {
 
 impl Scene {
     /// Starts a new configuration: no part is placed.
-    pub(super) fn begin(&self, room: &mut SceneRoom) {
+    pub(super) fn begin(&self, room: &mut SceneWorkspace) {
         room.has_shapes.clear();
         room.has_shapes.resize(self.parts.len(), false);
         let count = self.shape_ends.last().copied().unwrap_or(0);
@@ -39,14 +39,19 @@ impl Scene {
         &'a self,
         part: usize,
         placements: &[Placement<f64>],
-        room: &'a mut SceneRoom,
+        room: &'a mut SceneWorkspace,
     ) -> PlacedShapes<'a> {
         self.place(part, placements, room);
         (&self.parts[part].shapes, &room.shapes[self.shapes_of(part)])
     }
 
     /// Computes the placements of a part's shapes on first use.
-    pub(super) fn place(&self, part: usize, placements: &[Placement<f64>], room: &mut SceneRoom) {
+    pub(super) fn place(
+        &self,
+        part: usize,
+        placements: &[Placement<f64>],
+        room: &mut SceneWorkspace,
+    ) {
         if !std::mem::replace(&mut room.has_shapes[part], true) {
             let own = &self.parts[part].shapes;
             let places = room.shapes[self.shapes_of(part)].iter_mut();

@@ -7,9 +7,9 @@
 //! root.
 
 use super::continuous_check::Slow;
-use super::motion_bound::BoundRoom;
+use super::motion_bound::BoundWorkspace;
 use super::parts::{Pair, Scene};
-use super::scene_placements::SceneRoom;
+use super::scene_placements::SceneWorkspace;
 use super::{Checker, CheckerWorkspace};
 use crate::kinematics::KinematicsError;
 use crate::spatial::{Placement, Vector3};
@@ -18,7 +18,7 @@ use crate::spatial::{Placement, Vector3};
 const TRIES: usize = 3;
 
 impl Checker {
-    /// Share of the motion up to which the given pairs stay farther apart than `least` beyond their margins. At least
+    /// TaskSubset of the motion up to which the given pairs stay farther apart than `least` beyond their margins. At least
     /// `known`.
     ///
     /// The gaps are measured along the directions that separate the pairs at `here`.
@@ -95,7 +95,7 @@ impl Checker {
     }
 
     /// Upper bound of the acceleration with which a pair approaches in the whole motion, metres.
-    fn bend(&self, pair: Pair, room: &BoundRoom) -> f64 {
+    fn bend(&self, pair: Pair, room: &BoundWorkspace) -> f64 {
         let bound = self.scene.motion_bound();
         match pair {
             Pair::Standing(part, _) => bound.bend_of(part, room),
@@ -111,7 +111,7 @@ impl Scene {
         pair: Pair,
         normal: Vector3<f64>,
         placements: &[Placement<f64>],
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
     ) -> Option<f64> {
         let (first, normal, second) = match pair {
             Pair::Standing(part, standing) => {
@@ -138,7 +138,7 @@ impl Scene {
         part: usize,
         along: Vector3<f64>,
         placements: &[Placement<f64>],
-        room: &mut SceneRoom,
+        room: &mut SceneWorkspace,
     ) -> Option<f64> {
         let (own, placed) = self.placed(part, placements, room);
         let mut most = f64::NEG_INFINITY;

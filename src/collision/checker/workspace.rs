@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::Checker;
 use super::continuous_check::{Contact, Slow, Watched};
-use super::motion_bound::BoundRoom;
+use super::motion_bound::BoundWorkspace;
 use super::parts::Part;
-use super::scene_placements::SceneRoom;
+use super::scene_placements::SceneWorkspace;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
 use crate::spatial::Placement;
@@ -19,8 +19,8 @@ pub struct CheckerWorkspace {
     kinematics: ForwardKinematics<f64>,
     /// Parts whose frames `kinematics` computes.
     parts: Arc<Vec<Part>>,
-    scene: SceneRoom,
-    pub(super) bound: BoundRoom,
+    scene: SceneWorkspace,
+    pub(super) bound: BoundWorkspace,
     /// A configuration in a motion, and the pairs monitored there.
     pub(super) between: Vec<f64>,
     pub(super) watched: Vec<Watched>,
@@ -36,8 +36,8 @@ impl CheckerWorkspace {
         Self {
             kinematics: kinematics_of(checker),
             parts: Arc::clone(&checker.scene.parts),
-            scene: SceneRoom::default(),
-            bound: BoundRoom::default(),
+            scene: SceneWorkspace::default(),
+            bound: BoundWorkspace::default(),
             between: Vec::new(),
             watched: Vec::new(),
             contacts: Vec::new(),
@@ -51,7 +51,7 @@ impl CheckerWorkspace {
         &mut self,
         checker: &Checker,
         q: &[f64],
-    ) -> Result<(&[Placement<f64>], &mut SceneRoom), KinematicsError> {
+    ) -> Result<(&[Placement<f64>], &mut SceneWorkspace), KinematicsError> {
         if !Arc::ptr_eq(&self.parts, &checker.scene.parts) {
             self.parts = Arc::clone(&checker.scene.parts);
             self.kinematics = kinematics_of(checker);
@@ -63,7 +63,7 @@ impl CheckerWorkspace {
     pub(super) fn place_on_way(
         &mut self,
         q: &[f64],
-    ) -> Result<(&[Placement<f64>], &mut SceneRoom, &BoundRoom), KinematicsError> {
+    ) -> Result<(&[Placement<f64>], &mut SceneWorkspace, &BoundWorkspace), KinematicsError> {
         Ok((self.kinematics.place(q)?, &mut self.scene, &self.bound))
     }
 }

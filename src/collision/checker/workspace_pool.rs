@@ -2,19 +2,19 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::scene_placements::SceneRoom;
+use super::scene_placements::SceneWorkspace;
 
 /// As many workspaces as there were simultaneous visits.
 #[derive(Debug, Default)]
-pub(super) struct Rooms(Mutex<Vec<SceneRoom>>);
+pub(super) struct WorkspacePool(Mutex<Vec<SceneWorkspace>>);
 
-impl Rooms {
-    pub(super) fn take(&self) -> SceneRoom {
+impl WorkspacePool {
+    pub(super) fn take(&self) -> SceneWorkspace {
         let mut rooms = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         rooms.pop().unwrap_or_default()
     }
 
-    pub(super) fn put_back(&self, room: SceneRoom) {
+    pub(super) fn put_back(&self, room: SceneWorkspace) {
         self.0
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
@@ -23,7 +23,7 @@ impl Rooms {
 }
 
 /// A copy starts with an empty pool.
-impl Clone for Rooms {
+impl Clone for WorkspacePool {
     fn clone(&self) -> Self {
         Self::default()
     }

@@ -1,7 +1,7 @@
 //! Signed distance of shapes with many parts: meshes, height fields and point clouds, by AABB trees.
 
+use crate::collision::aabb_tree::{BoxTree, Contents};
 use crate::collision::bounding_box::BoundingBox;
-use crate::collision::box_tree::{BoxTree, Contents};
 use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
 use crate::spatial::{Placement, Vector3};
 

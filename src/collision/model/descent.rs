@@ -10,7 +10,7 @@ use crate::model::{FrameId, ModelError};
 use crate::problem::Evaluation;
 use crate::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};
 use crate::spatial::Placement;
-use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Rows};
+use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, RowBlock};
 
 /// Penetration depth that a descent aims at, metres. A descent to depth 0 ends slightly before contact.
 const DEPTH: f64 = 1e-3;
@@ -36,7 +36,7 @@ impl NumericResidual for Apart {
     answers! {
         fn kind(&self) -> &'static str = "distance of links";
         fn frames(&self) -> Vec<FrameId> = self.links.to_vec();
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
@@ -123,7 +123,7 @@ mod tests {
     use crate::model::{FrameId, Limits, Model};
     use crate::random::RandomStream;
     use crate::spatial::{Placement, Vector3, rotation_exp};
-    use crate::task::{LocalJacobian, Numeric, NumericResidual, Residual, Rows};
+    use crate::task::{LocalJacobian, Numeric, NumericResidual, Residual, RowBlock};
 
     /// The same residual with numerical derivatives.
     #[derive(Clone)]
@@ -132,7 +132,7 @@ mod tests {
     impl NumericResidual for Measured {
         answers! {
             fn frames(&self) -> Vec<FrameId> = self.0.frames();
-            fn rows(&self) -> Vec<Rows> = self.0.rows();
+            fn rows(&self) -> Vec<RowBlock> = self.0.rows();
         }
 
         fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {

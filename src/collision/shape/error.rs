@@ -86,7 +86,7 @@ pub enum ShapeError {
     },
     /// Heights that do not fill a whole number of rows.
     #[error("{heights} heights do not fill rows of {columns}")]
-    Rows {
+    RowBlock {
         /// Number of heights.
         heights: usize,
         /// Number of heights a row.

@@ -2,8 +2,8 @@
 
 use super::ShapeError;
 use super::error::{check_number, size};
+use crate::collision::aabb_tree::BoxTree;
 use crate::collision::bounding_box::BoundingBox;
-use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 
 /// Heights over a grid that is centred on the origin. The volume below the surface is solid.
@@ -30,7 +30,7 @@ impl HeightField {
         ];
         check_number("heights", heights.len())?;
         if columns == 0 || !heights.len().is_multiple_of(columns) {
-            return Err(ShapeError::Rows {
+            return Err(ShapeError::RowBlock {
                 heights: heights.len(),
                 columns,
             });

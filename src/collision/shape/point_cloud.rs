@@ -2,8 +2,8 @@
 
 use super::ShapeError;
 use super::error::{check_points, size};
+use crate::collision::aabb_tree::BoxTree;
 use crate::collision::bounding_box::BoundingBox;
-use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 
 /// Spheres of one radius about a set of points.

@@ -1,10 +1,10 @@
 //! Signed distances from points to shapes.
 
 use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
+use crate::collision::aabb_tree::BoxTree;
 use crate::collision::bounding_box::BoundingBox;
-use crate::collision::box_tree::BoxTree;
 use crate::collision::distance::{Core, Pair, convex_gap};
-use crate::collision::wide_nodes::Met;
+use crate::collision::wide_aabb_tree::Met;
 use crate::spatial::{Placement, Vector3};
 
 /// Signed distance from a point to a surface, metres, negative inside, and the closest point on the surface.

@@ -3,8 +3,8 @@
 use super::error::check_points;
 use super::triangle_sides::{across, welded};
 use super::{ShapeError, ShapeNote, near_welds};
+use crate::collision::aabb_tree::BoxTree;
 use crate::collision::bounding_box::BoundingBox;
-use crate::collision::box_tree::BoxTree;
 use crate::scalar::elementary::atan2;
 use crate::spatial::Vector3;
 

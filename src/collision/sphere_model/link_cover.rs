@@ -2,7 +2,7 @@
 
 use super::cells::{Cell, cells};
 use super::solid::Solid;
-use super::{Fineness, candidates, cover, rows, shrink};
+use super::{Resolution, candidates, cover, rows, shrink};
 use crate::bad_option::BadOption;
 use crate::collision::{Ball, CollisionObject, ShapeKind};
 use crate::interruption::is_stopped;
@@ -17,15 +17,15 @@ type Covered = (Vec<Ball>, f64);
 
 pub(super) fn cover(
     objects: &[&CollisionObject],
-    fineness: Fineness,
+    fineness: Resolution,
 ) -> Result<Covered, BadOption> {
     match fineness {
-        Fineness::Overhang(overhang) => within(objects, overhang).ok_or(BadOption {
+        Resolution::Overhang(overhang) => within(objects, overhang).ok_or(BadOption {
             option: "overhang",
             value: overhang,
             allowed: "a larger part of the links' size",
         }),
-        Fineness::PerLink(count) => Ok(so_many(objects, count)),
+        Resolution::PerLink(count) => Ok(so_many(objects, count)),
     }
 }
 

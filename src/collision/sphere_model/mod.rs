@@ -28,7 +28,7 @@ type NamedSpheres = Vec<(String, Vec<Ball>)>;
 /// Resolution of a sphere model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Fineness {
+pub enum Resolution {
     /// Largest allowed [protrusion](SphereModel::overhang), metres. The number of spheres is reduced as far as the
     /// search can.
     Overhang(f64),
@@ -42,12 +42,12 @@ pub enum Fineness {
 /// its shape. Models that are [read](Self::read) from a file may leave [gaps](SphereGroup::gap).
 ///
 /// ```
-/// use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+/// use kinopt::collision::{CollisionModel, Resolution, SphereModel};
 /// use kinopt::robot::Robot;
 ///
 /// let robot = Robot::read("models/universal_ur5e.urdf")?;
 /// let model = CollisionModel::of(&robot)?;
-/// let spheres = SphereModel::of(&model, Fineness::Overhang(0.02))?;
+/// let spheres = SphereModel::of(&model, Resolution::Overhang(0.02))?;
 /// assert!(spheres.overhang() <= 0.02);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -107,10 +107,10 @@ impl SphereModel {
     /// # Errors
     /// Returns an error if the protrusion or the number of spheres is not positive. Returns an error if the protrusion
     /// is so small that a link would need millions of cells.
-    pub fn of(model: &CollisionModel, fineness: Fineness) -> Result<Self, BadOption> {
+    pub fn of(model: &CollisionModel, fineness: Resolution) -> Result<Self, BadOption> {
         let value = match fineness {
-            Fineness::Overhang(overhang) => overhang,
-            Fineness::PerLink(count) => count as f64,
+            Resolution::Overhang(overhang) => overhang,
+            Resolution::PerLink(count) => count as f64,
         };
         BadOption::check(fineness.name(), value, POSITIVE)?;
         let mut groups = Vec::with_capacity(model.links().len());
@@ -188,7 +188,7 @@ impl SphereModel {
     }
 }
 
-impl Fineness {
+impl Resolution {
     fn name(self) -> &'static str {
         match self {
             Self::Overhang(_) => "overhang",

@@ -1,6 +1,6 @@
 //! The shapes of a link as one solid, for signed distance queries.
 
-use crate::collision::box_tree::BoxTree;
+use crate::collision::aabb_tree::BoxTree;
 use crate::collision::shape::{Nearest, hull_tree, nearest_on_hull};
 use crate::collision::{BoundingBox, CollisionObject, ShapeKind};
 use crate::spatial::{Placement, Vector3};

@@ -3,7 +3,7 @@
 mod add;
 mod error;
 mod file;
-mod ground_height;
+mod height_at;
 mod json;
 mod moveit;
 mod moveit_allowed;

@@ -1,9 +1,9 @@
 //! Active set of joint limits at a solution.
 
-use super::existence::NoDerivative;
-use super::place::Place;
+use super::differentiability::NoDerivative;
+use super::kkt_point::Place;
 use super::system::System;
-use crate::problem::Question;
+use crate::problem::ProblemInstance;
 
 /// Multiplier, relative to the terms that cancel in it, below which a limit is weakly active.
 const WEAK: f64 = 1e-6;
@@ -19,7 +19,11 @@ pub(super) struct Limits {
 
 impl System {
     /// Determines the active bounds, and computes the constrained rows and their multipliers for them.
-    pub(super) fn take_limits(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
+    pub(super) fn take_limits(
+        &mut self,
+        question: ProblemInstance<'_>,
+        place: &mut Place,
+    ) -> Limits {
         let mut limits = match place.roles.pulled.is_empty() {
             true => self.hold_idle(question, place),
             false => self.hold_pushed(question, place),
@@ -33,7 +37,7 @@ impl System {
 
     /// Selects the active set without minimised rows: joints stay at their limits if the constrained rows keep their
     /// rank.
-    fn hold_idle(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
+    fn hold_idle(&mut self, question: ProblemInstance<'_>, place: &mut Place) -> Limits {
         place.set_free(question);
         self.take_held(place);
         let mut limits = Limits {
@@ -59,7 +63,7 @@ impl System {
     }
 
     /// Removes the limits that are pulled inward from the active set, one by one.
-    fn hold_pushed(&mut self, question: Question<'_>, place: &mut Place) -> Limits {
+    fn hold_pushed(&mut self, question: ProblemInstance<'_>, place: &mut Place) -> Limits {
         let mut slope = vec![0.0; place.x.len()];
         loop {
             place.set_free(question);
@@ -95,7 +99,7 @@ fn hold(place: &mut Place, is_held: bool) {
     }
 }
 
-fn on_limit(question: Question<'_>, variable: usize) -> NoDerivative {
+fn on_limit(question: ProblemInstance<'_>, variable: usize) -> NoDerivative {
     let names = &question.problem().names().variables;
     NoDerivative::OnLimit {
         joint: names.get(variable).cloned().unwrap_or_default(),

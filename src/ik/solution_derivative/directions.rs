@@ -1,7 +1,7 @@
 //! Active joint limits of a configuration, and the directions that they leave free.
 
 use crate::buffer::refill;
-use crate::problem::{Question, Standing};
+use crate::problem::{ProblemInstance, Standing};
 use crate::spatial::Vector3;
 
 /// Distance from a limit within which the variable of a ball joint is at it, radians; rounding of the quaternion.
@@ -43,7 +43,7 @@ impl Bound {
 }
 
 /// Snaps variables of ball joints to limits within rounding, and lists the limits at x, all active.
-pub(super) fn list_bounds(question: Question<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
+pub(super) fn list_bounds(question: ProblemInstance<'_>, x: &mut [f64], bounds: &mut Vec<Bound>) {
     let problem = question.problem();
     let (lower, upper) = (question.lower(), question.upper());
     for ball in problem.parameters().balls() {
@@ -106,7 +106,12 @@ pub(super) struct Directions {
 
 impl Directions {
     /// Computes the basis for the active bounds.
-    pub(super) fn take(&mut self, question: Question<'_>, at: &Standing<'_>, bounds: &[Bound]) {
+    pub(super) fn take(
+        &mut self,
+        question: ProblemInstance<'_>,
+        at: &Standing<'_>,
+        bounds: &[Bound],
+    ) {
         let problem = question.problem();
         let n = at.x.len();
         refill(&mut self.squared, n, 0.0);

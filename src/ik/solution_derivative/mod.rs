@@ -5,22 +5,22 @@
 //! once for any number of products.
 
 mod active_set;
+mod differentiability;
 mod directions;
-mod existence;
-mod place;
+mod kkt_point;
 mod products;
 mod rows;
 mod singular;
 mod system;
 
-use self::place::{Evaluator, Place};
+use self::kkt_point::{Evaluator, Place};
 use self::singular::Flat;
 use self::system::System;
 use super::SolveError;
 use crate::model::Model;
-use crate::problem::{ParameterScratch, ParameterVector, Question, Scratch};
+use crate::problem::{ParameterScratch, ParameterVector, ProblemInstance, Scratch};
 use crate::search::check_start;
-pub use existence::{Existence, NoDerivative};
+pub use differentiability::{Existence, NoDerivative};
 
 /// Derivative of a solution by the targets, weights, postures and link lengths of its problem.
 ///
@@ -61,7 +61,7 @@ pub use existence::{Existence, NoDerivative};
 /// ```
 #[derive(Debug)]
 pub struct SolutionDerivative<'a> {
-    question: Question<'a>,
+    question: ProblemInstance<'a>,
     model: Option<&'a Model>,
     memory: &'a mut DerivativeWorkspace,
     existence: Existence,
@@ -100,14 +100,14 @@ struct Parts {
 const NEAR: f64 = 1e-3;
 
 impl<'a> SolutionDerivative<'a> {
-    /// Creates the derivative at the solution `q` of a problem or of a [problem instance](Question).
+    /// Creates the derivative at the solution `q` of a problem or of a [problem instance](ProblemInstance).
     ///
     /// Reached tasks, minimised tasks and active limits are determined from `q`, by the default settings of a solver.
     ///
     /// # Errors
     /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn new(
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         q: &[f64],
         memory: &'a mut DerivativeWorkspace,
     ) -> Result<Self, SolveError> {
@@ -144,7 +144,7 @@ impl<'a> SolutionDerivative<'a> {
     /// `question` must be the instance of that derivative, with equal targets. Returns `None` if the memory has no
     /// derivative, or one of another problem.
     pub fn resume(
-        question: impl Into<Question<'a>>,
+        question: impl Into<ProblemInstance<'a>>,
         memory: &'a mut DerivativeWorkspace,
     ) -> Option<Self> {
         let question = question.into();

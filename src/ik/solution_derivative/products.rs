@@ -2,12 +2,12 @@
 
 use nalgebra::DMatrix;
 
-use super::place::Evaluator;
+use super::kkt_point::Evaluator;
 use super::system::inner;
 use super::{DerivativeError, Parts, SolutionDerivative};
 use crate::buffer::refill;
 use crate::model::Model;
-use crate::problem::{ParameterVector, Question};
+use crate::problem::{ParameterVector, ProblemInstance};
 
 impl SolutionDerivative<'_> {
     /// Writes the velocity of the configuration for rates of the parameters (forward product).
@@ -99,7 +99,7 @@ impl SolutionDerivative<'_> {
 impl super::DerivativeWorkspace {
     fn split<'s>(
         &'s mut self,
-        question: Question<'s>,
+        question: ProblemInstance<'s>,
     ) -> Option<(Evaluator<'s, 's>, &'s mut Parts)> {
         let scratch = self.scratch.as_mut()?;
         Some((Evaluator { question, scratch }, &mut self.parts))

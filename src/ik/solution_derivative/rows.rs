@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::problem::{CompiledTask, Question, Share};
+use crate::problem::{CompiledTask, ProblemInstance, TaskSubset};
 
 /// Roles of the residual rows of all tasks at a solution.
 #[derive(Clone, Debug, Default)]
@@ -15,14 +15,14 @@ pub(super) struct Roles {
 
 impl Roles {
     /// Determines the roles from the weighted residual of all tasks.
-    pub(super) fn take(&mut self, question: Question<'_>, r: &[f64]) {
+    pub(super) fn take(&mut self, question: ProblemInstance<'_>, r: &[f64]) {
         let problem = question.problem();
         let Self { held, pulled } = self;
         held.clear();
         pulled.clear();
         let tasks = problem.compiled_tasks().iter();
-        if problem.search_share() == Share::All {
-            let hold = problem.is_reached_by(Share::All, r) && !problem.has_preferences();
+        if problem.search_share() == TaskSubset::All {
+            let hold = problem.is_reached_by(TaskSubset::All, r) && !problem.has_preferences();
             for task in tasks {
                 match hold {
                     true => held.extend(wanted_rows(task)),
@@ -35,14 +35,15 @@ impl Roles {
         // role.
         let (ranks, levels) = (problem.ranks().count(), problem.ranks().levels());
         let misses = |rank: usize| {
-            let mut errors = problem.errors(Share::All, r);
+            let mut errors = problem.errors(TaskSubset::All, r);
             errors.any(|block| {
                 let task = problem.compiled_tasks().get(block.task);
                 task.is_some_and(|task| task.rank == rank) && !block.reached
             })
         };
-        let mut pulling = (0..ranks)
-            .filter(|&rank| rank >= levels || problem.pulls_in(Share::rank(rank)) || misses(rank));
+        let mut pulling = (0..ranks).filter(|&rank| {
+            rank >= levels || problem.pulls_in(TaskSubset::rank(rank)) || misses(rank)
+        });
         let pulls = pulling.next().unwrap_or(ranks);
         for task in tasks {
             match task.rank.cmp(&pulls) {

@@ -1,7 +1,7 @@
 //! Singularities of a solution away from limits.
 
 use super::Parts;
-use super::place::{Evaluator, Place};
+use super::kkt_point::{Evaluator, Place};
 use super::system::System;
 use crate::buffer::refill;
 use crate::random::RandomStream;

@@ -10,7 +10,7 @@
 //! (Fiacco 1976, "Sensitivity analysis for nonlinear programming using penalty methods"). It is solved in the null
 //! space Z of C, dy = −C⁺ ∂ₚr + Z dw, which needs W along Z only (Nocedal & Wright 2006, section 16.2).
 
-use super::place::{Evaluator, Place};
+use super::kkt_point::{Evaluator, Place};
 use crate::buffer::refill;
 use crate::solver::{RowSpace, largest};
 

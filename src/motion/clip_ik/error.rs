@@ -7,7 +7,7 @@ use crate::bad_option::BadOption;
 use crate::ik::SolveError;
 use crate::kinematics::KinematicsError;
 use crate::model::ModelError;
-use crate::motion::clip::MotionError;
+use crate::motion::trajectory::MotionError;
 use crate::problem::ProblemError;
 
 /// Why nothing can be solved over a clip.

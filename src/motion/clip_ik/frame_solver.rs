@@ -6,8 +6,8 @@ use super::ClipIkError;
 use super::posed_bones::PosedBones;
 use crate::animation::{Armature, Pose};
 use crate::ik::{Restarts, Solver, Workspace};
-use crate::kinematics::{Tree, TreeMemory};
-use crate::problem::{Problem, Question, Targets, TaskId};
+use crate::kinematics::{Tree, TreeWorkspace};
+use crate::problem::{Problem, ProblemInstance, Targets, TaskId};
 use crate::skeleton::BoneId;
 use crate::spatial::{Matrix3, Vector3};
 use crate::task::{Orientation, Point, Posture, Quantity, Task};
@@ -23,7 +23,7 @@ pub(super) struct FrameSolver {
     problem: Problem,
     targets: Targets,
     tree: Tree,
-    places: TreeMemory,
+    places: TreeWorkspace,
     points: Vec<TaskId<Point>>,
     /// Of those that keep their turn.
     turns: Vec<(BoneId, TaskId<Orientation>)>,
@@ -65,7 +65,7 @@ impl FrameSolver {
         Ok(Self {
             targets: problem.targets(),
             tree: problem.tree().clone(),
-            places: TreeMemory::default(),
+            places: TreeWorkspace::default(),
             problem,
             points,
             turns,
@@ -97,7 +97,7 @@ impl FrameSolver {
             self.targets.get_mut(*turn)?.set_target(bones.turn(*bone));
         }
         self.targets.get_mut(self.posture)?.set_reference(&self.q)?;
-        let question = Question::from(&self.problem);
+        let question = ProblemInstance::from(&self.problem);
         let question = question.with_targets(&self.targets).with_places(&self.tree);
         let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
         bones.pose(&solution.q, moved, armature, pose);

@@ -8,6 +8,7 @@ mod clip_solver;
 mod edited;
 mod effector;
 mod error;
+mod foot_drift;
 mod frame_solver;
 mod ground_speed;
 mod keyframes;
@@ -20,7 +21,6 @@ mod sampling;
 mod solved_moments;
 mod solving;
 mod splice;
-mod straying;
 
 pub use clip_solver::ClipIk;
 pub use edited::{EditedClip, Led, Stance};

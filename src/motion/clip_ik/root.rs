@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::ClipIkError;
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, Limits, Model};
-use crate::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use crate::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{Point, Quantity, Residual, Rows};
+use crate::task::{Point, Quantity, Residual, RowBlock};
 
 /// The root follows its own way as smoothly as if it passed changes over so many seconds.
 const SMOOTH_S: f64 = 0.1;
@@ -17,7 +17,7 @@ const TOO_SHORT: f64 = 100.0;
 
 /// Where a limb must come to from where it hangs on the root, and how long it is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Demand {
+pub(super) struct RootDemand {
     /// From the limb's upper end to its target while the root has not moved.
     pub(super) apart: Vector3<f64>,
     pub(super) length: f64,
@@ -27,14 +27,14 @@ pub(super) struct Demand {
 #[derive(Clone, Copy, Debug)]
 struct LongEnough {
     root: FrameId,
-    demand: Demand,
+    demand: RootDemand,
 }
 
 impl Residual for LongEnough {
     answers! {
         fn kind(&self) -> &'static str = "limb long enough";
         fn frames(&self) -> Vec<FrameId> = vec![self.root];
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 1)];
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
@@ -49,7 +49,7 @@ impl Residual for LongEnough {
 /// `demands` has those of each limb by frame. Ends that are fixed do not move.
 pub(super) fn moves(
     wanted: &[DVec3],
-    demands: Vec<Vec<Demand>>,
+    demands: Vec<Vec<RootDemand>>,
     [first_fixed, last_fixed]: [bool; 2],
     time_step_s: f64,
 ) -> Result<Vec<DVec3>, ClipIkError> {

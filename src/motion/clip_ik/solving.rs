@@ -7,14 +7,14 @@ use glam::DVec3;
 use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, Led, Stance};
+use super::foot_drift::Strays;
 use super::plan::{Goal, Moment, Plan, dvec, travelled};
 use super::planting::{Ground, Planted, plant};
 use super::posed_bones::PosedBones;
-use super::root::{self, Demand};
+use super::root::{self, RootDemand};
 use super::sampling::{LimbWay, limb_ways, sample_times};
 use super::solved_moments::SolvedMoments;
 use super::splice::spliced;
-use super::straying::Strays;
 use crate::animation::Clip;
 use crate::spatial::Vector3;
 
@@ -156,7 +156,7 @@ fn root_moves(
                 let (at, weight) = goals[frame];
                 let place = limb.way[frame].lerp(at, weight);
                 let in_clip = limb.way[frame].distance(limb.upper[frame]);
-                Demand {
+                RootDemand {
                     apart: (place - limb.upper[frame]).to_array().into(),
                     // Who is stretched in the clip may be.
                     length: (NOT_STRETCHED * limb.lengths[frame]).max(in_clip),

@@ -5,8 +5,8 @@
 
 use super::knots::NEAR;
 use super::layers::{Growth, Layer};
-use super::sorted::Sorted;
-use super::straight_way::between;
+use super::linear_segment::between;
+use super::neighbour_index::Sorted;
 use crate::arm::{Arm, Ends, QueryError};
 use crate::spatial::Placement;
 

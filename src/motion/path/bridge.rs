@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::PathError;
-use super::knot_configurations::Way;
+use super::knot_configurations::KnotPath;
 use super::layers::Growth;
 use crate::arm::Ends;
 
@@ -16,7 +16,7 @@ const LONGEST: usize = 128;
 const COARSE: usize = 8;
 
 /// Bridges every reconfiguration that it can. Reached knots and continuous steps are preserved.
-pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+pub(super) fn bridge(growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
     let mut ends = Ends::default();
     for knot in 1..way.joined.len() {
         if way.joined[knot] || !is_led(growth, way, knot) {
@@ -41,13 +41,13 @@ pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError
 }
 
 /// Returns whether the path leads to a knot from the one before, and both are reached.
-pub(super) fn is_led(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
+pub(super) fn is_led(growth: &Growth<'_>, way: &KnotPath, knot: usize) -> bool {
     way.reached[knot - 1] && way.reached[knot] && growth.knots.is_led_to(knot)
 }
 
 /// Returns the end knots of a bridge: up to `half` knots away, without other reconfigurations or unreached knots in
 /// between.
-fn piers(growth: &Growth<'_>, way: &Way, knot: usize, half: usize) -> (usize, usize) {
+fn piers(growth: &Growth<'_>, way: &KnotPath, knot: usize, half: usize) -> (usize, usize) {
     let goes_on = |at: &usize| way.joined[*at] && is_led(growth, way, *at);
     let before = (1..knot).rev().take_while(goes_on).take(half - 1).count();
     let after = knot + 1..way.joined.len();
@@ -60,7 +60,7 @@ fn piers(growth: &Growth<'_>, way: &Way, knot: usize, half: usize) -> (usize, us
 /// Returns `None` if a knot is not reached or in collision, or if a joint would have to move too far.
 fn span(
     growth: &Growth<'_>,
-    way: &Way,
+    way: &KnotPath,
     (first, last): (usize, usize),
     ends: &mut Ends,
 ) -> Result<Option<Vec<f64>>, PathError> {
@@ -105,7 +105,7 @@ fn span(
 
 /// Returns whether the steps after these knots can lead from one configuration to the other. For one step the check is
 /// exact.
-fn is_short(growth: &Growth<'_>, way: &Way, knots: Range<usize>, pair: &[f64]) -> bool {
+fn is_short(growth: &Growth<'_>, way: &KnotPath, knots: Range<usize>, pair: &[f64]) -> bool {
     let (from, to) = pair.split_at(growth.width());
     let in_time = || {
         let allowance = way.allowance[knots.end];

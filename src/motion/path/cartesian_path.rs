@@ -1,7 +1,7 @@
 //! Cartesian path of a tool.
 
 use super::PathError;
-use super::straight_way::between;
+use super::linear_segment::between;
 use crate::spatial::Placement;
 
 /// Order in which the points of a path are visited.

@@ -14,8 +14,8 @@
 
 use super::PathError;
 use super::cartesian_path::CartesianPath;
+use super::linear_segment::between;
 use super::solution::Deviation;
-use super::straight_way::between;
 use super::tools::Tools;
 use crate::arm::{Arm, ChainMotion};
 use crate::scalar::elementary;

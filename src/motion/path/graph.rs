@@ -4,8 +4,8 @@
 //! further than allowed. All other pairs are connected by a reconfiguration.
 
 use super::layers::{Growth, Layer};
-use super::sorted::Sorted;
-use super::turns::Turns;
+use super::neighbour_index::Sorted;
+use super::winding::Turns;
 
 /// Cost of a path to a configuration: number of reconfigurations, then length.
 type Cost = (u32, f64);

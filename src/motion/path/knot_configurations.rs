@@ -8,7 +8,7 @@ use crate::arm::Ends;
 
 /// Joint path with one configuration per knot.
 #[derive(Clone, Debug)]
-pub(super) struct Way {
+pub(super) struct KnotPath {
     pub(super) q: Vec<f64>,
     /// For each knot, whether the step to it stays on its branch.
     pub(super) joined: Vec<bool>,
@@ -19,7 +19,7 @@ pub(super) struct Way {
     pub(super) reached: Vec<bool>,
 }
 
-impl Way {
+impl KnotPath {
     /// Number of unreached targets, and number of reconfigurations. Smaller is better.
     pub(super) fn rank(&self) -> (usize, usize) {
         let count = |flags: &[bool]| flags.iter().filter(|flag| !**flag).count();
@@ -59,9 +59,9 @@ pub(super) fn fill(
     growth: &Growth<'_>,
     layers: &[Layer],
     chosen: &Chosen,
-) -> Result<Way, PathError> {
+) -> Result<KnotPath, PathError> {
     let (knots, n) = (growth.knots, growth.middle.len());
-    let mut way = Way {
+    let mut way = KnotPath {
         q: guess(growth, layers, chosen),
         joined: vec![true; knots.len()],
         allowance: vec![1.0; knots.len()],
@@ -134,7 +134,7 @@ fn guess(growth: &Growth<'_>, layers: &[Layer], chosen: &Chosen) -> Vec<f64> {
 }
 
 /// Restores the given ends. The ends of a cyclic path stay fixed until it is shortened.
-fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
+fn keep_ends(growth: &Growth<'_>, way: &mut KnotPath) {
     let n = growth.middle.len();
     if let Some(start) = growth.start {
         way.q[..n].copy_from_slice(start);
@@ -148,7 +148,7 @@ fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
 }
 
 /// Returns the connected steps between stations whose knots leave a branch.
-pub(super) fn false_edges(growth: &Growth<'_>, chosen: &Chosen, way: &Way) -> Vec<FalseEdge> {
+pub(super) fn false_edges(growth: &Growth<'_>, chosen: &Chosen, way: &KnotPath) -> Vec<FalseEdge> {
     let steps = growth.knots.stations.windows(2).enumerate();
     let breaks = steps.filter(|(before, knots)| {
         let joined = way.joined[knots[0] + 1..=knots[1]]
@@ -165,7 +165,7 @@ pub(super) fn false_edges(growth: &Growth<'_>, chosen: &Chosen, way: &Way) -> Ve
 }
 
 /// Marks reconfigurations as joined if shortening has made their step short enough.
-pub(super) fn rejoin(growth: &Growth<'_>, way: &mut Way) {
+pub(super) fn rejoin(growth: &Growth<'_>, way: &mut KnotPath) {
     let n = growth.middle.len();
     for knot in 1..way.reached.len() {
         let reached = way.reached[knot - 1] && way.reached[knot];
@@ -175,7 +175,7 @@ pub(super) fn rejoin(growth: &Growth<'_>, way: &mut Way) {
 }
 
 /// Solves the knots of too long steps again, each from the previous knot.
-fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+fn mend(growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.middle.len());
     let mut ends = Ends::default();
     for knot in 1..knots.len() {
@@ -210,7 +210,7 @@ fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
 /// station.
 ///
 /// The search stays on the branch if possible.
-fn mend_misses(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+fn mend_misses(growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
     let last = growth.knots.len().saturating_sub(1);
     for next in (1..=last).rev() {
         reach_from(growth, way, (next, next - 1))?;
@@ -224,7 +224,7 @@ fn mend_misses(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
 /// Solves an unreached knot from a reached neighbour.
 fn reach_from(
     growth: &Growth<'_>,
-    way: &mut Way,
+    way: &mut KnotPath,
     (from, knot): (usize, usize),
 ) -> Result<(), PathError> {
     if way.reached[knot] || !way.reached[from] {
@@ -257,7 +257,7 @@ fn reach_from(
 }
 
 /// Updates whether the steps to and from a knot are short enough.
-fn note_joined(growth: &Growth<'_>, way: &mut Way, knot: usize) {
+fn note_joined(growth: &Growth<'_>, way: &mut KnotPath, knot: usize) {
     let (knots, n) = (growth.knots, growth.middle.len());
     for to in [knot, knot + 1] {
         if to > 0 && to < knots.len() {
@@ -271,7 +271,7 @@ fn note_joined(growth: &Growth<'_>, way: &mut Way, knot: usize) {
 /// Keeps one reconfiguration, the last, per run of unreached knots.
 ///
 /// Each unreached knot before it is as near to its target as its branch allows without a jump, or stays constant.
-fn stay_on_branch(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+fn stay_on_branch(growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.middle.len());
     let mut ends = Ends::default();
     let mut first = 1;

@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 use super::PathError;
 use super::branch_continuation::{Carrier, FEW};
 use super::knots::Knots;
-use super::sorted::Sorted;
+use super::neighbour_index::Sorted;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
-use super::turns::Turns;
+use super::winding::Turns;
 use crate::arm::{Ends, QueryError};
 
 /// Distance below which two configurations are merged, radians (for every joint).
@@ -67,7 +67,7 @@ pub(super) struct Growth<'a> {
 
 /// Scratch memory of searches at a station.
 #[derive(Debug, Default)]
-struct Room {
+struct LayerWorkspace {
     ends: Ends,
     reached: Vec<f64>,
     free: Vec<bool>,
@@ -107,7 +107,7 @@ impl<'a> Growth<'a> {
     /// Returns one layer per station.
     pub(super) fn layers(&self) -> Result<Vec<Layer>, PathError> {
         let stations = &self.knots.stations;
-        let mut room = Room::default();
+        let mut room = LayerWorkspace::default();
         let mut carrier = Carrier::default();
         let mut layers: Vec<Layer> = vec![Layer::default(); stations.len()];
         // Number of configurations that came from the previous station.
@@ -150,7 +150,12 @@ impl<'a> Growth<'a> {
     }
 
     /// Adds configurations near a joint limit with that joint one revolution back, to avoid winding up.
-    fn turn_over(&self, layer: &mut Layer, knot: usize, room: &mut Room) -> Result<(), QueryError> {
+    fn turn_over(
+        &self,
+        layer: &mut Layer,
+        knot: usize,
+        room: &mut LayerWorkspace,
+    ) -> Result<(), QueryError> {
         let n = self.width();
         room.reached.clear();
         for (joint, limits) in self.arms.own().limits().enumerate() {
@@ -207,7 +212,7 @@ impl<'a> Growth<'a> {
         knot: usize,
         attempts: u32,
         first: u32,
-        room: &mut Room,
+        room: &mut LayerWorkspace,
     ) -> Result<(), QueryError> {
         let n = self.width();
         let arm = self.arms.of(self.knots.tool(knot));
@@ -239,7 +244,7 @@ impl<'a> Growth<'a> {
         knot: usize,
         most: usize,
         by_shapes: bool,
-        room: &mut Room,
+        room: &mut LayerWorkspace,
     ) -> Result<(), QueryError> {
         let n = self.width();
         self.note_free(knot, &room.reached, by_shapes, &mut room.free)?;
@@ -278,7 +283,12 @@ impl<'a> Growth<'a> {
     }
 
     /// Searches harder at an empty station, and finally takes the nearest configuration.
-    fn make_do(&self, layers: &mut [Layer], at: usize, room: &mut Room) -> Result<(), QueryError> {
+    fn make_do(
+        &self,
+        layers: &mut [Layer],
+        at: usize,
+        room: &mut LayerWorkspace,
+    ) -> Result<(), QueryError> {
         let n = self.width();
         let knot = self.knots.stations[at];
         if layers[at].q.len() >= n {

@@ -3,7 +3,7 @@
 use super::cartesian_path::CartesianPath;
 use super::deviation::{self, LedStep};
 use super::error::PathError;
-use super::knot_configurations::Way;
+use super::knot_configurations::KnotPath;
 use super::knots::Knots;
 use super::shorten::step_length;
 use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
@@ -15,7 +15,7 @@ impl PathSolver<'_> {
         &self,
         path: &CartesianPath,
         knots: &Knots,
-        way: &Way,
+        way: &KnotPath,
         touching: &[usize],
     ) -> Result<PathSolution, PathError> {
         let n = self.tools.own().joint_count();
@@ -97,7 +97,7 @@ impl PathSolver<'_> {
         &self,
         knots: &Knots,
         knot: usize,
-        way: &Way,
+        way: &KnotPath,
         touches: bool,
     ) -> Result<Option<Missed>, PathError> {
         if way.reached[knot] && !touches {

@@ -8,7 +8,7 @@
 
 use super::PathError;
 use super::basis::NullSpace;
-use super::knot_configurations::Way;
+use super::knot_configurations::KnotPath;
 use super::layers::Growth;
 use super::tridiagonal::Tridiagonal;
 use crate::arm::Ends;
@@ -34,7 +34,7 @@ pub(super) struct Shortening<'a, 'b> {
 
 /// Scratch memory of a round.
 #[derive(Default)]
-struct Room {
+struct ShorteningWorkspace {
     null_space: NullSpace,
     slopes: Vec<f64>,
     trial: Vec<f64>,
@@ -50,14 +50,14 @@ struct Room {
 
 impl Shortening<'_, '_> {
     /// Shortens a joint path.
-    pub(super) fn run(&self, way: &mut Way) -> Result<(), PathError> {
+    pub(super) fn run(&self, way: &mut KnotPath) -> Result<(), PathError> {
         let arm = self.growth.arms.own();
         if !arm.is_redundant() || way.reached.len() < 2 {
             return Ok(());
         }
-        let mut room = Room {
+        let mut room = ShorteningWorkspace {
             failed: vec![false; way.reached.len()],
-            ..Room::default()
+            ..ShorteningWorkspace::default()
         };
         let mut length = self.length(&way.q);
         let mut share = 1.0;
@@ -84,7 +84,7 @@ impl Shortening<'_, '_> {
     }
 
     /// Solves for the displacements of all knots.
-    fn aim(&self, way: &Way, room: &mut Room) -> Result<(), PathError> {
+    fn aim(&self, way: &KnotPath, room: &mut ShorteningWorkspace) -> Result<(), PathError> {
         let (knots, n) = (self.growth.knots, self.weights.len());
         let arm = self.growth.arms.own();
         let count = way.reached.len();
@@ -127,10 +127,10 @@ impl Shortening<'_, '_> {
     /// better.
     fn step(
         &self,
-        way: &mut Way,
+        way: &mut KnotPath,
         share: f64,
         length: f64,
-        room: &mut Room,
+        room: &mut ShorteningWorkspace,
     ) -> Result<Option<f64>, PathError> {
         let (knots, n) = (self.growth.knots, self.weights.len());
         let scales = self.growth.arms.own().scales();

@@ -4,16 +4,16 @@ use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Traversal};
 use super::error::PathError;
 use super::graph::{Between, Chosen, fewest_reconfigurations, without_reconfiguration};
-use super::knot_configurations::{self, Way, fill};
+use super::knot_configurations::{self, KnotPath, fill};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
-use super::long_steps::{self, Spare};
 use super::shorten::{Shortening, length};
 use super::solution::PathSolution;
+use super::sparse_waypoints::{self, Redundancy};
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use super::tracked_path;
-use super::turns::Turns;
+use super::winding::Turns;
 use crate::arm::Arm;
 
 /// Configurations per station: first pass, first pass of an arm with one redundant joint, last pass; and memory limit,
@@ -50,13 +50,13 @@ pub struct PathSolver<'a> {
 /// Joint path with its knots.
 struct FoundWay {
     knots: Knots,
-    way: Way,
+    way: KnotPath,
     /// Knots in collision, ascending.
     touching: Vec<usize>,
 }
 
 /// Number of knots in collision, of unreached knots, and of reconfigurations. Smaller is better.
-fn rank(way: &Way, touching: &[usize]) -> (usize, (usize, usize)) {
+fn rank(way: &KnotPath, touching: &[usize]) -> (usize, (usize, usize)) {
     (touching.len(), way.rank())
 }
 
@@ -134,14 +134,14 @@ impl<'a> PathSolver<'a> {
         for count in POINTS_BETWEEN {
             // Additional points can reveal branches that a long step misses.
             let growth = Growth::new(&self.tools, &best.knots, &bounds, 0);
-            let left = long_steps::left(&growth, &best.way);
+            let left = sparse_waypoints::left(&growth, &best.way);
             if left.is_empty() {
                 break;
             }
             let (finer, own) = path.with_points_between(&left, count);
             let other = found(&finer)?;
             let mut way = other.way.through(&own, &bounds);
-            long_steps::leave_unled(&growth, &mut way, Spare::GoesAlong)?;
+            sparse_waypoints::split_untraceable(&growth, &mut way, Redundancy::GoesAlong)?;
             let touching = self.touching(&best.knots, &way)?;
             if rank(&way, &touching) < rank(&best.way, &best.touching) {
                 (best.way, best.touching) = (way, touching);
@@ -172,7 +172,7 @@ impl<'a> PathSolver<'a> {
     }
 
     /// Returns the knots in collision, ascending.
-    fn touching(&self, knots: &Knots, way: &Way) -> Result<Vec<usize>, PathError> {
+    fn touching(&self, knots: &Knots, way: &KnotPath) -> Result<Vec<usize>, PathError> {
         let (bounds, n) = (self.bounds(), self.tools.own().joint_count());
         let growth = Growth::new(&self.tools, knots, &bounds, 0);
         let mut free = Vec::new();
@@ -189,7 +189,7 @@ impl<'a> PathSolver<'a> {
     /// Returns the best joint path from the first knot to the last.
     ///
     /// Whole revolutions of joints are ignored first. If that result is not perfect, the search is repeated with them.
-    fn best_open(&self, knots: &Knots) -> Result<Way, PathError> {
+    fn best_open(&self, knots: &Knots) -> Result<KnotPath, PathError> {
         let arm = self.tools.own();
         let with_turns = |turns| self.best_by_turns(knots, turns);
         let left_out = Turns::left_out(arm);
@@ -208,7 +208,7 @@ impl<'a> PathSolver<'a> {
         })
     }
 
-    fn best_by_turns(&self, knots: &Knots, turns: &Turns) -> Result<Way, PathError> {
+    fn best_by_turns(&self, knots: &Knots, turns: &Turns) -> Result<KnotPath, PathError> {
         let bounds = self.bounds();
         let weights = self.weights();
         let all = self.most(knots);
@@ -220,7 +220,7 @@ impl<'a> PathSolver<'a> {
             1 => FEW_OF_ONE.min(all),
             _ => FEW_SAMPLES.min(all),
         };
-        let mut best: Option<Way> = None;
+        let mut best: Option<KnotPath> = None;
         for most in [few, all] {
             let mut growth = Growth::new(&self.tools, knots, &bounds, most);
             growth.start = self.start.as_deref();
@@ -352,7 +352,7 @@ impl<'a> PathSolver<'a> {
         growth: &Growth<'_>,
         layers: &[Layer],
         (mut chosen, between): (Chosen, Between),
-    ) -> Result<Way, PathError> {
+    ) -> Result<KnotPath, PathError> {
         let weights = self.weights();
         let fill = |chosen: &Chosen| match growth.turns.are_left_out() {
             false => fill(growth, layers, chosen),
@@ -387,10 +387,10 @@ impl<'a> PathSolver<'a> {
     /// Bridges, joins and shortens the steps of a joint path.
     ///
     /// Reached points and joined steps are preserved, except for long steps that cannot be followed in parts.
-    fn refine(&self, growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+    fn refine(&self, growth: &Growth<'_>, way: &mut KnotPath) -> Result<(), PathError> {
         let weights = self.weights();
         bridge(growth, way)?;
-        long_steps::join_led(growth, way)?;
+        sparse_waypoints::join_led(growth, way)?;
         // A cyclic path is first shortened between fixed ends. With free ends it could drift far for little gain, which
         // shortens its steps.
         let rings = [None, growth.ring.as_deref()];
@@ -408,12 +408,12 @@ impl<'a> PathSolver<'a> {
             };
             shortening.run(way)?;
             // Shortening may have moved a long step off the tool's segment. Bridges have short steps and come first.
-            long_steps::leave_unled(growth, way, Spare::Left)?;
+            sparse_waypoints::split_untraceable(growth, way, Redundancy::Left)?;
             bridge(growth, way)?;
-            long_steps::join_led(growth, way)?;
+            sparse_waypoints::join_led(growth, way)?;
         }
         knot_configurations::rejoin(growth, way);
-        long_steps::leave_unled(growth, way, Spare::GoesAlong)
+        sparse_waypoints::split_untraceable(growth, way, Redundancy::GoesAlong)
     }
 
     pub(super) fn weights(&self) -> Vec<f64> {

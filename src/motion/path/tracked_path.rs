@@ -1,7 +1,7 @@
 //! Joint path that [`Arm::track`](crate::Arm::track) finds from a start.
 
 use super::PathError;
-use super::knot_configurations::Way;
+use super::knot_configurations::KnotPath;
 use super::layers::Growth;
 
 /// Tracks all knots from a start, which stays the first configuration.
@@ -12,7 +12,7 @@ pub(super) fn track(
     growth: &Growth<'_>,
     start: &[f64],
     end: Option<&[f64]>,
-) -> Result<(Way, Option<Vec<f64>>), PathError> {
+) -> Result<(KnotPath, Option<Vec<f64>>), PathError> {
     let (knots, n) = (growth.knots, growth.width());
     let mut q: Vec<f64> = Vec::with_capacity(knots.len() * n);
     let mut reached = Vec::with_capacity(knots.len());
@@ -47,7 +47,7 @@ pub(super) fn track(
         q[last..].copy_from_slice(end);
         reached[knots.len() - 1] = true;
     }
-    let mut way = Way {
+    let mut way = KnotPath {
         joined: vec![true; knots.len()],
         allowance: vec![1.0; knots.len()],
         q,

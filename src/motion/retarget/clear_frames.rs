@@ -1,7 +1,7 @@
 //! Collision-free online retargeting: each sample starts collision-free and is accepted only if its end is too.
 
-use super::problem_of_frame::ProblemOfFrame;
-use crate::problem::{AnyClearanceCheck, Fence};
+use super::frame_problem::ProblemOfFrame;
+use crate::problem::{AnyClearanceCheck, CollisionConstraint};
 
 /// Maximum number of halvings of a step in collision.
 const HALVINGS: usize = 6;
@@ -21,7 +21,7 @@ pub(super) struct ClearFrames {
 
 impl ClearFrames {
     /// Creates it. `size` is that of [`ProblemOfFrame::new`], `rows` the number of rows without collision avoidance.
-    pub(super) fn new(fence: &Fence, rows: usize, size: f64) -> Self {
+    pub(super) fn new(fence: &CollisionConstraint, rows: usize, size: f64) -> Self {
         let problem = fence.holding();
         Self {
             q: vec![0.0; problem.configuration_len()],

@@ -3,7 +3,7 @@
 use crate::animation::{ChannelError, LocalError, ReachError};
 use crate::bad_option::BadOption;
 use crate::model::{ModelError, UnknownName};
-use crate::motion::clip::MotionError;
+use crate::motion::trajectory::MotionError;
 use crate::skeleton::SkeletonError;
 
 /// Reason why a motion cannot be retargeted.

@@ -1,9 +1,9 @@
 //! Feet of an online retargeter: ground contact and orientation.
 
 use super::RetargetError;
+use super::frame_problem::ProblemOfFrame;
 use super::limbs::Limbs;
 use super::over_ground::{Footing, OverGround};
-use super::problem_of_frame::ProblemOfFrame;
 use super::sole::Sole;
 use crate::problem::{Problem, ProblemBuilder, Targets, TaskId};
 use crate::scalar::elementary;

@@ -3,11 +3,11 @@
 use super::clear_frames::ClearFrames;
 use super::driven_point::DrivenPoint;
 use super::feet::Feet;
-use super::hip_line::HipLine;
-use super::problem_of_frame::ProblemOfFrame;
+use super::frame_problem::ProblemOfFrame;
+use super::pelvis_heading::HipLine;
 use super::{RetargetError, Retargeting};
 use crate::model::{JointId, Model};
-use crate::motion::clip::{MotionError, longest_moves};
+use crate::motion::trajectory::{MotionError, step_limits};
 use crate::problem::{Problem, ProblemError, Targets, TaskId};
 use crate::scalar::elementary;
 use crate::solver::dot;
@@ -113,7 +113,7 @@ impl BodyFollower {
         let size = weights
             .iter()
             .fold(POSTURE * POSTURE, |sum, own| sum + own * own);
-        let moves = longest_moves(&problem, &speeds, 1.0 / asked.frame_rate)?;
+        let moves = step_limits(&problem, &speeds, 1.0 / asked.frame_rate)?;
         if let Some(joint) = moves.first_together(&problem) {
             return Err(RetargetError::Motion(MotionError::SpeedOfBall { joint }));
         }

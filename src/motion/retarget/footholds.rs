@@ -5,7 +5,7 @@ use super::retargeting::as_map_error;
 use super::{RetargetError, Retargeting};
 use crate::kinematics::ForwardKinematics;
 use crate::model::FrameId;
-use crate::motion::clip::MotionProblemBuilder;
+use crate::motion::trajectory::MotionProblemBuilder;
 use crate::spatial::Placement;
 
 /// Weight of ground penetration per metre, relative to the largest weight of a point; as large as that of contact

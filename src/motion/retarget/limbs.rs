@@ -1,9 +1,9 @@
 //! Target positions of a model from captured joint positions.
 
-use super::hip_line::HipLine;
 use super::limb_lengths::{capture_places, lengths, model_places, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::map_guess::upward;
+use super::pelvis_heading::HipLine;
 use super::sole::{Sole, soles};
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::kinematics::{ForwardKinematics, KinematicsError};

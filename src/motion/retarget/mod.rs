@@ -5,6 +5,7 @@
 //! model. [`Retargeting`] scales the capture by limb lengths and finds the ground and contacts. It then solves [frame
 //! by frame](Retargeting::per_frame), like an online retargeter, or the [whole trajectory](Retargeting::whole).
 
+mod active_limits;
 mod body_map;
 mod body_part;
 mod bounded_descent;
@@ -13,26 +14,25 @@ mod clear_frames;
 mod contacts;
 mod driven_point;
 mod error;
-mod errors_of_frames;
 mod feet;
 mod figure_target;
-mod first_stance;
 pub mod folder;
 mod follower;
 mod foot_shapes;
 mod footholds;
-mod hip_line;
+mod frame_errors;
+mod frame_problem;
+mod initial_pose;
 mod known_maps;
 mod limb_lengths;
 mod limb_tree;
 mod limbs;
-mod limits_met;
 mod live;
 mod map_guess;
 mod obstacles;
 mod over_ground;
 mod part_names;
-mod problem_of_frame;
+mod pelvis_heading;
 mod proportions;
 mod retargeted;
 mod retargeting;
@@ -41,6 +41,7 @@ mod switchable_residual;
 mod whole_movement;
 
 pub use super::ContactDetection;
+pub use active_limits::LimitMet;
 pub use body_map::{BodyMap, Drive, UpAxis};
 pub use body_part::BodyPart;
 pub use capture::Capture;
@@ -49,7 +50,6 @@ pub use figure_target::FigureTarget;
 pub use follower::BodyFollower;
 pub use foot_shapes::FootShapes;
 pub use known_maps::KnownSkeleton;
-pub use limits_met::LimitMet;
 pub use live::LiveFollower;
 pub use map_guess::MapGuess;
 pub use retargeted::{GivenUp, Retargeted, Touching};

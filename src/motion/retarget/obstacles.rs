@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::switchable_residual::Switchable;
-use crate::motion::clip::MotionProblemBuilder;
-use crate::problem::{AnyClearanceCheck, KeepClear, ProblemBuilder};
+use crate::motion::trajectory::MotionProblemBuilder;
+use crate::problem::{AnyClearanceCheck, CollisionAvoidance, ProblemBuilder};
 use crate::task::Task;
 
 /// Weight of collision avoidance relative to a point, in a whole trajectory.
@@ -31,7 +31,7 @@ impl fmt::Debug for Obstacles {
 }
 
 impl Obstacles {
-    pub(super) fn of<C: KeepClear + Clone + Send + Sync + 'static>(checker: &C) -> Self {
+    pub(super) fn of<C: CollisionAvoidance + Clone + Send + Sync + 'static>(checker: &C) -> Self {
         let [of_frame, of_motion] = [checker.clone(), checker.clone()];
         Self {
             of_frame: Arc::new(move |tasks| {

@@ -4,7 +4,7 @@ use super::sole::Sole;
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{LocalJacobian, Quantity, Residual, Room, Rows};
+use crate::task::{Inequality, LocalJacobian, Quantity, Residual, RowBlock};
 
 /// Weight of the tilt of a foot, in metres of position per radian.
 const TILTED: f64 = 0.15;
@@ -116,9 +116,9 @@ impl Residual for OverGround {
         fn frames(&self) -> Vec<FrameId> = vec![self.sole.frame];
     }
 
-    fn rows(&self) -> Vec<Rows> {
+    fn rows(&self) -> Vec<RowBlock> {
         let rows = self.sole.balls.len() + self.sole.level.len();
-        vec![Rows::new(Quantity::Metres, rows)]
+        vec![RowBlock::new(Quantity::Metres, rows)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -137,17 +137,19 @@ impl Residual for OverGround {
         }
     }
 
-    fn rooms(&self) -> Vec<Room> {
+    fn inequalities(&self) -> Vec<Inequality> {
         let balls = 0..self.sole.balls.len();
-        balls.map(|ball| Room::new(ball..ball + 1, 1)).collect()
+        balls
+            .map(|ball| Inequality::new(ball..ball + 1, 1))
+            .collect()
     }
 
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], slacks: &mut [S]) {
         let balls = self.sole.balls.iter().zip(self.heights());
-        for (depth, ((ball, _), height)) in depths.iter_mut().zip(balls) {
+        for (slack, ((ball, _), height)) in slacks.iter_mut().zip(balls) {
             let at = frames[0].apply(Vector3::constant(ball.at));
             let over = at.z - S::constant(ball.radius + height);
-            *depth = over * S::constant(self.weights[0]);
+            *slack = over * S::constant(self.weights[0]);
         }
     }
 

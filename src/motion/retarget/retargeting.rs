@@ -16,9 +16,9 @@ use super::{
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
-use crate::motion::clip::{MotionError, Windows};
 use crate::motion::contact_detection::USUAL_LEG_M;
-use crate::problem::KeepClear;
+use crate::motion::trajectory::{MotionError, Windows};
+use crate::problem::CollisionAvoidance;
 use crate::robot::Robot;
 use crate::spatial::Vector3;
 
@@ -147,12 +147,15 @@ impl<'r> Retargeting<'r> {
     /// A sample in collision is solved again from the previous one with collision avoidance. If that is in collision
     /// too, the step is shortened until it is collision-free.
     #[must_use]
-    pub fn keep_clear<C: KeepClear + Clone + Send + Sync + 'static>(mut self, of: &C) -> Self {
+    pub fn keep_clear<C: CollisionAvoidance + Clone + Send + Sync + 'static>(
+        mut self,
+        of: &C,
+    ) -> Self {
         self.obstacles = Some(Obstacles::of(of));
         self
     }
 
-    /// Cancels a solve with [`MotionError::Cancelled`](crate::motion::clip::MotionError::Cancelled) once another thread
+    /// Cancels a solve with [`MotionError::Cancelled`](crate::motion::trajectory::MotionError::Cancelled) once another thread
     /// sets the flag.
     ///
     /// Every sample and every iteration checks the flag.

@@ -23,7 +23,7 @@ impl<R> Switchable<R> {
 }
 
 impl<R: Residual> Residual for Switchable<R> {
-    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, rooms, validate);
+    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         match self.counts {
@@ -32,10 +32,10 @@ impl<R: Residual> Residual for Switchable<R> {
         }
     }
 
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
         match self.counts {
-            true => self.of.depths(frames, joints, depths),
-            false => depths.fill(S::constant(f64::INFINITY)),
+            true => self.of.slacks(frames, joints, slacks),
+            false => slacks.fill(S::constant(f64::INFINITY)),
         }
     }
 

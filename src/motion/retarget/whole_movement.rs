@@ -9,8 +9,8 @@ use super::footholds::Footholds;
 use super::retargeting::as_map_error;
 use super::{RetargetError, Retargeted, Retargeting};
 use crate::kinematics::ForwardKinematics;
-use crate::motion::clip::{MotionProblem, MotionSolver, RateCost};
 use crate::motion::contact_detection::smooth;
+use crate::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use crate::spatial::Vector3;
 
 /// Weight of a contact position in a whole trajectory, relative to the largest weight of a point.

@@ -2,7 +2,7 @@
 
 use super::defaults::Defaults;
 use super::tree::Tag;
-use crate::robot::xml::{Fault, Read, RobotFileError, exactly};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError, exactly};
 
 /// Attributes of an element, then of its default class, then of the enclosing classes.
 #[derive(Clone, Debug)]
@@ -94,7 +94,7 @@ impl<'a> Attributes<'a> {
         };
         let place = words.iter().position(|word| *word == text);
         let unknown = || {
-            self.fault(Fault::UnknownWord {
+            self.fault(ParseIssue::UnknownWord {
                 attribute,
                 word: text.to_owned(),
                 valid: words,
@@ -109,12 +109,12 @@ impl<'a> Attributes<'a> {
         Ok(word.map(|word| word == 1))
     }
 
-    pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
+    pub(super) fn fault(&self, fault: ParseIssue) -> RobotFileError {
         self.tag.fault(fault)
     }
 
     fn bad_numbers(&self, attribute: &'static str, count: usize, text: &str) -> RobotFileError {
-        self.fault(Fault::BadNumbers {
+        self.fault(ParseIssue::BadNumbers {
             attribute,
             count,
             text: text.to_owned(),

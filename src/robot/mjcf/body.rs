@@ -13,7 +13,7 @@ use super::orientation::placement;
 use super::segment;
 use super::tree::Tag;
 use crate::robot::Inertial;
-use crate::robot::xml::{Fault, Read, RobotFileError};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError};
 use crate::spatial::Placement;
 
 /// Elements that create bodies or joints and that the reader does not support.
@@ -160,7 +160,7 @@ impl<'a> BodyReader<'_, 'a> {
             },
             name if UNSUPPORTED.contains(&name) => {
                 let element = name.to_owned();
-                return Err(child.fault(Fault::UnsupportedElement { element }));
+                return Err(child.fault(ParseIssue::UnsupportedElement { element }));
             }
             _ => {}
         }
@@ -172,7 +172,7 @@ fn check_free(body: &Body<'_>) -> Read<()> {
     let free = body.joints.iter().find(|joint| joint.kind == Kind::Free);
     match free {
         Some(joint) if body.joints.len() > 1 || body.parent != Some(0) => {
-            Err(joint.tag.fault(Fault::MisplacedFreeJoint))
+            Err(joint.tag.fault(ParseIssue::MisplacedFreeJoint))
         }
         _ => Ok(()),
     }

@@ -10,7 +10,7 @@ use super::joint::{JointElement, Kind};
 use super::names::{self, ElementNames, FreshNames, WORLD};
 use super::orientation::direction;
 use crate::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
-use crate::robot::xml::{Fault, Mended, Read, Repair, RobotFileError, clean_sin_cos};
+use crate::robot::xml::{ParseIssue, Read, Repair, RepairKind, RobotFileError, clean_sin_cos};
 use crate::robot::{Drive, Mimic};
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -116,7 +116,7 @@ impl<'a> Build<'a> {
                 self.notes.extend(beyond.map(|angle| Repair {
                     line: element.tag.line(),
                     element: element.tag.called(),
-                    mended: Mended::StopsNothing { angle },
+                    mended: RepairKind::StopsNothing { angle },
                 }));
                 let limits = angle
                     .filter(|angle| *angle < PI)
@@ -168,7 +168,7 @@ impl<'a> Build<'a> {
                 "connect" | "weld" => continue,
                 other => {
                     let element = other.to_owned();
-                    left_out.push(equality.fault(Fault::UnsupportedElement { element }));
+                    left_out.push(equality.fault(ParseIssue::UnsupportedElement { element }));
                     continue;
                 }
             }
@@ -178,7 +178,7 @@ impl<'a> Build<'a> {
             });
             match taken {
                 Err(RobotFileError::Element {
-                    fault: Fault::NotLinear | Fault::FollowsAlready { .. },
+                    fault: ParseIssue::NotLinear | ParseIssue::FollowsAlready { .. },
                     ..
                 }) => left_out.extend(taken.err()),
                 other => other?,

@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::tree::Tag;
-use crate::robot::xml::{Fault, Read};
+use crate::robot::xml::{ParseIssue, Read};
 
 /// Settings of the `<compiler>` elements of a document; later elements override earlier ones.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl Compiler {
         compiler.word("coordinate", &["local"])?;
         if let Some(text) = compiler.text("eulerseq") {
             self.euler = sequence(text).ok_or_else(|| {
-                compiler.fault(Fault::BadEulerSequence {
+                compiler.fault(ParseIssue::BadEulerSequence {
                     text: text.to_owned(),
                 })
             })?;

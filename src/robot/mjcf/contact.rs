@@ -9,7 +9,7 @@ use super::names::WORLD;
 use super::tree::Tag;
 use crate::model::UnknownName;
 use crate::robot::contacts::{ContactBody, ContactPlane, Contacts};
-use crate::robot::xml::{Fault, Read, RobotFileError};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError};
 
 /// Reads the contacts of a document. Faulty or unsupported elements go to `left_out`.
 pub(super) fn read(
@@ -110,7 +110,7 @@ fn pair(
         named(tag, "geom1", "geom", geoms)?,
         named(tag, "geom2", "geom", geoms)?,
     ];
-    let not_kept = |why| Err(tag.fault(Fault::PairNotKept { why }));
+    let not_kept = |why| Err(tag.fault(ParseIssue::PairNotKept { why }));
     if contacts.bodies[a.0].weld == contacts.bodies[b.0].weld {
         return not_kept("nothing moves the two against each other");
     }
@@ -138,7 +138,7 @@ fn named<T: Copy>(
     known: &HashMap<&str, T>,
 ) -> Read<T> {
     let name = tag.text(attribute);
-    let name = name.ok_or_else(|| tag.fault(Fault::MissingAttribute { attribute }))?;
+    let name = name.ok_or_else(|| tag.fault(ParseIssue::MissingAttribute { attribute }))?;
     known.get(name).copied().ok_or_else(|| {
         let mut valid: Vec<&str> = known.keys().copied().collect();
         valid.sort_unstable();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::tree::Tag;
 use crate::model::UnknownName;
-use crate::robot::xml::{Fault, Read};
+use crate::robot::xml::{ParseIssue, Read};
 
 /// Default name of the outermost class.
 const MAIN: &str = "main";
@@ -43,7 +43,7 @@ impl<'a> Defaults<'a> {
                         continue;
                     }
                     let attribute = "class";
-                    let unnamed = || child.fault(Fault::MissingAttribute { attribute });
+                    let unnamed = || child.fault(ParseIssue::MissingAttribute { attribute });
                     let name = child.text(attribute).filter(|name| !name.is_empty());
                     let inner = own.classes.len();
                     own.name(child, name.ok_or_else(unnamed)?, inner, &mut lines)?;
@@ -69,7 +69,7 @@ impl<'a> Defaults<'a> {
         let known = self.by_name.insert(name, class);
         let first_line = lines.insert(name, tag.line());
         match known {
-            Some(other) if other != class => Err(tag.fault(Fault::RepeatedClass {
+            Some(other) if other != class => Err(tag.fault(ParseIssue::RepeatedClass {
                 class: name.to_owned(),
                 first_line: first_line.unwrap_or(0),
             })),

@@ -6,7 +6,7 @@ use super::names::ElementNames;
 use super::tree::Tag;
 use crate::model::{JointId, Limits, ModelBuilder};
 use crate::robot::Mimic;
-use crate::robot::xml::{Fault, Read};
+use crate::robot::xml::{ParseIssue, Read};
 
 /// Reads the active equality constraints of a document.
 pub(super) fn read_all<'a>(root: Tag<'a>, defaults: &Defaults<'a>) -> Read<Vec<Attributes<'a>>> {
@@ -33,7 +33,7 @@ pub(super) enum Coupling {
 /// Reads a `<joint>` equality: a linear relation of two joints, or the value of one joint.
 pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> Read<Coupling> {
     let attribute = "joint1";
-    let missing = || equality.fault(Fault::MissingAttribute { attribute });
+    let missing = || equality.fault(ParseIssue::MissingAttribute { attribute });
     let first = equality.text(attribute).ok_or_else(missing)?;
     let first = names.joint(equality, first)?;
     let (polynomial, _) = equality
@@ -43,7 +43,7 @@ pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> R
     // MuJoCo's relation is y - y₀ = c + r (x - x₀), with the reference positions x₀ and y₀.
     let at = |joint: &super::names::NamedJoint| match joint.is_scalar {
         true => Ok((joint.id, joint.reference)),
-        false => Err(equality.fault(Fault::NotLinear)),
+        false => Err(equality.fault(ParseIssue::NotLinear)),
     };
     let (joint, y) = at(&first)?;
     let Some(second) = equality.text("joint2") else {
@@ -51,7 +51,7 @@ pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> R
     };
     let (master, x) = at(&names.joint(equality, second)?)?;
     if higher != [0.0; 3] {
-        return Err(equality.fault(Fault::NotLinear));
+        return Err(equality.fault(ParseIssue::NotLinear));
     }
     let offset = y + constant - ratio * x;
     Ok(Coupling::Follows(Mimic {
@@ -75,7 +75,7 @@ pub(super) fn take(
             if let Some(limits) = builder.limits(joint).filter(|own| !own.contains(value)) {
                 let joint = equality.text("joint1").unwrap_or_default().to_owned();
                 let Limits { lower, upper } = limits;
-                return Err(equality.fault(Fault::StandsOutside {
+                return Err(equality.fault(ParseIssue::StandsOutside {
                     joint,
                     value,
                     lower,
@@ -97,7 +97,7 @@ pub(super) fn take(
             }
             if above.is_some() || master_of(mimic.joint).is_some() {
                 let joint = equality.text("joint1").unwrap_or_default().to_owned();
-                return Err(equality.fault(Fault::FollowsAlready { joint }));
+                return Err(equality.fault(ParseIssue::FollowsAlready { joint }));
             }
             mimics.push(mimic);
         }

@@ -12,7 +12,7 @@ use super::solid::Solid;
 use super::tree::Tag;
 use crate::model::UnknownName;
 use crate::robot::contacts::ContactBits;
-use crate::robot::xml::{Fault, Read, RobotFileError};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError};
 use crate::robot::{Geometry, Shape};
 use crate::spatial::Placement;
 
@@ -58,7 +58,7 @@ impl Geom<'_> {
     pub(super) fn missing_shape(&self) -> Option<RobotFileError> {
         let missing = self.collides && self.shape.is_none() && self.body_from_plane.is_none();
         let kind = self.kind;
-        missing.then(|| self.tag.fault(Fault::NoShape { kind }))
+        missing.then(|| self.tag.fault(ParseIssue::NoShape { kind }))
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) fn read<'a>(
 
 fn mesh<'m>(geom: &Attributes<'_>, meshes: &'m HashMap<String, Mesh>) -> Read<Option<&'m Mesh>> {
     let attribute = "mesh";
-    let missing = || geom.fault(Fault::MissingAttribute { attribute });
+    let missing = || geom.fault(ParseIssue::MissingAttribute { attribute });
     let name = geom.text(attribute).ok_or_else(missing)?;
     let unknown = || {
         let mut valid: Vec<&str> = meshes.keys().map(String::as_str).collect();
@@ -160,7 +160,7 @@ fn solid(
     length: Option<f64>,
 ) -> Read<(Solid, Option<Geometry>)> {
     let attribute = "size";
-    let missing = || geom.fault(Fault::MissingAttribute { attribute });
+    let missing = || geom.fault(ParseIssue::MissingAttribute { attribute });
     let (mut size, mut given) = geom.up_to::<3>(attribute)?.ok_or_else(missing)?;
     let needed = match kind {
         "sphere" => 1,
@@ -178,7 +178,7 @@ fn solid(
     if given < needed || size[..needed].iter().any(|size| *size <= 0.0) {
         let text = geom.text(attribute).unwrap_or_default().to_owned();
         let count = needed;
-        return Err(geom.fault(Fault::BadNumbers {
+        return Err(geom.fault(ParseIssue::BadNumbers {
             attribute,
             count,
             text,
@@ -224,7 +224,9 @@ fn weight(
     body_from_geom: Placement<f64>,
 ) -> Read<Weight> {
     let not_negative = |attribute| match geom.number(attribute)? {
-        Some(value) if value < 0.0 => Err(geom.fault(Fault::NegativeMass { attribute, value })),
+        Some(value) if value < 0.0 => {
+            Err(geom.fault(ParseIssue::NegativeMass { attribute, value }))
+        }
         value => Ok(value),
     };
     let (mass, density) = (not_negative("mass")?, not_negative("density")?);

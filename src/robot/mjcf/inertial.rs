@@ -5,8 +5,8 @@ use super::compiler::Compiler;
 use super::geom::{Geom, Weight};
 use super::orientation::placement;
 use super::tree::Tag;
-use crate::robot::xml::{Fault, Read};
-use crate::robot::{Inertial, LeftToMeshes};
+use crate::robot::xml::{ParseIssue, Read};
+use crate::robot::{Inertial, MissingInertia};
 use crate::spatial::{Placement, Vector3};
 
 /// Inertia of a body.
@@ -14,12 +14,12 @@ use crate::spatial::{Placement, Vector3};
 pub(super) enum Weighed {
     Nothing,
     Known(Inertial),
-    Left(LeftToMeshes),
+    Left(MissingInertia),
 }
 
 pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Read<Inertial> {
     let inertial = Attributes::own(tag);
-    let missing = |attribute| tag.fault(Fault::MissingAttribute { attribute });
+    let missing = |attribute| tag.fault(ParseIssue::MissingAttribute { attribute });
     let mass = inertial.number("mass")?.ok_or_else(|| missing("mass"))?;
     if inertial.text("pos").is_none() {
         return Err(missing("pos"));
@@ -46,7 +46,7 @@ pub(super) fn of_geoms(geoms: &[Geom]) -> Weighed {
     for geom in geoms {
         match geom.weight {
             Weight::Nothing => {}
-            Weight::Unknown => return Weighed::Left(LeftToMeshes::Mass),
+            Weight::Unknown => return Weighed::Left(MissingInertia::Mass),
             Weight::Somewhere(own) => {
                 mass += own;
                 has_centre = false;
@@ -62,7 +62,7 @@ pub(super) fn of_geoms(geoms: &[Geom]) -> Weighed {
         return Weighed::Nothing;
     }
     if !has_centre {
-        return Weighed::Left(LeftToMeshes::Centre { mass });
+        return Weighed::Left(MissingInertia::Centre { mass });
     }
     let centre = moment * (1.0 / mass);
     let mut moments = [[0.0; 3]; 3];

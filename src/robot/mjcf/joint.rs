@@ -5,7 +5,7 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::tree::Tag;
 use crate::model::Limits;
-use crate::robot::xml::{Fault, Read};
+use crate::robot::xml::{ParseIssue, Read};
 use crate::spatial::{Placement, Vector3};
 
 /// Joint types.
@@ -66,7 +66,7 @@ pub(super) fn read<'a>(
     // MuJoCo ignores the axis of a ball joint.
     let axis = match (kind, joint.numbers::<3>("axis")?) {
         (Kind::Slide | Kind::Hinge, Some([0.0, 0.0, 0.0])) => {
-            return Err(joint.fault(Fault::ZeroLength { attribute: "axis" }));
+            return Err(joint.fault(ParseIssue::ZeroLength { attribute: "axis" }));
         }
         (Kind::Slide | Kind::Hinge, Some(axis)) => Vector3::from(axis),
         _ => Vector3::UNITS[2],
@@ -115,15 +115,17 @@ fn range(
         Some(0) => false,
         Some(1) => true,
         _ if range.is_some() && !compiler.auto_limits => {
-            return Err(joint.fault(Fault::UnsaidLimits));
+            return Err(joint.fault(ParseIssue::UnsaidLimits));
         }
         _ => lower != 0.0 || upper != 0.0,
     };
     match (limited, kind) {
         (false, _) => Ok(None),
-        (true, Kind::Ball) if lower != 0.0 || upper <= 0.0 => Err(joint.fault(Fault::BadBallRange)),
+        (true, Kind::Ball) if lower != 0.0 || upper <= 0.0 => {
+            Err(joint.fault(ParseIssue::BadBallRange))
+        }
         (true, Kind::Slide | Kind::Hinge) if lower >= upper => {
-            Err(joint.fault(Fault::LimitsOutOfOrder { lower, upper }))
+            Err(joint.fault(ParseIssue::LimitsOutOfOrder { lower, upper }))
         }
         _ => Ok(Some(Limits::new(lower, upper))),
     }

@@ -5,7 +5,7 @@ use super::body::Body;
 use super::names::{ElementNames, FreshNames};
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, Loop, LoopKind, Model};
-use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Placement, Vector3};
 
 /// Reads the loop closures of `connect` and `weld`. `drawn` is the configuration in which the body poses are those of
@@ -37,7 +37,7 @@ pub(super) fn read_all(
     for (equality, kind) in closing {
         let (frames, places) = joined(equality, kind, names, &placements)?;
         if frames.iter().any(|frame| mocap.contains(frame)) {
-            left_out.push(equality.fault(Fault::HeldFromOutside));
+            left_out.push(equality.fault(ParseIssue::HeldFromOutside));
             continue;
         }
         let name = equality.tag.text("name").map(str::to_owned);
@@ -92,7 +92,7 @@ fn joined(
         return Ok((frames, [same; 2]));
     }
     let attribute = "body1";
-    let missing = || equality.fault(Fault::MissingAttribute { attribute });
+    let missing = || equality.fault(ParseIssue::MissingAttribute { attribute });
     let first = names.body(equality, equality.text(attribute).ok_or_else(missing)?)?;
     let second = names.body(equality, equality.text("body2").unwrap_or("world"))?;
     let frames = [first, second];
@@ -101,7 +101,7 @@ fn joined(
     match kind {
         LoopKind::Connect => {
             let attribute = "anchor";
-            let missing = || equality.fault(Fault::MissingAttribute { attribute });
+            let missing = || equality.fault(ParseIssue::MissingAttribute { attribute });
             let anchor = Vector3::from(anchor.ok_or_else(missing)?);
             let here = Placement::translation(anchor);
             let there = Placement::translation(second_from_first.apply(anchor));
@@ -113,7 +113,7 @@ fn joined(
             let first_from_second = match relative {
                 Some([x, y, z, w, i, j, k]) if [w, i, j, k] != [0.0; 4] => {
                     let attribute = "relpose";
-                    let zero = || equality.fault(Fault::ZeroLength { attribute });
+                    let zero = || equality.fault(ParseIssue::ZeroLength { attribute });
                     let rotation = rotation_of_wxyz([w, i, j, k]).ok_or_else(zero)?;
                     Placement::new(rotation, Vector3::new(x, y, z))
                 }

@@ -7,7 +7,7 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::tree::Tag;
 use crate::robot::Geometry;
-use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// A mesh asset.
@@ -59,12 +59,12 @@ fn read(
         None => Matrix3::identity(),
         Some(wxyz) => rotation_of_wxyz(wxyz).ok_or_else(|| {
             let attribute = "refquat";
-            tag.fault(Fault::ZeroLength { attribute })
+            tag.fault(ParseIssue::ZeroLength { attribute })
         })?,
     };
     let even = scale[0] == scale[1] && scale[1] == scale[2];
     if turn != Matrix3::identity() && !even {
-        return Err(tag.fault(Fault::UnsupportedMesh));
+        return Err(tag.fault(ParseIssue::UnsupportedMesh));
     }
     // MuJoCo translates points of the file by -refpos, rotates them by the inverse of refquat, then scales them.
     let back = turn.transpose();

@@ -7,7 +7,7 @@ use super::body::Body;
 use super::joint::JointElement;
 use super::tree::Tag;
 use crate::model::{FrameId, JointId, UnknownName};
-use crate::robot::xml::{Fault, Read};
+use crate::robot::xml::{ParseIssue, Read};
 
 /// MuJoCo's name of the world body.
 pub(super) const WORLD: &str = "world";
@@ -146,7 +146,7 @@ fn once<'a>(
             continue;
         };
         if let Some(first_line) = lines.insert(name, tag.line()) {
-            return Err(tag.fault(Fault::DuplicateName { first_line }));
+            return Err(tag.fault(ParseIssue::DuplicateName { first_line }));
         }
         taken.take(name);
     }

@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::compiler::Compiler;
-use crate::robot::xml::{Fault, Read, clean_sin_cos, rotation_of_wxyz};
+use crate::robot::xml::{ParseIssue, Read, clean_sin_cos, rotation_of_wxyz};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -24,11 +24,11 @@ fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Read<Matrix3<f64>>
         let mut given = FORMS.into_iter().filter(|form| layer.text(form).is_some());
         let first = given.next();
         if given.next().is_some() || first.is_some() && layer.text("quat").is_some() {
-            return Err(layer.fault(Fault::SeveralOrientations));
+            return Err(layer.fault(ParseIssue::SeveralOrientations));
         }
         form = form.or(first);
     }
-    let zero = |attribute| element.fault(Fault::ZeroLength { attribute });
+    let zero = |attribute| element.fault(ParseIssue::ZeroLength { attribute });
     let unit = |numbers: &[f64], attribute| {
         let [x, y, z] = [numbers[0], numbers[1], numbers[2]];
         direction(Vector3::new(x, y, z)).ok_or_else(|| zero(attribute))

@@ -15,7 +15,7 @@ use super::passive;
 use super::tree::Tree;
 use super::weights;
 use crate::model::ModelBuilder;
-use crate::robot::xml::{Fault, Read, Repair, RobotFileError};
+use crate::robot::xml::{ParseIssue, Read, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
 
 /// MuJoCo's default name of a model.
@@ -74,7 +74,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A fault of the file, with line and element: see [`RobotFileError`] and [`Fault`].
+    /// A fault of the file, with line and element: see [`RobotFileError`] and [`ParseIssue`].
     pub fn read_mjcf(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         let path = path.as_ref();
         Ok(robot(&Tree::read(path, false)?)?.with_file(path))
@@ -129,7 +129,7 @@ pub fn mjcf_with_includes_confined(path: impl AsRef<Path>) -> Result<String, Rob
 fn robot(tree: &Tree) -> Read<Robot> {
     let root = tree.root();
     if root.name() != "mujoco" {
-        return Err(root.fault(Fault::NotMujoco));
+        return Err(root.fault(ParseIssue::NotMujoco));
     }
     let compiler = Compiler::read(root)?;
     let defaults = Defaults::read(root)?;

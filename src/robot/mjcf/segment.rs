@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::orientation::{direction, turn_of_z_to};
-use crate::robot::xml::{Fault, Read};
+use crate::robot::xml::{ParseIssue, Read};
 use crate::spatial::{Placement, Vector3};
 
 /// Pose at the midpoint with z from the second end to the first, and the distance of the ends in metres.
@@ -21,7 +21,7 @@ pub(super) fn read(element: &Attributes<'_>) -> Read<Option<Segment>> {
     let (from, to) = (Vector3::new(ax, ay, az), Vector3::new(bx, by, bz));
     // As in MuJoCo, z points from `to` to `from`.
     let along = from - to;
-    let zero = || element.fault(Fault::ZeroLength { attribute });
+    let zero = || element.fault(ParseIssue::ZeroLength { attribute });
     let rotation = turn_of_z_to(direction(along).ok_or_else(zero)?);
     Ok(Some(Segment {
         placement: Placement::new(rotation, (from + to) * 0.5),

@@ -6,7 +6,7 @@ use roxmltree::{Document, Node};
 
 use crate::file::{Place, ReadError, ReadProblem, read_bytes};
 use crate::file_access::AllowedFiles;
-use crate::robot::xml::{Fault, Read, RobotFileError, parse};
+use crate::robot::xml::{ParseIssue, Read, RobotFileError, parse};
 
 /// Largest file size that is read, bytes; robot files stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
@@ -175,7 +175,9 @@ impl Tree {
                 parent.children.push(index);
             }
             if level > MOST_LEVELS {
-                return Err(self.tag(index).fault(Fault::TooDeep { limit: MOST_LEVELS }));
+                return Err(self
+                    .tag(index)
+                    .fault(ParseIssue::TooDeep { limit: MOST_LEVELS }));
             }
             let before = waiting.len();
             waiting.extend(elements(node).map(|child| (child, Some(index), level + 1)));
@@ -199,16 +201,16 @@ impl Tree {
         };
         let named = include.attributes.iter().find(|(name, _)| name == "file");
         let (Some((_, named)), Some(parent)) = (named, parent) else {
-            return Err(fault(Fault::MissingAttribute { attribute: "file" }));
+            return Err(fault(ParseIssue::MissingAttribute { attribute: "file" }));
         };
         let path: PathBuf = folder.join(named);
         let name = path.display().to_string();
         // As in MuJoCo; it also prevents a file from including itself.
         if self.files.iter().any(|source| source.name == name) {
-            return Err(fault(Fault::IncludedTwice { file: name }));
+            return Err(fault(ParseIssue::IncludedTwice { file: name }));
         }
         if nested >= MOST_NESTED {
-            return Err(fault(Fault::TooDeep { limit: MOST_NESTED }));
+            return Err(fault(ParseIssue::TooDeep { limit: MOST_NESTED }));
         }
         let referred = |error: ReadError| {
             let at = Place::Line(include.line as usize);
@@ -264,7 +266,7 @@ impl<'a> Tag<'a> {
     }
 
     /// An error for a fault of the element.
-    pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
+    pub(super) fn fault(&self, fault: ParseIssue) -> RobotFileError {
         let source = &self.tree.files[self.stored().file];
         if source.outside {
             let line = Place::Line(self.line() as usize);

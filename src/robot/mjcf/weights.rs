@@ -3,8 +3,8 @@
 use super::body::Body;
 use super::compiler::Compiler;
 use super::inertial::{Weighed, of_geoms};
-use crate::robot::xml::{Mended, Repair};
-use crate::robot::{Inertial, LeftToMeshes};
+use crate::robot::xml::{Repair, RepairKind};
+use crate::robot::{Inertial, MissingInertia};
 
 /// The inertia of each body, and notes on those that depend on mesh files.
 pub(super) fn weigh(bodies: &[Body<'_>], compiler: &Compiler) -> (Vec<Weighed>, Vec<Repair>) {
@@ -20,7 +20,7 @@ pub(super) fn weigh(bodies: &[Body<'_>], compiler: &Compiler) -> (Vec<Weighed>, 
         Some(Repair {
             line: body.tag.line(),
             element: body.tag.called(),
-            mended: Mended::MassLeftToMeshes(left),
+            mended: RepairKind::MassLeftToMeshes(left),
         })
     });
     let notes = notes.collect();
@@ -49,8 +49,8 @@ fn scale(weights: &mut [Weighed], total: f64) {
         let own = match *weight {
             Weighed::Nothing => Some(0.0),
             Weighed::Known(inertial) => Some(inertial.mass),
-            Weighed::Left(LeftToMeshes::Centre { mass }) => Some(mass),
-            Weighed::Left(LeftToMeshes::Mass) => None,
+            Weighed::Left(MissingInertia::Centre { mass }) => Some(mass),
+            Weighed::Left(MissingInertia::Mass) => None,
         };
         sum = sum.zip(own).map(|(sum, own)| sum + own);
     }
@@ -58,15 +58,15 @@ fn scale(weights: &mut [Weighed], total: f64) {
     for weight in weights {
         *weight = match (*weight, factor) {
             (Weighed::Nothing, _) => Weighed::Nothing,
-            (_, None) => Weighed::Left(LeftToMeshes::Mass),
+            (_, None) => Weighed::Left(MissingInertia::Mass),
             (Weighed::Known(inertial), Some(factor)) => Weighed::Known(Inertial {
                 mass: inertial.mass * factor,
                 moments: inertial.moments.map(|row| row.map(|entry| entry * factor)),
                 ..inertial
             }),
-            (Weighed::Left(LeftToMeshes::Centre { mass }), Some(factor)) => {
+            (Weighed::Left(MissingInertia::Centre { mass }), Some(factor)) => {
                 let mass = mass * factor;
-                Weighed::Left(LeftToMeshes::Centre { mass })
+                Weighed::Left(MissingInertia::Centre { mass })
             }
             (left, _) => left,
         };

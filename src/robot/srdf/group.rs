@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::model::{JointId, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, Mended, Read, is};
+use crate::robot::xml::{Element, ParseIssue, Read, RepairKind, is};
 
 /// A named set of joints.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,8 +36,8 @@ pub(super) fn read_all(
             continue;
         };
         if parts.contains_key(&name) {
-            let fault = Fault::RepeatedGroup { group: name };
-            element.mend(fault, |_| Mended::FirstCounts { child: "group" })?;
+            let fault = ParseIssue::RepeatedGroup { group: name };
+            element.mend(fault, |_| RepairKind::FirstCounts { child: "group" })?;
             continue;
         }
         parts.insert(name.clone(), read(element, robot, virtual_joints)?);
@@ -54,13 +54,13 @@ pub(super) fn read_all(
             let Some(part) = parts.get(inner) else {
                 let valid = names.iter().map(String::as_str);
                 let unknown = UnknownName::new("group", inner, valid);
-                element.mend(unknown.into(), Mended::LeftOut)?;
+                element.mend(unknown.into(), RepairKind::LeftOut)?;
                 continue;
             };
             joints.extend(&part.joints);
             if part.groups.contains(name) {
                 let group = name.clone();
-                element.mend(Fault::GroupWithinItself { group }, Mended::LeftOut)?;
+                element.mend(ParseIssue::GroupWithinItself { group }, RepairKind::LeftOut)?;
                 seen.insert(name.as_str());
             }
             let new = part

@@ -10,7 +10,7 @@ use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{FrameId, UnknownName};
 use crate::robot::Robot;
 use crate::robot::xml::{
-    Element, Fault, Read, Reading, RobotFileError, is, mended, parse as parse_xml,
+    Element, ParseIssue, Read, Reading, RobotFileError, is, mended, parse as parse_xml,
 };
 
 /// Largest file size that is read, bytes; SRDF files stay below 1 MB.
@@ -97,7 +97,7 @@ fn read(reading: &Reading<'_>, robot: &Robot) -> Read<Srdf> {
     let root = document.root_element();
     if !root.has_tag_name("robot") {
         let label = format!("<{}>", root.tag_name().name());
-        return Err(Element::new(reading, root, label).fault(Fault::NotARobot));
+        return Err(Element::new(reading, root, label).fault(ParseIssue::NotARobot));
     }
     let elements = |tag: &'static str| -> Vec<Element<'_>> {
         let nodes = root.children().filter(move |node| is(*node, tag));

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::Srdf;
 use crate::model::{JointId, JointKind, Model, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, Mended, Read, is};
+use crate::robot::xml::{Element, ParseIssue, Read, RepairKind, is};
 
 /// Pinocchio's name of the joint that moves a whole robot.
 const BASE: &str = "root_joint";
@@ -78,7 +78,7 @@ pub(super) fn read(
             }
             // Fixed joints have no value, so their values are ignored without a note.
             if let Err(unknown) = robot.model().joint(&name) {
-                part.mend(unknown.into(), Mended::LeftOut)?;
+                part.mend(unknown.into(), RepairKind::LeftOut)?;
             }
             continue;
         };
@@ -129,8 +129,10 @@ fn numbers(part: &Element<'_>, count: usize) -> Read<Vec<f64>> {
     };
     match numbers {
         Some(numbers) if numbers.len() == count && turns(&numbers) => Ok(numbers),
-        Some(numbers) if numbers.len() == count => Err(part.fault(Fault::ZeroLength { attribute })),
-        _ => Err(part.fault(Fault::BadNumbers {
+        Some(numbers) if numbers.len() == count => {
+            Err(part.fault(ParseIssue::ZeroLength { attribute }))
+        }
+        _ => Err(part.fault(ParseIssue::BadNumbers {
             attribute,
             count,
             text,

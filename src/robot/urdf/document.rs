@@ -8,7 +8,9 @@ use super::joint_element::{self, JointElement, READ};
 use super::link_element;
 use super::version::Version;
 use crate::robot::Link;
-use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading, RobotFileError, is, parse};
+use crate::robot::xml::{
+    Element, Named, ParseIssue, Read, Reading, RepairKind, RobotFileError, is, parse,
+};
 
 /// Link at the world frame, which Drake's files need not declare.
 const WORLD: &str = "world";
@@ -52,7 +54,7 @@ pub(super) fn read(reading: &Reading<'_>) -> Read<Document> {
     refuse_macros(reading, root)?;
     if !root.has_tag_name("robot") {
         let label = format!("<{}>", root.tag_name().name());
-        return Err(Element::new(reading, root, label).fault(Fault::NotARobot));
+        return Err(Element::new(reading, root, label).fault(ParseIssue::NotARobot));
     }
     let robot = Element::new(reading, root, "<robot>".to_owned());
     let version = Version::of(&robot);
@@ -90,7 +92,7 @@ fn add_world(robot: &Element<'_>, document: &mut Document) {
     if names.any(|name| name == WORLD || !children.contains(name)) {
         return;
     }
-    robot.note(Mended::WorldAdded);
+    robot.note(RepairKind::WorldAdded);
     let (name, at) = (WORLD.to_owned(), robot.at());
     document.links.push(LinkElement {
         named: Named { name, at },
@@ -103,7 +105,7 @@ fn name_of(robot: &Element<'_>) -> Read<Named> {
     if read.is_ok() || !robot.reading.lenient {
         return read;
     }
-    robot.note(Mended::Named { name: NAMELESS });
+    robot.note(RepairKind::Named { name: NAMELESS });
     let (name, at) = (NAMELESS.to_owned(), robot.at());
     Ok(Named { name, at })
 }
@@ -135,7 +137,7 @@ fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
     }
     for call in root.descendants().filter(of_xacro) {
         let element = format!("<xacro:{}>", call.tag_name().name());
-        reading.note(call.range().start, &element, Mended::MacroCallLeftOut);
+        reading.note(call.range().start, &element, RepairKind::MacroCallLeftOut);
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use super::origin;
 use super::version::Version;
 use crate::model::{JointKind, Limits};
 use crate::robot::Drive;
-use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading};
+use crate::robot::xml::{Element, Named, ParseIssue, Read, Reading, RepairKind};
 use crate::spatial::{Placement, Vector3};
 
 /// Child elements of a joint that are read, with their attributes.
@@ -81,7 +81,7 @@ pub(super) fn read<'a>(
         "spherical" => (JointKind::Ball, JointChain::One),
         "floating" => (JointKind::Ball, JointChain::Free),
         "planar" => (JointKind::Continuous, JointChain::Planar),
-        _ => return Err(joint.fault(Fault::UnknownJointType { kind })),
+        _ => return Err(joint.fault(ParseIssue::UnknownJointType { kind })),
     };
 
     let mut found = READ.map(|_| None);
@@ -98,7 +98,7 @@ pub(super) fn read<'a>(
 
     let link = |element: Option<Element<'_>>, child| match element {
         Some(element) => element.name("link"),
-        None => Err(joint.fault(Fault::MissingElement { child })),
+        None => Err(joint.fault(ParseIssue::MissingElement { child })),
     };
     Ok(JointElement {
         parent: link(parent, "parent")?,
@@ -122,7 +122,7 @@ fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Read<Vector3<f64>> {
     match axis.numbers::<3>("xyz")? {
         // Exporters write a zero axis for joints without an axis.
         _ if matches!(kind, JointKind::Fixed | JointKind::Ball) => Ok(x),
-        None | Some([0.0, 0.0, 0.0]) => Err(axis.fault(Fault::NoDirection)),
+        None | Some([0.0, 0.0, 0.0]) => Err(axis.fault(ParseIssue::NoDirection)),
         Some(xyz) => Ok(Vector3::from(xyz)),
     }
 }
@@ -142,7 +142,9 @@ fn limits(
         JointKind::Prismatic => "prismatic",
     };
     let Some(limit) = limit else {
-        joint.mend(Fault::NoLimits { kind: name }, |_| Mended::HeldAtZero)?;
+        joint.mend(ParseIssue::NoLimits { kind: name }, |_| {
+            RepairKind::HeldAtZero
+        })?;
         return Ok(held);
     };
     let bound = |missing, value: f64| -> Read<f64> {
@@ -153,12 +155,12 @@ fn limits(
         };
         let text = limit.text(missing).map(str::trim);
         if limit.reading.lenient && text.and_then(|text| text.parse().ok()) == Some(unlimited) {
-            limit.note(Mended::Unlimited { attribute: missing });
+            limit.note(RepairKind::Unlimited { attribute: missing });
             return Ok(unlimited);
         }
         let given = limit.number(missing)?;
         if given.is_none() {
-            limit.note(Mended::BoundByDefault { missing, value });
+            limit.note(RepairKind::BoundByDefault { missing, value });
         }
         Ok(given.unwrap_or(value))
     };
@@ -167,9 +169,9 @@ fn limits(
     if lower <= upper {
         return Ok(Limits::new(lower, upper));
     }
-    let fault = Fault::LimitsOutOfOrder { lower, upper };
+    let fault = ParseIssue::LimitsOutOfOrder { lower, upper };
     let (lower, upper) = (upper, lower);
-    limit.mend(fault, |_| Mended::LimitsExchanged { lower, upper })?;
+    limit.mend(fault, |_| RepairKind::LimitsExchanged { lower, upper })?;
     Ok(Limits::new(lower, upper))
 }
 

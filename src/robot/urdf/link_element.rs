@@ -5,7 +5,7 @@ use roxmltree::Node;
 
 use super::origin;
 use super::version::Version;
-use crate::robot::xml::{Element, Fault, Read, Reading, RobotFileError, is};
+use crate::robot::xml::{Element, ParseIssue, Read, Reading, RobotFileError, is};
 use crate::robot::{Geometry, Inertial, Link, Shape};
 
 /// Shapes that a `<geometry>` can hold.
@@ -41,7 +41,7 @@ fn shape(shape: &Element<'_>, version: Version) -> Read<Shape> {
     let body =
         children.find_map(|child| Some((child, SHAPES.into_iter().find(|tag| is(child, tag))?)));
     let Some((body, tag)) = body else {
-        return Err(geometry.fault(Fault::UnknownShape));
+        return Err(geometry.fault(ParseIssue::UnknownShape));
     };
     let body = shape.part(body);
     let length = |attribute| body.demanded(attribute).map(|[value]| value);

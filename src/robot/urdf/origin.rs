@@ -1,7 +1,7 @@
 //! `<origin>`: poses, with rotations as roll-pitch-yaw angles or quaternions.
 
 use super::version::Version;
-use crate::robot::xml::{Element, Fault, Read, clean_sin_cos, rotation_of_wxyz};
+use crate::robot::xml::{Element, ParseIssue, Read, clean_sin_cos, rotation_of_wxyz};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Pose from the child `<origin>` of an element; the identity without one.
@@ -12,7 +12,7 @@ pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f6
     let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
     let rpy = origin.numbers::<3>("rpy")?;
     let quaternion = origin.numbers::<4>("quat_xyzw")?;
-    let bad = |problem| Err(origin.fault(Fault::BadQuaternion { problem }));
+    let bad = |problem| Err(origin.fault(ParseIssue::BadQuaternion { problem }));
     let rotation = match (rpy, quaternion) {
         (rpy, None) => from_roll_pitch_yaw(rpy.unwrap_or_default()),
         _ if version < Version(1, 1) => return bad("needs <robot version=\"1.1\">"),

@@ -25,7 +25,7 @@ pub struct UrdfReader {
 impl UrdfReader {
     setters! {
         /// Corrects faults that have a single sensible correction, and lists each one: see [`Robot::repairs`] and
-        /// [`Mended`](crate::robot::Mended).
+        /// [`RepairKind`](crate::robot::RepairKind).
         ///
         /// The corrections are:
         /// - Limits out of order are exchanged.
@@ -217,7 +217,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A fault of the file, with line and element: see [`RobotFileError`] and [`Fault`](crate::robot::Fault).
+    /// A fault of the file, with line and element: see [`RobotFileError`] and [`ParseIssue`](crate::robot::ParseIssue).
     ///
     /// Xacro files are not expanded. A macro call that remains in an expanded file is left out with a note. A link
     /// `world` that joints refer to without a declaration is added with a note.

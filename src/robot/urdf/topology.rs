@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use super::document::Document;
 use super::joint_element::{Follows, JointElement};
 use crate::model::UnknownName;
-use crate::robot::xml::{Fault, Named, Read, Reading, RobotFileError};
+use crate::robot::xml::{Named, ParseIssue, Read, Reading, RobotFileError};
 
 /// A joint and the links that it connects, as indices into the document's lists.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ pub(super) struct Topology {
 pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology> {
     let Document { links, joints, .. } = document;
     if links.is_empty() {
-        return Err(reading.fault(document.robot.at, "<robot>".into(), Fault::NoLinks));
+        return Err(reading.fault(document.robot.at, "<robot>".into(), ParseIssue::NoLinks));
     }
     let link_by_name = index(reading, "link", links.iter().map(|link| &link.named))?;
     let joint_by_name = index(reading, "joint", joints.iter().map(|joint| &joint.named))?;
@@ -53,7 +53,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
             child_link: link(&joint.child)?,
         };
         if let Some(other) = carrier[branch.child_link] {
-            let fault = Fault::TwoParents {
+            let fault = ParseIssue::TwoParents {
                 link: joint.child.clone(),
                 other: joints[other].named.name.clone(),
             };
@@ -72,7 +72,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
     let roots: Vec<usize> = (0..links.len()).filter(|&l| carrier[l].is_none()).collect();
     if roots.len() > 1 {
         let names = roots.iter().map(|&root| links[root].named.name.clone());
-        let fault = Fault::SeveralRoots {
+        let fault = ParseIssue::SeveralRoots {
             roots: names.collect(),
         };
         return Err(reading.fault(document.robot.at, "<robot>".into(), fault));
@@ -93,7 +93,7 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
     match reached.iter().position(|&reached| !reached) {
         Some(outside) => {
             let ring = on_ring(outside, joints, &link_by_name, &carrier);
-            Err(joint_fault(reading, &joints[ring], Fault::Cycle))
+            Err(joint_fault(reading, &joints[ring], ParseIssue::Cycle))
         }
         None => Ok(Topology { branches, masters }),
     }
@@ -126,13 +126,13 @@ fn index<'a>(
         if let Some(first) = by_name.insert(thing.name.as_str(), position) {
             let first_line = reading.line(starts[first]);
             let label = format!("{kind} `{}`", thing.name);
-            return Err(reading.fault(thing.at, label, Fault::DuplicateName { first_line }));
+            return Err(reading.fault(thing.at, label, ParseIssue::DuplicateName { first_line }));
         }
     }
     Ok(by_name)
 }
 
-fn joint_fault(reading: &Reading<'_>, joint: &JointElement, fault: Fault) -> RobotFileError {
+fn joint_fault(reading: &Reading<'_>, joint: &JointElement, fault: ParseIssue) -> RobotFileError {
     let label = format!("joint `{}`", joint.named.name);
     reading.fault(joint.named.at, label, fault)
 }

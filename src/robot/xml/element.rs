@@ -2,9 +2,9 @@
 
 use roxmltree::Node;
 
-use super::error::{Fault, Read, RobotFileError};
+use super::error::{ParseIssue, Read, RobotFileError};
 use super::reading::Reading;
-use super::repair::Mended;
+use super::repair::RepairKind;
 
 /// A link or joint by name, with its byte offset in the text.
 #[derive(Clone, Debug)]
@@ -49,16 +49,20 @@ impl<'a> Element<'a> {
         self.node.range().start
     }
 
-    pub(crate) fn fault(&self, fault: Fault) -> RobotFileError {
+    pub(crate) fn fault(&self, fault: ParseIssue) -> RobotFileError {
         self.reading.fault(self.at(), self.label.clone(), fault)
     }
 
-    pub(crate) fn note(&self, mended: Mended) {
+    pub(crate) fn note(&self, mended: RepairKind) {
         self.reading.note(self.at(), &self.label, mended);
     }
 
     /// Returns a fault as an error if the reader is strict; a lenient reader notes the repair instead.
-    pub(crate) fn mend(&self, fault: Fault, mended: impl FnOnce(Fault) -> Mended) -> Read<()> {
+    pub(crate) fn mend(
+        &self,
+        fault: ParseIssue,
+        mended: impl FnOnce(ParseIssue) -> RepairKind,
+    ) -> Read<()> {
         self.reading.mend(self.at(), &self.label, fault, mended)
     }
 
@@ -78,7 +82,7 @@ impl<'a> Element<'a> {
     pub(crate) fn name(&self, attribute: &'static str) -> Read<String> {
         match self.text(attribute) {
             Some(name) if !name.trim().is_empty() => Ok(name.to_owned()),
-            _ => Err(self.fault(Fault::MissingAttribute { attribute })),
+            _ => Err(self.fault(ParseIssue::MissingAttribute { attribute })),
         }
     }
 
@@ -96,14 +100,14 @@ impl<'a> Element<'a> {
         let (count, text) = (N, text.to_owned());
         // A decimal comma would change the numbers, so only commas followed by a space separate.
         let without_commas = exactly(&format!("{text} ").replace(", ", " "));
-        let fault = Fault::BadNumbers {
+        let fault = ParseIssue::BadNumbers {
             attribute,
             count,
             text,
         };
         match without_commas {
             Some(values) => {
-                self.mend(fault, |_| Mended::CommasAreBlanks { attribute })?;
+                self.mend(fault, |_| RepairKind::CommasAreBlanks { attribute })?;
                 Ok(Some(values))
             }
             None => Err(self.fault(fault)),
@@ -123,7 +127,7 @@ impl<'a> Element<'a> {
 
     /// A required attribute of exactly `N` finite numbers.
     pub(crate) fn demanded<const N: usize>(&self, attribute: &'static str) -> Read<[f64; N]> {
-        let missing = || self.fault(Fault::MissingAttribute { attribute });
+        let missing = || self.fault(ParseIssue::MissingAttribute { attribute });
         self.numbers(attribute)?.ok_or_else(missing)
     }
 
@@ -132,9 +136,9 @@ impl<'a> Element<'a> {
         let mut found = self.node.children().filter(|inner| is(*inner, child));
         let first = found.next();
         if let Some(second) = found.next() {
-            let fault = Fault::RepeatedElement { child };
+            let fault = ParseIssue::RepeatedElement { child };
             self.part(second)
-                .mend(fault, |_| Mended::FirstCounts { child })?;
+                .mend(fault, |_| RepairKind::FirstCounts { child })?;
         }
         Ok(first)
     }
@@ -148,7 +152,7 @@ impl<'a> Element<'a> {
 
     /// The required [part](Self::part) of a name.
     pub(crate) fn required(&self, child: &'static str) -> Read<Self> {
-        let missing = || self.fault(Fault::MissingElement { child });
+        let missing = || self.fault(ParseIssue::MissingElement { child });
         let node = self.once(child)?.ok_or_else(missing)?;
         Ok(self.part(node))
     }
@@ -176,7 +180,7 @@ impl<'a> Element<'a> {
         match known.iter().find(|meant| one_slip_apart(name, meant)) {
             Some(meant) => {
                 let found = name.to_owned();
-                self.mend(Fault::Misspelt { found, meant }, Mended::LeftOut)
+                self.mend(ParseIssue::Misspelt { found, meant }, RepairKind::LeftOut)
             }
             None => Ok(()),
         }

@@ -43,7 +43,7 @@ pub enum RobotFileError {
         /// The element, such as ``joint `elbow`, <limit>``.
         element: String,
         /// Problem of the element.
-        fault: Fault,
+        fault: ParseIssue,
     },
     /// The elements do not form a model. Examples: mimic joints that form a cycle or leave their source joint no value,
     /// and numbers outside the range of a model.
@@ -59,7 +59,7 @@ pub enum RobotFileError {
 /// Problem of an element.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum ParseIssue {
     /// The root element is not `<robot>`.
     #[error("the root element must be <robot>")]
     NotARobot,

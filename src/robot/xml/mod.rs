@@ -18,11 +18,11 @@ pub(super) use element::Named;
 pub(super) use element::exactly;
 pub(super) use element::{Element, is};
 pub(crate) use error::Read;
-pub use error::{Fault, RobotFileError};
+pub use error::{ParseIssue, RobotFileError};
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 pub(super) use parse::root_name;
 pub(super) use parse::{mended, parse};
 pub(super) use reading::Reading;
-pub use repair::{Mended, Repair};
+pub use repair::{Repair, RepairKind};
 #[cfg(any(feature = "mjcf", feature = "urdf"))]
 pub(super) use rotation::{clean_sin_cos, rotation_of_wxyz};

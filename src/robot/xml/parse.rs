@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use roxmltree::{Document, Error};
 
 use super::error::{Read, RobotFileError};
-use super::repair::{Mended, Repair};
+use super::repair::{Repair, RepairKind};
 
 /// Largest number of malformed declarations and undeclared prefixes that are corrected; files have one.
 const MOST_PREFIXES: usize = 16;
@@ -38,12 +38,12 @@ pub(crate) fn mended<'a>(text: &'a str, repairs: &mut Vec<Repair>) -> Cow<'a, st
     for _ in 0..MOST_PREFIXES {
         let next = match Document::parse(&text) {
             Err(Error::UnexpectedDeclaration(at)) => {
-                note(at.row, "<?xml?>", Mended::DeclarationRemoved);
+                note(at.row, "<?xml?>", RepairKind::DeclarationRemoved);
                 without_declaration(&text, at.row as usize)
             }
             Err(Error::UnknownNamespace(prefix, at)) if prefix != "xacro" => {
                 let next = with_prefix(&text, &prefix);
-                note(at.row, "<robot>", Mended::PrefixDeclared { prefix });
+                note(at.row, "<robot>", RepairKind::PrefixDeclared { prefix });
                 next
             }
             _ => break,

@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-use super::error::{Fault, Read, RobotFileError};
-use super::repair::{Mended, Repair};
+use super::error::{ParseIssue, Read, RobotFileError};
+use super::repair::{Repair, RepairKind};
 
 /// A file that is being read: name, text, leniency, and repairs so far.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ impl Reading<'_> {
         1 + before.filter(|&&byte| byte == b'\n').count() as u32
     }
 
-    pub(crate) fn fault(&self, at: usize, element: String, fault: Fault) -> RobotFileError {
+    pub(crate) fn fault(&self, at: usize, element: String, fault: ParseIssue) -> RobotFileError {
         RobotFileError::Element {
             file: self.file.to_owned(),
             line: self.line(at),
@@ -31,7 +31,7 @@ impl Reading<'_> {
     }
 
     /// Adds a repair to the list.
-    pub(crate) fn note(&self, at: usize, element: &str, mended: Mended) {
+    pub(crate) fn note(&self, at: usize, element: &str, mended: RepairKind) {
         self.repairs.borrow_mut().push(Repair {
             line: self.line(at),
             element: element.to_owned(),
@@ -44,8 +44,8 @@ impl Reading<'_> {
         &self,
         at: usize,
         element: &str,
-        fault: Fault,
-        mended: impl FnOnce(Fault) -> Mended,
+        fault: ParseIssue,
+        mended: impl FnOnce(ParseIssue) -> RepairKind,
     ) -> Read<()> {
         if !self.lenient {
             return Err(self.fault(at, element.to_owned(), fault));

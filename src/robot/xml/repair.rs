@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::error::{Fault, RobotFileError};
+use super::error::{ParseIssue, RobotFileError};
 use crate::model::Limits;
-use crate::robot::LeftToMeshes;
+use crate::robot::MissingInertia;
 
 /// A default or a correction at one position of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Repair {
     /// The element, such as ``joint `elbow`, <limit>``.
     pub element: String,
     /// The default or the correction.
-    pub mended: Mended,
+    pub mended: RepairKind,
 }
 
 impl Repair {
@@ -30,7 +30,7 @@ impl Repair {
         else {
             return None;
         };
-        let mended = Mended::LeftOut(fault);
+        let mended = RepairKind::LeftOut(fault);
         Some(Self {
             line,
             element,
@@ -47,7 +47,7 @@ impl Repair {
 /// [`WorldAdded`](Self::WorldAdded). Lenient readers apply all.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Mended {
+pub enum RepairKind {
     /// `lower` or `upper` is missing and gets the default of the standard: 0, or no limit from URDF 1.2 on. A joint
     /// without both cannot move before URDF 1.2.
     BoundByDefault {
@@ -57,10 +57,10 @@ pub enum Mended {
         value: f64,
     },
     /// A faulty element is left out.
-    LeftOut(Fault),
+    LeftOut(ParseIssue),
     /// The inertia of a body depends on mesh files, which the reader does not open. The robot has no centre of mass if
     /// a joint moves the body.
-    MassLeftToMeshes(LeftToMeshes),
+    MassLeftToMeshes(MissingInertia),
     /// The range of a ball joint ends beyond π, the largest rotation angle: it is no limit, as in MuJoCo.
     StopsNothing {
         /// End of the range, radians.
@@ -120,7 +120,7 @@ pub enum Mended {
     },
 }
 
-impl fmt::Display for Mended {
+impl fmt::Display for RepairKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BoundByDefault { missing, value } if value.is_infinite() => {
@@ -133,11 +133,11 @@ impl fmt::Display for Mended {
                 )
             }
             Self::LeftOut(fault) => write!(f, "left out: {fault}"),
-            Self::MassLeftToMeshes(LeftToMeshes::Mass) => write!(
+            Self::MassLeftToMeshes(MissingInertia::Mass) => write!(
                 f,
                 "its mass is that of a mesh, whose file is not opened, and not known; `inertial` would state it"
             ),
-            Self::MassLeftToMeshes(LeftToMeshes::Centre { mass }) => write!(
+            Self::MassLeftToMeshes(MissingInertia::Centre { mass }) => write!(
                 f,
                 "its {mass} kg are a mesh's, whose file is not opened, so their centre is not known; `inertial` would state it"
             ),

@@ -41,7 +41,7 @@ impl BranchedMatrix {
     pub(crate) fn multiply(&self, x: &[f64], to: &mut [f64]) {
         to.fill(0.0);
         for k in 0..self.tree.unknowns() {
-            let (way, row) = (self.tree.way(k), self.row(k));
+            let (way, row) = (self.tree.path_to_root(k), self.row(k));
             let mut sum = row[0] * x[k];
             for (&above, entry) in way[1..].iter().zip(&row[1..]) {
                 sum += entry * x[above];
@@ -53,7 +53,7 @@ impl BranchedMatrix {
 
     /// Copies another matrix with the same tree, adds damping to its diagonal, and fixes the held unknowns at `values`.
     ///
-    /// Rows of held unknowns become rows of the identity. Their effect on the other equations moves to `right`.
+    /// RowBlock of held unknowns become rows of the identity. Their effect on the other equations moves to `right`.
     pub(crate) fn copy_free(
         &mut self,
         other: &Self,
@@ -70,7 +70,7 @@ impl BranchedMatrix {
             return;
         }
         for k in 0..tree.unknowns() {
-            let way = tree.way(k);
+            let way = tree.path_to_root(k);
             let row = &mut self.entries[tree.start(k)..][..way.len()];
             for (&above, entry) in way[1..].iter().zip(&mut row[1..]) {
                 if held[k] || held[above] {
@@ -97,7 +97,7 @@ impl BranchedMatrix {
         let diagonal = (0..tree.unknowns()).map(|k| self.entries[tree.start(k)]);
         let least = NEGLIGIBLE * diagonal.fold(0.0, f64::max);
         for k in (0..tree.unknowns()).rev() {
-            let way = tree.way(k);
+            let way = tree.path_to_root(k);
             let (before, own) = self.entries.split_at_mut(tree.start(k));
             let row = &mut own[..way.len()];
             let pivot = row[0];
@@ -122,7 +122,7 @@ impl BranchedMatrix {
     /// Solves A x = b in place after [`factorise`](Self::factorise): Lᵀ from the tips to the root, then L back.
     pub(crate) fn solve(&self, b: &mut [f64]) {
         for k in (0..self.tree.unknowns()).rev() {
-            let (way, row) = (self.tree.way(k), self.row(k));
+            let (way, row) = (self.tree.path_to_root(k), self.row(k));
             let value = b[k] * row[0];
             b[k] = value;
             for (&above, entry) in way[1..].iter().zip(&row[1..]) {
@@ -130,7 +130,7 @@ impl BranchedMatrix {
             }
         }
         for k in 0..self.tree.unknowns() {
-            let (way, row) = (self.tree.way(k), self.row(k));
+            let (way, row) = (self.tree.path_to_root(k), self.row(k));
             let above = way[1..].iter().zip(&row[1..]);
             let taken: f64 = above.map(|(&above, entry)| entry * b[above]).sum();
             b[k] = (b[k] - taken) * row[0];

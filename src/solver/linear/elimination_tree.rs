@@ -51,7 +51,7 @@ impl EliminationTree {
     }
 
     /// Unknowns from one to its root.
-    pub(super) fn way(&self, unknown: usize) -> &[usize] {
+    pub(super) fn path_to_root(&self, unknown: usize) -> &[usize] {
         &self.ways[self.starts[unknown]..self.starts[unknown + 1]]
     }
 
@@ -63,6 +63,6 @@ impl EliminationTree {
     /// Index of the entry of two coupled unknowns.
     pub(super) fn entry(&self, a: usize, b: usize) -> usize {
         let (below, above) = (a.max(b), a.min(b));
-        self.starts[below] + self.way(below).len() - self.way(above).len()
+        self.starts[below] + self.path_to_root(below).len() - self.path_to_root(above).len()
     }
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 use ik_geo::inverse_kinematics::auxiliary::Kinematics;
 use ik_geo::inverse_kinematics::three_parallel_two_intersecting;
 use ik_geo::nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use kinopt::lanes::{Chain, JointKind};
+use kinopt::simd_ik::{Chain, JointKind};
 use kinopt::robot::Robot;
 use kinopt::spatial;
 

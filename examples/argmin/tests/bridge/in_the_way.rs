@@ -7,10 +7,10 @@ use argmin::solver::quasinewton::LBFGS;
 use kinopt::Problem;
 use kinopt::argmin_bridge::UnboundedProblem;
 use kinopt::model::FrameId;
-use kinopt::problem::{ClearanceCheck, Collision, KeepClear};
+use kinopt::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use kinopt::scalar::Scalar;
 use kinopt::spatial::Placement;
-use kinopt::task::{Pose, Quantity, Residual, Rows, Task};
+use kinopt::task::{Pose, Quantity, Residual, RowBlock, Task};
 
 use crate::bent_arm::{arm, world_from_tip};
 
@@ -34,8 +34,8 @@ impl Residual for Wall {
         vec![self.tip]
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -59,7 +59,7 @@ impl ClearanceCheck for Wall {
     }
 }
 
-impl KeepClear for Wall {
+impl CollisionAvoidance for Wall {
     type Clearance = Self;
     type Check = Self;
 

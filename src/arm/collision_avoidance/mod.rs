@@ -1,0 +1,473 @@
+//! Collision avoidance of an arm, compiled for its chain.
+
+mod check_time;
+mod many_configurations;
+mod min_penetration;
+mod null_space_avoidance;
+mod path_steps;
+mod search;
+mod sphere_checks;
+
+use std::sync::Arc;
+
+use self::check_time::CheckTime;
+use super::arm::Arm;
+use super::workspace::ArmWorkspace;
+use super::{ArmError, QueryError, Reply};
+use crate::collision::simd_spheres::{
+    self, Body, BodyChain, Passed, SolidMoved, Solids, SphereWorkspaces,
+};
+use crate::collision::{Checker, CheckerWorkspace, FIRST_PLANE, SphereModel, World};
+use crate::kinematics::ForwardKinematics;
+use crate::model::{FrameId, JointId, Model};
+use crate::search::{BodyKind, Collision};
+use crate::simd_ik::Chain;
+use crate::spatial::Placement;
+
+/// Additional margin of the SIMD checks, metres: they round placements differently from the exact check.
+const SLACK: f64 = 1e-9;
+
+/// Collision checker for the configurations of one arm.
+#[derive(Debug)]
+pub(super) struct CollisionAvoidance {
+    checker: Checker,
+    /// Checker with a larger margin, for steps that are cut short.
+    cautious: Checker,
+    /// Configuration of the whole model, which gives the positions of the joints outside the arm.
+    rest: Vec<f64>,
+    /// True if a pair that no joint of the arm moves is too near, so that nothing is collision-free.
+    never_free: bool,
+    /// SIMD checks, if the chain supports them and there are spheres.
+    lanes: Option<InLanes>,
+    /// Link pairs too close for spheres, by index in the checker's model; the SIMD checks leave them out.
+    close_pairs: Vec<[usize; 2]>,
+    check_time: CheckTime,
+}
+
+/// Spheres and solids for SIMD checks, in the base frame.
+#[derive(Debug)]
+struct InLanes {
+    bodies: Arc<BodyChain>,
+    solids: Solids,
+    base_from_world: Placement<f64>,
+}
+
+/// Workspace of the collision checks.
+#[derive(Clone, Debug)]
+pub(super) struct CollisionWorkspace {
+    rooms: SphereWorkspaces,
+    exact: CheckerWorkspace,
+    q_model: Vec<f64>,
+    /// Configuration of the whole model at the start of a motion.
+    q_from: Vec<f64>,
+    /// Up to eight configurations, in sequence.
+    several: Vec<f64>,
+    /// Start configurations of attempts.
+    seeds: Vec<f64>,
+    /// Targets of these attempts.
+    targets: Vec<Placement<f64>>,
+    /// Number of solutions of a query that may still be checked by shapes.
+    by_shapes: usize,
+}
+
+impl Arm {
+    /// The same arm with avoidance of collisions with a world and with itself.
+    ///
+    /// A solution is reached only if all pairs are at least the checker's margin apart, by the exact distances of
+    /// shapes. `q_model` is a configuration of the checker's model, which must be the arm's; it gives the positions of
+    /// joints outside the arm. The seed atlas is shared, so an arm for a changed world takes microseconds to build.
+    ///
+    /// If the plain solution collides, further attempts follow, checked eight at a time. The [search](super::Search)
+    /// decides which one counts: the first collision-free attempt from the start, or the nearest. If none is free, the
+    /// one of least penetration moves along the null space. Pairs that no joint of the arm moves, such as the base on
+    /// its table, are checked once, by their shapes. If they collide, no solution is free, and none is searched for.
+    ///
+    /// Paths, followers and servos stop before a collision. A step is cut short if the motion to its end, with linear
+    /// joint interpolation, is not proven [free](Checker::check_motion). Null-space motion may avoid the obstacle instead. A
+    /// step cut short is not reached, and its solution names the collision; later steps continue from there. A pair in
+    /// contact at the start of a step comes no nearer, and separates when the path leads away
+    /// ([`Checker::way_from_contact`]). No step is reached until it has.
+    ///
+    /// # Errors
+    /// Returns an error for a checker of another model, or a configuration of the wrong length or not finite.
+    pub fn with_checker(self, checker: &Checker, q_model: &[f64]) -> Result<Self, ArmError> {
+        self.with_checker_after(checker, q_model, None)
+    }
+
+    /// The same arm with a checker, sharing compiled parts of `before`, of an arm of the same chain.
+    fn with_checker_after(
+        self,
+        checker: &Checker,
+        q_model: &[f64],
+        before: Option<&CollisionAvoidance>,
+    ) -> Result<Self, ArmError> {
+        let mut arm = self;
+        let kept = CollisionAvoidance::new(&arm, checker, q_model, before)?;
+        arm.collisions = Some(Arc::new(kept));
+        // A workspace of another checker is invalid.
+        arm.for_each_workspace(|workspace| workspace.clear_room = None);
+        Ok(arm)
+    }
+
+    /// The same arm in another world, in its present state, with another margin (metres) or the same one.
+    ///
+    /// The seed atlas is shared.
+    ///
+    /// # Errors
+    /// Returns an error for:
+    /// - An arm without a [checker](Self::with_checker).
+    /// - A margin that is negative or not finite.
+    /// - An obstacle attached to a frame that the robot does not have.
+    pub fn with_world(
+        &self,
+        world: &World,
+        margin: impl Into<Option<f64>>,
+    ) -> Result<Self, ArmError> {
+        let Some(kept) = &self.collisions else {
+            return Err(ArmError::Conflict(
+                "the arm was made without a world or a margin to keep clear of, so it has none to exchange",
+            ));
+        };
+        let margin = margin.into().unwrap_or(kept.checker.margin());
+        let checker = kept
+            .checker
+            .clone()
+            .with_world(world)?
+            .with_margin(margin)?;
+        let lanes = self.lanes_for(&self.serial, &self.options)?;
+        self.changed(self.serial.clone(), self.options.clone(), lanes)?
+            .with_checker_after(&checker, &kept.rest, Some(kept))
+    }
+
+    /// Returns true if the arm avoids collisions.
+    pub(super) fn keeps_clear(&self) -> bool {
+        self.collisions.is_some()
+    }
+
+    /// Pairs that are nearer to each other than the margin at a configuration of the arm, the deepest first.
+    ///
+    /// # Errors
+    /// Returns an error for an arm without a [checker](Self::with_checker), or a configuration of the wrong length or
+    /// not finite.
+    pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
+        match self.keeps_clear() {
+            true => self.touching(q),
+            false => Err(QueryError::NothingToKeepClearOf),
+        }
+    }
+
+    /// [`collisions`](Self::collisions), but empty for an arm without a checker.
+    pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
+        self.check_length("q", q.len(), self.joint_count())?;
+        self.check_finite(q)?;
+        match &self.collisions {
+            Some(kept) => kept.collisions(self, &mut kept.room(), q),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// Runs a function with a workspace and its buffers for collision checks.
+    fn with_room<T>(
+        &self,
+        kept: &CollisionAvoidance,
+        run: impl FnOnce(&mut ArmWorkspace, &mut CollisionWorkspace) -> Reply<T>,
+    ) -> Reply<T> {
+        self.with_workspace(|workspace| {
+            // Taken out and put back, so that nothing is allocated.
+            let mut taken = workspace.clear_room.take();
+            let out = run(workspace, taken.get_or_insert_with(|| kept.room()));
+            workspace.clear_room = taken;
+            out
+        })?
+    }
+}
+
+impl CollisionAvoidance {
+    fn new(
+        arm: &Arm,
+        checker: &Checker,
+        q_model: &[f64],
+        before: Option<&Self>,
+    ) -> Result<Self, ArmError> {
+        let model = checker.model().model();
+        let (given, expected) = (
+            model.configuration_len(),
+            arm.coordinates.degrees_of_freedom,
+        );
+        if given != expected {
+            return Err(ArmError::ForeignChecker { given, expected });
+        }
+        let mut rest = q_model.to_vec();
+        let mut q = vec![0.0; arm.joint_count()];
+        // The lengths were checked above.
+        let _ = arm.joint_values(&rest, &mut q[..]);
+        let _ = arm.configuration(&q, &mut rest);
+        // Clamped to their limits, with the joints that the arm locks.
+        let _ = arm.joint_values(&rest, &mut q[..]);
+        let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
+        let own = Own {
+            model,
+            joints: &arm.serial.joints,
+            base: arm.coordinates.base,
+        };
+        let at_rest = checker.collisions(&rest)?;
+        let check_time = CheckTime::default();
+        check_time.measured(arm, || checker.collisions(&rest))?;
+        let never_free = at_rest.iter().any(|pair| own.is_fixed(pair, checker));
+        let chain = arm.serial.chain.as_ref();
+        let changed = before.and_then(|before| before.lanes_in(checker, &rest));
+        let anew = || {
+            let (chain, spheres) = chain.zip(checker.spheres())?;
+            InLanes::new(chain, &q, &placed, &own, checker, spheres)
+        };
+        let lanes = changed.or_else(anew);
+        let joints_to = |place: usize| own.joints_to(checker.model().links().get(place).copied());
+        let moves = |pair: &&[usize; 2]| joints_to(pair[0]) != joints_to(pair[1]);
+        Ok(Self {
+            close_pairs: (checker.close_pairs().iter().filter(moves).copied()).collect(),
+            cautious: checker.clone().with_stand_off(path_steps::STAND_OFF),
+            checker: checker.clone(),
+            rest,
+            never_free,
+            lanes,
+            check_time,
+        })
+    }
+
+    /// SIMD checks for a checker that differs only in its world.
+    fn lanes_in(&self, checker: &Checker, rest: &[f64]) -> Option<InLanes> {
+        let same = checker.margin() == self.checker.margin() && rest == self.rest;
+        let lanes = self.lanes.as_ref().filter(|_| same)?;
+        lanes.in_world(&self.checker, checker)
+    }
+
+    pub(super) fn checker(&self) -> &Checker {
+        &self.checker
+    }
+
+    pub(super) fn rest(&self) -> &[f64] {
+        &self.rest
+    }
+
+    pub(super) fn room(&self) -> CollisionWorkspace {
+        CollisionWorkspace {
+            rooms: SphereWorkspaces::default(),
+            exact: self.checker.workspace(),
+            q_model: self.rest.clone(),
+            q_from: self.rest.clone(),
+            several: Vec::new(),
+            seeds: Vec::new(),
+            targets: Vec::new(),
+            by_shapes: 0,
+        }
+    }
+
+    /// Pairs that are too near at a configuration of the arm.
+    pub(in crate::arm) fn collisions(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Reply<Vec<Collision>> {
+        arm.configuration(q, &mut room.q_model)?;
+        let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
+        Ok(self.check_time.measured(arm, check)?)
+    }
+
+    /// Distance of the worst pair at a configuration of the arm, metres; infinite if all pairs are free.
+    fn worst(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<f64> {
+        let pairs = self.collisions(arm, room, q)?;
+        Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
+    }
+
+    /// Returns true if all pairs are far enough apart, by the exact check.
+    fn is_free(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
+        arm.configuration(q, &mut room.q_model)?;
+        let check = || self.checker.is_free(&mut room.exact, &room.q_model);
+        Ok(self.check_time.measured(arm, check)?)
+    }
+
+    /// Checks a configuration that is not free by spheres by its shapes. Returns false if the first check was exact
+    /// already.
+    fn is_free_by_shapes(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Reply<bool> {
+        Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
+    }
+
+    /// Returns true if a configuration is free by its spheres, or else by its shapes.
+    fn is_clear(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
+        let by_spheres = self.free_by_spheres(arm, room, q)? & 1 != 0;
+        match by_spheres {
+            true => self.close_are_apart(arm, room, q),
+            false => self.is_free_by_shapes(arm, room, q),
+        }
+    }
+
+    /// Checks the link pairs that are too close for spheres by their shapes, for a configuration free by spheres.
+    fn close_are_apart(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
+        if self.close_pairs.is_empty() || self.lanes.is_none() {
+            return Ok(true);
+        }
+        arm.configuration(q, &mut room.q_model)?;
+        let (pairs, exact) = (&self.close_pairs, &mut room.exact);
+        Ok(self.checker.are_apart(pairs, exact, &room.q_model)?)
+    }
+
+    /// Bit mask of up to eight configurations that are free by their spheres, except for [close
+    /// pairs](Self::close_are_apart).
+    ///
+    /// Without spheres the shapes decide.
+    fn free_by_spheres(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<u32> {
+        let n = arm.joint_count();
+        if self.never_free {
+            return Ok(0);
+        }
+        let Some(lanes) = &self.lanes else {
+            let mut free = 0;
+            for (place, q) in q.chunks_exact(n).enumerate() {
+                free |= u32::from(self.is_free(arm, room, q)?) << place;
+            }
+            return Ok(free);
+        };
+        let check = || simd_spheres::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
+        let near = self.check_time.measured(arm, check);
+        Ok(!near & ((1 << (q.len() / n)) - 1))
+    }
+
+    /// Returns true if the first check is exact: the spheres are the shapes, or there are no SIMD checks.
+    fn spheres_decide(&self) -> bool {
+        let exact = self
+            .checker
+            .spheres()
+            .is_some_and(|spheres| spheres.overhang() == 0.0);
+        self.lanes.is_none() || exact
+    }
+}
+
+/// Joints and base of the arm in the checker's model.
+struct Own<'a> {
+    model: &'a Model,
+    joints: &'a [JointId],
+    base: Option<FrameId>,
+}
+
+impl Own<'_> {
+    /// Joints of the arm above a frame.
+    fn above(&self, frame: Option<FrameId>) -> Vec<JointId> {
+        let mut above = Vec::new();
+        let mut joint = frame.and_then(|frame| self.model.frames()[frame.index()].joint);
+        while let Some(id) = joint {
+            above.extend(self.joints.contains(&id).then_some(id));
+            joint = self.model.joints()[id.index()].parent;
+        }
+        above
+    }
+
+    /// Number of the arm's joints between its base and a frame.
+    fn joints_to(&self, frame: Option<FrameId>) -> usize {
+        let (a, b) = (self.above(self.base), self.above(frame));
+        let only_in = |a: &[JointId], b: &[JointId]| a.iter().filter(|id| !b.contains(id)).count();
+        only_in(&a, &b) + only_in(&b, &a)
+    }
+
+    /// Returns true if no joint of the arm moves the two bodies relative to each other.
+    fn is_fixed(&self, pair: &Collision, checker: &Checker) -> bool {
+        let joints_to = |name: &str, kind: BodyKind| match kind {
+            BodyKind::Link => self.joints_to(self.model.frame(name).ok()),
+            BodyKind::Obstacle => {
+                let obstacle = checker.world().obstacle(name).ok();
+                let frame = obstacle.and_then(|obstacle| obstacle.attached.as_deref());
+                self.joints_to(frame.and_then(|name| self.model.frame(name).ok()))
+            }
+        };
+        joints_to(&pair.first, pair.first_kind) == joints_to(&pair.second, pair.second_kind)
+    }
+}
+
+impl InLanes {
+    /// Returns `None` if the arm moves the world relative to its base, carries an obstacle, or has a link without
+    /// spheres.
+    fn new(
+        chain: &Chain,
+        q: &[f64],
+        placed: &[Placement<f64>],
+        own: &Own<'_>,
+        checker: &Checker,
+        spheres: &SphereModel,
+    ) -> Option<Self> {
+        if own.joints_to(None) > 0 || checker.world().attached().next().is_some() {
+            return None;
+        }
+        let base_from_world = match own.base {
+            Some(base) => placed[base.index()].inverse(),
+            None => Placement::identity(),
+        };
+        let bodies = spheres.groups().iter().map(|group| {
+            let body = Body {
+                joints: own.joints_to(Some(group.link)),
+                bound: group.bound,
+                spheres: group.spheres.clone(),
+            };
+            (body, base_from_world * placed[group.link.index()])
+        });
+        let bodies: Vec<_> = bodies.collect();
+        // Pairs that no joint of the arm moves are checked once, by their shapes.
+        let counts = |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints;
+        // Use the checker's pairs and links: the spheres may be older.
+        let model = checker.model();
+        let close = checker.close_pairs();
+        let close = |pair: &&[FrameId; 2]| close.contains(&pair.map(|link| model.place_of(link)));
+        let place = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);
+        if !model.links().iter().all(|link| place(link).is_some()) {
+            return None;
+        }
+        let pairs = model.pairs().iter().filter(|pair| !close(pair));
+        let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
+        let pairs = pairs.filter(counts).collect();
+        let planes = checker.model().planes().iter().map(|plane| &plane.obstacle);
+        let solids = checker.world().numbered();
+        let solids = solids.chain((FIRST_PLANE..).zip(planes));
+        let solids = solids.map(|(number, o)| (number, &o.shape, base_from_world * o.placement));
+        let bodies = BodyChain::new(chain, q, bodies, pairs);
+        Some(Self {
+            solids: Solids::new(
+                solids,
+                &bodies,
+                passed(spheres, checker),
+                checker.margin() + SLACK,
+            ),
+            bodies: Arc::new(bodies),
+            base_from_world,
+        })
+    }
+
+    /// The same in another world; `None` if the arm carries an obstacle there, or all solids must be rebuilt.
+    fn in_world(&self, before: &Checker, after: &Checker) -> Option<Self> {
+        if after.world().attached().next().is_some() {
+            return None;
+        }
+        let passed = passed(after.spheres()?, after);
+        let changes = before.world().changes(after.world());
+        let moved = changes.iter().map(|change| SolidMoved {
+            number: change.number,
+            before: change.before.map(|obstacle| &obstacle.shape),
+            after: (change.after).map(|o| (&o.shape, self.base_from_world * o.placement)),
+        });
+        let moved: Vec<SolidMoved<'_>> = moved.collect();
+        Some(Self {
+            solids: self.solids.changed(&moved, &self.bodies, &passed)?,
+            bodies: Arc::clone(&self.bodies),
+            base_from_world: self.base_from_world,
+        })
+    }
+}
+
+/// Allowed collisions of the bodies of a sphere model.
+fn passed(spheres: &SphereModel, checker: &Checker) -> Passed {
+    let groups = spheres.groups().iter();
+    Passed::new(groups.map(|group| checker.passes_of(group.link)))
+}

@@ -1,0 +1,323 @@
+//! Dispatch of a query to the SIMD solver and the general solver.
+
+use super::Reply;
+use super::arm::Arm;
+use super::options::Search;
+use super::workspace::{ArmWorkspace, Errors};
+use crate::clock::{Instant, is_past};
+use crate::ik::{RowsReport, Solution};
+use crate::problem::Anchor;
+use crate::scalar::elementary;
+use crate::search::SearchResult;
+use crate::simd_ik::{self, PoseOutcome, PoseSolver};
+use crate::solver::{Counts, Termination};
+use crate::spatial::{Placement, Vector3};
+use crate::task::Quantity;
+
+/// Iterations of the SIMD solver after which the general solver first continues its attempts.
+///
+/// The damping by gain ratio of the general solver passes narrow valleys in which the SIMD solver stalls.
+pub(super) const QUICK: u32 = 600;
+
+/// A query that is checked already.
+#[derive(Clone, Copy)]
+pub(super) struct Query<'a> {
+    pub(super) target: &'a Placement<f64>,
+    pub(super) start: &'a [f64],
+    pub(super) deadline: Option<Instant>,
+}
+
+impl Query<'_> {
+    /// Returns true if less than this time is left.
+    #[cfg(feature = "collision")]
+    pub(super) fn is_late_by(&self, needed: std::time::Duration) -> bool {
+        let earlier = |at: Instant| at.checked_sub(needed).unwrap_or(at);
+        is_past(self.deadline.map(earlier))
+    }
+
+    pub(super) fn is_late(&self) -> bool {
+        is_past(self.deadline)
+    }
+}
+
+impl Arm {
+    /// Query whose time limit begins now.
+    pub(super) fn query<'a>(&self, target: &'a Placement<f64>, start: &'a [f64]) -> Query<'a> {
+        Query {
+            target,
+            start,
+            deadline: self.deadline(),
+        }
+    }
+
+    /// Returns true if a solution of the SIMD solver is the arm's, without refinement or comparison.
+    pub(super) fn is_plain(&self) -> bool {
+        let options = &self.options;
+        options.max_move.is_none() && options.posture.is_none() && !options.search.compares()
+    }
+
+    /// Returns true if only the attempt from the start matters: the target is proven unreachable.
+    ///
+    /// It is false if the options ask for more attempts or for the best result of all.
+    pub(super) fn asks_for_own_way(&self, target: &Placement<f64>) -> bool {
+        let options = &self.options;
+        if options.attempts_asked || options.leaps_on_miss() || !options.goal.is_exact_in_position()
+        {
+            return false;
+        }
+        let anchor = self.names.anchors.first().and_then(Option::as_ref);
+        let tolerance = options.position_tolerance;
+        let beyond =
+            |anchor: &Anchor| anchor.falls_short_of(target.translation, Vector3::zero(), tolerance);
+        anchor.and_then(beyond).is_some()
+    }
+
+    /// Largest number of attempts at a target.
+    pub(super) fn attempts_at(&self, target: &Placement<f64>) -> u32 {
+        match self.asks_for_own_way(target) {
+            true => 1,
+            false => self.options.attempts,
+        }
+    }
+
+    /// SIMD solver, with narrower bounds if motions are bounded.
+    pub(super) fn lanes_within<'a>(
+        &'a self,
+        bounded: &'a Option<PoseSolver>,
+    ) -> Option<&'a PoseSolver> {
+        match bounded {
+            Some(_) if self.options.max_move.is_some() => bounded.as_ref(),
+            _ => self.lanes.as_ref(),
+        }
+    }
+
+    /// Query of the SIMD solver for the attempts from the first to before the last.
+    pub(super) fn lane_query<'a>(
+        &self,
+        query: &Query<'a>,
+        attempts: (u32, u32),
+        budget: u32,
+    ) -> simd_ik::Query<'a> {
+        simd_ik::Query {
+            target: query.target,
+            start: query.start,
+            search: self.options.search.lanes(),
+            attempts,
+            budget,
+            deadline: query.deadline,
+        }
+    }
+
+    fn first_attempts<'a>(&self, query: &Query<'a>) -> simd_ik::Query<'a> {
+        let attempts = self.attempts_at(query.target);
+        self.lane_query(query, (0, attempts), self.options.budget().min(QUICK))
+    }
+
+    /// Solves a query. Returns the search result and the errors of the solution.
+    pub(super) fn answer(
+        &self,
+        query: &Query<'_>,
+        solution: &mut Solution,
+    ) -> Reply<(SearchResult, Errors)> {
+        #[cfg(feature = "collision")]
+        if let Some(collisions) = &self.collisions {
+            return self.answer_clear_of(collisions, query, solution);
+        }
+        self.answer_anywhere(query, solution)
+    }
+
+    /// Solves a query without collision avoidance.
+    pub(super) fn answer_anywhere(
+        &self,
+        query: &Query<'_>,
+        solution: &mut Solution,
+    ) -> Reply<(SearchResult, Errors)> {
+        let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
+            return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
+        };
+        let n = self.joint_count();
+        // The second half holds the best attempt, if the attempt from the start fails.
+        solution.q.resize(2 * n, 0.0);
+        let (q, best) = solution.q.split_at_mut(n);
+        let mut answer = simd_ik::Answer {
+            q,
+            best,
+            best_attempt: 0,
+        };
+        let outcome = lanes.race(&self.first_attempts(query), false, &mut answer);
+        let best_attempt = answer.best_attempt;
+        let mut found = self.found_by(&outcome);
+        if outcome.reached {
+            solution.q.truncate(n);
+            let errors = Errors::of(&outcome);
+            self.tell(&found, errors, solution);
+            return Ok((found, errors));
+        }
+        self.with_workspace(|workspace| {
+            let (own, best) = solution.q.split_at(n);
+            workspace.x.copy_from_slice(own);
+            workspace.best.copy_from_slice(match self.options.search {
+                Search::First => own,
+                _ => best,
+            });
+            found.number = best_attempt as usize;
+            workspace.aim(query.target);
+            self.bound_moves(workspace, query.start);
+            self.finish(workspace, query, &mut found);
+            self.record_configuration(&found, workspace, solution);
+            (found, workspace.errors)
+        })
+    }
+
+    /// Solves a query that needs a workspace: bounded motions, comparing searches, postures, mimic joints.
+    fn answer_at(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        solution: &mut Solution,
+    ) -> (SearchResult, Errors) {
+        workspace.aim(query.target);
+        self.bound_moves(workspace, query.start);
+        let mut found = if self.options.search.compares() {
+            let ended = self.gather(workspace, query);
+            self.nearest(workspace, query, ended)
+        } else if self.lanes.is_some() {
+            self.search_by_lanes(workspace, query)
+        } else {
+            self.search_by_core(workspace, query)
+        };
+        self.finish(workspace, query, &mut found);
+        if let (true, Some(posture)) = (found.reached, &self.options.posture) {
+            self.descend(workspace, posture, query.deadline);
+            self.judge(workspace, &mut found);
+        }
+        self.record_configuration(&found, workspace, solution);
+        (found, workspace.errors)
+    }
+
+    /// Searches with the SIMD solver, into the workspace's x.
+    ///
+    /// On failure x is the end of the attempt from the start, and `best` the best of all attempts, whose number is
+    /// returned.
+    fn search_by_lanes(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> SearchResult {
+        let ArmWorkspace {
+            bounded_lanes,
+            x,
+            best,
+            ..
+        } = workspace;
+        let mut first = self.first_attempts(query);
+        // Within bounded motions the attempt from the start is finished before others begin.
+        let lone = self.options.max_move.is_some();
+        if lone {
+            first.attempts.1 = 1;
+        }
+        let Some(lanes) = self.lanes_within(bounded_lanes) else {
+            return SearchResult::default();
+        };
+        let mut answer = simd_ik::Answer {
+            q: x,
+            best,
+            best_attempt: 0,
+        };
+        let outcome = lanes.race(&first, lone, &mut answer);
+        let best_attempt = answer.best_attempt;
+        if self.options.search == Search::First {
+            best.copy_from_slice(x);
+        }
+        workspace.errors = Errors::of(&outcome);
+        SearchResult {
+            number: outcome.winner.unwrap_or(best_attempt) as usize,
+            ..self.found_by(&outcome)
+        }
+    }
+
+    /// Search result of the SIMD solver's attempts. Those that fail have stalled.
+    pub(super) fn found_by(&self, outcome: &PoseOutcome) -> SearchResult {
+        SearchResult {
+            termination: match outcome.reached {
+                true => Termination::Reached,
+                false => Termination::Stalled,
+            },
+            number: outcome.winner.unwrap_or(0) as usize,
+            cost: self.cost(Errors::of(outcome)),
+            reached: outcome.reached,
+            iterations: outcome.iterations as usize,
+            attempts: outcome.attempts as usize,
+            ..SearchResult::default()
+        }
+    }
+
+    /// Updates the result with the cost and errors at the workspace's x.
+    pub(super) fn judge(&self, workspace: &mut ArmWorkspace, found: &mut SearchResult) {
+        let errors = workspace.judge_x();
+        (found.cost, found.reached) = (self.cost(errors), errors.reached);
+    }
+
+    /// Half the squared errors, in metres squared; radians convert by the arm's weight.
+    pub(super) fn cost(&self, errors: Errors) -> f64 {
+        // Goals with bounds are solved in chords.
+        let turned = match self.options.goal.is_full_pose() {
+            true => errors.orientation,
+            false => 2.0 * elementary::sin(0.5 * errors.orientation),
+        };
+        let turned = turned * self.options.metres_per_radian;
+        0.5 * (errors.position * errors.position + turned * turned)
+    }
+
+    /// Records all results but `q` and the active limits of a failure.
+    pub(super) fn tell(&self, found: &SearchResult, errors: Errors, solution: &mut Solution) {
+        let options = &self.options;
+        let metres = RowsReport::of_goal(
+            Quantity::Metres,
+            errors.position,
+            options.position_tolerance,
+        );
+        let turned = options.orientation_tolerance;
+        let radians = RowsReport::of_goal(Quantity::Radians, errors.orientation, turned);
+        let metres = options.goal.has_position().then_some(metres);
+        let radians = options.goal.has_orientation().then_some(radians);
+        solution.record_errors(&self.names, metres.into_iter().chain(radians));
+        solution.cost = found.cost;
+        solution.tell(&SearchResult {
+            // An iteration evaluates one residual and one Jacobian, in both solvers.
+            counts: Counts {
+                residuals: found.iterations,
+                jacobians: found.iterations,
+                gradients: 0,
+            },
+            projected_gradient: None,
+            agreeing: 0,
+            ..*found
+        });
+    }
+
+    /// Records all results at the workspace's configuration, with the active limits of a failure.
+    pub(super) fn record_configuration(
+        &self,
+        found: &SearchResult,
+        workspace: &mut ArmWorkspace,
+        solution: &mut Solution,
+    ) {
+        workspace.x.clone_into(&mut solution.q);
+        self.tell(found, workspace.errors, solution);
+        if !solution.reached {
+            let negligible = workspace.take_slope();
+            let (x, question) = (&workspace.x, workspace.question.ask());
+            solution.tell_limits(question, x, &workspace.gradient, negligible);
+            solution.projected_gradient = Some(workspace.projected_gradient(x));
+            solution.find_beyond(question);
+        }
+    }
+}
+
+impl Errors {
+    /// Errors of the SIMD solver's outcome.
+    pub(super) fn of(outcome: &PoseOutcome) -> Self {
+        Self {
+            position: outcome.position_error,
+            orientation: outcome.orientation_error,
+            reached: outcome.reached,
+        }
+    }
+}

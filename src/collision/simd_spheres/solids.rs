@@ -1,0 +1,432 @@
+//! Fixed solids around a chain, and distance tests of points in SIMD lanes.
+
+use std::sync::Arc;
+
+use super::bodies::{Body, BodyChain};
+use super::many_solids::{ManySolids, SolidChange};
+use super::passed::Passed;
+use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
+use crate::simd_ik::lane::LaneScalar;
+use crate::spatial::{Placement, Vector3};
+
+/// Largest number of solids that are searched linearly.
+const LISTED: usize = 512;
+/// Largest number of points or triangles of a shape that is searched linearly.
+const FEW: usize = 32;
+
+/// A shape with a closed-form distance in lanes, or any other shape. Lengths are in metres.
+#[derive(Clone, Debug)]
+enum Solid {
+    /// Half lengths along the axes.
+    Box([f64; 3]),
+    /// Along z: radius and half length.
+    Cylinder(f64, f64),
+    /// Along z: radius and half length of the segment.
+    Capsule(f64, f64),
+    Sphere(f64),
+    /// The half-space below z = 0.
+    HalfSpace,
+    /// Evaluated lane by lane.
+    Other(Shape),
+}
+
+/// A solid with its placement and bounds.
+#[derive(Clone, Debug)]
+struct Placed {
+    /// Bounding sphere in the base frame.
+    bound: Ball,
+    bounds: BoundingBox,
+    solid_from_base: Placement<f64>,
+    solid: Solid,
+}
+
+/// Solids that a chain must not touch.
+#[derive(Clone, Debug)]
+pub(crate) struct Solids {
+    listed: Arc<Listed>,
+    /// Solids in an AABB tree, if any.
+    many: Option<ManySolids>,
+    passed: Passed,
+    /// Number of [simple](is_simple) solids.
+    simple: usize,
+    /// Required distance of the bodies from solids and from each other, metres.
+    margin: f64,
+}
+
+/// Solids that are searched linearly.
+#[derive(Clone, Debug, Default)]
+struct Listed {
+    /// Sorted.
+    numbers: Vec<u64>,
+    placed: Vec<Placed>,
+    /// Solids that each body can reach, by index, with their bounding spheres; in pairs.
+    within_reach: Vec<Vec<([u32; 2], [Reached; 2])>>,
+}
+
+/// A difference between two worlds: a solid whose shape or placement in the chain's base frame changed.
+pub(crate) struct SolidMoved<'a> {
+    /// Number of the solid. Solids are in the order of their numbers.
+    pub(crate) number: u64,
+    pub(crate) before: Option<&'a Shape>,
+    pub(crate) after: Option<(&'a Shape, Placement<f64>)>,
+}
+
+/// Bounding sphere of a solid, prepared for the test against one body's bounding sphere.
+///
+/// |c − s|² < r² is |c|² − (r² − |s|²) − 2 s·c < 0, which takes three products once |c|² is known.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    /// −2 s.
+    slope: Vector3<f64>,
+    /// r² − |s|².
+    below: f64,
+}
+
+impl Reached {
+    /// Rounding of the difference, relative to the squares in it.
+    const ROUNDING: f64 = 1e-14;
+
+    fn new(solid: &Ball, body: &Ball, margin: f64) -> Self {
+        let apart = body.radius + margin + solid.radius;
+        let (away, apart) = (solid.centre.norm_squared(), apart * apart);
+        Self {
+            slope: solid.centre * -2.0,
+            below: apart - away + Self::ROUNDING * (apart + away),
+        }
+    }
+
+    /// Pairs of entries. An odd last entry is paired with one that never matches.
+    fn paired(reached: &[(u32, Self)]) -> Vec<([u32; 2], [Self; 2])> {
+        let nowhere = Self {
+            slope: Vector3::zero(),
+            below: f64::NEG_INFINITY,
+        };
+        let paired = reached.chunks(2).map(|chunk| match *chunk {
+            [(a, of_a), (b, of_b)] => ([a, b], [of_a, of_b]),
+            _ => ([chunk[0].0; 2], [chunk[0].1, nowhere]),
+        });
+        paired.collect()
+    }
+
+    /// Negative if the body's bounding sphere at `centre` meets it. `squared` is the squared norm of `centre`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn beyond<V: LaneScalar>(&self, centre: Vector3<V>, squared: V) -> V {
+        let side = squared - V::constant(self.below);
+        let side = centre.x.mul_add(V::constant(self.slope.x), side);
+        let side = centre.y.mul_add(V::constant(self.slope.y), side);
+        centre.z.mul_add(V::constant(self.slope.z), side)
+    }
+}
+
+impl Solids {
+    /// Prepares shapes, each with its number and its placement in the chain's base frame.
+    ///
+    /// `margin` is the required distance in metres from all solids except the allowed ones in `passed`.
+    pub(crate) fn new<'a>(
+        shapes: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
+        chain: &BodyChain,
+        passed: Passed,
+        margin: f64,
+    ) -> Self {
+        let all: Vec<_> = shapes.into_iter().collect();
+        let simple = all.iter().filter(|(_, shape, _)| is_simple(shape)).count();
+        let (listed, many): (Vec<_>, Vec<_>) = all
+            .into_iter()
+            .partition(|(number, shape, _)| is_listed(shape, simple) || passed.has(*number));
+        let placed = listed
+            .into_iter()
+            .map(|(number, shape, at)| (number, Placed::new(shape, at)));
+        Self {
+            listed: Arc::new(Listed::new(placed, chain, &passed, margin)),
+            many: (!many.is_empty()).then(|| ManySolids::new(many)),
+            passed,
+            simple,
+            margin,
+        }
+    }
+
+    /// A copy with changes, which are in the order of their numbers.
+    ///
+    /// `None` if the allowed collisions differ, or if the number of solids requires the other search method.
+    pub(crate) fn changed(
+        &self,
+        changes: &[SolidMoved<'_>],
+        chain: &BodyChain,
+        passed: &Passed,
+    ) -> Option<Self> {
+        let count = |shapes: &mut dyn Iterator<Item = &Shape>| {
+            shapes.filter(|shape| is_simple(shape)).count()
+        };
+        let before = count(&mut changes.iter().filter_map(|change| change.before));
+        let after = count(&mut changes.iter().filter_map(|change| Some(change.after?.0)));
+        let simple = (self.simple + after).checked_sub(before)?;
+        if are_many(simple) != are_many(self.simple) || *passed != self.passed {
+            return None;
+        }
+        let (mut listed, mut many): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
+            Default::default();
+        for change in changes {
+            let is_passed = passed.has(change.number);
+            let is_listed = |shape: &&Shape| is_passed || is_listed(shape, simple);
+            let now = change.after.filter(|(shape, _)| is_listed(shape));
+            if now.is_some() || change.before.filter(is_listed).is_some() {
+                listed.push((change.number, now));
+            }
+            let now = change.after.filter(|(shape, _)| !is_listed(shape));
+            if now.is_some() || change.before.filter(|shape| !is_listed(shape)).is_some() {
+                many.push((change.number, now));
+            }
+        }
+        let many = match &self.many {
+            Some(known) => Some(known.changed(&many)).filter(|many| !many.is_empty()),
+            None => {
+                let added = many.into_iter().filter_map(|(number, now)| {
+                    let (shape, at) = now?;
+                    Some((number, shape, at))
+                });
+                let added: Vec<_> = added.collect();
+                (!added.is_empty()).then(|| ManySolids::new(added))
+            }
+        };
+        let listed = match listed.is_empty() {
+            true => Arc::clone(&self.listed),
+            false => Arc::new(self.listed.changed(&listed, chain, passed, self.margin)),
+        };
+        Some(Self {
+            listed,
+            many,
+            passed: passed.clone(),
+            simple,
+            margin: self.margin,
+        })
+    }
+
+    /// Solids in an AABB tree.
+    pub(super) fn many(&self) -> Option<&ManySolids> {
+        self.many.as_ref()
+    }
+
+    /// Required distance of the bodies from solids and from each other, metres.
+    pub(super) fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Indices of the listed solids nearer than the margin to the bounding sphere of a body in any lane.
+    ///
+    /// The bounding spheres of the solids come first.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn near<V: LaneScalar>(
+        &self,
+        body: usize,
+        centre: Vector3<V>,
+        chain: &BodyChain,
+        found: &mut Vec<u32>,
+    ) {
+        let reach = chain.bodies[body].bound.radius + self.margin;
+        found.clear();
+        let squared = centre.norm_squared();
+        // Two at a time, as most are far away.
+        for (numbers, [a, b]) in &self.listed.within_reach[body] {
+            let beyond = [a.beyond(centre, squared), b.beyond(centre, squared)];
+            // One comparison of the minimum: merging two masks is slower.
+            if !V::any(beyond[0].min(beyond[1]).less_than(V::zero())) {
+                continue;
+            }
+            for (&number, beyond) in numbers.iter().zip(beyond) {
+                if V::any(beyond.less_than(V::zero())) {
+                    found.push(number);
+                }
+            }
+        }
+        // A loop of its own, so that the first loop keeps the centre in registers.
+        let mut near = 0;
+        for place in 0..found.len() {
+            let number = found[place];
+            if V::any(self.is_near(number, centre, reach)) {
+                found[near] = number;
+                near += 1;
+            }
+        }
+        found.truncate(near);
+    }
+
+    /// Mask of the lanes in which a point is in a solid or nearer than `reach`. The solid's bounding sphere comes
+    /// first.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn near_one<V: LaneScalar>(
+        &self,
+        number: u32,
+        point: Vector3<V>,
+        reach: f64,
+    ) -> V::Mask {
+        let bound = &self.listed.placed[number as usize].bound;
+        let around = reach + bound.radius;
+        let away = point - Vector3::constant(bound.centre);
+        let near = away.norm_squared().less_than(V::constant(around * around));
+        match V::any(near) {
+            true => self.is_near(number, point, reach),
+            false => near,
+        }
+    }
+
+    /// Mask of the lanes in which a point is in a solid or nearer than `reach`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_near<V: LaneScalar>(&self, number: u32, point: Vector3<V>, reach: f64) -> V::Mask {
+        let c = V::constant;
+        let placed = &self.listed.placed[number as usize];
+        let p = Placement::constant(&placed.solid_from_base).apply(point);
+        match &placed.solid {
+            Solid::Box([x, y, z]) => {
+                let gap = Vector3::new(beyond(p.x, *x), beyond(p.y, *y), beyond(p.z, *z));
+                gap.norm_squared().less_than(c(reach * reach))
+            }
+            Solid::Cylinder(radius, half) => {
+                let from_axis = p.x.mul_add(p.x, p.y * p.y).sqrt();
+                let (side, end) = (beyond(from_axis, *radius), beyond(p.z, *half));
+                side.mul_add(side, end * end).less_than(c(reach * reach))
+            }
+            Solid::Capsule(radius, half) => {
+                let gap = Vector3::new(p.x, p.y, beyond(p.z, *half));
+                let reach = radius + reach;
+                gap.norm_squared().less_than(c(reach * reach))
+            }
+            Solid::Sphere(radius) => {
+                let reach = radius + reach;
+                p.norm_squared().less_than(c(reach * reach))
+            }
+            Solid::HalfSpace => p.z.less_than(c(reach)),
+            Solid::Other(shape) => {
+                let mut distance = V::zero();
+                for lane in 0..V::WIDTH {
+                    distance.set_lane(lane, shape.signed_distance(in_lane(&p, lane)));
+                }
+                distance.less_than(c(reach))
+            }
+        }
+    }
+}
+
+impl Listed {
+    fn new(
+        solids: impl IntoIterator<Item = (u64, Placed)>,
+        chain: &BodyChain,
+        passed: &Passed,
+        margin: f64,
+    ) -> Self {
+        let (numbers, placed): (Vec<u64>, Vec<Placed>) = solids.into_iter().unzip();
+        let reached = |(index, (room, body)): (usize, (Ball, &Body))| {
+            let reach = room.radius + margin;
+            let kept = (0..).zip(&placed).zip(&numbers);
+            let kept = kept.filter(|(_, number)| !passed.is_passed(index, **number));
+            let near = kept.map(|(solid, _)| solid).filter(|(_, solid)| {
+                let apart = solid.bounds.squared_distance(room.centre);
+                // NaN at a half-space's corner at infinity.
+                apart.is_nan() || apart <= reach * reach
+            });
+            let near = near.map(|(n, solid)| (n, Reached::new(&solid.bound, &body.bound, margin)));
+            Reached::paired(&near.collect::<Vec<_>>())
+        };
+        Self {
+            within_reach: chain
+                .rooms()
+                .into_iter()
+                .zip(&chain.bodies)
+                .enumerate()
+                .map(reached)
+                .collect(),
+            numbers,
+            placed,
+        }
+    }
+
+    /// A copy with changes.
+    fn changed(
+        &self,
+        changes: &[SolidChange<'_>],
+        chain: &BodyChain,
+        passed: &Passed,
+        margin: f64,
+    ) -> Self {
+        let stays = |(number, _): &(u64, Placed)| {
+            changes
+                .binary_search_by_key(number, |(changed, _)| *changed)
+                .is_err()
+        };
+        let known = self
+            .numbers
+            .iter()
+            .copied()
+            .zip(self.placed.iter().cloned());
+        let mut all: Vec<_> = known.filter(stays).collect();
+        all.extend(changes.iter().filter_map(|(number, now)| {
+            let (shape, at) = (*now)?;
+            Some((*number, Placed::new(shape, at)))
+        }));
+        all.sort_by_key(|(number, _)| *number);
+        Self::new(all, chain, passed, margin)
+    }
+}
+
+impl Placed {
+    fn new(shape: &Shape, base_from_solid: Placement<f64>) -> Self {
+        let own = shape.bounding_sphere();
+        Self {
+            bound: Ball {
+                centre: base_from_solid.apply(own.centre),
+                radius: own.radius,
+            },
+            bounds: shape.bounding_box().placed(&base_from_solid),
+            solid_from_base: base_from_solid.inverse(),
+            solid: Solid::of(shape),
+        }
+    }
+}
+
+/// True if the number of simple solids requires a tree.
+fn are_many(simple: usize) -> bool {
+    simple > LISTED
+}
+
+/// True if a shape is searched linearly, given the number of simple solids. Unbounded half-spaces always are.
+fn is_listed(shape: &Shape, simple: usize) -> bool {
+    shape.is_half_space() || is_simple(shape) && !are_many(simple)
+}
+
+/// True if the distance to a shape is cheap without a tree.
+fn is_simple(shape: &Shape) -> bool {
+    match shape.kind() {
+        ShapeKind::Mesh(mesh) => mesh.triangles().len() <= FEW,
+        ShapeKind::Points(cloud) => cloud.positions().len() <= FEW,
+        ShapeKind::HeightField(_) => false,
+        _ => true,
+    }
+}
+
+impl Solid {
+    fn of(shape: &Shape) -> Self {
+        match shape.kind() {
+            ShapeKind::Cuboid { size } => Self::Box(size.map(|length| 0.5 * length)),
+            ShapeKind::Cylinder { radius, length } => Self::Cylinder(*radius, 0.5 * length),
+            ShapeKind::Capsule { radius, length } => Self::Capsule(*radius, 0.5 * length),
+            ShapeKind::Sphere { radius } => Self::Sphere(*radius),
+            ShapeKind::HalfSpace => Self::HalfSpace,
+            _ => Self::Other(shape.clone()),
+        }
+    }
+}
+
+/// Excess of the absolute value over `half`, at least 0.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn beyond<V: LaneScalar>(value: V, half: f64) -> V {
+    (value.abs() - V::constant(half)).max(V::zero())
+}
+
+/// The point of one lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn in_lane<V: LaneScalar>(points: &Vector3<V>, lane: usize) -> Vector3<f64> {
+    Vector3::new(
+        points.x.lane(lane),
+        points.y.lane(lane),
+        points.z.lane(lane),
+    )
+}

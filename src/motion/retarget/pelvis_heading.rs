@@ -1,0 +1,83 @@
+//! Heading of the pelvis from the hip positions.
+
+use super::limbs::Limbs;
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{LocalJacobian, Quantity, Residual, RowBlock};
+
+/// Weight of the rotation of the hip line, in metres of position per radian.
+const TURN: f64 = 0.3;
+/// Distance of the hips below which they define no line, metres.
+const NO_LINE: f64 = 1e-3;
+
+/// Residual r = w (a − b − target) of the vector from one hip to the other.
+///
+/// Hips are so close that their positions alone hardly determine the heading of the pelvis, and legs would wind up.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct HipLine {
+    limbs: [usize; 2],
+    frames: [FrameId; 2],
+    offsets: [Vector3<f64>; 2],
+    length: f64,
+    target: Vector3<f64>,
+}
+
+impl HipLine {
+    /// Creates the task from the first two hips, if there are two. `stood` has the end positions of all limbs in a
+    /// configuration.
+    pub(super) fn new(limbs: &Limbs, stood: &[Vector3<f64>]) -> Option<Self> {
+        let [a, b] = *limbs.hips.first_chunk::<2>()?;
+        let frames = [a, b].map(|k| limbs.all[k].frame);
+        let length = (stood[a] - stood[b]).norm();
+        (length > NO_LINE && frames[0] != frames[1]).then(|| Self {
+            limbs: [a, b],
+            frames,
+            offsets: [a, b].map(|k| limbs.all[k].offset),
+            length,
+            target: stood[a] - stood[b],
+        })
+    }
+
+    /// Sets the direction of the line from the targets of the hips. The direction stays if these coincide.
+    pub(super) fn aim(&mut self, places: &[Vector3<f64>]) {
+        let [a, b] = self.limbs;
+        let way = places[a] - places[b];
+        let length = way.norm();
+        if length > 0.0 {
+            self.target = way * (self.length / length);
+        }
+    }
+
+    fn weight(&self) -> f64 {
+        TURN / self.length
+    }
+}
+
+impl Residual for HipLine {
+    answers! {
+        fn kind(&self) -> &'static str = "hip line";
+        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
+        fn rows(&self) -> Vec<RowBlock> = vec![RowBlock::new(Quantity::Metres, 3)];
+        fn has_edges(&self) -> bool = false;
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let [a, b] = [0, 1].map(|k| frames[k].apply(Vector3::constant(self.offsets[k])));
+        let miss = (a - b - Vector3::constant(self.target)) * S::constant(self.weight());
+        residual.copy_from_slice(&miss.to_array());
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        for (k, weight) in [self.weight(), -self.weight()].into_iter().enumerate() {
+            let lever = frames[k].rotation * self.offsets[k];
+            jacobian.set_point(k, Some(lever), weight);
+        }
+        true
+    }
+}

@@ -1,0 +1,229 @@
+//! Contacts by the method of multipliers (Hestenes 1969, "Multiplier and gradient methods"; Powell 1969).
+//!
+//! Stiff springs connect the points of consecutive samples. Their rest lengths move until nothing slides.
+
+use nalgebra::DMatrix;
+
+use super::block_banded::BlockBanded;
+use super::evaluator::Stretch;
+use super::{Contact, MotionError, MotionProblem};
+use crate::model::{Model, ParameterMap};
+use crate::problem::{Evaluation, Problem, ProblemInstance, Scratch};
+use crate::solver::{LeastSquares, dot};
+use crate::task::{Point, Quantity};
+
+/// Number of rows per point.
+const ROWS: usize = 3;
+
+/// Weight of sliding, relative to the largest weight of a length.
+const STIFFER: f64 = 300.0;
+
+/// Contact springs of consecutive samples, with the memory to evaluate them.
+pub(super) struct HeldPoints<'a> {
+    motion: &'a MotionProblem,
+    scratch: Option<Scratch>,
+    /// Weight of sliding, per metre.
+    stiffness: f64,
+    /// Rest offset of the spring to the next sample, metres, by sample and row.
+    rests: Vec<f64>,
+    /// Positions of the points at two samples, and their Jacobians by steps.
+    places: [Vec<f64>; 2],
+    jacobians: [DMatrix<f64>; 2],
+}
+
+impl<'a> HeldPoints<'a> {
+    pub(super) fn new(motion: &'a MotionProblem) -> Self {
+        let rows = motion.held.as_ref().map_or(0, |held| held.rows());
+        Self {
+            scratch: motion.held.as_ref().map(|held| held.scratch()),
+            stiffness: motion.stiffness,
+            rests: Vec::new(),
+            places: [vec![0.0; rows], vec![0.0; rows]],
+            jacobians: [(); 2].map(|()| DMatrix::zeros(rows, motion.variables())),
+            motion,
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.places[0].len()
+    }
+
+    /// Resets the rest offsets for `frames` other samples.
+    pub(super) fn begin(&mut self, frames: usize) {
+        self.rests.clear();
+        self.rests.resize(frames * self.rows(), 0.0);
+    }
+
+    /// Evaluates the points of a sample into the second entries. The previous ones move to the first.
+    fn look(&mut self, x: &[f64], differentiate: bool) {
+        let (Some(held), Some(scratch)) = (&self.motion.held, &mut self.scratch) else {
+            return;
+        };
+        self.places.swap(0, 1);
+        let mut evaluation = Evaluation::new(ProblemInstance::from(held).by_variables(), scratch);
+        evaluation.residual(x, &mut self.places[1]);
+        if differentiate {
+            self.jacobians.swap(0, 1);
+            evaluation.jacobian(x, &mut self.jacobians[1]);
+            let rows = self.jacobians[1].nrows();
+            let entries = self.jacobians[1].as_mut_slice();
+            self.motion.space.by_steps(x, rows, entries);
+        }
+    }
+
+    /// Returns whether any contact is active at a sample and the next.
+    fn holds_from(&self, frame: usize) -> bool {
+        let mut contacts = self.motion.contacts.iter();
+        contacts.any(|contact| contact.holds_from(frame))
+    }
+
+    /// Calls `found` with local sample index, row and sliding for each active row between consecutive samples.
+    fn each(
+        &mut self,
+        at: Stretch,
+        x: &[f64],
+        differentiate: bool,
+        mut found: impl FnMut(&mut Self, usize, usize, f64),
+    ) {
+        if self.motion.held.is_none() {
+            return;
+        }
+        let n = self.motion.variables();
+        let frames = x.len() / n;
+        let mut seen = None;
+        // Fixed samples do not move relative to each other.
+        for local in at.held.saturating_sub(1)..frames.saturating_sub(1) {
+            if !self.holds_from(at.first + local) {
+                continue;
+            }
+            if seen != Some(local) {
+                self.look(&x[local * n..(local + 1) * n], differentiate);
+            }
+            self.look(&x[(local + 1) * n..(local + 2) * n], differentiate);
+            seen = Some(local + 1);
+            let mut row = 0;
+            for contact in &self.motion.contacts {
+                let rows = row..row + ROWS * contact.points.len();
+                row = rows.end;
+                if contact.holds_from(at.first + local) {
+                    for row in rows {
+                        let slip = self.places[1][row] - self.places[0][row];
+                        found(self, local, row, slip);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the penalty ½ w² Σ (slip + rest)².
+    pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        self.each(at, x, false, |own, local, row, slip| {
+            let stretched = own.stiffness * (slip + own.rests[local * own.rows() + row]);
+            sum += stretched * stretched;
+        });
+        0.5 * sum
+    }
+
+    /// Returns the same penalty, and adds its gradient and JᵀJ.
+    pub(super) fn linearise(
+        &mut self,
+        at: Stretch,
+        x: &[f64],
+        hessian: &mut BlockBanded,
+        gradient: &mut [f64],
+    ) -> f64 {
+        let n = self.motion.variables();
+        let squared = self.stiffness * self.stiffness;
+        let mut sum = 0.0;
+        let (mut from, mut to) = (vec![0.0; n], vec![0.0; n]);
+        let mut moving = Vec::with_capacity(n);
+        self.each(at, x, true, |own, local, row, slip| {
+            let stretched = slip + own.rests[local * own.rows() + row];
+            sum += squared * stretched * stretched;
+            moving.clear();
+            for column in 0..n {
+                from[column] = -own.jacobians[0][(row, column)];
+                to[column] = own.jacobians[1][(row, column)];
+                if from[column] != 0.0 || to[column] != 0.0 {
+                    moving.push(column);
+                }
+            }
+            for (k, &a) in moving.iter().enumerate() {
+                gradient[local * n + a] += squared * from[a] * stretched;
+                gradient[(local + 1) * n + a] += squared * to[a] * stretched;
+                for &b in &moving[k..] {
+                    hessian.add(local, 0, a, b, squared * from[a] * from[b]);
+                    hessian.add(local + 1, 0, a, b, squared * to[a] * to[b]);
+                }
+                for &b in &moving {
+                    hessian.add(local, 1, a, b, squared * from[a] * to[b]);
+                }
+            }
+        });
+        0.5 * sum
+    }
+
+    /// Updates the rest offsets. Returns the largest sliding between consecutive samples, metres.
+    pub(super) fn tighten(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let mut most = 0.0_f64;
+        self.each(at, x, false, |own, local, row, slip| {
+            let rows = own.rows();
+            own.rests[local * rows + row] += slip;
+            most = most.max(slip.abs());
+        });
+        most
+    }
+
+    /// Returns the largest distance of a contact point from its position at the start of the contact, metres.
+    pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
+        let mut most = 0.0_f64;
+        // A contact has one span.
+        let mut sums = vec![[0.0; ROWS]; self.rows() / ROWS];
+        self.each(at, x, false, |_, _, row, slip| {
+            let sum = &mut sums[row / ROWS];
+            sum[row % ROWS] += slip;
+            if row % ROWS == ROWS - 1 {
+                most = most.max(dot(sum, sum).sqrt());
+            }
+        });
+        most
+    }
+}
+
+/// Builds one problem from the points of all contacts.
+pub(super) fn points_of(
+    model: &Model,
+    map: &ParameterMap,
+    contacts: &[Contact],
+    frames: usize,
+) -> Result<Option<Problem>, MotionError> {
+    let mut points = Problem::builder(model);
+    points.parameters(map.clone());
+    let mut any = false;
+    for contact in contacts {
+        let span = contact.span();
+        if span.end > frames || span.start + 2 > span.end {
+            return Err(MotionError::BadSpan {
+                start: span.start,
+                end: span.end,
+                frames,
+            });
+        }
+        for &point in &contact.points {
+            points.add(Point::new(contact.frame, [0.0; 3]).at(point));
+            any = true;
+        }
+    }
+    Ok(any.then(|| points.build()).transpose()?)
+}
+
+/// Returns the weight of contact sliding per metre, which is far above the weights of tasks.
+pub(super) fn stiffness(problem: &Problem) -> f64 {
+    let blocks = problem
+        .compiled_tasks()
+        .iter()
+        .flat_map(|task| task.blocks());
+    let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
+    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
+}

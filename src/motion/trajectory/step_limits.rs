@@ -1,0 +1,74 @@
+//! Displacement bounds between samples from velocity limits.
+
+use std::f64::consts::PI;
+
+use super::MotionError;
+use super::bounds::{Moves, longest_move};
+use super::length_limits::LengthLimit;
+use crate::bad_option::{BadOption, POSITIVE};
+use crate::model::{ParameterMap, Source};
+use crate::problem::Problem;
+
+/// Assumed absolute value of a variable without limits, for rounding errors, radians or metres.
+const UNBOUNDED_SIZE: f64 = 1e4;
+
+/// Returns the displacement bounds of all variables, including those from mimic joints, and of ball joints.
+pub(in crate::motion) fn step_limits(
+    problem: &Problem,
+    speeds: &[f64],
+    time_step_s: f64,
+) -> Result<Moves, MotionError> {
+    let map = problem.parameters();
+    let mut most = vec![f64::INFINITY; problem.variables()];
+    let mut together = Vec::new();
+    for ball in map.balls() {
+        let speed = speeds[ball.coordinate];
+        if speed.is_finite() {
+            let angle = longest_move(speed, time_step_s, PI);
+            BadOption::check("max_speed", angle, POSITIVE)?;
+            together.extend(LengthLimit::of_turn(ball, angle));
+        }
+    }
+    for (source, &speed) in map
+        .sources()
+        .iter()
+        .zip(speeds)
+        .filter(|(_, s)| s.is_finite())
+    {
+        match *source {
+            Source::Constant(_) | Source::Rotation { .. } => {}
+            Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } if ratio != 0.0 => {
+                let ends = [map.lower()[variable], map.upper()[variable]];
+                let size = ends.map(|end| {
+                    if end.is_finite() {
+                        end.abs()
+                    } else {
+                        UNBOUNDED_SIZE
+                    }
+                });
+                let size = ratio.abs() * size[0].max(size[1]) + offset.abs();
+                let own = longest_move(speed, time_step_s, size) / ratio.abs();
+                BadOption::check("max_speed", own, POSITIVE)?;
+                most[variable] = most[variable].min(own);
+            }
+            Source::Variable { .. } => {}
+        }
+    }
+    Ok(Moves { most, together })
+}
+
+/// Returns the bound on the translation of a free joint, in any direction. `first` is its first coordinate.
+pub(super) fn longest_slide(
+    map: &ParameterMap,
+    first: usize,
+    speed: f64,
+    time_step_s: f64,
+) -> Result<Option<LengthLimit>, MotionError> {
+    let most = longest_move(speed, time_step_s, UNBOUNDED_SIZE);
+    BadOption::check("max_free_speed", most, POSITIVE)?;
+    Ok(LengthLimit::of_slides(map, first, most))
+}

@@ -1,0 +1,168 @@
+//! Collision avoidance of problems, by [`collision::Checker`](crate::collision::Checker) or the caller's own checker.
+
+use std::fmt::Debug;
+
+use super::builder::{ClearanceAs, PendingTask};
+use super::{Collision, Problem, ProblemBuilder, ProblemError};
+use crate::task::{Residual, Task};
+
+/// Weight factor of a holding clearance relative to a leading one.
+///
+/// A required task with an error of e metres inside an obstacle violates the clearance's additional distance by e/w².
+/// With a distance of 1 mm, this factor withstands an error of 10 m.
+const HOLDING: f64 = 100.0;
+
+/// A collision checker.
+///
+/// [`collision::Checker`](crate::collision::Checker) is one. Others may use a distance field or another device.
+/// [`ProblemBuilder::keep_clear`] adds one to a problem.
+pub trait CollisionAvoidance {
+    /// The residual that moves the body out of collisions.
+    type Clearance: Residual;
+    /// A check with its own workspace.
+    type Check: ClearanceCheck + 'static;
+
+    /// Number of coordinates of the configurations it checks.
+    fn configuration_len(&self) -> usize;
+
+    /// The residual that moves the body out of collisions; within its tolerance only without collision.
+    fn clearance(&self) -> Task<Self::Clearance>;
+
+    /// A check with its own workspace.
+    fn check(&self) -> Self::Check;
+}
+
+/// Checks configurations one after the other; all have the right length and are finite.
+pub trait ClearanceCheck: Clone + Debug + Send + Sync {
+    /// The pairs in collision at a configuration, deepest first.
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision>;
+
+    /// True if no pair is in collision.
+    fn is_free(&mut self, q: &[f64]) -> bool {
+        self.collisions(q).is_empty()
+    }
+
+    /// The collision that [blocks](Collision::on_the_way) the motion between two configurations.
+    ///
+    /// The motion interpolates all joints linearly. `None` if the whole motion is proven collision-free.
+    fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision>;
+
+    /// The fraction of such a motion that ends with some clearance left; 1 for the whole motion.
+    fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64;
+}
+
+/// A type-erased check.
+pub(crate) trait AnyClearanceCheck: Debug + Send + Sync {
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision>;
+    fn is_free(&mut self, q: &[f64]) -> bool;
+    fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision>;
+    fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64;
+    fn boxed(&self) -> Box<dyn AnyClearanceCheck>;
+}
+
+impl<C: ClearanceCheck + 'static> AnyClearanceCheck for C {
+    answers! {
+        fn collisions(&mut self, q: &[f64]) -> Vec<Collision> = ClearanceCheck::collisions(self, q);
+        fn is_free(&mut self, q: &[f64]) -> bool = ClearanceCheck::is_free(self, q);
+        fn boxed(&self) -> Box<dyn AnyClearanceCheck> = Box::new(self.clone());
+    }
+
+    fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
+        ClearanceCheck::blocked(self, from, to)
+    }
+
+    fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        ClearanceCheck::free_share(self, from, to)
+    }
+}
+
+impl Clone for Box<dyn AnyClearanceCheck> {
+    fn clone(&self) -> Self {
+        // Clone the content, not the box.
+        (**self).boxed()
+    }
+}
+
+/// The collision avoidance that a builder was given.
+#[derive(Clone, Debug)]
+pub(super) struct ClearanceRequest {
+    configuration_len: usize,
+    clearance: PendingTask,
+    check: Box<dyn AnyClearanceCheck>,
+}
+
+/// The collision constraint of a problem.
+#[derive(Clone, Debug)]
+pub(crate) struct CollisionConstraint {
+    /// The tasks and then the clearance: solved only if a solution without clearance is in collision.
+    leading: Problem,
+    /// The tasks and a clearance that withstands required tasks inside obstacles.
+    holding: Problem,
+    /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
+    yielding: Problem,
+    check: Box<dyn AnyClearanceCheck>,
+}
+
+impl CollisionConstraint {
+    getters! {
+        /// The tasks and then the clearance. Accepts targets of the problem without clearance.
+        pub(crate) fn leading(&self) -> &Problem = &self.leading;
+        /// The tasks and a clearance that withstands required tasks inside obstacles.
+        pub(crate) fn holding(&self) -> &Problem = &self.holding;
+        /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
+        pub(crate) fn yielding(&self) -> &Problem = &self.yielding;
+        /// A check with its own workspace.
+        pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
+    }
+
+    pub(super) fn with_derivatives(mut self, route: super::Derivatives) -> Self {
+        self.leading = self.leading.with_derivatives(route);
+        self.holding = self.holding.with_derivatives(route);
+        self.yielding = self.yielding.with_derivatives(route);
+        self
+    }
+}
+
+impl ProblemBuilder<'_> {
+    /// Avoids collisions with the obstacles of a checker's world, and self-collisions.
+    ///
+    /// A solution is then reached only if the checker finds no collision.
+    /// [`Solution::collisions`](crate::Solution::collisions) lists the pairs otherwise. The tasks are first solved
+    /// without collision avoidance. If that solution is in collision, the checker's clearance is added to the required
+    /// tasks of the first level. It does not appear in reports on tasks.
+    pub fn keep_clear<C: CollisionAvoidance>(&mut self, of: &C) -> &mut Self {
+        self.clear_of = Some(ClearanceRequest {
+            configuration_len: of.configuration_len(),
+            clearance: PendingTask::new(of.clearance()),
+            check: Box::new(of.check()),
+        });
+        self
+    }
+
+    /// The collision constraint: the problem with the clearance among its tasks.
+    pub(super) fn fence(
+        &self,
+        asked: ClearanceRequest,
+    ) -> Result<CollisionConstraint, ProblemError> {
+        let (given, expected) = (asked.configuration_len, self.model.configuration_len());
+        if given != expected {
+            return Err(ProblemError::ForeignChecker {
+                given,
+                model: self.model.name().to_owned(),
+                expected,
+            });
+        }
+        let mut holding = asked.clearance.clone();
+        holding.factor *= HOLDING;
+        let with = |clearance: &PendingTask, counts| {
+            let clearance = (clearance.clone(), counts);
+            self.clone().compile(Some(clearance))
+        };
+        Ok(CollisionConstraint {
+            leading: with(&asked.clearance, ClearanceAs::Goal)?,
+            holding: with(&holding, ClearanceAs::Goal)?,
+            yielding: with(&holding, ClearanceAs::OnlyPreference)?,
+            check: asked.check,
+        })
+    }
+}

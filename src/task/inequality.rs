@@ -1,0 +1,28 @@
+//! Inequalities of residuals.
+
+use std::ops::Range;
+
+/// Residual rows that are zero together exactly if all of their slacks are at least zero.
+///
+/// For priority levels below, such rows are the inequalities slack ≥ 0 rather than equations: see
+/// [`Residual::inequalities`](super::Residual::inequalities).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Inequality {
+    rows: Range<usize>,
+    edges: usize,
+}
+
+impl Inequality {
+    /// An inequality of these rows with `edges` slacks.
+    #[must_use]
+    pub fn new(rows: Range<usize>, edges: usize) -> Self {
+        Self { rows, edges }
+    }
+
+    getters! {
+        /// Number of slacks.
+        pub fn edges(&self) -> usize = self.edges;
+        /// The rows that are zero inside.
+        pub fn rows(&self) -> Range<usize> = self.rows.clone();
+    }
+}
