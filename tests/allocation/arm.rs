@@ -1,5 +1,5 @@
-//! Promise: after the first few questions an arm allocates nothing, alone and in batches, whatever
-//! the options, also where the target is out of reach.
+//! Promise: after the first few queries an arm allocates nothing, alone and in batches, with any options, also where
+//! the target is out of reach.
 #![allow(clippy::unwrap_used)]
 
 use crate::counting_allocator::allocations;
@@ -8,8 +8,8 @@ use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
 use kinopt::spatial::Placement;
 use support::arms::{Random, panda, robot};
 
-/// Questions: targets, every fifth out of reach, and starts, one configuration after another.
-fn questions(arm: &Arm, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
+/// Targets, every fifth of them out of reach, and starts, one configuration after another.
+fn queries(arm: &Arm, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
     let mut random = Random(51);
     let mut starts = Vec::new();
     let goals = (0..count).map(|k| {
@@ -18,7 +18,7 @@ fn questions(arm: &Arm, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
         if k % 5 == 4 {
             goal.translation.x += 3.0;
         }
-        // Every other start is near the answer, for moves that are bounded.
+        // Every other start is near the result, for bounded moves.
         match k % 2 {
             0 => starts.extend(truth.iter().map(|v| v + 0.1 * random.unit())),
             _ => starts.extend(random.configuration(arm)),
@@ -28,17 +28,17 @@ fn questions(arm: &Arm, count: usize) -> (Vec<Placement<f64>>, Vec<f64>) {
     (goals.collect(), starts)
 }
 
-fn nothing_after_the_first(what: &str, builder: ArmBuilder<'_>) {
+fn assert_later_rounds_allocate_nothing(what: &str, builder: ArmBuilder<'_>) {
     let arm = builder.with_atlas(false).with_attempts(12).build().unwrap();
     let n = arm.joint_count();
-    let (goals, starts) = questions(&arm, 15);
+    let (goals, starts) = queries(&arm, 15);
     let mut solution = Solution::default();
     let mut solve_all = || {
         for (goal, start) in goals.iter().zip(starts.chunks(n)) {
             arm.solve_into(*goal, start, &mut solution).unwrap();
         }
     };
-    // Twice the same questions: what the first round has room for, the second needs.
+    // The same queries twice: the second round needs the memory that the first has allocated.
     solve_all();
     assert_eq!(allocations(&mut solve_all), 0, "{what}: solve_into");
     let mut q = vec![0.0; starts.len()];
@@ -53,29 +53,29 @@ fn nothing_after_the_first(what: &str, builder: ArmBuilder<'_>) {
 }
 
 #[test]
-fn whatever_the_options() {
+fn solves_with_any_options_allocate_nothing() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip);
-    nothing_after_the_first("start", builder());
-    nothing_after_the_first("first", builder().with_search(Search::First));
-    nothing_after_the_first("nearest", builder().with_search(Search::Nearest));
-    nothing_after_the_first("position", builder().with_goal(Goal::position()));
-    nothing_after_the_first("bounded moves", builder().with_max_move(&[0.5; 7]));
-    nothing_after_the_first("posture", builder().with_posture(&[0.3; 7]));
+    assert_later_rounds_allocate_nothing("start", builder());
+    assert_later_rounds_allocate_nothing("first", builder().with_search(Search::First));
+    assert_later_rounds_allocate_nothing("nearest", builder().with_search(Search::Nearest));
+    assert_later_rounds_allocate_nothing("position", builder().with_goal(Goal::position()));
+    assert_later_rounds_allocate_nothing("bounded moves", builder().with_max_move(&[0.5; 7]));
+    assert_later_rounds_allocate_nothing("posture", builder().with_posture(&[0.3; 7]));
     let limit = std::time::Duration::from_secs(3600);
-    nothing_after_the_first("time limit", builder().with_time_limit(limit));
+    assert_later_rounds_allocate_nothing("time limit", builder().with_time_limit(limit));
 }
 
 #[test]
-fn a_chain_with_a_follower() {
+fn chain_with_mimic_joint_allocates_nothing() {
     let robot = robot("aldebaran_nao");
     let builder = Arm::builder(&robot, "torso", "right_sole");
-    nothing_after_the_first("follower", builder);
+    assert_later_rounds_allocate_nothing("follower", builder);
 }
 
-/// Out of reach and back, one target after another.
+/// Targets out of reach and back, one after another.
 #[test]
-fn followers_and_servos() {
+fn followers_and_servos_allocate_nothing() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_atlas(false).build().unwrap();
@@ -104,7 +104,7 @@ fn followers_and_servos() {
     assert!(missed > 40, "{missed}");
 }
 
-/// A servo rests and restarts its prediction where a target jumps, and where it is stopped.
+/// A servo rests and restarts its prediction where a target jumps and where it is stopped.
 #[test]
 fn servo_jumps_and_stops_allocate_nothing() {
     let (robot, base, tip) = panda();
@@ -129,12 +129,12 @@ fn servo_jumps_and_stops_allocate_nothing() {
     assert_eq!(allocations(&mut go), 0);
 }
 
-/// A path that stays out of reach looks for a way round where its branch ends, and not at every miss again.
+/// A path that stays out of reach searches for a detour where its branch ends, and not at every miss again.
 #[test]
-fn a_way_round_is_sought_once() {
+fn detour_of_an_unreachable_path_is_sought_once() {
     let robot = robot("adept_cobra_s600");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
-    // The first joint runs into its limit; the elbow bent the other way would reach on.
+    // The first joint runs into its limit; with the elbow bent the other way it could go on.
     let limit = arm.limits().next().unwrap().upper;
     let start = [limit - 0.1, -0.9, 0.1, 0.0];
     let first = arm.base_from_tool(&start).unwrap();
@@ -156,6 +156,6 @@ fn a_way_round_is_sought_once() {
     count(60);
     let [few, many] = [20, 60].map(&mut count);
     assert!(missed > 40, "{missed}");
-    // A step's solution is a few.
+    // A step's solution takes a few allocations.
     assert!(many - few <= 40 * 8, "{few} {many}");
 }

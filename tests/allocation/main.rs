@@ -1,4 +1,4 @@
-//! What allocates, and how much.
+//! What allocates memory, and how much.
 
 mod arm;
 mod counting_allocator;

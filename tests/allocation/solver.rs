@@ -1,5 +1,5 @@
-//! Promise: after the first solve with a workspace, a solve allocates nothing, by any method on the
-//! exact derivative routes, also after a target has moved.
+//! Promise: after the first solve with a workspace, a solve allocates nothing, with any method on the exact derivative
+//! routes, also after a target has moved.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::counting_allocator::allocations;
@@ -21,7 +21,7 @@ struct Drag {
     at_rest: na::Vector3<f64>,
 }
 
-/// Tips to hold, one to drag, a gaze without derivatives of its own, and a pull on the joints.
+/// Pose and posture tasks, a dragged tip, and a gaze task without derivatives of its own.
 fn drag() -> Drag {
     let rig = RandomRig::new(6);
     let model = rig.skeleton.model();
@@ -55,25 +55,25 @@ fn move_target(drag: &mut Drag, random: &mut Random, by: f64) {
     drag.targets.get_mut(drag.task).unwrap().set_target(to);
 }
 
-fn quick(solver: Solver) -> Solver {
+fn limited(solver: Solver) -> Solver {
     solver
         .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(8))
         .with_restarts(kinopt::ik::Restarts::default().with_attempts(2))
 }
 
 #[test]
-fn the_counter_counts() {
+fn allocations_are_counted() {
     assert!(allocations(|| drop(std::hint::black_box(vec![1; 100]))) > 0);
     assert_eq!(allocations(|| ()), 0);
 }
 
 #[test]
-fn repeated_solves() {
+fn repeated_solves_allocate_nothing() {
     let mut drag = drag();
     assert!(drag.rig.skeleton.bones().len() >= 19);
     for route in part(Derivatives::ALL, 2) {
         drag.problem = drag.problem.clone().with_derivatives(route);
-        for solver in solvers().into_iter().map(quick) {
+        for solver in solvers().into_iter().map(limited) {
             let mut random = Random::new(3);
             let mut workspace = Workspace::new();
             move_target(&mut drag, &mut random, 0.3);
@@ -97,7 +97,7 @@ fn repeated_solves() {
 }
 
 #[test]
-fn after_a_first_solve_that_had_nothing_to_do() {
+fn solves_after_a_trivial_one_allocate_nothing() {
     let rig = RandomRig::new(6);
     let model = rig.skeleton.model();
     let rest = model.neutral();
@@ -109,7 +109,7 @@ fn after_a_first_solve_that_had_nothing_to_do() {
     for route in [Derivatives::Analytic, Derivatives::Dual] {
         let problem = problem.clone().with_derivatives(route);
         let mut targets = problem.targets();
-        for solver in solvers().into_iter().map(quick) {
+        for solver in solvers().into_iter().map(limited) {
             let mut workspace = Workspace::new();
             targets.get_mut(task).unwrap().set_target(at_rest);
             let question = problem.with_targets(&targets).unwrap();
@@ -130,7 +130,7 @@ fn after_a_first_solve_that_had_nothing_to_do() {
 }
 
 #[test]
-fn a_frame_of_animation_allocates_nothing() {
+fn animation_frames_allocate_nothing() {
     use kinopt::animation::{Armature, Clip, Cursor, EulerClip, Limb, LimbGoal, Playback};
     use kinopt::animation::{EulerKey, EulerTrack};
 
@@ -175,13 +175,13 @@ fn a_frame_of_animation_allocates_nothing() {
 }
 
 #[test]
-fn frames_of_a_drag() {
+fn frames_of_a_drag_allocate_nothing() {
     let scene = drag();
     let (at_rest, task) = (scene.at_rest, scene.task);
     let mut drag = kinopt::ik::Drag::new(scene.problem, &scene.rest).unwrap();
     drag.advance();
     let mut random = Random::new(9);
-    // Out of reach and back, with nudges where a frame settles on a miss.
+    // Out of reach and back, with perturbations where a frame settles on a miss.
     for frame in 0..40 {
         let by = if frame % 20 < 10 { 5.0 } else { 0.02 };
         let to = if frame % 4 == 0 {

@@ -19,7 +19,7 @@ fn linear(matrix3: DMat3) -> DAffine3 {
 }
 
 #[test]
-fn the_sources_square_turns_without_shrinking() {
+fn square_rotates_without_shrinking() {
     let quarter = linear(DMat3::from_rotation_z(std::f64::consts::FRAC_PI_4));
     let start = linear(DMat3::IDENTITY);
     for t in [0.0, 0.25, 0.5, 1.0] {
@@ -35,7 +35,7 @@ fn the_sources_square_turns_without_shrinking() {
 }
 
 #[test]
-fn halfway_between_rotations_is_a_rotation() {
+fn midpoint_of_rotations_is_a_rotation() {
     let mut random = Random::new(41);
     for _ in 0..100 {
         let mut turn = || {
@@ -51,7 +51,7 @@ fn halfway_between_rotations_is_a_rotation() {
 }
 
 #[test]
-fn any_map_is_its_parts() {
+fn decomposition_reproduces_any_map() {
     let mut random = Random::new(42);
     for case in 0..300 {
         let mut m = matrix(&mut random);

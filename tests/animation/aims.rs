@@ -38,7 +38,7 @@ fn turned(aim: &Aim, armature: &Armature, pose: &Pose, goal: &AimGoal) -> Option
 }
 
 #[test]
-fn it_points_at_the_target_by_the_shortest_arc() {
+fn aim_takes_the_shortest_arc_to_the_target() {
     for (armature, hand, pose, before, mut random) in cases(200) {
         let forward = direction(&mut random);
         let target = before.translation + direction(&mut random) * random.within(0.05, 4.0) as f32;
@@ -67,7 +67,7 @@ fn it_points_at_the_target_by_the_shortest_arc() {
 }
 
 #[test]
-fn its_up_axis_goes_up_as_far_as_it_can_and_twists_from_there() {
+fn up_axis_is_upright_then_twisted() {
     for (armature, hand, pose, before, mut random) in cases(200) {
         let (forward, up) = (direction(&mut random), Vec3A::Z);
         if forward.cross(up).length() < 0.1 {
@@ -101,7 +101,7 @@ fn its_up_axis_goes_up_as_far_as_it_can_and_twists_from_there() {
 }
 
 #[test]
-fn from_a_muzzle_the_line_goes_through_the_target() {
+fn line_from_an_offset_passes_the_target() {
     let mut short = 0;
     for (armature, hand, pose, before, mut random) in cases(300) {
         let (forward, muzzle) = (direction(&mut random), vector(&mut random, 0.3));
@@ -126,7 +126,7 @@ fn from_a_muzzle_the_line_goes_through_the_target() {
 }
 
 #[test]
-fn a_scaled_bone_points_from_its_muzzle_too() {
+fn scaled_bone_aims_from_its_offset() {
     for (armature, hand, mut pose, _, mut random) in cases(100) {
         // One scale above the bone and one of its own.
         for bone in [armature.bone("hips").unwrap(), hand] {
@@ -147,7 +147,7 @@ fn a_scaled_bone_points_from_its_muzzle_too() {
 }
 
 #[test]
-fn weight_zero_and_nonsense_change_nothing() {
+fn zero_weight_and_nan_change_nothing() {
     for (armature, hand, pose, before, _) in cases(10) {
         let aim = Aim::new(&armature, hand, Vec3A::X).unwrap();
         let target = before.translation + Vec3A::Y;
@@ -182,7 +182,7 @@ fn weight_zero_and_nonsense_change_nothing() {
 }
 
 #[test]
-fn what_cannot_aim_is_named() {
+fn invalid_aims_are_named() {
     let armature = arm();
     let hand = armature.bone("hand").unwrap();
     let other = support::armatures::armature(30, &mut Random::new(1));

@@ -37,7 +37,7 @@ fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
 }
 
 #[test]
-fn both_stand_at_the_same_places() {
+fn skeleton_and_armature_poses_agree() {
     let random = &mut Random::new(3);
     for _ in 0..20 {
         let armature = armature(12, random);
@@ -68,7 +68,7 @@ fn both_stand_at_the_same_places() {
 }
 
 #[test]
-fn a_hand_is_dragged() {
+fn hand_of_an_armature_reaches_its_target() {
     let random = &mut Random::new(4);
     for _ in 0..10 {
         let armature = armature(8, random);
@@ -92,7 +92,7 @@ fn a_hand_is_dragged() {
 }
 
 #[test]
-fn a_bone_may_be_called_as_a_tip_is() {
+fn bone_may_have_the_name_of_a_tip() {
     // As the End Sites of motion capture are: the joint's own tip takes another name.
     let bone = |name: &str, parent, x: f32| ArmatureBone {
         name: name.into(),
@@ -133,7 +133,7 @@ fn a_bone_may_be_called_as_a_tip_is() {
 }
 
 #[test]
-fn a_figure_rests_in_a_pose_of_its_own() {
+fn rest_pose_can_be_replaced() {
     let random = &mut Random::new(6);
     let armature = armature(6, random);
     let mut pose = armature.rest().clone();
@@ -159,7 +159,37 @@ fn a_figure_rests_in_a_pose_of_its_own() {
 }
 
 #[test]
+<<<<<<< HEAD
 fn skeleton_of_limits_that_are_no_interval_is_an_error() {
+=======
+fn uneven_scales_above_children_are_rejected() {
+    let with = |scale: [f32; 3], children: bool| {
+        let bone = |name: &str, parent, scale: [f32; 3]| ArmatureBone {
+            name: name.into(),
+            parent,
+            rest: LocalTransform {
+                scale: Vec3A::from_array(scale),
+                ..LocalTransform::IDENTITY
+            },
+        };
+        let mut bones = vec![bone("root", None, [1.0; 3]), bone("wide", Some(0), scale)];
+        if children {
+            bones.push(bone("child", Some(1), [1.0; 3]));
+        }
+        Armature::new(bones, Vec::new())
+            .unwrap()
+            .skeleton("one", |_| FREE)
+    };
+    for scale in [[1.0, 2.0, 1.0], [-1.0; 3], [0.0; 3]] {
+        let error = with(scale, true).unwrap_err().to_string();
+        assert!(
+            error.contains("`wide`") && error.contains("scales"),
+            "{error}"
+        );
+        assert!(with(scale, false).is_ok());
+    }
+    assert!(with([2.0; 3], true).is_ok());
+>>>>>>> t7renamed
     let backwards = |_| [Limits::new(1.0, -1.0); 3];
     let armature = armature(2, &mut Random::new(5));
     assert!(armature.skeleton("one", backwards).is_err());
@@ -167,7 +197,7 @@ fn skeleton_of_limits_that_are_no_interval_is_an_error() {
 
 /// Bones that turn may turn any way, and the others not at all.
 #[test]
-fn bones_turn_or_stand_still() {
+fn bones_rotate_freely_or_are_locked() {
     use std::collections::BTreeSet;
     let rig = support::bones::RandomRig::new(3);
     let armature = kinopt::animation::Armature::of_skeleton(&rig.skeleton);

@@ -24,7 +24,7 @@ fn shared(first: f64) -> SkinWeights {
 }
 
 #[test]
-fn half_of_a_quarter_turn_either_way_flattens_onto_the_axis() {
+fn mean_of_opposite_quarter_turns_is_singular() {
     // ½ R_x(90°) + ½ R_x(−90°) = diag(1, 0, 0), and not R_x(0°).
     let turns = [FRAC_PI_2, -FRAC_PI_2].map(|a| Affine3A::from_quat(Quat::from_rotation_x(a)));
     let weights = shared(0.5);
@@ -44,7 +44,7 @@ fn half_of_a_quarter_turn_either_way_flattens_onto_the_axis() {
 }
 
 #[test]
-fn a_blend_from_no_turn_to_one_has_the_determinant_of_the_straight_line() {
+fn matrix_blend_has_the_linear_determinant() {
     // det((1 − t) I + t R) = 1 + 2t (cos θ − 1) + 2t² (1 − cos θ): 1 at the ends only.
     for angle in [0.5_f64, 1.5, 3.0] {
         let turn = Affine3A::from_quat(Quat::from_rotation_z(angle as f32));

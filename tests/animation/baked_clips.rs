@@ -30,7 +30,7 @@ pub(crate) fn poses(
 }
 
 #[test]
-fn a_clip_passes_through_its_poses() {
+fn clip_passes_through_its_poses() {
     let random = &mut Random::new(31);
     for count in [1, 2, 17] {
         let armature = armature(9, random);
@@ -44,7 +44,7 @@ fn a_clip_passes_through_its_poses() {
 }
 
 #[test]
-fn what_stands_still_has_one_key_and_none_at_rest() {
+fn constant_channels_have_one_key_or_none() {
     let random = &mut Random::new(32);
     let armature = armature(5, random);
     let still = pose(&armature, random);
@@ -66,7 +66,7 @@ fn what_stands_still_has_one_key_and_none_at_rest() {
 }
 
 #[test]
-fn a_baked_clip_is_the_clip_at_its_samples() {
+fn baked_clip_equals_the_clip_at_samples() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let armature = Armature::of_skeleton(&rig.skeleton);
     let mut builder = Clip::builder("keys", &armature);
@@ -88,7 +88,7 @@ fn a_baked_clip_is_the_clip_at_its_samples() {
 
 /// A clip that does not come back to where it began ends where it ended.
 #[test]
-fn the_last_sample_is_the_end_and_not_the_beginning() {
+fn last_sample_is_the_end_of_the_clip() {
     let random = &mut Random::new(34);
     let armature = armature(4, random);
     let (times, poses) = poses(&armature, 5, random);
@@ -104,7 +104,7 @@ fn the_last_sample_is_the_end_and_not_the_beginning() {
 }
 
 #[test]
-fn what_makes_no_clip_is_a_named_error() {
+fn invalid_poses_and_rates_are_named() {
     let random = &mut Random::new(33);
     let armature = armature(4, random);
     let other = support::armatures::armature(5, random);
@@ -146,7 +146,7 @@ fn what_makes_no_clip_is_a_named_error() {
 
 /// A clip whose length is a whole number of steps but for rounding is sampled at so many, and not once more by its end.
 #[test]
-fn rounding_makes_no_sample_of_its_own() {
+fn rounding_adds_no_extra_sample() {
     let random = &mut Random::new(35);
     let armature = armature(2, random);
     let poses = [(); 2].map(|()| pose(&armature, random));

@@ -87,7 +87,7 @@ fn any_pose(armature: &Armature, moved: bool, random: &mut Random) -> Pose {
 }
 
 #[test]
-fn kinematics_are_those_of_the_armature_s_own_matrices() {
+fn kinematics_equal_the_armatures_matrices() {
     let random = &mut Random::new(31);
     for round in 0..20 {
         let armature = armature(random);
@@ -126,7 +126,7 @@ fn kinematics_are_those_of_the_armature_s_own_matrices() {
 }
 
 #[test]
-fn the_neutral_configuration_is_the_rest_pose() {
+fn neutral_configuration_is_the_rest_pose() {
     let random = &mut Random::new(32);
     let armature = armature(random);
     for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
@@ -173,7 +173,7 @@ fn arm() -> Armature {
 }
 
 #[test]
-fn no_solution_leaves_a_cone() {
+fn solutions_stay_within_cones() {
     let armature = arm();
     let skeleton = armature
         .skeleton("arm", |_| [Limits::UNBOUNDED; 3])
@@ -224,7 +224,7 @@ fn no_solution_leaves_a_cone() {
 }
 
 #[test]
-fn a_cone_is_about_the_bone_unless_it_says_otherwise() {
+fn cone_axis_is_the_bone_by_default() {
     let axis_of = |armature: &Armature, name: &str| {
         let skeleton = armature
             .skeleton("one", |_| [Limits::UNBOUNDED; 3])
@@ -260,7 +260,7 @@ fn a_cone_is_about_the_bone_unless_it_says_otherwise() {
 }
 
 #[test]
-fn cones_of_what_has_none_are_refused() {
+fn cones_of_other_bones_are_rejected() {
     let random = &mut Random::new(34);
     let armature = armature(random);
     let limits = |bone: kinopt::skeleton::BoneId| match STILL.contains(&bone.index()) {

@@ -58,7 +58,7 @@ fn expected(speed: f32, phase: f32) -> [f32; 2] {
 }
 
 #[test]
-fn between_two_numbers_the_clips_are_mixed_at_one_phase() {
+fn clips_between_numbers_blend_at_one_phase() {
     for speed in [-5.0, -1.0, -0.25, 0.5, 1.0, 1.5, 2.0, 2.75, 3.0, 9.0] {
         // Once through takes the mean of the lengths, which is where x ends.
         let [length, _] = expected(speed, 1.0);
@@ -76,7 +76,7 @@ fn between_two_numbers_the_clips_are_mixed_at_one_phase() {
 }
 
 #[test]
-fn as_the_number_changes_the_phase_goes_on() {
+fn phase_continues_as_the_number_changes() {
     let mut random = Random::new(12);
     let (mut run, mut phase, mut speed) = (moving(0.0), 0.0, 0.0f32);
     for _ in 0..400 {
@@ -94,7 +94,7 @@ fn as_the_number_changes_the_phase_goes_on() {
 }
 
 #[test]
-fn it_says_what_plays_and_events_have_the_clips_weights() {
+fn playing_clips_and_event_weights_are_reported() {
     let mut run = moving(1.5);
     let playing: Vec<(&str, f32)> = run.playing().collect();
     assert_eq!(playing, [("walk", 0.75), ("run", 0.25)]);
@@ -118,7 +118,7 @@ fn it_says_what_plays_and_events_have_the_clips_weights() {
 }
 
 #[test]
-fn its_exit_is_by_the_mean_length_and_it_fades_out_as_a_blend() {
+fn exit_time_uses_the_mean_clip_length() {
     // Halfway between walk and run once through takes 1.5 s.
     let mut run = run_of(MACHINE);
     let [_, y] = step(&mut run, 1.4999);
@@ -138,7 +138,7 @@ fn its_exit_is_by_the_mean_length_and_it_fades_out_as_a_blend() {
 }
 
 #[test]
-fn a_state_entered_in_step_starts_where_the_one_left_is() {
+fn synchronised_state_starts_at_the_same_phase() {
     let text = |playback: &str, speed: f64| {
         format!(
             r#"{{
@@ -183,7 +183,7 @@ fn a_state_entered_in_step_starts_where_the_one_left_is() {
 /// A fade from walking to a jump is broken off by walking's own transition to a run: the feet of the run
 /// keep step with the walk that it leads from, not with the jump.
 #[test]
-fn a_fade_broken_off_by_its_source_keeps_step_with_the_source() {
+fn interrupted_fade_keeps_phase_with_its_source() {
     for (interruption, from, place) in [
         ("source", "\"from\": \"walk\", ", 0.75),
         ("either", "\"from\": \"walk\", ", 0.75),
@@ -222,7 +222,7 @@ fn a_fade_broken_off_by_its_source_keeps_step_with_the_source() {
 }
 
 #[test]
-fn mere_poses_do_not_count_for_the_length() {
+fn poses_do_not_count_in_the_mean_length() {
     let armature = armature();
     let mut all = clips();
     all.push(Arc::new(Clip::builder("still", &armature).build()));
@@ -238,7 +238,7 @@ fn mere_poses_do_not_count_for_the_length() {
 }
 
 #[test]
-fn blends_survive_a_round_trip() {
+fn blends_round_trip_through_json() {
     let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
     let text = serde_json::to_string(&definition).unwrap();
     let again: StateMachineDefinition = serde_json::from_str(&text).unwrap();
@@ -249,7 +249,7 @@ fn blends_survive_a_round_trip() {
 }
 
 #[test]
-fn blends_that_make_no_sense_are_refused_with_their_place() {
+fn invalid_blends_are_rejected_with_their_path() {
     let refused = |from: &str, to: &str, words: &[&str]| {
         assert!(MACHINE.contains(from), "{from}");
         let error = machine(&MACHINE.replacen(from, to, 1))

@@ -12,7 +12,7 @@ use support::random::Random;
 use super::baked_clips::at;
 
 #[test]
-fn what_moves_is_told_once_by_whatever_rest() {
+fn channels_round_trip_for_any_rest() {
     let random = &mut Random::new(61);
     let own = armature(5, random);
     let rest = pose(&own, random);

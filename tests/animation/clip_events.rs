@@ -29,7 +29,7 @@ fn names(clip: &Clip, playback: Playback, head: &mut Playhead, seconds: f64) -> 
 }
 
 #[test]
-fn by_hand() {
+fn events_of_steps_match_a_hand_count() {
     let clip = clip();
     let mut head = Playhead::new();
     let mut step = |seconds| names(&clip, Playback::Hold, &mut head, seconds);
@@ -53,7 +53,7 @@ fn by_hand() {
 }
 
 #[test]
-fn backwards_it_meets_them_in_the_other_order() {
+fn backward_playback_reverses_the_events() {
     let clip = clip();
     let mut head = Playhead::starting_at(2.0);
     head.speed = -1.0;
@@ -65,7 +65,7 @@ fn backwards_it_meets_them_in_the_other_order() {
 }
 
 #[test]
-fn steps_of_any_length_fire_what_one_long_step_fires() {
+fn short_steps_fire_the_events_of_a_long_one() {
     let clip = clip();
     let mut random = Random::new(71);
     for case in 0..300 {
@@ -93,7 +93,7 @@ fn steps_of_any_length_fire_what_one_long_step_fires() {
 }
 
 #[test]
-fn turning_there_and_back_again_passes_each_twice() {
+fn reversed_playback_fires_events_twice() {
     let clip = clip();
     let mut head = Playhead::starting_at(0.2);
     let forwards = names(&clip, Playback::Hold, &mut head, 1.25);
@@ -108,7 +108,7 @@ fn turning_there_and_back_again_passes_each_twice() {
 }
 
 #[test]
-fn a_time_that_is_not_finite_does_not_move() {
+fn non_finite_time_does_not_advance() {
     let clip = clip();
     let mut head = Playhead::starting_at(0.5);
     assert_eq!(names(&clip, Playback::Loop, &mut head, f64::NAN), "");
@@ -117,7 +117,7 @@ fn a_time_that_is_not_finite_does_not_move() {
 }
 
 #[test]
-fn so_far_on_that_cycles_cannot_be_counted_it_ends() {
+fn huge_times_fire_a_bounded_number_of_events() {
     let clip = clip();
     for playback in [Playback::Loop, Playback::PingPong] {
         for far in [1e300, -1e300] {

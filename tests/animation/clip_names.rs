@@ -22,7 +22,7 @@ const NAMES: [&str; 6] = [
 ];
 
 #[test]
-fn the_end_of_a_name_will_do() {
+fn unique_suffix_of_a_name_is_accepted() {
     let clips = clips(&NAMES);
     for (asked, meant) in [
         ("Walk", "Armature|Walk"),
@@ -41,7 +41,7 @@ fn the_end_of_a_name_will_do() {
 }
 
 #[test]
-fn what_means_none_or_several_is_told() {
+fn unknown_and_ambiguous_names_are_reported() {
     let clips = clips(&NAMES);
     let error = Clip::named(&clips, "Run").unwrap_err();
     let text = "clip name `Run` may mean `Armature|Run` or `Other:Run`";
@@ -56,7 +56,7 @@ fn what_means_none_or_several_is_told() {
 }
 
 #[test]
-fn state_machines_take_them_too() {
+fn state_machines_accept_name_suffixes() {
     let clips: Vec<Arc<Clip>> = clips(&NAMES).into_iter().map(Arc::new).collect();
     let machine = |clip: &str| {
         let text = format!(r#"{{"initial": "s", "states": [{{"name": "s", "clip": "{clip}"}}]}}"#);

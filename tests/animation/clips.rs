@@ -130,7 +130,7 @@ fn expected(armature: &Armature, channels: &[(usize, Channel)], time: f32) -> Po
 }
 
 #[test]
-fn a_pose_is_its_channels_own_curves_in_any_order_of_times() {
+fn sampled_pose_equals_the_curves_in_any_order() {
     let mut random = Random::new(61);
     for _ in 0..40 {
         let armature = armature(1 + random.below(30), &mut random);
@@ -228,7 +228,7 @@ fn captured_clip(armature: &Armature, random: &mut Random) -> Clip {
 
 /// A span that is set counts, not the keys': beyond them the ends are held until it loops.
 #[test]
-fn a_span_that_is_set_is_the_clip_s() {
+fn explicit_span_overrides_the_keys() {
     let armature = armature(1, &mut Random::new(70));
     let bone = armature.bone_at(0).unwrap();
     let curve = KeyedCurve::linear(vec![0.0, 1.0], vec![Vec3A::ZERO, Vec3A::X]).unwrap();
@@ -280,7 +280,7 @@ fn sample_counts_seconds_of_the_file() {
 }
 
 #[test]
-fn playback_in_small_steps_either_way_gives_the_bits_of_a_search() {
+fn stepped_playback_equals_a_search_exactly() {
     let mut random = Random::new(65);
     for bones in [1, 4, 23] {
         let armature = armature(bones, &mut random);
@@ -310,7 +310,7 @@ fn playback_in_small_steps_either_way_gives_the_bits_of_a_search() {
 }
 
 #[test]
-fn a_cursor_of_another_clip_does_no_harm() {
+fn cursor_of_another_clip_is_harmless() {
     let mut random = Random::new(63);
     let armature = armature(9, &mut random);
     let clips: Vec<Clip> = (0..6)
@@ -330,7 +330,7 @@ fn a_cursor_of_another_clip_does_no_harm() {
 }
 
 #[test]
-fn a_rig_s_keyframes_stand_where_its_angles_do() {
+fn rig_keyframes_match_its_angles() {
     let mut random = Random::new(64);
     let skeleton = RandomRig::new(64).skeleton;
     let armature = Armature::of_skeleton(&skeleton);
@@ -388,7 +388,7 @@ fn a_rig_s_keyframes_stand_where_its_angles_do() {
 }
 
 #[test]
-fn morph_weights_run_with_the_bones() {
+fn morph_weights_are_sampled_with_bones() {
     let mut random = Random::new(65);
     let armature = armature(3, &mut random);
     let mut builder = Clip::builder("smile", &armature);
@@ -525,7 +525,7 @@ fn bad_channels_are_named_errors() {
 
 /// By hand, for a span from 2 s to 5 s.
 #[test]
-fn times_outside_a_span_that_does_not_begin_at_zero() {
+fn times_outside_an_offset_span_are_wrapped() {
     let span = [2.0, 5.0];
     for (time, hold, looped, there_and_back) in [
         (1.0, 2.0, 4.0, 3.0),
@@ -548,7 +548,7 @@ fn times_outside_a_span_that_does_not_begin_at_zero() {
 
 /// Channels come bone by bone, whether they move or hold still, and whichever was added first.
 #[test]
-fn channels_come_in_the_order_of_bones() {
+fn channels_are_sorted_by_bone() {
     for seed in 0..40 {
         let mut random = Random::new(seed);
         let armature = armature(6, &mut random);

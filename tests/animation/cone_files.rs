@@ -39,7 +39,7 @@ fn degrees_become_radians() {
 }
 
 #[test]
-fn what_is_wrong_is_told_by_its_place() {
+fn errors_name_the_path() {
     for (text, place, reason) in [
         (r#"{"a": {"swing": 0}}"#, "a.swing", "0 degrees"),
         (r#"{"a": {"swing": 181}}"#, "a.swing", "181 degrees"),

@@ -60,7 +60,7 @@ fn goal(random: &mut Random) -> LimbGoal {
 }
 
 #[test]
-fn a_frame_is_that_of_its_parts() {
+fn crowd_frame_equals_single_characters() {
     let mut random = Random::new(31);
     let (mut crowd, [walk, run], limb) = crowd(&mut random);
     let mut goals = Vec::new();
@@ -98,7 +98,7 @@ fn a_frame_is_that_of_its_parts() {
 }
 
 #[test]
-fn threads_change_no_bit() {
+fn parallel_crowd_equals_serial_exactly() {
     let (mut serial, ..) = crowd(&mut Random::new(32));
     let mut parallel = serial.clone();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
@@ -113,7 +113,7 @@ fn threads_change_no_bit() {
 }
 
 #[test]
-fn clips_of_other_armatures_are_refused() {
+fn clips_of_other_armatures_are_rejected() {
     let mut random = Random::new(33);
     let (mut crowd, ..) = crowd(&mut random);
     let other = armature(13, &mut random);
@@ -128,7 +128,7 @@ fn clips_of_other_armatures_are_refused() {
 
 /// A character without clips reaches from rest in every frame.
 #[test]
-fn without_clips_limbs_reach_from_rest() {
+fn character_without_clips_reaches_from_rest() {
     let mut random = Random::new(34);
     let (mut crowd, _, limb) = crowd(&mut random);
     let wanted = goal(&mut random);
@@ -151,7 +151,7 @@ fn without_clips_limbs_reach_from_rest() {
 
 /// A second clip is all that is seen until its share says otherwise.
 #[test]
-fn a_clip_plays_in_full_unless_it_is_told() {
+fn clip_plays_at_full_weight_by_default() {
     let random = &mut Random::new(8);
     let armature = armature(3, random);
     let [first, second] = ["walk", "run"].map(|name| clip(name, &armature, random));

@@ -16,7 +16,7 @@ fn handle(time: f64, value: f64) -> BezierHandle<f64> {
 
 /// Start, peak and end of a jump, as the animator sets them: in between at constant speed.
 #[test]
-fn three_keys_of_a_jump() {
+fn linear_keys_of_a_jump_have_constant_speed() {
     let keys = [[0.0, 0.0, 0.0], [0.0, 3.0, 0.0], [5.0, 0.0, 0.0]].map(DVec3::from_array);
     let curve = KeyedCurve::linear(vec![0.0, 1.0, 2.0], keys.to_vec()).unwrap();
     for (time, place) in [
@@ -40,7 +40,7 @@ fn three_keys_of_a_jump() {
 }
 
 #[test]
-fn each_way_has_its_own_pace() {
+fn each_segment_uses_its_easing() {
     let mut random = Random::new(101);
     let drawn = BezierEasing::new([0.3, -0.4], [0.7, 1.6]).unwrap();
     let mut easings = Easing::ALL.to_vec();
@@ -63,7 +63,7 @@ fn each_way_has_its_own_pace() {
 /// Handles a third of the way in time leave time as it is, and the values are a plain cubic, whose
 /// Bernstein coefficients are known.
 #[test]
-fn handles_at_thirds_are_polynomials() {
+fn handles_at_thirds_give_plain_cubics() {
     let curve = |values: [f64; 2]| {
         let third = 2.0 / 3.0;
         let handles = vec![
@@ -89,7 +89,7 @@ fn handles_at_thirds_are_polynomials() {
 }
 
 #[test]
-fn a_drawn_curve_passes_the_points_of_its_segments() {
+fn bezier_curve_passes_points_of_its_segments() {
     let mut random = Random::new(102);
     for _ in 0..100 {
         let times = vec![0.0, 0.4, 2.0, 2.5];
@@ -142,7 +142,7 @@ fn point(random: &mut Random) -> DVec3 {
 
 /// Handles in one line through a key: the curve has one rate there from both sides.
 #[test]
-fn handles_in_one_line_are_smooth() {
+fn collinear_handles_give_one_rate() {
     let handles = vec![
         [handle(0.0, 0.0), handle(0.2, 0.7)],
         [handle(-0.3, -0.45), handle(0.5, 0.75)],
@@ -160,7 +160,7 @@ fn handles_in_one_line_are_smooth() {
 }
 
 #[test]
-fn a_clip_plays_them() {
+fn clip_plays_eased_and_bezier_curves() {
     let bone = ArmatureBone {
         name: "door".into(),
         parent: None,
@@ -204,7 +204,7 @@ fn a_clip_plays_them() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused_by_name() {
+fn invalid_curves_are_rejected_by_name() {
     let two = |handles: [[BezierHandle<f64>; 2]; 2]| {
         KeyedCurve::bezier(vec![0.0, 2.0], vec![0.0, 1.0], handles.to_vec())
     };

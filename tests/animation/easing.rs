@@ -20,7 +20,7 @@ fn ends_and_middles() {
 }
 
 #[test]
-fn the_sources_formulas() {
+fn easings_equal_the_documented_formulas() {
     for k in 0..=64 {
         let t = k as f32 / 64.0;
         assert_eq!(Easing::QuadraticIn.at(t), t * t);
@@ -35,7 +35,7 @@ fn the_sources_formulas() {
 }
 
 #[test]
-fn out_is_in_turned_round() {
+fn ease_out_mirrors_ease_in() {
     let pairs = [
         (Easing::QuadraticIn, Easing::QuadraticOut),
         (Easing::CubicIn, Easing::CubicOut),
@@ -52,7 +52,7 @@ fn out_is_in_turned_round() {
 }
 
 #[test]
-fn a_drawn_easing_passes_the_points_of_its_curve() {
+fn bezier_easing_passes_points_of_its_curve() {
     let mut random = Random::new(21);
     for case in 0..300 {
         let mut unit = || random.unit() as f32;
@@ -84,7 +84,7 @@ fn a_drawn_easing_passes_the_points_of_its_curve() {
 
 /// CSS's `ease`, `ease-in`, `ease-out` and `ease-in-out`, bisected in decimal arithmetic of 40 digits.
 #[test]
-fn drawn_easings_of_css() {
+fn bezier_easings_match_css() {
     let table = [
         (
             [[0.25, 0.1], [0.25, 1.0]],
@@ -118,7 +118,7 @@ fn drawn_easings_of_css() {
 }
 
 #[test]
-fn the_rate_is_the_derivative() {
+fn rate_is_the_derivative() {
     let drawn = [
         [[0.42, 0.0], [0.58, 1.0]],
         [[0.0, 0.0], [1.0, 1.0]],
@@ -142,7 +142,7 @@ fn the_rate_is_the_derivative() {
 }
 
 #[test]
-fn a_drawn_easing_is_two_handles_in_json() {
+fn bezier_easing_is_two_handles_in_json() {
     let text = r#"{"bezier":[[0.25,0.5],[0.75,1.0]]}"#;
     let easing: Easing = serde_json::from_str(text).unwrap();
     let drawn = BezierEasing::new([0.25, 0.5], [0.75, 1.0]).unwrap();
@@ -155,7 +155,7 @@ fn a_drawn_easing_is_two_handles_in_json() {
 }
 
 #[test]
-fn handles_that_run_backwards_are_refused() {
+fn handles_running_backwards_are_rejected() {
     for handle in [
         [-0.1, 0.0],
         [1.1, 0.0],
@@ -170,7 +170,7 @@ fn handles_that_run_backwards_are_refused() {
 
 /// With both handles on the ends the curve is a straight line whose parameter stands still there.
 #[test]
-fn handles_on_the_ends_leave_the_speed_one() {
+fn handles_on_the_ends_give_constant_speed() {
     let line = Easing::from(BezierEasing::new([0.0, 0.0], [1.0, 1.0]).unwrap());
     for time in [0.0_f64, 1e-3, 0.3, 1.0] {
         assert!((line.at(time) - time).abs() < 1e-9, "{time}");

@@ -59,7 +59,7 @@ fn uneven(random: &mut Random) -> Vec<(f64, [f64; 3])> {
 }
 
 #[test]
-fn linear_is_a_straight_line_with_a_kink_at_keys() {
+fn linear_interpolation_has_kinks_at_keys() {
     let clip = clip(&EVEN, &EulerInterpolation::Linear);
     for (time, expected) in [
         (0.25, 0.25),
@@ -76,7 +76,7 @@ fn linear_is_a_straight_line_with_a_kink_at_keys() {
 }
 
 #[test]
-fn a_kochanek_bartels_segment_by_hand() {
+fn kochanek_bartels_segment_matches_hand_values() {
     // At key 1 t = c = ½, b = −½; it leaves with
     //   (1−t)(1+b)(1+c)/2 · 1 + (1−t)(1−b)(1−c)/2 · 2 = 0.1875 + 0.375,
     // and key 2, without controls, is reached with ½·2 − ½·1. In the middle of the segment:
@@ -91,7 +91,7 @@ fn a_kochanek_bartels_segment_by_hand() {
 }
 
 #[test]
-fn the_special_cases_are_the_others() {
+fn kochanek_bartels_contains_the_other_splines() {
     let mut random = Random::new(1);
     for _ in 0..20 {
         let keys = uneven(&mut random);
@@ -131,7 +131,7 @@ fn the_special_cases_are_the_others() {
 }
 
 #[test]
-fn every_key_is_met_and_curves_of_vectors_agree() {
+fn curves_pass_all_keys_and_match_vector_curves() {
     let mut random = Random::new(2);
     for _ in 0..20 {
         let keys = uneven(&mut random);
@@ -162,7 +162,7 @@ fn every_key_is_met_and_curves_of_vectors_agree() {
 }
 
 #[test]
-fn controls_that_do_not_fit_are_named() {
+fn mismatched_controls_are_named() {
     let clip = || EulerClip::new(vec![track(&EVEN)]).unwrap();
     let with = |controls| {
         let between = EulerInterpolation::KochanekBartels(controls);
@@ -194,7 +194,7 @@ fn with_track(keyframes: &str) -> Result<Rig, String> {
 }
 
 #[test]
-fn a_file_says_it_and_keeps_it() {
+fn interpolation_round_trips_through_files() {
     let keys = r#""keys": [{"t": 0, "xzx": [0, 0, 0]}, {"t": 1, "xzx": [0, 90, 0]}"#;
     let tcb = r#""keys": [{"t": 0, "xzx": [0, 0, 0], "tcb": [0.1, -0.7, 1]}, {"t": 1, "xzx": [0, 90, 0]}"#;
     let passed = vec![controls(0.1, -0.7, 1.0), TensionContinuityBias::default()];
@@ -227,7 +227,7 @@ fn a_file_says_it_and_keeps_it() {
 }
 
 #[test]
-fn a_file_s_wrong_words_are_named_with_their_place() {
+fn invalid_interpolations_are_named_with_path() {
     let key = |tcb: &str| format!("[{{\"t\": 0, \"xzx\": [0, 0, 0], \"tcb\": {tcb}}}]");
     for (interpolation, tcb, words) in [
         (
@@ -264,7 +264,7 @@ fn a_file_s_wrong_words_are_named_with_their_place() {
 
 /// A clip lasts from the first key of any bone to the last of any.
 #[test]
-fn a_clip_spans_the_keys_of_all_its_bones() {
+fn clip_spans_the_keys_of_all_bones() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let track = |bone: usize, times: [f64; 2]| EulerTrack {
         bone: rig.skeleton.bone_at(bone).unwrap(),

@@ -45,7 +45,7 @@ fn keys(clip: &Clip, armature: &Armature) -> usize {
 }
 
 #[test]
-fn a_clip_stays_within_the_error() {
+fn reduced_clip_stays_within_the_error() {
     let random = &mut Random::new(41);
     let armature = armature(8, random);
     let clip = wavy(&armature, random);
@@ -75,7 +75,7 @@ fn a_clip_stays_within_the_error() {
 }
 
 #[test]
-fn straight_lines_need_their_ends_alone() {
+fn straight_lines_keep_only_their_ends() {
     let random = &mut Random::new(42);
     let armature = armature(2, random);
     let bone = armature.bone("bone 1").unwrap();
@@ -117,7 +117,7 @@ fn straight_lines_need_their_ends_alone() {
 
 /// Weights of morph targets are shares like scales, and have their tolerance.
 #[test]
-fn morph_weights_have_the_tolerance_of_scales() {
+fn morph_weights_use_the_scale_tolerance() {
     let random = &mut Random::new(46);
     let armature = armature(1, random);
     let armature = armature.with_morph_targets(vec!["smile".into()]).unwrap();
@@ -137,7 +137,7 @@ fn morph_weights_have_the_tolerance_of_scales() {
 }
 
 #[test]
-fn a_jump_keeps_its_keys() {
+fn jump_keeps_its_keys() {
     let random = &mut Random::new(43);
     let armature = armature(1, random);
     let bone = armature.bone("bone 0").unwrap();
@@ -159,7 +159,7 @@ fn a_jump_keeps_its_keys() {
 
 /// After a whole turn a quaternion has the other sign: it is the same rotation, and what stands still there needs no more keys.
 #[test]
-fn a_whole_turn_and_what_stands_still_after_it() {
+fn whole_turn_needs_no_keys_after_it() {
     let random = &mut Random::new(44);
     let armature = armature(1, random);
     let bone = armature.bone("bone 0").unwrap();
@@ -179,7 +179,7 @@ fn a_whole_turn_and_what_stands_still_after_it() {
 
 /// A clip may begin before its first key and end after its last: with fewer keys, at another rest or with another seam it lasts as long.
 #[test]
-fn a_clip_lasts_as_long_as_it_did() {
+fn changed_clips_keep_their_duration() {
     let random = &mut Random::new(45);
     let armature = armature(2, random);
     let bone = armature.bone("bone 1").unwrap();

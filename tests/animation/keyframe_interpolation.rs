@@ -59,7 +59,7 @@ const UNEVEN: [(f64, [f64; 3]); 6] = [
 ];
 
 #[test]
-fn every_key_is_met_to_the_bit() {
+fn every_key_is_met_exactly() {
     let clip = clip(3, &[(1, &UNEVEN)]);
     for playback in [Playback::Hold, Playback::Loop] {
         for (time, angles) in UNEVEN {
@@ -88,7 +88,7 @@ fn classic(p: [f64; 4], u: f64) -> f64 {
 }
 
 #[test]
-fn even_times_give_the_classic_matrix() {
+fn even_times_give_the_catmull_rom_matrix() {
     let values = [0.3, -1.2, 0.8, 2.9, -0.4, 0.0, 1.1];
     let step = 0.25;
     let keys: Vec<(f64, [f64; 3])> = values
@@ -119,7 +119,7 @@ fn even_times_give_the_classic_matrix() {
 }
 
 #[test]
-fn a_hand_computed_uneven_segment() {
+fn uneven_segment_matches_hand_values() {
     // P = 0, 1, 3, 2 at t = 0, 1, 3, 4; at t = 2 the middle of the segment of length 2:
     // m₁ = (3 − 0)/(3 − 0) = 1, m₂ = (2 − 1)/(4 − 1) = 1/3,
     // P = ½·1 + ½·3 + ⅛·2·(1 − 1/3) = 2 + 1/6.
@@ -140,7 +140,7 @@ fn a_hand_computed_uneven_segment() {
 }
 
 #[test]
-fn a_line_through_uneven_keys_stays_a_line() {
+fn line_through_uneven_keys_stays_a_line() {
     let line = |t: f64| [0.5 + 0.75 * t, -2.0 * t, 0.125];
     let keys = UNEVEN.map(|(t, _)| (t, line(t)));
     let clip = clip(1, &[(0, &keys)]);
@@ -160,7 +160,7 @@ fn a_line_through_uneven_keys_stays_a_line() {
 }
 
 #[test]
-fn the_speed_has_no_jump_at_keys() {
+fn speed_is_continuous_at_keys() {
     let clip = clip(1, &[(0, &UNEVEN)]);
     let h = 1e-6;
     for (time, at) in &UNEVEN[1..UNEVEN.len() - 1] {
@@ -178,7 +178,7 @@ fn the_speed_has_no_jump_at_keys() {
 }
 
 #[test]
-fn outside_the_keys_it_holds() {
+fn values_are_held_outside_the_keys() {
     let clip = clip(1, &[(0, &UNEVEN)]);
     for (time, key) in [(-0.31, 0), (-1e300, 0), (9.6, 5), (1e300, 5)] {
         assert_eq!(sample(&clip, 1, time, Playback::Hold), UNEVEN[key].1);
@@ -186,7 +186,7 @@ fn outside_the_keys_it_holds() {
 }
 
 #[test]
-fn a_loop_repeats_with_the_clips_span() {
+fn loop_repeats_with_the_clips_span() {
     // The second track is shorter than the clip and holds its ends within each round.
     let short = [(1.0, [1.0, 2.0, 3.0]), (2.0, [2.0, 0.0, 1.0])];
     let clip = clip(2, &[(0, &UNEVEN), (1, &short)]);
@@ -218,7 +218,7 @@ fn one_key_is_constant_and_none_is_rest() {
 }
 
 #[test]
-fn what_cannot_be_sampled_is_an_error() {
+fn invalid_samples_are_errors() {
     let clip = clip(4, &[(2, &UNEVEN)]);
     for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let error = clip.sample(time, Playback::Hold, &mut [0.0; 12]);
@@ -232,7 +232,7 @@ fn what_cannot_be_sampled_is_an_error() {
 }
 
 #[test]
-fn tracks_without_keys_are_left_out_and_told() {
+fn tracks_without_keys_are_reported() {
     let clip = clip(3, &[(2, &[]), (0, &[(0.0, [0.1, 0.2, 0.3])]), (1, &[])]);
     let told: Vec<usize> = clip.keyless().iter().map(|bone| bone.index()).collect();
     assert_eq!((clip.tracks().len(), told), (1, vec![2, 1]));

@@ -113,7 +113,7 @@ fn rest_in_model(armature: &Armature) -> Vec<DAffine3> {
 }
 
 #[test]
-fn a_mesh_by_the_lectures_pipeline() {
+fn pipeline_matches_double_precision() {
     let mut random = Random::new(131);
     for most in [4, 7] {
         let armature = armature(BONES, &mut random);

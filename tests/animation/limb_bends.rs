@@ -8,7 +8,7 @@ use support::limbs::{END, arm, bent, largest_turn, limb, places, reachable, turn
 use support::random::Random;
 
 #[test]
-fn the_elbow_does_not_flip_as_the_target_swings_past_the_upper_bone() {
+fn elbow_never_flips_at_the_upper_bone() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(96);
@@ -35,7 +35,7 @@ fn the_elbow_does_not_flip_as_the_target_swings_past_the_upper_bone() {
 }
 
 #[test]
-fn a_straight_limb_without_a_pole_does_not_roll() {
+fn straight_limb_without_a_pole_does_not_roll() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(97);
@@ -67,7 +67,7 @@ fn stretched(random: &mut Random) -> (Armature, kinopt::animation::Pose) {
 }
 
 #[test]
-fn a_stretched_limb_bends_about_its_hinge_the_way_it_may() {
+fn stretched_limb_bends_about_its_hinge() {
     let mut random = Random::new(98);
     for case in 0..200 {
         let (armature, mut pose) = stretched(&mut random);
@@ -99,7 +99,7 @@ fn a_stretched_limb_bends_about_its_hinge_the_way_it_may() {
 
 /// Its end is at its root, so that there is no way to it.
 #[test]
-fn a_limb_that_is_folded_moves_as_one_that_nearly_is() {
+fn folded_limb_moves_like_a_nearly_folded_one() {
     let bones = vec![
         bone("upper", None, Vec3A::ZERO),
         bone("lower", Some(0), Vec3A::X * 0.25),
@@ -126,7 +126,7 @@ fn a_limb_that_is_folded_moves_as_one_that_nearly_is() {
 }
 
 #[test]
-fn a_twist_turns_the_limb_about_the_way_to_its_target() {
+fn twist_rotates_the_limb_about_its_target_line() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(99);
@@ -170,7 +170,7 @@ fn a_twist_turns_the_limb_about_the_way_to_its_target() {
 }
 
 #[test]
-fn a_softened_limb_slows_down_as_it_stretches_and_never_is_straight() {
+fn softened_limb_never_gets_straight() {
     let armature = arm();
     let mut random = Random::new(100);
     let pose = bent(&armature, &mut random);
@@ -203,7 +203,7 @@ fn a_softened_limb_slows_down_as_it_stretches_and_never_is_straight() {
 }
 
 #[test]
-fn a_hinge_or_softening_that_is_none_is_refused() {
+fn invalid_hinges_and_softenings_are_rejected() {
     let limb = limb(&arm());
     for axis in [Vec3A::ZERO, Vec3A::NAN] {
         assert_eq!(limb.with_hinge(axis), Err(LimbError::BadHinge));

@@ -42,7 +42,7 @@ fn cases() -> impl Iterator<Item = (Armature, Pose, LimbGoal, Quat)> {
 }
 
 #[test]
-fn a_limb_to_a_bone_brings_that_bone_to_the_target() {
+fn limb_to_a_bone_brings_it_to_the_target() {
     for (armature, mut pose, goal, _) in cases() {
         let goal = LimbGoal {
             weight: 1.0,
@@ -66,7 +66,7 @@ fn a_limb_to_a_bone_brings_that_bone_to_the_target() {
 }
 
 #[test]
-fn held_it_stays_turned_as_the_pose_had_it() {
+fn held_end_keeps_its_rotation() {
     for (armature, pose, goal, _) in cases() {
         let end = EndRotation::Hold { weight: 1.0 };
         let posed = reached(&armature, &pose, &LimbGoal { end, ..goal });
@@ -82,7 +82,7 @@ fn held_it_stays_turned_as_the_pose_had_it() {
 }
 
 #[test]
-fn a_goal_turns_it_by_the_shortest_arc_by_its_own_weight() {
+fn end_goal_rotates_by_its_weight() {
     for (armature, pose, goal, wanted) in cases() {
         let followed = hand(&armature, &reached(&armature, &pose, &goal));
         let way = apart(followed, wanted);
@@ -111,7 +111,7 @@ fn a_goal_turns_it_by_the_shortest_arc_by_its_own_weight() {
 }
 
 #[test]
-fn nothing_asked_or_nonsense_leaves_it_to_the_lower_bone() {
+fn end_without_goal_follows_the_lower_bone() {
     let not = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
     for (armature, pose, goal, rotation) in cases().take(20) {
         let followed = reached(&armature, &pose, &goal);
@@ -141,7 +141,7 @@ fn nothing_asked_or_nonsense_leaves_it_to_the_lower_bone() {
 }
 
 #[test]
-fn an_end_that_hangs_elsewhere_is_named() {
+fn end_outside_the_limb_is_named() {
     let armature = arm();
     let bone = |name| armature.bone(name).unwrap();
     let error = Limb::to_bone(&armature, bone("upper"), bone("lower"), bone("bystander"));

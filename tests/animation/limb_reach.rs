@@ -9,7 +9,7 @@ use support::limbs::{END, Places, arm, bent, limb, places, reachable};
 use support::random::Random;
 
 #[test]
-fn the_end_goes_its_share_of_the_way_and_a_hinge_stays_one() {
+fn end_moves_by_its_weight_and_hinge_is_kept() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(91);
@@ -47,7 +47,7 @@ fn the_end_goes_its_share_of_the_way_and_a_hinge_stays_one() {
 }
 
 #[test]
-fn weight_zero_and_nonsense_change_nothing() {
+fn zero_weight_and_nan_change_nothing() {
     let armature = arm();
     let mut random = Random::new(92);
     let pose = bent(&armature, &mut random);
@@ -86,7 +86,7 @@ fn weight_zero_and_nonsense_change_nothing() {
 }
 
 #[test]
-fn out_of_reach_it_stretches_towards_the_target() {
+fn unreachable_target_stretches_the_limb() {
     let armature = arm();
     let mut random = Random::new(93);
     for _ in 0..50 {
@@ -103,7 +103,7 @@ fn out_of_reach_it_stretches_towards_the_target() {
 }
 
 #[test]
-fn the_elbow_goes_towards_the_pole_from_a_straight_arm_too() {
+fn elbow_moves_towards_the_pole() {
     let armature = arm();
     let mut random = Random::new(94);
     for case in 0..200 {
@@ -134,7 +134,7 @@ fn the_elbow_goes_towards_the_pole_from_a_straight_arm_too() {
 }
 
 #[test]
-fn bones_that_are_no_limb_are_named() {
+fn invalid_limb_bones_are_named() {
     let armature = arm();
     let bone = |name| armature.bone(name).unwrap();
     let error = Limb::new(&armature, bone("lower"), bone("upper"), END).unwrap_err();
@@ -152,7 +152,7 @@ fn bones_that_are_no_limb_are_named() {
 
 /// Where no pole says otherwise, the bend goes along with the way to the end, by the shortest turn.
 #[test]
-fn the_bend_goes_along_by_the_shortest_turn() {
+fn bend_follows_by_the_shortest_rotation() {
     let armature = arm();
     let limb = limb(&armature);
     let mut random = Random::new(97);

@@ -8,7 +8,7 @@ use support::random::Random;
 use super::baked_clips::at;
 
 #[test]
-fn the_end_is_the_start() {
+fn closed_seam_ends_at_the_start() {
     let random = &mut Random::new(61);
     let armature = armature(7, random);
     let (first, last) = (pose(&armature, random), pose(&armature, random));
@@ -33,7 +33,7 @@ fn the_end_is_the_start() {
 }
 
 #[test]
-fn seconds_that_the_clip_does_not_have_are_refused() {
+fn seam_longer_than_the_clip_is_rejected() {
     let random = &mut Random::new(62);
     let armature = armature(2, random);
     let poses = [pose(&armature, random), pose(&armature, random)];

@@ -41,7 +41,7 @@ fn only_below(armature: &Armature, before: &Pose, after: &Pose, bone: BoneId) {
 }
 
 #[test]
-fn a_bone_goes_where_it_is_put() {
+fn placed_bone_has_the_given_placement() {
     let mut random = Random::new(1);
     for _ in 0..200 {
         let armature = armature(12, &mut random);
@@ -82,7 +82,7 @@ fn a_bone_goes_where_it_is_put() {
 }
 
 #[test]
-fn a_bone_turns_in_the_model() {
+fn bone_rotates_in_model_space() {
     let mut random = Random::new(2);
     for case in 0..200 {
         let armature = armature(12, &mut random);
@@ -110,7 +110,7 @@ fn a_bone_turns_in_the_model() {
 }
 
 #[test]
-fn a_bone_moves_in_the_model() {
+fn bone_moves_in_model_space() {
     let mut random = Random::new(3);
     for _ in 0..200 {
         let armature = armature(12, &mut random);
@@ -130,7 +130,7 @@ fn a_bone_moves_in_the_model() {
 }
 
 #[test]
-fn parts_of_a_local_transform() {
+fn local_transform_is_read_from_a_matrix() {
     let mut random = Random::new(4);
     let armature = armature(3, &mut random);
     let (mut pose, bone) = (armature.rest().clone(), armature.bone_at(1).unwrap());
@@ -152,7 +152,7 @@ fn parts_of_a_local_transform() {
 
 /// Whichever two axes lean, and to whichever side: a translation, a rotation and a scale do not say so.
 #[test]
-fn what_leans_is_no_local_transform() {
+fn sheared_matrix_is_no_local_transform() {
     let turned = glam::Mat3A::from_quat(Quat::from_rotation_y(0.4));
     for (leaning, towards) in [(0, 1), (1, 2), (2, 0)] {
         for by in [-0.1, 0.1] {
@@ -166,7 +166,7 @@ fn what_leans_is_no_local_transform() {
 }
 
 #[test]
-fn what_cannot_be_is_told_and_changes_nothing() {
+fn invalid_edits_change_nothing() {
     let bone = |name: &str, parent, scale| ArmatureBone {
         name: name.to_owned(),
         parent,
@@ -214,7 +214,7 @@ fn what_cannot_be_is_told_and_changes_nothing() {
 
 /// What bones flatten is told by their proportions: tiny ones place what they carry as large ones do.
 #[test]
-fn flat_is_a_matter_of_proportions() {
+fn flattening_is_judged_by_proportions() {
     for size in [1e-4, 1.0, 1e4] {
         for (thin, flattened) in [(1.0, false), (1e-3, false), (1e-8, true)] {
             let bone = |name: &str, parent, scale| ArmatureBone {

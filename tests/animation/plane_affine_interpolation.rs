@@ -21,7 +21,7 @@ fn any(random: &mut Random) -> DMat2 {
 }
 
 #[test]
-fn a_square_turns_by_45_degrees_without_shrinking() {
+fn square_rotates_without_shrinking() {
     let (start, end) = (DMat2::IDENTITY, DMat2::from_angle(FRAC_PI_4));
     let corner = DVec2::new(1.0, 1.0);
     for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
@@ -45,7 +45,7 @@ fn a_square_turns_by_45_degrees_without_shrinking() {
 }
 
 #[test]
-fn the_angle_goes_the_shorter_way_round() {
+fn angle_takes_the_shorter_arc() {
     for (from, to) in [(3.0, -3.0), (-3.0, 3.0), (0.1, 3.0), (2.0, -1.0)] {
         let [a, b] = [from, to].map(|angle| linear(DMat2::from_angle(angle)));
         let middle = interpolate_plane_affine(&a, &b, 0.5).unwrap().matrix2;
@@ -56,7 +56,7 @@ fn the_angle_goes_the_shorter_way_round() {
 }
 
 #[test]
-fn any_map_is_its_parts_and_agrees_with_space() {
+fn decomposition_agrees_with_that_of_space() {
     let mut random = Random::new(7);
     for case in 0..300 {
         let m = match case {

@@ -18,7 +18,7 @@ fn poses<const N: usize>(random: &mut Random) -> (Armature, [Pose; N]) {
 }
 
 #[test]
-fn a_cross_fade_is_slerp_of_each_bone() {
+fn cross_fade_is_slerp_of_each_bone() {
     let mut random = Random::new(81);
     for _ in 0..60 {
         let (armature, [from, mut to]) = poses::<2>(&mut random);
@@ -50,7 +50,7 @@ fn a_cross_fade_is_slerp_of_each_bone() {
 }
 
 #[test]
-fn a_mask_leaves_out_what_it_leaves_out() {
+fn masked_bones_are_unchanged() {
     let mut random = Random::new(82);
     let (armature, [from, to]) = poses::<2>(&mut random);
     let root = armature.bone("bone 3").unwrap();
@@ -93,7 +93,7 @@ fn a_mask_leaves_out_what_it_leaves_out() {
 }
 
 #[test]
-fn a_weighted_mean_does_not_care_about_order_or_signs_or_scale() {
+fn mean_ignores_order_signs_and_scale() {
     let mut random = Random::new(83);
     for _ in 0..30 {
         let (_, [a, b, c]) = poses::<3>(&mut random);
@@ -115,7 +115,7 @@ fn a_weighted_mean_does_not_care_about_order_or_signs_or_scale() {
 /// Three turns about one axis, two of which lie more than half a turn apart: each is taken the way round
 /// that is shorter to the heaviest.
 #[test]
-fn a_weighted_mean_is_on_the_side_of_the_heaviest() {
+fn mean_is_in_the_hemisphere_of_the_heaviest() {
     let mut random = Random::new(85);
     let (armature, [mut a, mut b, mut c]) = poses::<3>(&mut random);
     for (pose, degrees) in [(&mut a, 0.0_f32), (&mut b, 150.0), (&mut c, -150.0)] {
@@ -136,7 +136,7 @@ fn a_weighted_mean_is_on_the_side_of_the_heaviest() {
 }
 
 #[test]
-fn weights_that_are_none_are_errors() {
+fn invalid_weights_are_errors() {
     let mut random = Random::new(84);
     let (_, [a, b]) = poses::<2>(&mut random);
     let mut out = a.clone();
@@ -162,7 +162,7 @@ fn weights_that_are_none_are_errors() {
 }
 
 #[test]
-fn an_additive_layer_adds_its_difference() {
+fn additive_layer_adds_its_difference() {
     let mut random = Random::new(85);
     for _ in 0..30 {
         let (armature, [base, layer, reference]) = poses::<3>(&mut random);
@@ -212,7 +212,7 @@ fn an_additive_layer_adds_its_difference() {
 }
 
 #[test]
-fn a_lean_on_top_of_a_walk() {
+fn lean_is_added_to_a_walk() {
     let mut random = Random::new(86);
     let (armature, [walk]) = poses::<1>(&mut random);
     let spine = armature.bone("bone 2").unwrap();
@@ -242,7 +242,7 @@ fn a_lean_on_top_of_a_walk() {
 
 /// A scale of nothing has no ratio to another: the layer leaves such an axis alone.
 #[test]
-fn a_reference_flattened_to_nothing_leaves_the_base_as_it_is() {
+fn zero_scale_reference_leaves_the_base() {
     let mut random = Random::new(87);
     let (armature, [base, layer, mut reference]) = poses::<3>(&mut random);
     let bone = armature.bone("bone 2").unwrap();
@@ -271,7 +271,7 @@ fn a_reference_flattened_to_nothing_leaves_the_base_as_it_is() {
 
 /// A share is within 0 and 1, of a bone, of all that hang on it and of a morph target.
 #[test]
-fn a_mask_refuses_what_is_no_share() {
+fn mask_rejects_weights_outside_0_to_1() {
     let armature = armature(5, &mut Random::new(86));
     let bone = armature.bone_at(2).unwrap();
     let mask = || BoneMask::all(&armature);

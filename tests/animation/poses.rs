@@ -12,7 +12,7 @@ use support::bones::RandomRig;
 use support::random::Random;
 
 #[test]
-fn model_transforms_are_products_along_the_ancestors() {
+fn model_transforms_multiply_along_ancestors() {
     let mut random = Random::new(51);
     for bones in [1, 2, 7, 67] {
         let armature = armature(bones, &mut random);
@@ -27,7 +27,7 @@ fn model_transforms_are_products_along_the_ancestors() {
 }
 
 #[test]
-fn the_rest_pose_does_not_move_skin() {
+fn rest_pose_does_not_move_the_skin() {
     let mut random = Random::new(52);
     let armature = armature(40, &mut random);
     let mut model = vec![Affine3A::IDENTITY; 40];
@@ -43,7 +43,7 @@ fn the_rest_pose_does_not_move_skin() {
 
 /// The sources' arm: shoulder without length, then 2.0, 1.5 and 1.0, turned by 45°, −30° and 10°.
 #[test]
-fn the_planar_arm_of_the_sources() {
+fn documented_planar_arm_is_reproduced() {
     let turns = [0.0, 45.0, -30.0, 10.0_f32].map(f32::to_radians);
     let lengths = [0.0, 2.0, 1.5, 1.0];
     let names = ["shoulder", "upper arm", "forearm", "hand"];
@@ -95,7 +95,7 @@ fn the_planar_arm_of_the_sources() {
 /// Four bones whose joints swing at frequencies of their own: the hand is where the sums of the angles
 /// put it, Σ Lᵢ (cos, sin)(θ₀ + … + θᵢ), all along its way, which closes after a period.
 #[test]
-fn the_hand_of_a_swinging_arm() {
+fn hand_of_a_swinging_arm_follows_its_formula() {
     let lengths = [2.0, 1.5, 1.0, 0.5_f64];
     let swings = [(1.0, 0.8), (2.0, 0.9), (3.0, 0.7), (5.0, 0.5_f64)];
     let bone = |k: usize| ArmatureBone {
@@ -138,7 +138,7 @@ fn the_hand_of_a_swinging_arm() {
 }
 
 #[test]
-fn a_skeleton_s_bones_rest_where_they_rest() {
+fn armature_of_a_skeleton_keeps_its_rest() {
     let skeleton = RandomRig::new(53).skeleton;
     let bones = skeleton.bones().len();
     let armature = Armature::of_skeleton(&skeleton);
@@ -162,7 +162,7 @@ fn a_skeleton_s_bones_rest_where_they_rest() {
 
 /// A rig's keyframes turn its bones while its face smiles.
 #[test]
-fn a_skeleton_s_armature_takes_morph_targets() {
+fn armature_of_a_skeleton_accepts_morph_targets() {
     let skeleton = RandomRig::new(61).skeleton;
     let bare = Armature::of_skeleton(&skeleton);
     let names = || vec!["smile".to_owned(), "frown".to_owned()];
@@ -196,7 +196,7 @@ fn a_skeleton_s_armature_takes_morph_targets() {
 
 /// B_j⁻¹ takes a point of the skin at rest to its bone, W_j from there to where it is now.
 #[test]
-fn what_is_fixed_to_a_bone_goes_with_it() {
+fn points_fixed_to_a_bone_move_with_it() {
     let mut random = Random::new(54);
     let armature = armature(30, &mut random);
     let pose = pose(&armature, &mut random);
@@ -216,7 +216,7 @@ fn what_is_fixed_to_a_bone_goes_with_it() {
 }
 
 #[test]
-fn bad_local_transforms_are_refused_or_made_right() {
+fn invalid_local_transforms_fail_or_are_repaired() {
     let mut random = Random::new(55);
     let armature = armature(3, &mut random);
     let bone = armature.bone_at(1).unwrap();
@@ -253,7 +253,7 @@ fn bad_local_transforms_are_refused_or_made_right() {
 }
 
 #[test]
-fn bad_armatures_and_sizes_are_named_errors() {
+fn invalid_armatures_and_sizes_are_named() {
     let bone = |name: &str, parent| ArmatureBone {
         name: name.into(),
         parent,
@@ -319,7 +319,7 @@ fn bad_armatures_and_sizes_are_named_errors() {
 
 /// A pose that is copied into another is that pose, in memory that is there.
 #[test]
-fn a_copy_is_the_same_in_every_part() {
+fn copied_pose_equals_its_source() {
     let bones = ["a", "b"].map(|name| kinopt::animation::ArmatureBone {
         name: name.into(),
         parent: None,

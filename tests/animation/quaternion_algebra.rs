@@ -35,7 +35,7 @@ fn apart(a: Q, b: Q) -> f64 {
 }
 
 #[test]
-fn i_j_and_k() {
+fn basis_quaternions_follow_hamiltons_rules() {
     let [one, i, j, k] = [
         q(1.0, 0.0, 0.0, 0.0),
         q(0.0, 1.0, 0.0, 0.0),
@@ -53,7 +53,7 @@ fn i_j_and_k() {
 }
 
 #[test]
-fn the_product_of_scalars_and_vectors_is_that_of_the_parts() {
+fn product_equals_that_of_the_components() {
     let mut random = Random::new(1);
     for _ in 0..100 {
         let (a, b) = (any(&mut random), any(&mut random));
@@ -80,7 +80,7 @@ fn the_product_of_scalars_and_vectors_is_that_of_the_parts() {
 }
 
 #[test]
-fn it_is_associative_but_does_not_commute_and_norms_multiply() {
+fn product_is_associative_not_commutative() {
     let mut random = Random::new(2);
     for _ in 0..100 {
         let (a, b, c) = (any(&mut random), any(&mut random), any(&mut random));
@@ -96,7 +96,7 @@ fn it_is_associative_but_does_not_commute_and_norms_multiply() {
 }
 
 #[test]
-fn the_sandwich_turns_by_twice_the_angle() {
+fn sandwich_product_rotates_by_twice_the_angle() {
     let mut random = Random::new(3);
     for _ in 0..100 {
         let axis = random.direction();
@@ -126,7 +126,7 @@ fn the_sandwich_turns_by_twice_the_angle() {
 }
 
 #[test]
-fn the_product_turns_by_the_second_and_then_by_the_first() {
+fn product_applies_the_second_rotation_first() {
     let mut random = Random::new(4);
     for _ in 0..100 {
         let (first, second) = (unit(&mut random), unit(&mut random));

@@ -16,7 +16,7 @@ use support::bones::RandomRig;
 use support::random::Random;
 
 #[test]
-fn angles_and_local_rotations_are_the_same_pose() {
+fn angles_and_local_rotations_agree() {
     for seed in 0..20 {
         let skeleton = RandomRig::new(seed).skeleton;
         let (armature, bridge) = (Armature::of_skeleton(&skeleton), PoseAngles::new(&skeleton));
@@ -72,7 +72,7 @@ fn angles_and_local_rotations_are_the_same_pose() {
 
 /// Also where 0 is no angle that a bone may have, of either end of its ranges.
 #[test]
-fn angles_are_those_within_limits_wherever_these_are() {
+fn angles_are_chosen_within_limits() {
     let mut random = Random::new(44);
     for case in 0..300 {
         let about = |middle: f64, half: f64| Limits::new(middle - half, middle + half);
@@ -111,7 +111,7 @@ fn tip(armature: &Armature, rig: &RandomRig, pose: &Pose, bone: BoneId) -> Vec3A
 }
 
 #[test]
-fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
+fn reach_layer_moves_tips_by_their_weights() {
     let mut reached = 0;
     for seed in 0..8 {
         let rig = RandomRig::new(100 + seed);
@@ -175,7 +175,7 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
 }
 
 #[test]
-fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
+fn reach_layer_pins_and_rotates_bones_by_weight() {
     let mut reached = [0; 3];
     for seed in 0..8 {
         let rig = RandomRig::new(200 + seed);
@@ -252,7 +252,7 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
 
 /// A weight is a share of the way: above 1 it is 1, below 0 and where it is no number there is none.
 #[test]
-fn weights_are_shares_of_the_way() {
+fn weights_are_clamped_to_0_and_1() {
     let rig = RandomRig::new(301);
     let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
     let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
@@ -288,7 +288,7 @@ fn weights_are_shares_of_the_way() {
 }
 
 #[test]
-fn what_cannot_be_reached_for_is_refused_or_left_alone() {
+fn invalid_reach_goals_fail_or_change_nothing() {
     let rig = RandomRig::new(300);
     let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
     let armature = Armature::of_skeleton(skeleton);
@@ -347,7 +347,7 @@ fn what_cannot_be_reached_for_is_refused_or_left_alone() {
 
 /// A bone on which nothing hangs may be scaled unevenly: its tip is as far out as its own x is scaled.
 #[test]
-fn a_tip_is_as_far_as_its_bone_is_long_in_the_pose() {
+fn tip_distance_includes_the_bones_scale() {
     for seed in 0..6 {
         let rig = RandomRig::new(300 + seed);
         let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
@@ -377,7 +377,7 @@ fn a_tip_is_as_far_as_its_bone_is_long_in_the_pose() {
 
 /// Bones that a pose has longer reach further than their rig: that a limit keeps a tip from its target says nothing of its reach.
 #[test]
-fn what_a_longer_pose_could_reach_is_not_told_to_be_out_of_reach() {
+fn longer_bones_extend_the_reported_reach() {
     let mut told = 0;
     for seed in 0..8 {
         let rig = RandomRig::new(400 + seed);
@@ -405,7 +405,7 @@ fn what_a_longer_pose_could_reach_is_not_told_to_be_out_of_reach() {
 
 /// A pose whose bones are longer is not the one before, though its bones are turned alike.
 #[test]
-fn a_layer_used_again_sees_that_bones_are_longer() {
+fn reused_layer_notices_longer_bones() {
     for seed in 0..4 {
         let rig = RandomRig::new(500 + seed);
         let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);

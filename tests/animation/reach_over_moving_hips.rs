@@ -34,7 +34,7 @@ fn move_and_scale(pose: &mut Pose, armature: &Armature, random: &mut Random) {
 }
 
 #[test]
-fn moved_and_scaled_bones_are_reached_with_as_they_are() {
+fn moved_and_scaled_bones_are_used_in_reaches() {
     let mut reached = 0;
     for seed in 0..8 {
         let rig = RandomRig::new(400 + seed);
@@ -93,7 +93,7 @@ fn moved_and_scaled_bones_are_reached_with_as_they_are() {
 
 /// The same angles and targets in a frame in which only the hips have moved ask another question.
 #[test]
-fn hips_alone_move() {
+fn moving_hips_alone_change_the_problem() {
     let rig = RandomRig::new(420);
     let (skeleton, tips) = (&rig.skeleton, &rig.tips[..1]);
     let armature = Armature::of_skeleton(skeleton);
@@ -115,9 +115,49 @@ fn hips_alone_move() {
     assert!((told - f64::from(shown)).abs() < 1e-5, "{told} {shown}");
 }
 
+<<<<<<< HEAD
+=======
+#[test]
+fn shearing_bone_is_named() {
+    let rig = RandomRig::new(500);
+    let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+    let armature = Armature::of_skeleton(skeleton);
+    let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+    let at = tip(&armature, skeleton, armature.rest(), bone);
+    layer.set_goal(bone, target(at), 1.0).unwrap();
+    for (scale, refused) in [
+        (Vec3A::new(1.0, 1.2, 1.0), true),
+        (Vec3A::splat(-1.0), true),
+        (Vec3A::splat(0.0), true),
+        (Vec3A::splat(1.2), false),
+    ] {
+        let mut pose = armature.rest().clone();
+        let trunk = armature.bone_at(1).unwrap();
+        let mut local = pose.local(trunk).unwrap();
+        local.scale = scale;
+        pose.set_local(trunk, local).unwrap();
+        let before = pose.clone();
+        match layer.apply(&mut pose) {
+            Err(ReachError::Sheared { bone }) => {
+                assert!(refused && bone == skeleton.bones()[1].name, "{scale}");
+                assert_eq!(pose, before);
+            }
+            other => assert!(!refused && other.is_ok(), "{scale}: {other:?}"),
+        }
+        // A bone on which nothing of the layer hangs may be scaled as it likes.
+        let mut pose = armature.rest().clone();
+        let other = rig.tips[4];
+        let mut local = pose.local(other).unwrap();
+        local.scale = scale;
+        pose.set_local(other, local).unwrap();
+        assert!(layer.apply(&mut pose).is_ok());
+    }
+}
+
+>>>>>>> t7renamed
 /// Walks that people captured, whose hips go across the room.
 #[test]
-fn a_captured_walk_is_reached_with_where_it_is() {
+fn captured_walk_is_reached_in_place() {
     let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
         eprintln!("SKIPPED: KINOPT_SHARED is not set, so no captured walk was tried");
         return;

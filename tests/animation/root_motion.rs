@@ -64,7 +64,7 @@ fn near(one: Affine3A, other: Affine3A) -> bool {
 }
 
 #[test]
-fn a_way_out_and_in_again_is_the_clip() {
+fn extracted_and_applied_motion_gives_the_clip() {
     let random = &mut Random::new(51);
     for up in [Vec3::Y, Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {
         let (armature, clip) = walk(up, 1.5, random);
@@ -98,7 +98,7 @@ fn a_way_out_and_in_again_is_the_clip() {
 }
 
 #[test]
-fn loops_go_on_from_where_they_ended() {
+fn motion_continues_over_loop_ends() {
     let random = &mut Random::new(52);
     // Not by half turns, which are their own inverses.
     let (armature, clip) = walk(Vec3::Y, 1.2, random);
@@ -124,7 +124,7 @@ fn loops_go_on_from_where_they_ended() {
 }
 
 #[test]
-fn what_has_no_way_is_a_named_error() {
+fn invalid_root_motion_is_named() {
     let random = &mut Random::new(53);
     let (armature, clip) = walk(Vec3::Y, 1.5, random);
     let bone = armature.bone("bone 2").unwrap();

@@ -16,7 +16,7 @@ fn apart(a: DQuat, b: DQuat) -> f64 {
 }
 
 #[test]
-fn angles_come_back_and_lock_loses_nothing() {
+fn euler_angles_round_trip_in_gimbal_lock() {
     let mut random = Random::new(11);
     for order in EulerOrder::ALL {
         let ends = if order.is_proper() {
@@ -61,7 +61,7 @@ fn angles_come_back_and_lock_loses_nothing() {
 }
 
 #[test]
-fn the_three_turns_are_about_the_order_s_axes() {
+fn euler_rotations_are_about_the_orders_axes() {
     for order in EulerOrder::ALL {
         let angles = [0.3, 0.4, -0.5];
         let turns = order.axes().into_iter().zip(angles);
@@ -79,7 +79,7 @@ fn the_three_turns_are_about_the_order_s_axes() {
 }
 
 #[test]
-fn a_bone_s_angles_are_xzx_from_the_last_to_the_first() {
+fn bone_angles_are_xzx_in_reverse() {
     let bone = Bone {
         name: "bone".into(),
         parent: None,
@@ -106,7 +106,7 @@ fn a_bone_s_angles_are_xzx_from_the_last_to_the_first() {
 }
 
 #[test]
-fn axis_and_angle_go_round_near_nothing_and_near_half_a_turn() {
+fn axis_angle_round_trips_at_all_angles() {
     let mut random = Random::new(12);
     for _ in 0..100 {
         let axis = DVec3::from(<[f64; 3]>::from(random.vector(1.0))).normalize();
@@ -133,7 +133,7 @@ fn axis_and_angle_go_round_near_nothing_and_near_half_a_turn() {
 }
 
 #[test]
-fn one_rotation_has_many_axes_and_angles_but_one_short_vector() {
+fn rotation_vector_is_unique_and_shortest() {
     let mut random = Random::new(13);
     for _ in 0..100 {
         let axis = DVec3::from(<[f64; 3]>::from(random.vector(1.0))).normalize();
@@ -167,7 +167,7 @@ fn one_rotation_has_many_axes_and_angles_but_one_short_vector() {
 }
 
 #[test]
-fn about_x_then_y_then_z_is_zyx_from_the_left() {
+fn x_then_y_then_z_equals_zyx_order() {
     let mut random = Random::new(14);
     for _ in 0..50 {
         let [alpha, beta, gamma] = <[f64; 3]>::from(random.vector(3.0));
@@ -187,7 +187,7 @@ fn about_x_then_y_then_z_is_zyx_from_the_left() {
 }
 
 #[test]
-fn in_gimbal_lock_two_of_three_angles_do_the_same() {
+fn gimbal_lock_merges_two_angles() {
     // With β = 90° only α − γ counts; the third freedom is lost.
     let locked = |alpha: f64, gamma: f64| EulerOrder::Zyx.to_matrix([gamma, FRAC_PI_2, alpha]);
     for by in [0.1, -0.9, 2.0] {

@@ -22,7 +22,7 @@ fn apart(a: Quat, b: Quat) -> f32 {
 }
 
 #[test]
-fn the_slerp_table_from_nothing_to_120_degrees_about_y() {
+fn slerp_matches_the_table() {
     let end = Quat::from_axis_angle(Vec3::Y, 120_f32.to_radians());
     let table = [
         (0.00, 0.0, [1.000, 0.000, 0.000, 0.000]),
@@ -42,7 +42,7 @@ fn the_slerp_table_from_nothing_to_120_degrees_about_y() {
 }
 
 #[test]
-fn slerp_turns_at_constant_speed_and_nlerp_does_not() {
+fn slerp_has_constant_speed_and_nlerp_has_not() {
     let mut random = Random::new(1);
     for _ in 0..200 {
         let (from, to) = (rotation(&mut random), rotation(&mut random));
@@ -60,7 +60,7 @@ fn slerp_turns_at_constant_speed_and_nlerp_does_not() {
 
 /// Frame by frame as a clip plays, from turns of nothing to half a turn.
 #[test]
-fn a_clip_turns_at_constant_speed() {
+fn clip_rotates_at_constant_speed() {
     let mut random = Random::new(7);
     let turns = [0.0, 1e-6, 1e-3, 0.1, 1.0, 2.5, 3.1, 3.13];
     for angle in turns {
@@ -94,7 +94,7 @@ fn a_clip_turns_at_constant_speed() {
 /// A straight line between Euler angles zyx turns by √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y): neither at constant
 /// speed nor the shortest way.
 #[test]
-fn straight_lines_between_euler_angles_are_uneven_detours() {
+fn euler_angle_lines_are_uneven_and_longer() {
     let order = EulerOrder::Zyx;
     let (from, rate) = ([0.0, -1.3, 0.0], [2.6, 2.6, 2.6_f64]);
     let at = |t: f64| {
@@ -117,7 +117,7 @@ fn straight_lines_between_euler_angles_are_uneven_detours() {
 }
 
 #[test]
-fn the_shorter_way_round() {
+fn shorter_arc_is_taken() {
     let mut random = Random::new(2);
     for _ in 0..200 {
         let (from, to) = (rotation(&mut random), rotation(&mut random));
@@ -131,7 +131,7 @@ fn the_shorter_way_round() {
 }
 
 #[test]
-fn nearly_equal_and_opposite_rotations() {
+fn nearly_equal_and_opposite_rotations_are_safe() {
     let mut random = Random::new(3);
     for _ in 0..100 {
         let from = rotation(&mut random);
@@ -152,7 +152,7 @@ fn nearly_equal_and_opposite_rotations() {
 }
 
 #[test]
-fn directions_turn_in_their_plane_at_constant_speed() {
+fn directions_rotate_in_their_plane_evenly() {
     let mut random = Random::new(4);
     for _ in 0..200 {
         let from = rotation(&mut random).xyz().normalize();
@@ -171,7 +171,7 @@ fn directions_turn_in_their_plane_at_constant_speed() {
 }
 
 #[test]
-fn sines_of_both_ends_and_a_right_angle_say_the_same() {
+fn both_slerp_formulas_agree() {
     // (sin((1−t)ψ) v₀ + sin(tψ) v₁)/sin ψ is cos(tψ) v₀ + sin(tψ) ŵ, with w = v₁ − (v₀·v₁) v₀ at a
     // right angle to v₀; with a plus in its place it would be at none.
     let mut random = Random::new(7);
@@ -210,7 +210,7 @@ fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
 
 /// Also where keys are nearly half a turn apart and the curve swings wide.
 #[test]
-fn squad_never_jumps() {
+fn squad_is_continuous() {
     let mut random = Random::new(15);
     for _ in 0..support::sample::cases(300, 60) {
         let keys: Vec<Quat> = (0..6).map(|_| rotation(&mut random)).collect();
@@ -254,7 +254,7 @@ fn squad_has_no_kink_at_even_times() {
 }
 
 #[test]
-fn rotation_hermites_have_no_kink_at_uneven_times() {
+fn rotation_hermite_has_no_kink_at_uneven_times() {
     let mut random = Random::new(6);
     for _ in 0..50 {
         let times = [0.0, 0.3, 1.4, 1.7, 3.0_f32];
@@ -293,7 +293,7 @@ fn rotation_hermites_have_no_kink_at_uneven_times() {
 
 /// Tangents go with the quaternions they belong to, also where those are made of unit length.
 #[test]
-fn a_cubic_through_long_quaternions_is_that_through_unit_ones() {
+fn cubic_normalises_long_quaternions() {
     let keys = [0.0, 0.9, 0.3].map(Quat::from_rotation_y);
     let rates = [0.4, -1.0, 0.7].map(|x| [Vec4::new(x, 0.3, -x, 0.1), Vec4::new(0.2, x, 0.5, -x)]);
     let times = vec![0.0, 0.7, 1.5];
@@ -317,7 +317,7 @@ fn a_cubic_through_long_quaternions_is_that_through_unit_ones() {
 /// Turns about one axis are angles: 170° from key to key, bowed by controls at 0° and 200°. The second
 /// control lies more than a quarter turn of the sphere from the first key, and belongs to the other.
 #[test]
-fn a_squad_control_stays_on_the_side_of_its_own_key() {
+fn squad_control_keeps_its_keys_hemisphere() {
     let about_z = |degrees: f32| Quat::from_rotation_z(degrees.to_radians());
     let controls = [about_z(0.0), about_z(200.0)];
     for (t, expected) in [(0.25_f32, 45.3125), (0.5, 92.5), (0.75, 135.9375)] {
@@ -333,7 +333,7 @@ fn a_squad_control_stays_on_the_side_of_its_own_key() {
 /// About one axis rotations are angles, and a segment is the cubic Hermite of its angle, however far it
 /// swings out on the way.
 #[test]
-fn about_one_axis_a_rotation_hermite_is_the_cubic_of_the_angle() {
+fn rotation_hermite_about_one_axis_is_cubic() {
     for [angle, leaving, arriving] in [
         [0.7_f32, 0.3, 1.1],
         [2.9, -1.5, -1.5],
@@ -357,7 +357,7 @@ fn about_one_axis_a_rotation_hermite_is_the_cubic_of_the_angle() {
 
 /// A cubic leaves a key by that key's second tangent and arrives by the next one's first.
 #[test]
-fn a_cubic_of_rotations_leaves_and_arrives_by_its_own_tangents() {
+fn cubic_rotation_uses_its_tangents() {
     let keys = [0.2, 0.9].map(Quat::from_rotation_y);
     let nonsense = Vec4::splat(1e3);
     let [leaving, arriving] = [
@@ -381,7 +381,7 @@ fn a_cubic_of_rotations_leaves_and_arrives_by_its_own_tangents() {
 
 /// A steady turn has its own rate at every key, at whatever times, and whichever of q and −q a key is.
 #[test]
-fn the_mean_rates_of_a_steady_turn_are_its_rate() {
+fn mean_rates_of_a_steady_rotation_are_its_rate() {
     let rate = Vec3::new(0.3, -0.5, 0.4);
     let times = [0.0, 0.2, 1.7, 1.9, 4.0];
     let sides = [1.0, -1.0, -1.0, 1.0, -1.0];
@@ -394,7 +394,7 @@ fn the_mean_rates_of_a_steady_turn_are_its_rate() {
 
 /// A turn at an even speed stays one, however unevenly its keys are spaced: rates are per second, not per key.
 #[test]
-fn an_even_turn_stays_even_between_uneven_keys() {
+fn steady_rotation_stays_even_at_uneven_keys() {
     let times = vec![0.0_f32, 0.05, 0.8, 0.9, 2.3];
     let axis = Vec3::new(2.0, -1.0, 2.0) / 3.0;
     let turned = |time: f32| Quat::from_axis_angle(axis, 0.3 + 1.2 * time);
@@ -409,7 +409,7 @@ fn an_even_turn_stays_even_between_uneven_keys() {
 
 /// A rotation and its negative are one: keys on the other side of the sphere make no other curve.
 #[test]
-fn keys_of_either_sign_are_one_curve() {
+fn key_signs_do_not_change_the_curve() {
     let [start, end] = [
         Quat::from_rotation_x(0.4),
         Quat::from_rotation_y(1.3) * Quat::from_rotation_x(0.2),

@@ -14,7 +14,7 @@ fn points<const N: usize>(random: &mut Random) -> [DVec3; N] {
 }
 
 #[test]
-fn the_uniform_segment_is_the_sources_matrix() {
+fn uniform_segment_equals_the_documented_matrix() {
     let mut random = Random::new(31);
     for _ in 0..50 {
         let p: [DVec3; 4] = points(&mut random);
@@ -51,7 +51,7 @@ fn pyramid(p: [DVec3; 4], t: [f64; 4], u: f64) -> DVec3 {
 }
 
 #[test]
-fn any_knots_are_the_pyramid() {
+fn any_knots_equal_the_pyramid_algorithm() {
     let mut random = Random::new(32);
     for _ in 0..100 {
         let p: [DVec3; 4] = points(&mut random);
@@ -66,7 +66,7 @@ fn any_knots_are_the_pyramid() {
 }
 
 #[test]
-fn a_path_through_points_is_its_segments() {
+fn path_through_points_equals_its_segments() {
     let mut random = Random::new(37);
     for knots in [Knots::Uniform, Knots::Centripetal, Knots::Chordal] {
         let p: [DVec3; 9] = points(&mut random);
@@ -110,7 +110,7 @@ fn a_path_through_points_is_its_segments() {
 }
 
 #[test]
-fn the_centripetal_segment_does_not_overshoot_a_short_edge() {
+fn centripetal_segment_does_not_overshoot() {
     // Two near points between two far ones: the uniform spline loops there.
     let p = [(-10.0, 5.0), (0.0, 0.0), (0.1, 0.0), (10.0, 5.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
     let lowest = |knots: Knots| {
@@ -137,7 +137,7 @@ fn the_centripetal_segment_does_not_overshoot_a_short_edge() {
 }
 
 #[test]
-fn a_split_bezier_is_the_same_curve() {
+fn split_bezier_is_the_same_curve() {
     let mut random = Random::new(33);
     for _ in 0..50 {
         let curve = CubicBezier::new(points(&mut random));
@@ -156,7 +156,7 @@ fn a_split_bezier_is_the_same_curve() {
 
 /// No point of a Bézier curve is further out in any direction than the furthest of its control points.
 #[test]
-fn a_bezier_stays_within_its_control_points_hull() {
+fn bezier_stays_within_its_hull() {
     let mut random = Random::new(36);
     for _ in 0..50 {
         let curve = CubicBezier::new(points(&mut random));
@@ -181,7 +181,7 @@ fn keys(random: &mut Random) -> (Vec<f64>, Vec<DVec3>) {
 }
 
 #[test]
-fn keyed_curves_pass_their_keys_to_the_bit_and_hold_the_ends() {
+fn keyed_curves_pass_keys_and_hold_the_ends() {
     let mut random = Random::new(34);
     let (times, values) = keys(&mut random);
     let (t, v) = (times.clone(), values.clone());
@@ -218,7 +218,7 @@ fn keyed_curves_pass_their_keys_to_the_bit_and_hold_the_ends() {
 }
 
 #[test]
-fn tension_continuity_and_bias_do_what_they_say() {
+fn tension_continuity_and_bias_have_effect() {
     let mut random = Random::new(35);
     let (times, values) = keys(&mut random);
     let with = |tcb: TensionContinuityBias| {
@@ -266,7 +266,7 @@ fn tension_continuity_and_bias_do_what_they_say() {
 }
 
 #[test]
-fn bad_keys_are_named_errors_or_are_repaired_and_reported() {
+fn invalid_keys_are_named_or_repaired() {
     type Scalar = Result<KeyedCurve<f32>, KeyError>;
     let curve = |times: &[f32], values: &[f32]| -> Scalar {
         KeyedCurve::linear(times.to_vec(), values.to_vec())

@@ -24,7 +24,7 @@ const MACHINE: &str = r#"{
 }"#;
 
 #[test]
-fn it_says_where_it_is() {
+fn current_state_and_fade_are_reported() {
     let mut run = run_of(MACHINE);
     run.update(0.25, |_| {}).unwrap();
     assert_eq!((run.state(), run.leaving()), ("idle", None));
@@ -45,7 +45,7 @@ fn it_says_where_it_is() {
 }
 
 #[test]
-fn it_says_what_its_parameters_are() {
+fn parameters_are_reported() {
     let text = MACHINE.replace(
         r#""go": "trigger""#,
         r#""go": "trigger", "on": true, "speed": 0.5"#,
@@ -74,7 +74,7 @@ fn it_says_what_its_parameters_are() {
 
 /// A clip of 80 ns that loops has 200 000 events in a frame of 16 ms.
 #[test]
-fn events_of_one_update_are_bounded_and_it_says_so() {
+fn bounded_events_are_reported() {
     let armature = armature();
     let mut builder = Clip::builder("buzz", &armature);
     builder.span(0.0, 8e-8).unwrap();
@@ -99,7 +99,7 @@ fn events_of_one_update_are_bounded_and_it_says_so() {
 
 /// Also where the state that passed too many was left within the update.
 #[test]
-fn events_left_out_are_told_though_the_state_is_left() {
+fn dropped_events_are_reported_after_a_transition() {
     let armature = armature();
     let clip = |name: &str, seconds: f32| {
         let mut builder = Clip::builder(name, &armature);
@@ -119,7 +119,7 @@ fn events_left_out_are_told_though_the_state_is_left() {
 }
 
 #[test]
-fn an_event_weighs_what_its_state_does_at_that_moment() {
+fn event_weight_is_that_of_its_state() {
     // The event of `idle` is half a second after the start: 0.3 s into the fade, or a second's 0.3.
     let mut run = run_of(MACHINE);
     run.update(0.2, |_| {}).unwrap();
@@ -137,7 +137,7 @@ fn an_event_weighs_what_its_state_does_at_that_moment() {
 }
 
 #[test]
-fn time_never_goes_back() {
+fn time_never_decreases() {
     let mut run = run_of(MACHINE);
     run.update(0.25, |_| {}).unwrap();
     for seconds in [-0.1, f64::NEG_INFINITY, f64::NAN] {
@@ -148,7 +148,7 @@ fn time_never_goes_back() {
 
 /// What plays backwards starts at its clips' end and comes to their start.
 #[test]
-fn backwards_a_state_plays_from_the_end() {
+fn backward_state_plays_from_the_end() {
     let definition = r#"{"parameters": {"go": "trigger"}, "initial": "back",
         "states": [
             {"name": "back", "clip": "walk", "playback": "hold", "speed": -2.0},
@@ -174,7 +174,7 @@ fn backwards_a_state_plays_from_the_end() {
 }
 
 #[test]
-fn bounds_of_numbers_do_not_belong_to_what_they_bound() {
+fn number_bounds_are_exclusive() {
     let definition = r#"{"parameters": {"speed": 0.0}, "initial": "idle",
         "states": [{"name": "idle", "clip": "stand"}, {"name": "walk", "clip": "walk"}],
         "transitions": [{"from": "idle", "to": "walk",
@@ -188,7 +188,7 @@ fn bounds_of_numbers_do_not_belong_to_what_they_bound() {
 }
 
 #[test]
-fn while_fading_both_states_events_are_heard_with_their_weights() {
+fn fade_reports_events_of_both_states() {
     let mut run = run_of(MACHINE);
     run.trigger("go").unwrap();
     let mut heard = Vec::new();
@@ -212,7 +212,7 @@ fn while_fading_both_states_events_are_heard_with_their_weights() {
 }
 
 #[test]
-fn a_trigger_can_be_taken_back() {
+fn trigger_can_be_cleared() {
     let mut run = run_of(MACHINE);
     run.trigger("go").unwrap();
     run.clear_trigger("go").unwrap();
@@ -226,7 +226,7 @@ fn a_trigger_can_be_taken_back() {
 }
 
 #[test]
-fn a_state_is_left_when_clip_and_seconds_are_both_up() {
+fn state_waits_for_clip_and_seconds() {
     let mut run = run_of(MACHINE);
     run.trigger("go").unwrap();
     run.update(1.0, |_| {}).unwrap();
@@ -247,7 +247,7 @@ fn a_state_is_left_when_clip_and_seconds_are_both_up() {
 }
 
 #[test]
-fn data_survives_a_round_trip() {
+fn definition_round_trips_through_json() {
     let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
     let text = serde_json::to_string(&definition).unwrap();
     let again: StateMachineDefinition = serde_json::from_str(&text).unwrap();
@@ -256,7 +256,7 @@ fn data_survives_a_round_trip() {
 }
 
 #[test]
-fn numbers_that_are_none_are_refused_with_their_place() {
+fn non_finite_numbers_are_rejected_with_their_path() {
     let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
     type Damage = fn(&mut StateMachineDefinition);
     let damages: [(Damage, &str); 6] = [

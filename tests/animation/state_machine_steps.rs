@@ -47,7 +47,7 @@ fn same(a: &StateMachineRun, b: &StateMachineRun) {
 }
 
 #[test]
-fn a_long_step_ends_where_short_ones_do() {
+fn long_step_equals_short_steps() {
     let mut random = Random::new(5);
     for _ in 0..40 {
         let seconds = random.within(0.0, 5.0);
@@ -112,7 +112,7 @@ fn any_machine(random: &mut Random) -> String {
 }
 
 #[test]
-fn so_it_is_for_any_machine() {
+fn random_machines_are_step_invariant() {
     let mut random = Random::new(6);
     for _ in 0..300 {
         let text = any_machine(&mut random);
@@ -142,7 +142,7 @@ fn so_it_is_for_any_machine() {
 }
 
 #[test]
-fn one_step_goes_through_a_chain_of_states() {
+fn step_passes_through_a_chain_of_states() {
     // 0.8 of the half second of the first blow, 0.9 of 0.8 s of the second, then 0.7 s of fading,
     // which the third's own way out (0.6 s) may break off: idle since 1.72 s, all faded by 1.97 s.
     let mut run = run_of(COMBO);
@@ -157,7 +157,7 @@ fn one_step_goes_through_a_chain_of_states() {
 }
 
 #[test]
-fn what_is_left_of_a_step_is_spent_in_the_state_entered() {
+fn rest_of_a_step_is_spent_in_the_new_state() {
     let mut run = run_of(COMBO);
     run.set_flag("dead", true).unwrap();
     // Past the end of the fade of 0.3 s the pose is the new state's alone.
@@ -167,7 +167,7 @@ fn what_is_left_of_a_step_is_spent_in_the_state_entered() {
 }
 
 #[test]
-fn conditions_that_hold_already_lead_through_several_states_at_once() {
+fn met_conditions_pass_several_states_at_once() {
     let text = r#"{
       "parameters": {"speed": 3.0},
       "initial": "idle",
@@ -185,7 +185,7 @@ fn conditions_that_hold_already_lead_through_several_states_at_once() {
 }
 
 #[test]
-fn a_ring_of_transitions_ends() {
+fn cycle_of_transitions_ends() {
     let ring = |way: &str| {
         format!(
             r#"{{
@@ -214,7 +214,7 @@ fn a_ring_of_transitions_ends() {
 }
 
 #[test]
-fn steps_that_are_none_take_no_time() {
+fn invalid_steps_take_no_time() {
     let machine: Arc<StateMachine> = Arc::new(machine(COMBO).unwrap());
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut run = run_of(COMBO);
@@ -228,7 +228,7 @@ fn steps_that_are_none_take_no_time() {
 
 /// A transition that asks for a number of rounds and a time waits for both.
 #[test]
-fn of_two_waits_the_longer_counts() {
+fn longer_of_two_waits_applies() {
     for (after, seconds, wanted) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {
         let mut run = run_of(&format!(
             r#"{{"initial": "a", "states": [{{"name": "a", "clip": "walk"}}, {{"name": "b", "clip": "run"}}],

@@ -38,7 +38,7 @@ fn step(run: &mut StateMachineRun, seconds: f64) -> [f32; 2] {
 }
 
 #[test]
-fn it_walks_runs_and_stands() {
+fn machine_walks_runs_and_stands() {
     let mut run = run();
     assert_eq!((run.state(), hips(&run)), ("idle", [0.0, 0.0]));
     assert_eq!(step(&mut run, 0.25), [0.25, 0.0]);
@@ -63,7 +63,7 @@ fn it_walks_runs_and_stands() {
 
 /// A fade may be drawn by two handles; here they make t², which is ¼ halfway.
 #[test]
-fn a_fade_runs_as_it_is_drawn() {
+fn fade_follows_its_easing() {
     let drawn = r#""easing": {"bezier": [[0.33333333, 0], [0.66666667, 0.33333333]]}"#;
     let mut run = run_of(&MACHINE.replace(r#""easing": "cubic_in_out""#, drawn));
     run.set_number("speed", 1.0).unwrap();
@@ -75,7 +75,7 @@ fn a_fade_runs_as_it_is_drawn() {
 }
 
 #[test]
-fn a_trigger_fires_once_and_a_clip_must_be_through() {
+fn trigger_fires_once_and_clip_must_end() {
     let mut run = run();
     run.set_flag("grounded", false).unwrap();
     run.trigger("jump").unwrap();
@@ -95,7 +95,7 @@ fn a_trigger_fires_once_and_a_clip_must_be_through() {
 }
 
 #[test]
-fn a_fade_is_broken_off_only_where_that_is_allowed() {
+fn fade_is_interrupted_only_if_allowed() {
     // From standing to walking nothing interrupts: the jump comes when the fade is over.
     let mut first = run();
     first.set_number("speed", 1.0).unwrap();
@@ -125,7 +125,7 @@ fn a_fade_is_broken_off_only_where_that_is_allowed() {
 /// Halfway from standing to walking, something leads from the one and from the other: which of them is
 /// heard is what the fade says.
 #[test]
-fn a_fade_is_broken_off_by_the_states_that_may() {
+fn fade_is_interrupted_by_the_allowed_states() {
     let after = |interruption: &str, trigger: &str| {
         let mut run = run_of(&format!(
             r#"{{
@@ -161,7 +161,7 @@ fn a_fade_is_broken_off_by_the_states_that_may() {
 /// While one state fades into another, an event counts as much as its state at that moment, however
 /// long the step is.
 #[test]
-fn events_have_the_weight_of_their_state() {
+fn events_have_their_states_weight() {
     for steps in [1_u8, 7, 50] {
         let mut run = run_of(
             r#"{
@@ -194,7 +194,7 @@ fn events_have_the_weight_of_their_state() {
 }
 
 #[test]
-fn events_are_those_of_the_state_s_clip() {
+fn events_come_from_the_states_clip() {
     let mut run = run();
     let mut heard = Vec::new();
     for _ in 0..30 {
@@ -205,7 +205,7 @@ fn events_are_those_of_the_state_s_clip() {
 }
 
 #[test]
-fn parameters_that_are_none_are_named() {
+fn unknown_parameters_are_named() {
     let mut run = run();
     let error = run.set_number("sped", 1.0).unwrap_err().to_string();
     assert!(
@@ -241,7 +241,7 @@ fn refused(from: &str, to: &str, words: &[&str]) {
 }
 
 #[test]
-fn data_that_makes_no_sense_is_refused_with_its_place() {
+fn invalid_data_is_rejected_with_its_path() {
     let states = ["idle", "walk", "run", "jump"];
     refused(
         r#""initial": "idle""#,

@@ -1,6 +1,6 @@
-//! Any chain of any tree: joints that follow others, sliding and endless joints, a base in another
-//! branch, a tool on any frame, a subset of joints with the rest locked. Judged by the file's own
-//! kinematics to 1e-6 m and 1e-6 rad.
+//! Promise: chains between any two frames of a tree are solved. This includes mimic, prismatic and continuous joints, a
+//! base in another branch, tools, and subsets of joints. Independent kinematics of the file check results to 1e-6 m and
+//! 1e-6 rad.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, ArmError, Base, Search};
@@ -8,8 +8,7 @@ use kinopt::robot::Robot;
 use support::arms::{Random, distance, within_limits};
 use support::urdf_matrices::{IDENTITY, Matrix, Tree, about, apart, placement, product};
 
-/// One motor bends the elbow and, half as far the other way, the link after it; the wrist's yaw
-/// follows the pan of a camera that hangs elsewhere.
+/// The elbow has a mimic joint of ratio −½ in the next link. The camera pan is in another branch.
 const COUPLED: &str = r#"<robot name="coupled">
   <link name="world"/><link name="mount"/><link name="upper"/><link name="fore"/><link name="knee"/>
   <link name="quill"/><link name="spun"/><link name="bracket"/><link name="palm"/><link name="hand"/>
@@ -44,22 +43,22 @@ const COUPLED: &str = r#"<robot name="coupled">
     <origin xyz="0.05 0 0.02" rpy="-1.5 0 -1.5"/></joint>
 </robot>"#;
 
-/// The same with a yaw that follows the pan.
+/// Variant in which the wrist's yaw is a mimic joint of the pan.
 fn yaw_follows_pan() -> String {
-    let own = "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>";
+    let limit = "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>";
     COUPLED.replace(
-        own,
-        &format!("{own}<mimic joint=\"pan\" multiplier=\"2\"/>"),
+        limit,
+        &format!("{limit}<mimic joint=\"pan\" multiplier=\"2\"/>"),
     )
 }
 
-/// A chain of a file with a tool on its tip.
+/// A chain of a file with a tool at its tip.
 struct Case<'a> {
     tree: &'a Tree,
     base: &'a str,
     tip: &'a str,
     tip_from_tool: Matrix,
-    /// Joints that are held.
+    /// Locked joints.
     held: &'a [(&'a str, f64)],
 }
 
@@ -71,12 +70,12 @@ impl Case<'_> {
         product(&tip, &self.tip_from_tool)
     }
 
-    /// Solves random poses, and checks every claim by the matrices.
+    /// Solves random poses and checks every reported value by independent kinematics.
     fn all_solved(&self, builder: &ArmBuilder<'_>, searches: &[Search], count: usize) {
         for &search in searches {
             let mut builder = builder.clone().with_search(search);
             if !ONE.contains(&search) {
-                // Building one takes longer than these few questions.
+                // Building an atlas takes longer than these few solves.
                 builder = builder.with_atlas(false);
             }
             let arm = builder.build().unwrap();
@@ -125,7 +124,7 @@ fn plain<'a>(tree: &'a Tree, base: &'a str, tip: &'a str) -> Case<'a> {
 }
 
 #[test]
-fn a_follower_inside_the_chain() {
+fn mimic_joint_inside_the_chain_is_solved() {
     let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
     let robot = robot.with_mimic_limits().unwrap();
     let tree = Tree::parse(COUPLED);
@@ -140,7 +139,7 @@ fn a_follower_inside_the_chain() {
 }
 
 #[test]
-fn a_leader_outside_the_chain() {
+fn source_joint_outside_the_chain_is_solved() {
     let text = yaw_follows_pan();
     let robot = Robot::parse(&text, "coupled.urdf").unwrap();
     let tree = Tree::parse(&text);
@@ -150,7 +149,7 @@ fn a_leader_outside_the_chain() {
     free.sort_unstable();
     assert_eq!(free, ["elbow", "lift", "pan", "pitch", "roll", "shoulder"]);
     plain(&tree, "world", "hand").all_solved(&builder, &ONE, 6);
-    // A configuration of the whole robot has the followers where their leaders put them.
+    // In a configuration of the whole robot mimic joints follow their source joints.
     let q = [0.3, 0.4, 0.2, 1.0, 0.1, 0.25];
     let mut all = robot.model().neutral();
     arm.configuration(&q, &mut all).unwrap();
@@ -163,7 +162,7 @@ fn a_leader_outside_the_chain() {
 }
 
 #[test]
-fn a_base_in_another_branch() {
+fn base_in_another_branch_is_solved() {
     for text in [COUPLED, &yaw_follows_pan()] {
         let robot = Robot::parse(text, "coupled.urdf").unwrap();
         let tree = Tree::parse(text);
@@ -175,7 +174,7 @@ fn a_base_in_another_branch() {
 }
 
 #[test]
-fn a_tool_on_any_frame() {
+fn tool_on_any_frame_is_solved() {
     let file = "../models/franka_panda.urdf";
     let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
     let mut tool = about([1.0, -2.0, 0.5], 0.8);
@@ -194,19 +193,19 @@ fn a_tool_on_any_frame() {
             tip_from_tool: tool,
             ..plain(&tree, "base", tip)
         };
-        // The search without an atlas takes longer and builds faster.
+        // The search without an atlas is slower but builds faster.
         let builder = builder.with_tool(placement(&tool));
         case.all_solved(&builder, &[Search::Start], 4);
     }
-    // Every link but the base can be a tip.
+    // Every link except the base can be a tip.
     assert_eq!(arms, links.len() - 1);
 }
 
 #[test]
-fn a_subset_of_the_joints() {
+fn subset_of_the_joints_is_solved() {
     let file = "../models/franka_panda.urdf";
     let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
-    // Six joints are left: one locked away from 0.
+    // Six joints remain; the locked one is not at 0.
     let builder = Arm::builder(&robot, "base", "flange");
     let held = [("joint3", 0.4)];
     let builder = builder.with_locked("joint3", 0.4);
@@ -217,7 +216,7 @@ fn a_subset_of_the_joints() {
         ..plain(&tree, "base", "flange")
     };
     case.all_solved(&builder, &ALL, 4);
-    // Three joints are left: few poses can be reached, and those are.
+    // Three joints remain: few poses are reachable, and those are solved.
     let mut q = robot.model().neutral();
     let held = [
         ("joint1", 0.2),
@@ -251,7 +250,7 @@ fn a_subset_of_the_joints() {
 }
 
 #[test]
-fn sliding_joints_alone() {
+fn prismatic_chain_is_solved() {
     let mut text = String::from("<robot name=\"gantry\"><link name=\"l0\"/>");
     for (k, axis) in ["1 0 0", "0 1 0", "0 0 -1"].iter().enumerate() {
         text.push_str(&format!(
@@ -269,7 +268,7 @@ fn sliding_joints_alone() {
 }
 
 #[test]
-fn what_cannot_be_an_arm_is_named() {
+fn invalid_arms_are_named_in_errors() {
     let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
     let error = Arm::new(&robot, "world", "mount").unwrap_err();
     assert!(
@@ -290,7 +289,7 @@ fn what_cannot_be_an_arm_is_named() {
         error.contains("wrist") && error.contains("shoulder"),
         "{error}"
     );
-    // Of several the first is named.
+    // The first of several is named.
     let several = builder().with_locked("knee", 0.0).with_locked("wrist", 0.0);
     let error = several.build().unwrap_err().to_string();
     assert!(
@@ -313,9 +312,9 @@ fn what_cannot_be_an_arm_is_named() {
     assert!(error.to_string().contains("wrist"), "{error}");
 }
 
-/// Frames and joints by id say what they say by name, and the world is the frame of that name.
+/// Frames and joints by id equal those by name, and the world equals the frame of that name.
 #[test]
-fn ids_and_the_world() {
+fn ids_and_world_equal_names() {
     let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
     let model = robot.model();
     let [world, hand] = ["world", "hand"].map(|name| model.frame(name).unwrap());
@@ -336,7 +335,7 @@ fn ids_and_the_world() {
         let again = same.solve(target, &vec![0.0; q.len()]).unwrap();
         assert_eq!(again.q, solution.q);
     }
-    // An id of a larger model is told as a name would be.
+    // An id of a larger model is reported like an unknown name.
     let larger = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let far = larger.model().frame_ids().last().unwrap();
     let error = Arm::new(&robot, Base::World, far).unwrap_err().to_string();

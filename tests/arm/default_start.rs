@@ -1,4 +1,5 @@
-//! An arm's default start is a state of its SRDF file or the middle of its limits, from which near targets have near solutions.
+//! Promise: the default start of an arm is a state of its SRDF file or the middle of its limits. Near targets have near
+//! solutions from it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::arm::{Arm, Goal};
@@ -23,7 +24,7 @@ fn default_start_is_the_middle_of_the_limits() {
     for (value, middle) in arm.default_start().iter().zip([1.0, 0.0, 0.4, 0.7]) {
         assert!((value - middle).abs() < 1e-15, "{:?}", arm.default_start());
     }
-    // Copies of the arm keep it.
+    // Derived arms keep it.
     let tool = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
     let copy = arm
         .with_tool(tool)
@@ -55,7 +56,7 @@ fn default_start_is_the_srdf_state_of_the_arm() {
     );
     assert_eq!(started(&home), 0.5);
     assert_eq!(started(&(home.clone() + &ready)), -0.5);
-    // A state of joints that the arm does not have says nothing of its start.
+    // States of joints outside the arm do not define its start.
     let other = state("ready", "slide", "d", 0.8);
     assert_eq!(started(&(other.clone() + &home)), 0.5);
     assert_eq!(started(&other), 1.0);

@@ -1,5 +1,5 @@
-//! Promise: how an arm's solution moves with its target is known: on the target with six joints, by the shortest
-//! way with more, along its limits where those hold it, and that is said.
+//! Promise: the derivative of an arm's solution with respect to its target is exact for six joints and minimum-norm for
+//! more. Joints on active limits stay on them, which is reported.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Arm;
@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
 use support::arms::{Random, panda, robot};
 
-/// The six twists of moving along and turning about a placement's own axes, in the base's.
+/// Twists about the axes of a placement, expressed in the base.
 fn own_axes(at: &Placement<f64>) -> na::Matrix6<f64> {
     let rotation: na::Matrix3<f64> = at.rotation.into();
     let mut twists = na::Matrix6::zeros();
@@ -18,7 +18,7 @@ fn own_axes(at: &Placement<f64>) -> na::Matrix6<f64> {
 }
 
 #[test]
-fn six_joints_follow_their_target() {
+fn derivative_of_six_joints_is_exact() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
     let mut jacobian = arm.jacobian().unwrap();
@@ -35,7 +35,7 @@ fn six_joints_follow_their_target() {
 }
 
 #[test]
-fn seven_joints_take_the_shortest_way() {
+fn derivative_of_seven_joints_has_minimum_norm() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip).build().unwrap();
     let mut jacobian = arm.jacobian().unwrap();
@@ -54,7 +54,7 @@ fn seven_joints_take_the_shortest_way() {
 }
 
 #[test]
-fn a_miss_moves_as_solving_again_does() {
+fn derivative_of_a_miss_matches_repeated_solves() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
     let start = [0.3, -1.1, 1.0, -0.9, 1.1, 0.4];
@@ -80,7 +80,7 @@ fn a_miss_moves_as_solving_again_does() {
 }
 
 #[test]
-fn what_is_wrong_is_told() {
+fn invalid_input_is_rejected() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
     let target = arm.base_from_tool(&[0.1; 6]).unwrap();

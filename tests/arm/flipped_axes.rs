@@ -1,5 +1,5 @@
-//! Promise: which way an axis points is a matter of signs: of an arm whose axes all point the other way each joint goes as far
-//! the other way, into limits, out of reach and back, and what is told is the same.
+//! Promise: an arm with all axes reversed moves its joints by the opposite values, into limits, out of reach and back,
+//! with equal reports.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ServoStatus};
@@ -7,13 +7,13 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::{Solution, solver::Termination};
 
-/// The number of an attribute in a line of XML, if it has it.
+/// Value of a numeric attribute in a line of XML, if present.
 fn number(line: &str, attribute: &str) -> Option<f64> {
     let (_, rest) = line.split_once(&format!("{attribute}=\""))?;
     rest.split('"').next()?.parse().ok()
 }
 
-/// A robot's file with every axis turned round, and its limits with it.
+/// Robot file with all axes and limits reversed.
 fn flipped(text: &str) -> String {
     let line = |line: &str| {
         if let (Some(lower), Some(upper)) = (number(line, "lower"), number(line, "upper")) {
@@ -24,15 +24,15 @@ fn flipped(text: &str) -> String {
         let Some((_, rest)) = line.split_once("<axis xyz=\"") else {
             return line.to_owned();
         };
-        let own = rest.split('"').next().unwrap();
-        let turned = own.split(' ').map(|word| -word.parse::<f64>().unwrap());
+        let values = rest.split('"').next().unwrap();
+        let turned = values.split(' ').map(|word| -word.parse::<f64>().unwrap());
         let turned: Vec<String> = turned.map(|value| value.to_string()).collect();
-        line.replace(own, &turned.join(" "))
+        line.replace(values, &turned.join(" "))
     };
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Steps of a line as far out as this, a rest there, and back.
+/// Steps of a line of this length, a rest at its end, and the way back.
 fn out_and_back(from: &Placement<f64>, way: Vector3<f64>, steps: u32) -> Vec<Placement<f64>> {
     let there = (0..steps).chain([steps; 8]).chain((0..steps).rev());
     let at = |k: u32| from.translation + way * (f64::from(k) / f64::from(steps));
@@ -43,38 +43,38 @@ fn out_and_back(from: &Placement<f64>, way: Vector3<f64>, steps: u32) -> Vec<Pla
 
 type Told = (Vec<f64>, bool, Termination);
 
-fn told(solution: &Solution) -> Told {
+fn outcome(solution: &Solution) -> Told {
     (solution.q.clone(), solution.reached, solution.termination)
 }
 
-fn follow(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<Told> {
+fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Told> {
     let mut follower = arm.follower(start).unwrap();
-    let steps = way.iter().map(|target| {
+    let steps = targets.iter().map(|target| {
         let mut solution = Solution::default();
         follower.advance(*target, &mut solution).unwrap();
-        told(&solution)
+        outcome(&solution)
     });
     steps.collect()
 }
 
-/// The q and what is told of each tick of a servo that follows the way.
-fn serve(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<(Vec<f64>, ServoStatus)> {
+/// Joint values and status of every cycle of a servo that follows the targets.
+fn serve(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<(Vec<f64>, ServoStatus)> {
     let mut servo = arm.servo(start, 4e-3).unwrap();
-    let ticks = way.iter().map(|target| {
+    let ticks = targets.iter().map(|target| {
         let step = servo.step(*target).unwrap();
         (step.q.to_vec(), step.status)
     });
     ticks.collect()
 }
 
-/// How far the sum of two configurations, one of which goes the other way, is from nothing.
+/// Largest sum of corresponding joint values of opposite configurations.
 fn apart(one: &[f64], other: &[f64]) -> f64 {
     let sums = one.iter().zip(other).map(|(a, b)| (a + b).abs());
     sums.fold(0.0, f64::max)
 }
 
 #[test]
-fn joints_go_as_far_the_other_way() {
+fn reversed_axes_give_opposite_joint_values() {
     let (mut missed, mut at_limits) = (0, 0);
     for (name, start, ways) in [
         (
@@ -96,10 +96,10 @@ fn joints_go_as_far_the_other_way() {
         });
         let back: Vec<f64> = start.iter().map(|value| -value).collect();
         let from = arm.base_from_tool(start).unwrap();
-        for way in ways.map(Vector3::from) {
-            let way = out_and_back(&from, way, 24);
-            let both = follow(&arm, start, &way).into_iter();
-            for (one, other) in both.zip(follow(&turned, &back, &way)) {
+        for line in ways.map(Vector3::from) {
+            let line = out_and_back(&from, line, 24);
+            let both = follow(&arm, start, &line).into_iter();
+            for (one, other) in both.zip(follow(&turned, &back, &line)) {
                 assert!(apart(&one.0, &other.0) < 1e-6, "{name}: {one:?} {other:?}");
                 assert_eq!((one.1, one.2), (other.1, other.2), "{name}");
                 missed += usize::from(!one.1);
@@ -107,8 +107,8 @@ fn joints_go_as_far_the_other_way() {
                 let held = limits.filter(|(limits, q)| **q == limits.lower || **q == limits.upper);
                 at_limits += held.count();
             }
-            let both = serve(&arm, start, &way).into_iter();
-            for (one, other) in both.zip(serve(&turned, &back, &way)) {
+            let both = serve(&arm, start, &line).into_iter();
+            for (one, other) in both.zip(serve(&turned, &back, &line)) {
                 assert!(apart(&one.0, &other.0) < 1e-6, "{name}: {one:?} {other:?}");
                 assert_eq!(one.1, other.1, "{name}");
             }

@@ -1,5 +1,5 @@
-//! A file with a number of any size in it is refused, or its arm claims nothing that plain matrices do
-//! not bear out: where placements cannot resolve the tolerance, nothing is reached.
+//! Promise: a file with numbers of any size is rejected, or its arm reports only reached poses that independent
+//! matrices confirm. If placements cannot resolve the tolerance, nothing is reached.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, Base};
@@ -19,8 +19,7 @@ const CHAINS: [(&str, &str, &str); 5] = [
     ("franka_panda", "base", "finger_right"),
 ];
 
-/// Where the file has numbers of joints: each word of `xyz`, `rpy`, `lower`, `upper`, `multiplier`,
-/// `offset`.
+/// Byte ranges of the numbers of joints: words of `xyz`, `rpy`, `lower`, `upper`, `multiplier` and `offset`.
 fn numbers(text: &str) -> Vec<(usize, usize)> {
     let mut places = Vec::new();
     for name in ["xyz", "rpy", "lower", "upper", "multiplier", "offset"] {
@@ -38,7 +37,7 @@ fn numbers(text: &str) -> Vec<(usize, usize)> {
 }
 
 #[test]
-fn nothing_is_said_to_be_reached_that_is_not() {
+fn reached_poses_are_confirmed_by_matrices() {
     let mut random = Random(13);
     let (mut reached, mut built) = (0, 0);
     for case in 0..cases(4000, 25) {
@@ -63,7 +62,7 @@ fn nothing_is_said_to_be_reached_that_is_not() {
             let (truth, start) = (random.configuration(&arm), random.configuration(&arm));
             let at =
                 |q: &[f64]| -> Vec<(&str, f64)> { arm.joints().zip(q.iter().copied()).collect() };
-            // The target by the file's own matrices, which the arm may refuse as no rigid motion.
+            // Target by independent matrices; the arm may reject it as no rigid motion.
             let wanted = tree.base_from_tip(base, tip, &at(&truth));
             let Ok(solution) = arm.solve(placement(&wanted), &start) else {
                 continue;
@@ -83,9 +82,9 @@ fn nothing_is_said_to_be_reached_that_is_not() {
     assert!(built > 0 && reached > 0, "{built} {reached}");
 }
 
-/// A follower's value is a sum of two parts: where they are huge and cancel, it is known no better than they are.
+/// A mimic joint's value is a sum of two parts. If they are huge and cancel, their rounding remains.
 #[test]
-fn what_cancels_leaves_its_rounding() {
+fn cancelling_mimic_parts_keep_their_rounding() {
     let text = |ratio: f64| {
         format!(
             "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\
@@ -97,7 +96,7 @@ fn what_cancels_leaves_its_rounding() {
             -ratio
         )
     };
-    // Numbers of 1e12 are 1e-4 apart.
+    // At 1e12 the spacing of numbers is 1e-4.
     for (ratio, resolved) in [(1.0, true), (1e3, true), (1e12, false)] {
         let robot = Robot::parse(&text(ratio), "r.urdf").unwrap();
         let arm = Arm::new(&robot, "a", "c").unwrap();
@@ -112,9 +111,9 @@ fn what_cancels_leaves_its_rounding() {
     }
 }
 
-/// What a locked slide adds to the way counts as what stands in the file does: numbers of 1e12 are 1e-4 apart.
+/// The offset of a locked prismatic joint counts like one in the file: at 1e12 the spacing of numbers is 1e-4.
 #[test]
-fn what_is_locked_far_away_leaves_its_rounding() {
+fn huge_locked_value_keeps_its_rounding() {
     let mut builder = Model::builder("rail");
     let [x, _, z] = Vector3::UNITS;
     let none = Placement::identity();
@@ -128,7 +127,7 @@ fn what_is_locked_far_away_leaves_its_rounding() {
         let arm = arm.build().unwrap();
         let target = arm.base_from_tool(&[0.5]).unwrap();
         let solution = arm.solve(target, &[0.5]).unwrap();
-        let told = solution.explain();
-        assert_eq!(solution.reached, resolved, "{value}: {told}");
+        let explanation = solution.explain();
+        assert_eq!(solution.reached, resolved, "{value}: {explanation}");
     }
 }

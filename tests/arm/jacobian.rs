@@ -1,5 +1,5 @@
-//! Promise: an arm's Jacobian is the derivative of where its tool stands, between any two frames and
-//! with joints that follow; what is not finite is refused by name.
+//! Promise: an arm's Jacobian is the derivative of its tool pose, between any two frames and with mimic joints.
+//! Non-finite input is named in the error.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, QueryError};
@@ -10,7 +10,7 @@ use support::follower_chains::follower_chain;
 
 const STEP: f64 = 1e-6;
 
-/// The twist of the tool per unit of one joint, by central differences.
+/// Twist of the tool per unit of one joint, by central differences.
 fn twist(arm: &Arm, q: &[f64], joint: usize) -> [f64; 6] {
     let at = |step: f64| {
         let mut q = q.to_vec();
@@ -19,7 +19,7 @@ fn twist(arm: &Arm, q: &[f64], joint: usize) -> [f64; 6] {
     };
     let (ahead, behind) = (at(STEP), at(-STEP));
     let linear = (ahead.translation - behind.translation) * (0.5 / STEP);
-    // Half the axes' differences crossed with the axes themselves is the angular velocity.
+    // The angular velocity is half the sum of the axes crossed with their differences.
     let axes = |m: &Matrix3<f64>| [m.x, m.y, m.z];
     let here = axes(&arm.base_from_tool(q).unwrap().rotation);
     let (ahead, behind) = (axes(&ahead.rotation), axes(&behind.rotation));
@@ -51,7 +51,7 @@ fn holds_for(arm: &Arm, seed: u64) {
 }
 
 #[test]
-fn it_is_the_derivative_of_the_tool_between_any_two_frames() {
+fn jacobian_matches_differences_for_any_frames() {
     let panda = robot("franka_panda");
     let tool = Placement::translation(Vector3::new(0.1, -0.2, 0.3));
     for (base, tip) in [("base", "flange"), ("link3", "tool"), ("flange", "link1")] {
@@ -61,7 +61,7 @@ fn it_is_the_derivative_of_the_tool_between_any_two_frames() {
 }
 
 #[test]
-fn joints_that_follow_count_as_what_they_follow() {
+fn mimic_joints_add_to_source_joint_columns() {
     let mut arms = 0;
     for number in 0..12 {
         let (text, tip) = follower_chain(number);
@@ -76,7 +76,7 @@ fn joints_that_follow_count_as_what_they_follow() {
 }
 
 #[test]
-fn what_is_not_finite_is_refused_by_name() {
+fn non_finite_joint_is_named_in_the_error() {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange").with_atlas(false);
     let arm = arm.build().unwrap();

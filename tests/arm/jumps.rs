@@ -1,5 +1,5 @@
-//! Promise: a jump that is asked for leads to the solution that is nearest of those that there are, whole turns taken off; and what comes
-//! after it is followed as from an arm that begins there, as a jump is no motion to go on with.
+//! Promise: a requested jump leads to the nearest solution, modulo whole turns. The following motion equals that of a
+//! follower that starts there, because a jump is not extrapolated.
 #![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
@@ -9,11 +9,11 @@ use kinopt::arm::{Arm, Axis, Goal};
 use kinopt::spatial::Placement;
 use support::arms::{Random, distance, robot};
 
-use crate::tracks_without_flips::far_steps;
+use crate::track_continuity::far_steps;
 
 const STEPS: u32 = 300;
 
-/// The same solution with each joint turned to where it is nearest to another, within its limits.
+/// The solution with each joint at the equivalent value nearest to `to`, within limits.
 fn nearest_turns(arm: &Arm, q: &[f64], to: &[f64]) -> Vec<f64> {
     let joints = q.iter().zip(to).zip(arm.limits());
     let nearest = joints.map(|((q, to), limits)| {
@@ -26,7 +26,7 @@ fn nearest_turns(arm: &Arm, q: &[f64], to: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn they_are_short_and_forgotten() {
+fn jumps_are_short_and_leave_no_state() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_global_search_on_miss(true);
@@ -37,10 +37,10 @@ fn they_are_short_and_forgotten() {
         let start = random.configuration(&arm);
         let end = random.configuration(&arm);
         let [first, last] = [&start, &end].map(|q| arm.base_from_tool(q).unwrap());
-        let way = last.translation - first.translation;
+        let displacement = last.translation - first.translation;
         let at = |step: u32| {
             let share = f64::from(step) / f64::from(STEPS);
-            Placement::new(first.rotation, first.translation + way * share)
+            Placement::new(first.rotation, first.translation + displacement * share)
         };
         let mut follower = arm.follower(&start).unwrap();
         let mut solution = Solution::default();
@@ -51,14 +51,14 @@ fn they_are_short_and_forgotten() {
                 continue;
             }
             jumps += 1;
-            let own = distance(&solution.q, &before);
+            let length = distance(&solution.q, &before);
             let others = (0..60).filter_map(|_| {
                 let other = arm.solve(at(step), &random.configuration(&arm)).unwrap();
                 let q = nearest_turns(&arm, &other.q, &before);
                 other.reached.then(|| distance(&q, &before))
             });
             let least = others.fold(f64::INFINITY, f64::min);
-            far += usize::from(own > least + 1e-6);
+            far += usize::from(length > least + 1e-6);
             let mut fresh = arm.follower(&solution.q).unwrap();
             let mut begun = Solution::default();
             fresh.advance(at(step + 1), &mut begun).unwrap();
@@ -71,16 +71,17 @@ fn they_are_short_and_forgotten() {
             break;
         }
     }
-    // Attempts may miss the nearest, seldom.
+    // Attempts rarely miss the nearest solution.
     assert!(jumps >= 15 && far * 10 <= jumps, "{far} of {jumps}");
     assert!(after[1] <= after[0] + jumps / 2, "{after:?} of {jumps}");
 }
 
-/// Far to one place and another, which leaves the branch here and there; where a way round is found later, the jumps before it are none.
+/// Paths whose targets jump, so that branches end. Where a later search finds a continuous path, earlier jumps are not
+/// reported.
 #[test]
-fn those_of_a_track_are_its_own() {
+fn reported_jumps_are_those_of_the_track() {
     let robot = robot("franka_panda");
-    let (mut told, mut tracks) = (0, 0);
+    let (mut reported, mut tracks) = (0, 0);
     for (goal, seed) in [(Goal::default(), 147), (Goal::free_about(Axis::Z), 178)] {
         let arm = Arm::builder(&robot, "base", "flange").with_goal(goal);
         let arm = arm.with_atlas(false).with_global_search_on_miss(true);
@@ -99,13 +100,16 @@ fn those_of_a_track_are_its_own() {
         let jumps = track.jumps.iter().map(|jump| (jump.step, jump.distance));
         assert_eq!(jumps.collect::<Vec<_>>(), far, "{seed}");
         tracks += usize::from(!far.is_empty());
-        told += far.len();
+        reported += far.len();
     }
-    assert!(tracks == 2 && told > 10, "{told} jumps of {tracks} tracks");
+    assert!(
+        tracks == 2 && reported > 10,
+        "{reported} jumps of {tracks} tracks"
+    );
 }
 
 #[test]
-fn a_follower_outside_its_limits_returns_in_steps() {
+fn path_follower_returns_within_limits_in_steps() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
     let arm = arm.build().unwrap();

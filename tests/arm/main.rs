@@ -1,36 +1,36 @@
-//! Poses, batches and paths of arms.
+//! Arms: poses, batches, paths and servos.
 
 mod any_chain;
-mod bounded_turns;
-mod chains_with_followers;
 mod default_start;
 mod derivatives;
-mod elbow_sides;
+mod elbow_branches;
 mod flipped_axes;
-mod freedom;
 mod huge_numbers;
 mod jacobian;
+mod mimic_chains;
+mod null_space;
+mod whole_turns;
 
 mod jumps;
-mod lines_out_of_reach;
 mod misses;
 mod near_misses;
 mod options;
 mod peer_defects;
-mod retarget;
+mod reference_workloads;
+mod reproducibility;
 mod reused_arms;
-mod same_bits;
+mod reversed_chains;
 mod searches;
 mod servo;
+mod servo_cycles;
 mod servo_limits;
-mod servo_ticks;
-mod shared_workloads;
 mod shipped_robots;
 mod small_steps;
 mod starts;
-mod starts_and_ways;
 mod time_limit;
-mod tracks_without_flips;
+mod track_continuity;
 mod two_tips;
 mod unreachable;
-mod winners;
+mod unreachable_lines;
+mod winning_attempts;
+mod with_tool;

@@ -1,5 +1,5 @@
-//! What a miss is answered by: the start's own way, also where the clock cuts it short or costs overflow;
-//! and options that bound a search do what they say.
+//! Promise: a miss returns the attempt from the start, also if time ends or costs overflow. Options that bound a search
+//! have their documented effect.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
@@ -15,9 +15,9 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// A target 2 cm away and no time at all: the answer is on the start's way, not at a seed elsewhere.
+/// A target 2 cm away with no time: the result is near the start, not at a seed.
 #[test]
-fn cut_short_by_the_clock_it_stays_near_the_start() {
+fn interrupted_search_stays_near_the_start() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip);
     let arm = arm.with_time_limit(Duration::ZERO).build().unwrap();
@@ -36,13 +36,13 @@ fn cut_short_by_the_clock_it_stays_near_the_start() {
     }
 }
 
-fn far(start: &Placement<f64>, metres: f64) -> Placement<f64> {
+fn moved_by(start: &Placement<f64>, metres: f64) -> Placement<f64> {
     Placement::new(start.rotation, Vector3::new(metres, -metres, 0.5 * metres))
 }
 
-/// Where the cost overflows the answer is the start within its limits, never what was there before.
+/// If the cost overflows, the result is the start within its limits, not previous contents.
 #[test]
-fn targets_beyond_all_numbers() {
+fn overflowing_targets_return_the_clamped_start() {
     for (name, search) in [
         ("franka_panda", Search::Start),
         ("franka_panda", Search::First),
@@ -65,7 +65,7 @@ fn targets_beyond_all_numbers() {
             let mut solution = Solution::default();
             for metres in [1e150, 1e155, 1e200, 1e300, 1e307] {
                 arm.solve_into(near, &vec![0.3; n], &mut solution).unwrap();
-                let target = far(&near, metres);
+                let target = moved_by(&near, metres);
                 arm.solve_into(target, &start, &mut solution).unwrap();
                 assert!(!solution.reached && within_limits(&arm, &solution.q));
                 let task = solution.tasks().next().unwrap();
@@ -88,11 +88,11 @@ fn targets_beyond_all_numbers() {
 }
 
 #[test]
-fn targets_beyond_all_numbers_for_the_lanes() {
+fn simd_overflow_returns_the_clamped_start() {
     let chain = support::lane_chains::panda();
     let options = LaneOptions::default().with_atlas(false).with_attempts(6);
     let solver = PoseSolver::new(&chain, options).unwrap();
-    let target = far(&Placement::identity(), 1e200);
+    let target = moved_by(&Placement::identity(), 1e200);
     let start = [9.0; 7];
     let clamped: Vec<f64> = chain
         .joints()
@@ -117,9 +117,9 @@ fn targets_beyond_all_numbers_for_the_lanes() {
     }
 }
 
-/// So many attempts as are asked for are made at a target that none reaches.
+/// All requested attempts are made for an unreachable target.
 #[test]
-fn attempts_and_iterations_are_what_was_asked_for() {
+fn attempts_and_iterations_are_as_requested() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
@@ -136,7 +136,7 @@ fn attempts_and_iterations_are_what_was_asked_for() {
         let solution = arm.build().unwrap().solve(target, &start).unwrap();
         assert!(solution.attempts < 40, "{search:?} {}", solution.attempts);
     }
-    // The nearest is looked for among all of them where the target is reached, too.
+    // The nearest search makes all attempts for a reached target as well.
     target.translation.x -= 2.0;
     for attempts in [20, 250] {
         let arm = builder()
@@ -154,20 +154,25 @@ fn attempts_and_iterations_are_what_was_asked_for() {
     assert_eq!(solution.attempts, 25);
 }
 
-/// A miss is the start's own, unless everywhere is asked for: then it is no worse.
+/// A miss is that of the start, unless a global search is requested: then it is no worse.
 #[test]
-fn a_global_search_on_a_miss_is_asked_for() {
+fn global_search_on_miss_is_opt_in() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
-    let own = builder().build().unwrap();
+    let default_arm = builder().build().unwrap();
     let everywhere = builder().with_global_search_on_miss(true).build().unwrap();
     let mut random = Random(83);
     let mut better = 0;
     for _ in 0..8 {
-        let start = random.configuration(&own);
-        let mut target = own.base_from_tool(&random.configuration(&own)).unwrap();
+        let start = random.configuration(&default_arm);
+        let mut target = default_arm
+            .base_from_tool(&random.configuration(&default_arm))
+            .unwrap();
         target.translation = target.translation * 1.6;
-        let (a, b) = (own.solve(target, &start), everywhere.solve(target, &start));
+        let (a, b) = (
+            default_arm.solve(target, &start),
+            everywhere.solve(target, &start),
+        );
         let (a, b) = (a.unwrap(), b.unwrap());
         assert_eq!(a.reached, b.reached);
         if !a.reached {
@@ -178,9 +183,9 @@ fn a_global_search_on_a_miss_is_asked_for() {
     assert!(better > 0);
 }
 
-/// Where the nearest is looked for a miss that is searched everywhere is settled from the best of all attempts.
+/// A global search with the nearest search settles from the best of all attempts.
 #[test]
-fn of_a_comparison_in_vain_the_best_is_settled() {
+fn global_nearest_search_settles_the_best() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let builder = builder.with_global_search_on_miss(true).with_attempts(24);
@@ -198,9 +203,9 @@ fn of_a_comparison_in_vain_the_best_is_settled() {
     assert!(costs[1] <= 1.01 * costs[0], "{costs:?}");
 }
 
-/// What solves alone is what solves together, and every solution has an attempt that won.
+/// Single and batch solves agree, and every reached solution names its winning attempt.
 #[test]
-fn a_batch_answers_as_a_single_question_does() {
+fn batch_results_equal_single_solves() {
     for (name, base, tip) in [
         ("franka_panda", "base", "flange"),
         ("universal_ur5e", "base", "flange"),
@@ -232,9 +237,9 @@ fn a_batch_answers_as_a_single_question_does() {
     }
 }
 
-/// Each attempt that is made counts, and its steps, whether it came nearer or not.
+/// Every attempt and its steps count, whether it improves or not.
 #[test]
-fn attempts_in_vain_count() {
+fn unsuccessful_attempts_are_counted() {
     let robot = robot("aldebaran_nao");
     let target = Placement::translation(Vector3::new(0.05, -0.1, 0.9));
     let mut last = 0;
@@ -250,9 +255,9 @@ fn attempts_in_vain_count() {
     }
 }
 
-/// More attempts never come to a worse place: where none reaches, the best of all counts, whichever it was.
+/// More attempts never give a worse result: of unsuccessful ones the best is returned.
 #[test]
-fn of_more_attempts_in_vain_the_best_stays() {
+fn more_attempts_never_worsen_a_miss() {
     let robot = robot("aldebaran_nao");
     let mut random = support::random::Random::new(21);
     for _ in 0..4 {
@@ -274,9 +279,9 @@ fn of_more_attempts_in_vain_the_best_stays() {
     }
 }
 
-/// Goals with room count turns by their chords, and a miss costs what its errors say by every door.
+/// Goals with inequalities measure rotation by its chord, and all entry points report the cost of a miss accordingly.
 #[test]
-fn a_miss_of_a_goal_with_room_costs_its_chord() {
+fn miss_of_an_inequality_goal_costs_its_chord() {
     use kinopt::arm::{Axis, Goal};
     use kinopt::model::{Limits, Model};
     let mut builder = Model::builder("wrist");
@@ -287,7 +292,7 @@ fn a_miss_of_a_goal_with_room_costs_its_chord() {
     let robot = kinopt::robot::Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tip").with_metres_per_radian(0.25);
     let arm = arm.with_goal(Goal::free_about(Axis::X)).build().unwrap();
-    // Beyond its limit by 1.2 rad.
+    // 1.2 rad beyond the limit.
     let turned = kinopt::spatial::Matrix3::identity().rotated_about_z(2.2_f64.sin_cos());
     let target = Placement::new(turned, at.translation);
     let batch = arm.solve_batch(&[target], &[0.3]).unwrap();
@@ -303,9 +308,9 @@ fn a_miss_of_a_goal_with_room_costs_its_chord() {
     }
 }
 
-/// A place beyond reach whose room comes back within it is sought as any other, from wherever the arm stands.
+/// A target out of reach whose bounds contain reachable poses is reached from any start.
 #[test]
-fn a_room_that_is_within_reach_is_found() {
+fn reachable_goal_bounds_are_found() {
     use kinopt::arm::Goal;
     let (robot, base, tip) = panda();
     let goal = Goal::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
@@ -317,7 +322,7 @@ fn a_room_that_is_within_reach_is_found() {
         let length = target.translation.norm();
         let reached = target.translation;
         target.translation = target.translation * (1.4 / length);
-        // The whole of the arm is 1.37 m long where it is stretched out; the room is of the target's own axes.
+        // The stretched arm is 1.37 m long; bounds are in the target's axes.
         let back = target.rotation.transpose() * (reached - target.translation);
         if back.to_array().iter().any(|off| off.abs() > 0.35) {
             continue;

@@ -1,5 +1,5 @@
-//! Promise: a miss is answered near its start wherever the way straight downhill from there ends near it, however
-//! far the long steps of an attempt lead past, and as low as that way ends.
+//! Promise: a miss ends near its start if gradient descent from there ends near it. Its cost is as low, however long
+//! the steps of an attempt.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
@@ -8,15 +8,15 @@ use nalgebra::{Matrix6, Vector6};
 use support::arms::{Random, robot, within_limits};
 use support::sample::cases;
 
-/// What an arm takes for a long move, radians or metres, and what is surely none.
+/// Threshold of a long joint move, radians or metres, and one safely below it.
 const LONG: f64 = 0.2;
 const NEAR: f64 = 0.19;
-/// The cost of an answer beside that of the place downhill, at most: of one in a long valley 1.021, with a third of
-/// its short steps 1.030.
+/// Largest ratio of a result's cost to that of the descent. Measured 1.021 in a long valley, and 1.030 with a third of
+/// the short steps.
 const MOST_ABOVE: f64 = 1.025;
-/// What a radian counts, metres.
+/// Weight of a radian, metres.
 const RADIAN: f64 = 0.25;
-/// The longest move of a joint in a step downhill, and steps at most.
+/// Largest joint displacement of a descent step, and largest number of steps.
 const STEP: f64 = 2e-3;
 const STEPS: usize = 400;
 
@@ -25,7 +25,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// Where small damped steps lead that lower the error, and what is left of it.
+/// End of small damped descent steps, and the remaining error.
 fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64) {
     let mut jacobian = arm.jacobian().unwrap();
     let limits: Vec<_> = arm.limits().collect();
@@ -43,7 +43,7 @@ fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64
         for row in 3..6 {
             matrix.row_mut(row).scale_mut(RADIAN);
         }
-        // What a limit holds back takes no part.
+        // Directions into active limits are excluded.
         let slope = matrix.transpose() * r;
         for (k, limit) in limits.iter().enumerate() {
             let held =
@@ -64,9 +64,9 @@ fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64
 }
 
 #[test]
-fn long_steps_do_not_lead_past_the_place_that_is_near() {
+fn long_steps_do_not_pass_the_near_minimum() {
     let mut near = 0;
-    // Baxter's arm and the Panda, whose elbows have a way round.
+    // Baxter's arm and the Panda can move their elbows around.
     for (name, base, tip, seed) in [
         ("franka_panda", "base", "flange", 5),
         ("rethink_baxter", "torso", "left_tool", 5),
@@ -93,15 +93,15 @@ fn long_steps_do_not_lead_past_the_place_that_is_near() {
             if solution.reached {
                 continue;
             }
-            // The errors told are those of the place that is returned.
+            // Reported errors are those of the returned configuration.
             let at = arm.base_from_tool(&solution.q).unwrap();
             let off = (at.translation - target.translation).norm();
             let turned = rotation_log(&(at.rotation * target.rotation.transpose())).norm();
-            let told = [solution.position_error(), solution.orientation_error()];
-            for (told, found) in told.into_iter().zip([off, turned]) {
+            let reported = [solution.position_error(), solution.orientation_error()];
+            for (reported, found) in reported.into_iter().zip([off, turned]) {
                 assert!(
-                    (told.unwrap() - found).abs() < 1e-9,
-                    "{name} {case}: {told:?} {found}"
+                    (reported.unwrap() - found).abs() < 1e-9,
+                    "{name} {case}: {reported:?} {found}"
                 );
             }
             let (end, left) = downhill(&arm, &target, &start);

@@ -1,4 +1,4 @@
-//! Every option of the front door keeps its word, judged by the file's own kinematics.
+//! Promise: every option of an arm has its documented effect, checked by independent kinematics of the file.
 #![allow(clippy::unwrap_used)]
 
 use std::sync::OnceLock;
@@ -30,7 +30,7 @@ fn base_from_tip(q: &[f64]) -> Matrix {
     tree.base_from_tip("base", "flange", &values)
 }
 
-/// Columns of a rotation, and the offset.
+/// Column of a rotation, or the translation.
 fn column(matrix: &Matrix, j: usize) -> [f64; 3] {
     [matrix[0][j], matrix[1][j], matrix[2][j]]
 }
@@ -39,13 +39,13 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// The angle between two unit vectors, exact near 0.
+/// Angle between two unit vectors, exact near 0.
 fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
     let chord = norm(std::array::from_fn(|k| a[k] - b[k]));
     2.0 * (0.5 * chord).asin()
 }
 
-/// The vector part of the quaternion of a rotation by less than half a turn.
+/// Vector part of the quaternion of a rotation below half a turn.
 fn quaternion_vector(r: &Matrix) -> [f64; 3] {
     let w = 0.5 * (1.0 + r[0][0] + r[1][1] + r[2][2]).sqrt();
     [
@@ -55,7 +55,7 @@ fn quaternion_vector(r: &Matrix) -> [f64; 3] {
     ]
 }
 
-/// The arm of a search, with an atlas where it begins from there; built once.
+/// The arm of a search, with an atlas if the search uses one; built once.
 fn plain(search: Search) -> &'static Arm {
     static ARMS: [OnceLock<Arm>; 3] = [const { OnceLock::new() }; 3];
     let (place, atlas) = match search {
@@ -69,7 +69,7 @@ fn plain(search: Search) -> &'static Arm {
     })
 }
 
-/// Solves random poses from random starts with a goal, and hands (wanted, found) to a judge; how many.
+/// Solves random poses from random starts and passes (target, found) to `judge`. Returns the number of solves.
 fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> usize {
     let count = cases(count, count.div_ceil(3));
     let mut all = 0;
@@ -95,7 +95,7 @@ fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> 
 }
 
 #[test]
-fn the_position_alone() {
+fn position_goal_leaves_orientation_free() {
     let mut turned = 0;
     let all = solved(Goal::position(), 30, |wanted, found| {
         let (metres, radians) = apart(wanted, found);
@@ -106,7 +106,7 @@ fn the_position_alone() {
 }
 
 #[test]
-fn any_axis_of_the_tool_free_to_turn_about() {
+fn free_rotation_about_any_tool_axis() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut turned = 0;
         let all = solved(Goal::free_about(axis), 18, |wanted, found| {
@@ -123,7 +123,7 @@ fn any_axis_of_the_tool_free_to_turn_about() {
 }
 
 #[test]
-fn any_axis_of_the_tool_free_to_slide_along() {
+fn free_translation_along_any_tool_axis() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut slid = 0;
         let all = solved(Goal::free_along(axis), 12, |wanted, found| {
@@ -141,7 +141,7 @@ fn any_axis_of_the_tool_free_to_slide_along() {
 }
 
 #[test]
-fn intervals_in_the_tool_frame() {
+fn goal_bounds_in_the_tool_frame_hold() {
     let (inf, pi) = (f64::INFINITY, std::f64::consts::PI);
     for half_widths in [
         [0.01, 0.0, 0.02, 0.1, 0.0, 0.2],
@@ -155,7 +155,7 @@ fn intervals_in_the_tool_frame() {
             let excess = |value: f64, room: f64| (value.abs() - room).max(0.0);
             let (p, v) = (column(&off, 3), quaternion_vector(&off));
             let metres = norm(std::array::from_fn(|k| excess(p[k], half_widths[k])));
-            // A turn by θ about one axis has 2 sin(θ / 2) there.
+            // A rotation by θ about one axis has the component 2 sin(θ / 2).
             let chords = std::array::from_fn(|k| {
                 let room = half_widths[3 + k];
                 let room = if room >= pi {
@@ -175,7 +175,7 @@ fn intervals_in_the_tool_frame() {
 }
 
 #[test]
-fn tolerances_as_wide_and_as_narrow_as_asked() {
+fn tolerances_are_met() {
     for (metres, radians) in [(1e-2, 1e-1), (1e-4, 1e-8), (1e-10, 1e-10)] {
         let arm = builder().with_position_tolerance(metres);
         let arm = arm.with_orientation_tolerance(radians).build().unwrap();
@@ -186,13 +186,13 @@ fn tolerances_as_wide_and_as_narrow_as_asked() {
             let solution = arm.solve(placement(&wanted), &start).unwrap();
             let (p, r) = apart(&wanted, &base_from_tip(&solution.q));
             assert!(solution.reached, "{metres:e}: {}", solution.explain());
-            // 1e-14 is what two orders of rounding differ by.
+            // The two evaluations differ by up to 1e-14 by rounding.
             assert!(p <= metres + 1e-14 && r <= radians + 1e-14, "{p:e} {r:e}");
         }
     }
 }
 
-/// The pose's Jacobian by central differences of the matrices: offset and turn in base axes.
+/// Jacobian of the pose by central differences of matrices: translation and rotation in base axes.
 fn jacobian(q: &[f64]) -> DMatrix<f64> {
     let h = 1e-6;
     let mut jacobian = DMatrix::zeros(6, q.len());
@@ -212,30 +212,31 @@ fn jacobian(q: &[f64]) -> DMatrix<f64> {
     jacobian
 }
 
-/// What is left of a wanted move where the pose allows none of it: its part in the null space of
-/// the Jacobian, over the joints that it does not push out of their limits.
+/// Largest null-space component of a wanted displacement, over the joints that it does not push out of their limits.
 fn null_space_part(arm: &Arm, q: &[f64], wanted: &[f64]) -> f64 {
     let jacobian = jacobian(q);
     let mut held = vec![false; q.len()];
     loop {
         let free: Vec<usize> = (0..q.len()).filter(|&k| !held[k]).collect();
         let columns = jacobian.select_columns(&free);
-        let way = DVector::from_iterator(free.len(), free.iter().map(|&k| wanted[k] - q[k]));
+        let displacement =
+            DVector::from_iterator(free.len(), free.iter().map(|&k| wanted[k] - q[k]));
         let inverse = columns.clone().pseudo_inverse(1e-9).unwrap();
-        let way = &way - inverse * (&columns * &way);
+        let displacement = &displacement - inverse * (&columns * &displacement);
         let limits: Vec<_> = arm.limits().collect();
         let outward = |&(i, &k): &(usize, &usize)| {
-            (q[k] <= limits[k].lower && way[i] < 0.0) || (q[k] >= limits[k].upper && way[i] > 0.0)
+            (q[k] <= limits[k].lower && displacement[i] < 0.0)
+                || (q[k] >= limits[k].upper && displacement[i] > 0.0)
         };
         match free.iter().enumerate().find(outward) {
             Some((_, &k)) => held[k] = true,
-            None => return way.norm(),
+            None => return displacement.norm(),
         }
     }
 }
 
 #[test]
-fn a_posture_is_as_near_as_the_null_space_allows() {
+fn posture_is_closest_within_the_null_space() {
     for search in [Search::Start, Search::First] {
         let plain = plain(search);
         let atlas = search == Search::First;
@@ -262,7 +263,7 @@ fn a_posture_is_as_near_as_the_null_space_allows() {
 }
 
 #[test]
-fn weights_say_what_near_means() {
+fn joint_weights_define_the_nearest_solution() {
     let weights = [5.0, 1.0, 1.0, 0.2, 1.0, 1.0, 0.1];
     let even = plain(Search::Nearest);
     let weighted = builder().with_search(Search::Nearest).with_atlas(false);
@@ -283,13 +284,12 @@ fn weights_say_what_near_means() {
         let b = weighted.solve(wanted, &start).unwrap();
         assert!(a.reached && b.reached);
         nearer += usize::from(far(&b.q, &start) <= far(&a.q, &start) + 1e-9);
-        // Where no limit holds it, the weighted way to the start is at right angles to every move that
-        // leaves the tool where it is.
+        // Without active limits, the weighted displacement from the start is orthogonal to the null space.
         let weighted_jacobian = jacobian(&b.q)
             * DMatrix::from_diagonal(&DVector::from_iterator(7, weights.iter().map(|w| 1.0 / w)));
-        let way = DVector::from_fn(7, |k, _| weights[k] * (b.q[k] - start[k]));
+        let displacement = DVector::from_fn(7, |k, _| weights[k] * (b.q[k] - start[k]));
         let inverse = weighted_jacobian.clone().pseudo_inverse(1e-9).unwrap();
-        let left = (&way - inverse * (&weighted_jacobian * &way)).norm();
+        let left = (&displacement - inverse * (&weighted_jacobian * &displacement)).norm();
         let mut inside = weighted.limits().zip(&b.q);
         if inside.all(|(l, q)| l.lower < *q && *q < l.upper) {
             counted += 1;
@@ -304,14 +304,14 @@ fn weights_say_what_near_means() {
 }
 
 #[test]
-fn a_bound_on_moves_is_kept_to_the_bit() {
+fn move_limits_hold_exactly() {
     let inf = f64::INFINITY;
     let most = [0.3, 0.0, inf, 0.2, 1e-9, inf, 0.5];
     let arm = builder().with_max_move(&most).build().unwrap();
     let mut random = Random(45);
     let (mut reached, mut stuck) = (0, 0);
     for k in 0..40 {
-        // Every other start lies outside the limits: moves count from the start within them.
+        // Every other start is outside the limits: move limits apply from its projection.
         let mut start = random.configuration(&arm);
         if k % 2 == 0 {
             start[3] += 9.0;
@@ -357,7 +357,7 @@ fn a_bound_on_moves_is_kept_to_the_bit() {
 }
 
 #[test]
-fn a_seed_keeps_an_answer_and_another_changes_it() {
+fn seeds_reproduce_and_vary_results() {
     let arm = |search, seed| {
         let builder = builder().with_search(search).with_seed(seed);
         builder.with_atlas(false).build().unwrap()
@@ -378,7 +378,7 @@ fn a_seed_keeps_an_answer_and_another_changes_it() {
         }
         assert!(changed >= 5, "{search:?}: {changed}");
     }
-    // From nearby the start's own attempt succeeds, and no seed has a say.
+    // From nearby the attempt from the start succeeds, so seeds have no influence.
     let (one, other) = (arm(Search::Start, 1), arm(Search::Start, 2));
     let mut random = Random(47);
     for _ in 0..20 {
@@ -393,7 +393,7 @@ fn a_seed_keeps_an_answer_and_another_changes_it() {
 }
 
 #[test]
-fn no_more_attempts_than_asked() {
+fn attempts_stay_within_the_limit() {
     for attempts in [1, 3, 20] {
         let arm = builder().with_attempts(attempts).build().unwrap();
         let mut random = Random(48);
@@ -408,7 +408,7 @@ fn no_more_attempts_than_asked() {
 }
 
 #[test]
-fn an_option_out_of_its_range_is_named() {
+fn option_out_of_range_is_named() {
     let (nan, inf) = (f64::NAN, f64::INFINITY);
     let b = builder;
     let distinct = |k, distance| b().with_search(Search::Distinct { k, distance });
@@ -452,15 +452,15 @@ fn an_option_out_of_its_range_is_named() {
     ] {
         let error = bad.build().unwrap_err().to_string();
         assert!(error.contains(name), "{name}: {error}");
-        // One number a joint: the joints are listed.
+        // Errors of joint counts list the joints.
         let listed = !error.contains("numbers, the arm") || error.contains("joint1, joint2");
         assert!(listed, "{error}");
     }
 }
 
-/// A posture beyond the limits is the one at them.
+/// A posture outside the limits is clamped.
 #[test]
-fn a_posture_is_clamped_into_the_limits() {
+fn posture_is_clamped_to_the_limits() {
     let (robot, base, tip) = support::arms::panda();
     let posed = |posture: &[f64]| {
         let arm = Arm::builder(&robot, base, tip).with_atlas(false);
@@ -477,9 +477,9 @@ fn a_posture_is_clamped_into_the_limits() {
     assert!(one.reached && one.q == other.q);
 }
 
-/// Followers and tracks go no further in a step than a question may.
+/// Path followers and tracks keep the move limits in every step.
 #[test]
-fn a_bound_on_moves_is_kept_step_by_step() {
+fn move_limits_hold_in_every_path_step() {
     let arm = builder().with_max_move(&[0.02; 7]).build().unwrap();
     let mut random = Random(46);
     for _ in 0..6 {
@@ -504,9 +504,9 @@ fn a_bound_on_moves_is_kept_step_by_step() {
     }
 }
 
-/// Six joints whose tool may turn as it likes have three to spare, which a posture takes.
+/// A position goal leaves three degrees of freedom of six joints to a posture.
 #[test]
-fn a_posture_has_what_a_position_leaves_of_six_joints() {
+fn posture_uses_the_freedom_of_a_position_goal() {
     let robot = support::arms::robot("universal_ur5e");
     let builder = || Arm::builder(&robot, "base", "flange").with_goal(Goal::position());
     let posture = [0.1, -1.0, 0.9, -1.2, -0.7, 0.3];
@@ -525,7 +525,7 @@ fn a_posture_has_what_a_position_leaves_of_six_joints() {
         let found = [&plain, &led].map(|arm| arm.solve(target, &start).unwrap());
         assert!(found.iter().all(|solution| solution.reached));
         let [without, with] = found.map(|solution| distance(&solution.q, &posture));
-        // The configuration that the target was made of has it, too.
+        // The target's own configuration has that distance as well.
         assert!(with <= distance(&there, &posture), "{with} {without}");
         (led_by, not_led) = (led_by + with, not_led + without);
     }

@@ -1,4 +1,4 @@
-//! Defects found in other solvers, each with the promise that it is not ours.
+//! Promise: known defects of other solvers are absent here.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, Goal, QueryError};
@@ -17,7 +17,7 @@ fn along(x: f64, y: f64, z: f64) -> Placement<f64> {
     Placement::translation(Vector3::new(x, y, z))
 }
 
-/// A sliding joint of ten metres, then a planar arm whose first joint is continuous.
+/// A prismatic joint of 10 m, then a planar arm whose first joint is continuous.
 fn gantry(scale: f64) -> Model {
     let mut b = Model::builder("gantry");
     let slide = b.prismatic(
@@ -41,7 +41,7 @@ fn gantry(scale: f64) -> Model {
 }
 
 #[test]
-fn sliding_values_are_not_wrapped_like_angles() {
+fn prismatic_values_are_not_wrapped() {
     let arm = Arm::new(&gantry(1.0), "base", "tip").unwrap();
     let goal = arm.base_from_tool(&[8.0, 0.4, 1.0]).unwrap();
     let solution = arm.solve(goal, &[7.0, 0.0, 0.5]).unwrap();
@@ -50,7 +50,7 @@ fn sliding_values_are_not_wrapped_like_angles() {
 }
 
 #[test]
-fn continuous_joints_come_out_near_the_start() {
+fn continuous_joints_stay_near_the_start() {
     let arm = Arm::new(&gantry(1.0), "base", "tip").unwrap();
     let mut random = Random(9);
     for k in 0..30 {
@@ -64,12 +64,12 @@ fn continuous_joints_come_out_near_the_start() {
 }
 
 #[test]
-fn success_is_judged_on_what_is_returned() {
+fn success_is_judged_on_the_returned_q() {
     let (robot, base, tip) = panda();
     let arm = Arm::new(&robot, base, tip).unwrap();
     let mut random = Random(10);
     for _ in 0..20 {
-        // Beyond the limits: not reachable by clamping.
+        // Outside the limits: not reachable by clamping.
         let beyond: Vec<f64> = random.configuration(&arm).iter().map(|v| v * 1.5).collect();
         let goal = arm.base_from_tool(&beyond).unwrap();
         let solution = arm.solve(goal, &[0.0; 7]).unwrap();
@@ -88,7 +88,7 @@ fn success_is_judged_on_what_is_returned() {
 }
 
 #[test]
-fn starts_outside_limits_are_projected_and_nan_is_an_error() {
+fn starts_are_projected_and_nan_is_rejected() {
     let (robot, base, tip) = panda();
     let arm = Arm::new(&robot, base, tip).unwrap();
     let goal = arm
@@ -117,12 +117,12 @@ fn starts_outside_limits_are_projected_and_nan_is_an_error() {
     ));
 }
 
-/// Fixed joints fold in the order they stand in, turned ones in mid-chain too.
+/// Fixed joints combine in file order, also rotated ones in the middle of a chain.
 #[test]
 fn fixed_joints_fold_in_the_right_order() {
     let limits = r#"<limit lower="-2" upper="2" effort="1" velocity="1"/>"#;
     let mut text = String::from("<robot name=\"crooked\"><link name=\"l0\"/>");
-    // revolute, fixed, fixed, revolute, fixed, …: each fixed one turned about two axes and off.
+    // revolute, fixed, fixed, revolute, …: each fixed one rotated about two axes and translated.
     let kinds = ["revolute", "fixed", "fixed"];
     for k in 0..18 {
         let (kind, next) = (kinds[k % 3], k + 1);
@@ -148,15 +148,15 @@ fn fixed_joints_fold_in_the_right_order() {
             let q = random.configuration(&arm);
             let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
             let wanted = tree.base_from_tip(base, tip, &values);
-            let own = support::urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
-            let (metres, radians) = support::urdf_matrices::apart(&own, &wanted);
+            let actual = support::urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
+            let (metres, radians) = support::urdf_matrices::apart(&actual, &wanted);
             assert!(metres < 1e-14 && radians < 1e-14, "{metres:e} {radians:e}");
         }
     }
 }
 
 #[test]
-fn floating_and_planar_joints_move_and_are_not_turned_fixed() {
+fn floating_and_planar_joints_stay_movable() {
     let text = std::fs::read_to_string("../models/franka_panda.urdf").unwrap();
     let read = |kind: &str| {
         let changed = text.replacen(
@@ -169,7 +169,7 @@ fn floating_and_planar_joints_move_and_are_not_turned_fixed() {
     };
     let planar = Arm::new(&read("planar"), "base", "tool").unwrap();
     assert_eq!(planar.joint_count(), 6 + 3);
-    // An arm's joints have one number each: a ball is refused by its name.
+    // Joints of an arm have one coordinate each: a ball joint is named in the error.
     let floating = read("floating");
     assert_eq!(floating.model().degrees_of_freedom(), 8 + 6);
     let error = Arm::new(&floating, "base", "tool").unwrap_err().to_string();
@@ -203,7 +203,7 @@ fn two_joints_converge() {
 }
 
 #[test]
-fn metres_or_millimetres_make_no_difference() {
+fn metres_and_millimetres_are_equivalent() {
     let (metres, millimetres) = (gantry(1.0), gantry(1000.0));
     let a = Arm::new(&metres, "base", "tip").unwrap();
     let b = Arm::builder(&millimetres, "base", "tip")
@@ -224,7 +224,7 @@ fn metres_or_millimetres_make_no_difference() {
 }
 
 #[test]
-fn asking_twice_gives_the_same_answer() {
+fn repeated_solves_are_equal() {
     let (robot, base, tip) = panda();
     let arm = Arm::new(&robot, base, tip).unwrap();
     let mut random = Random(13);
@@ -239,7 +239,7 @@ fn asking_twice_gives_the_same_answer() {
 }
 
 #[test]
-fn out_of_reach_is_said_with_errors_and_a_reason() {
+fn unreachable_target_reports_errors_and_reason() {
     let robot = robot("kuka_iiwa14");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let solution = arm.solve(along(4.0, 0.0, 0.5), &[0.1; 7]).unwrap();
@@ -249,7 +249,7 @@ fn out_of_reach_is_said_with_errors_and_a_reason() {
 }
 
 #[test]
-fn a_time_limit_ends_a_search() {
+fn time_limit_ends_the_search() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip).with_time_limit(std::time::Duration::ZERO);
     let arm = arm.build().unwrap();

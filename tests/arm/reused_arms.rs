@@ -1,5 +1,4 @@
-//! Promise: an arm that has answered other questions answers the next one as a new one does, to the bit, however it searches and
-//! whatever it is asked to keep to: nothing that was found, bounded or aimed at before counts.
+//! Promise: an arm that solved other problems gives bitwise the results of a new arm, for every search and option.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
@@ -14,25 +13,25 @@ use support::arms::{Random, panda, robot};
 use support::follower_chains::follower_chain;
 use support::sample::cases;
 
-/// Asks random questions, one in three far outside, of an arm that has answered all before and of copies, which have memory of
-/// their own.
-fn same(name: &str, builder: ArmBuilder<'_>) {
+/// Solves random targets, one in three far outside, with a reused arm and with copies that have memory of their own.
+fn assert_reuse_equals_new(name: &str, builder: ArmBuilder<'_>) {
     let arm = builder.with_atlas(false).build().unwrap();
     let new = arm.clone();
     let mut random = Random(61);
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for turn in 0..cases(60, 12) {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
         if turn % 3 == 0 {
             target.translation = target.translation * 1.6;
         }
-        let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
-        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
-        told[usize::from(own.reached)] += 1;
-        let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve_all(target, &start).unwrap());
-        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
-        let [own, fresh] = [&arm, &new.clone()].map(|arm| {
+        let [reused, fresh] = [&arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
+        assert_eq!(format!("{reused:?}"), format!("{fresh:?}"), "{name} {turn}");
+        reported[usize::from(reused.reached)] += 1;
+        let [reused, fresh] =
+            [&arm, &new.clone()].map(|arm| arm.solve_all(target, &start).unwrap());
+        assert_eq!(format!("{reused:?}"), format!("{fresh:?}"), "{name} {turn}");
+        let [reused, fresh] = [&arm, &new.clone()].map(|arm| {
             let (mut follower, mut solution) = (arm.follower(&start).unwrap(), Solution::default());
             let ends = (0..4).map(|k| {
                 let mut near = arm.base_from_tool(&start).unwrap();
@@ -42,18 +41,18 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
             });
             ends.collect::<Vec<_>>()
         });
-        assert_eq!(own, fresh, "{name} {turn}");
+        assert_eq!(reused, fresh, "{name} {turn}");
     }
-    assert!(told[0] > 0, "{name}: {told:?}");
+    assert!(reported[0] > 0, "{name}: {reported:?}");
 }
 
-/// Another tool or goal is no other motor.
+/// Another tool or goal does not change the motors.
 #[test]
-fn as_fast_as_their_joints() {
+fn derived_arms_keep_velocity_limits() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = arm.build().unwrap();
-    // By the maker's data, radians a second.
+    // From the maker's data sheet, rad/s.
     let speeds = [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61];
     let held = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
     let others = [
@@ -66,7 +65,7 @@ fn as_fast_as_their_joints() {
 }
 
 #[test]
-fn whatever_they_search_for() {
+fn reused_arm_with_any_search() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip);
     let distinct = Search::Distinct {
@@ -74,29 +73,29 @@ fn whatever_they_search_for() {
         distance: 0.3,
     };
     for search in [Search::Start, Search::First, Search::Nearest, distinct] {
-        same("search", builder().with_search(search).with_attempts(24));
+        assert_reuse_equals_new("search", builder().with_search(search).with_attempts(24));
     }
-    same("everywhere", builder().with_global_search_on_miss(true));
+    assert_reuse_equals_new("everywhere", builder().with_global_search_on_miss(true));
 }
 
 #[test]
-fn whatever_they_keep_to() {
+fn reused_arm_with_any_option() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip);
-    same("moves", builder().with_max_move(&[2.5; 7]));
-    same(
+    assert_reuse_equals_new("moves", builder().with_max_move(&[2.5; 7]));
+    assert_reuse_equals_new(
         "posture",
         builder().with_posture(&[0.0, 0.3, 0.0, -1.8, 0.1, 1.5, 0.4]),
     );
     let room = Goal::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
-    same("room", builder().with_goal(room));
-    same("position", builder().with_goal(Goal::position()));
+    assert_reuse_equals_new("room", builder().with_goal(room));
+    assert_reuse_equals_new("position", builder().with_goal(Goal::position()));
 }
 
 #[test]
-fn whatever_chain_they_are() {
+fn reused_arm_of_any_chain() {
     let slides = robot("adept_cobra_s600");
-    same("scara", Arm::builder(&slides, "base", "flange"));
+    assert_reuse_equals_new("scara", Arm::builder(&slides, "base", "flange"));
     let mut chains = 0;
     for number in 0..6 {
         let (text, tip) = follower_chain(number);
@@ -104,7 +103,7 @@ fn whatever_chain_they_are() {
             continue;
         };
         chains += 1;
-        same(
+        assert_reuse_equals_new(
             "followers",
             Arm::builder(&robot, "l0", &tip).with_attempts(6),
         );
@@ -112,9 +111,9 @@ fn whatever_chain_they_are() {
     assert!(chains > 2);
 }
 
-/// A solution that is filled in again names no limits that were in the way of the place before.
+/// A reused solution names no limits of the previous one.
 #[test]
-fn whatever_was_in_the_way() {
+fn reused_solution_drops_active_limits() {
     let mut builder = Model::builder("planar");
     let [x, _, z] = Vector3::UNITS;
     let (limits, link) = (Limits::new(-0.5, 0.5), Placement::translation(x * 0.5));
@@ -136,9 +135,9 @@ fn whatever_was_in_the_way() {
     }
 }
 
-/// Outcomes that a batch has filled in before are filled in anew, also by arms whose questions are answered one by one.
+/// Reused batch outcomes are overwritten, also by arms that solve one by one.
 #[test]
-fn whatever_batch_was_there() {
+fn reused_batch_outcomes_are_overwritten() {
     let (robot, base, tip) = panda();
     let patient = Duration::from_secs(3600);
     for limit in [None, Some(patient)] {
@@ -170,9 +169,9 @@ fn whatever_batch_was_there() {
     }
 }
 
-/// Another checker has its own world, and its own joints that are not the arm's.
+/// Another checker has its own world, and its own joints outside the arm.
 #[test]
-fn whatever_they_kept_clear_of() {
+fn reused_arm_with_another_checker() {
     let (robot, base, tip) = panda();
     let mut random = Random(17);
     let mut place = || (random.unit() - 0.5) * 1.2;
@@ -196,16 +195,16 @@ fn whatever_they_kept_clear_of() {
         (target, random.configuration(&plain))
     });
     let asked: Vec<_> = asked.collect();
-    let answers = |arm: &Arm| -> Vec<String> {
+    let results = |arm: &Arm| -> Vec<String> {
         let solve = |(target, start): &(Placement<f64>, Vec<f64>)| {
             let solution = arm.solve(*target, start).unwrap();
             format!("{solution:?} {:?}", solution.collisions())
         };
         asked.iter().map(solve).collect()
     };
-    let alone = answers(&kept);
-    let kept = answers(&kept.with_checker(&among, &open).unwrap());
-    let fresh = answers(&plain.with_checker(&among, &open).unwrap());
+    let alone = results(&kept);
+    let kept = results(&kept.with_checker(&among, &open).unwrap());
+    let fresh = results(&plain.with_checker(&among, &open).unwrap());
     assert_eq!(kept, fresh);
     assert_ne!(alone, fresh);
 }

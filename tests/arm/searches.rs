@@ -1,5 +1,5 @@
-//! Nearest is nearest, distinct ones differ. `KINOPT_CASES` asks for another number of cases a robot
-//! (best with `--release`; a debug build takes fewer).
+//! Promise: the nearest search returns the nearest solution, and the distinct search returns different solutions.
+//! `KINOPT_CASES` sets the number of cases for each robot (best with `--release`).
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
@@ -10,11 +10,10 @@ use support::arms::{Random, distance, robot, within_limits};
 use support::sample::{cases, few};
 use support::urdf_matrices::{apart, from_placement};
 
-/// Two answers for one pose to 1e-6 are the same when they are as far from the start but for this,
-/// radians.
+/// Two solutions of one pose to 1e-6 are equally near to the start within this distance, radians.
 const SAME: f64 = 1e-6;
 
-/// Redundant arms, and one that is not.
+/// Redundant arms, and one of six joints.
 const ROBOTS: [(&str, &str, &str); 4] = [
     ("franka_panda", "base", "flange"),
     ("kuka_iiwa14", "base", "flange"),
@@ -30,7 +29,7 @@ fn assert_solves(arm: &Arm, q: &[f64], wanted: &Placement<f64>) {
 }
 
 #[test]
-fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
+fn nearest_search_beats_a_hundred_restarts() {
     let (mut all, mut lost) = (0, 0);
     for (name, base, tip) in ROBOTS {
         let robot = robot(name);
@@ -60,11 +59,11 @@ fn nearest_is_at_least_as_near_as_a_hundred_restarts() {
         all += cases;
         lost += cases - kept;
     }
-    // Of few cases one may be lost.
+    // Of few cases one may fail.
     assert!(lost <= (all / 20).max(1), "{lost} of {all}");
 }
 
-/// The solutions of random questions, checked one by one and against each other.
+/// Solves random targets and checks the solutions individually and against each other.
 fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> usize {
     let search = Search::Distinct { k, distance: apart };
     let builder = builder.clone().with_search(search);
@@ -95,10 +94,10 @@ fn distinct(builder: &ArmBuilder<'_>, k: usize, apart: f64, weights: &[f64]) -> 
 }
 
 #[test]
-fn distinct_solutions_differ_and_come_nearest_first() {
+fn distinct_solutions_differ_and_are_sorted() {
     let robot = robot("universal_ur5e");
     let builder = Arm::builder(&robot, "base", "flange");
-    // Eight postures, and whole turns besides.
+    // Eight branches, and whole turns in addition.
     assert!(distinct(&builder, 6, 0.8, &[1.0; 6]) >= 6 * cases(5, 3) * 9 / 10);
     assert!(distinct(&builder, 3, 2.5, &[1.0; 6]) > cases(5, 3));
 }
@@ -112,10 +111,10 @@ fn distinct_solutions_of_a_redundant_arm() {
     assert!(distinct(&builder, 4, 0.5, &weights) > cases(5, 3));
 }
 
-/// Room is freedom to come nearer: of two slides along one line the heavier goes less, as the squares of their
-/// weights ask for, to where the room begins.
+/// Goal bounds are freedom for the nearest search. Of two prismatic joints on one line the heavier moves less, by the
+/// squares of the weights.
 #[test]
-fn nearest_uses_the_room_of_its_goal() {
+fn nearest_search_uses_the_goal_bounds() {
     let mut builder = Model::builder("rail");
     let (at, x) = (Placement::identity(), Vector3::new(1.0, 0.0, 0.0));
     let limits = Limits::new(-2.0, 2.0);
@@ -129,7 +128,7 @@ fn nearest_uses_the_room_of_its_goal() {
     let arm = arm.with_joint_weights(&[1.0, 2.0]);
     let arm = arm.with_search(Search::Nearest).build().unwrap();
     let target = Placement::translation(Vector3::new(0.9, 0.0, 0.0));
-    // From 0.3 to 0.8: four shares and one.
+    // From 0.3 to 0.8, split four to one.
     let solution = arm.solve(target, &[0.1, 0.2]).unwrap();
     let moved = [solution.q[0] - 0.1, solution.q[1] - 0.2];
     let off = (moved[0] - 0.4).abs().max((moved[1] - 0.1).abs());

@@ -1,6 +1,5 @@
-//! A servo at 1 kHz keeps velocity limits and joint limits to the bit, wherever its targets are: along
-//! lines out of the workspace and back, jumping about, beyond all reach. It never flips, comes back to
-//! where it was, and rests where its target rests. `KINOPT_CASES` asks for more lines of each robot.
+//! Promise: a servo at 1 kHz keeps velocity and joint limits exactly for any targets. It never flips, returns to its
+//! start, and rests if its target rests. `KINOPT_CASES` sets the number of lines for each robot.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, Goal, HeldBy, Servo, ServoStatus};
@@ -11,7 +10,7 @@ use support::lines::{Line, ROBOTS, lines, robots};
 use support::sample::cases;
 
 const TICK: f64 = 1e-3;
-/// Most ticks that an arm takes to come to rest, and those that are watched then.
+/// Largest number of cycles until rest, and number of cycles that are watched then.
 const REST: usize = 5000;
 const WATCHED: usize = 50;
 
@@ -22,7 +21,7 @@ fn arm(name: &str) -> Arm {
     arm.with_atlas(false).build().unwrap()
 }
 
-/// One tick, checked; the joints' velocities.
+/// One checked cycle; returns the joint velocities.
 fn tick(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStatus, Vec<f64>) {
     let (before, limits) = (servo.q().to_vec(), servo.velocity_limits().to_vec());
     let step = servo.step(*target).unwrap();
@@ -38,7 +37,7 @@ fn tick(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStat
     (step.status, step.velocity.to_vec())
 }
 
-/// The widest peak to peak velocity of a joint while its target rests.
+/// Largest peak-to-peak velocity of a joint with a constant target.
 fn chatter(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoStatus, f64) {
     let mut ticks = Vec::new();
     let mut status = ServoStatus::Settling;
@@ -61,13 +60,13 @@ fn chatter(arm: &Arm, servo: &mut Servo<'_>, target: &Placement<f64>) -> (ServoS
 }
 
 #[test]
-fn lines_out_of_the_workspace_and_back() {
+fn lines_out_of_reach_and_back_keep_limits() {
     for name in robots() {
         let arm = arm(name);
         for line in lines(&arm, &mut Random(91), cases(10, 1)) {
             let off = out_and_back(&arm, name, &line, 1.0);
-            // Where a redundant arm is stretched out, its sides meet at a place that may move faster than its joints
-            // can; arms that are fast enough come back.
+            // At the stretched configuration a redundant arm's branches meet at a pose that may move faster than its
+            // joints. Faster arms return.
             if arm.joint_count() > 6 && off.is_some_and(|off| off >= BACK) {
                 let off = out_and_back(&arm, name, &line, 10.0);
                 assert!(off.is_none_or(|off| off < BACK), "{name}: {off:?}");
@@ -78,29 +77,29 @@ fn lines_out_of_the_workspace_and_back() {
     }
 }
 
-/// An arm is back within this, radians.
+/// Largest distance of a returned arm from its start, radians.
 const BACK: f64 = 1e-3;
 
-/// How far an arm, so many times as fast as its file says, ends from where it began; none where limits held it.
+/// Distance from the start after a line out and back, with scaled velocity limits; `None` if limits were active.
 fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) -> Option<f64> {
     let speeds: Vec<f64> = arm.velocity_limits().iter().map(|v| v * faster).collect();
     let servo = arm.servo(start, TICK).unwrap();
     let mut servo = servo.with_velocity_limits(&speeds).unwrap();
     let mut held = false;
-    let mut way = Vec::new();
+    let mut path = Vec::new();
     for target in out {
         tick(arm, &mut servo, target);
-        way.push(servo.q().to_vec());
+        path.push(servo.q().to_vec());
         held |= held_by_limits(arm, servo.q());
     }
     let (status, widest) = chatter(arm, &mut servo, out.last().unwrap());
     assert!(widest < 1e-3, "{name}: {widest} {status:?}");
-    // A long way round may lead on where the short one ended.
+    // A long way around may continue from the end of the short one.
     held |= held_by_limits(arm, servo.q()) || status == ServoStatus::OnTarget;
-    for (target, there) in out.iter().zip(&way).rev() {
+    for (target, there) in out.iter().zip(&path).rev() {
         tick(arm, &mut servo, target);
         held |= held_by_limits(arm, servo.q());
-        // The elbow may be late near the edge, as a redundant arm's freedom; nothing is on another branch.
+        // Near the edge the elbow and the null space may lag, but no joint is on another branch.
         if !held && arm.joint_count() <= 6 {
             assert!(distance(servo.q(), there) < 0.3, "{name}");
         }
@@ -108,7 +107,7 @@ fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) 
     let (status, widest) = chatter(arm, &mut servo, &out[0]);
     assert_eq!(status, ServoStatus::OnTarget, "{name}");
     assert!(widest < 1e-3, "{name}: {widest}");
-    (!held).then(|| distance(servo.q(), &way[0]))
+    (!held).then(|| distance(servo.q(), &path[0]))
 }
 
 fn held_by_limits(arm: &Arm, q: &[f64]) -> bool {
@@ -117,9 +116,9 @@ fn held_by_limits(arm: &Arm, q: &[f64]) -> bool {
         .any(|(l, q)| *q <= l.lower || *q >= l.upper)
 }
 
-/// Targets that leap, within reach and out of it, and come to rest.
+/// Targets that jump within and beyond reach, then rest.
 #[test]
-fn jerky_targets() {
+fn jumping_targets_keep_limits() {
     for name in ["franka_panda", "universal_ur5e", "adept_cobra_s600"] {
         let arm = arm(name);
         let mut random = Random(92);
@@ -133,24 +132,23 @@ fn jerky_targets() {
                 tick(&arm, &mut servo, &target);
             }
         }
-        // Where it is: reached, and just so.
+        // At its own pose: reached at once.
         let here = arm.base_from_tool(servo.q()).unwrap();
         let (status, widest) = chatter(&arm, &mut servo, &here);
         assert!(status == ServoStatus::OnTarget && widest < 1e-3, "{widest}");
     }
 }
 
-/// A joint at its limit and one at its speed are told apart.
-/// The price on moving fades where a target rests, so that an arm which is stretched out towards one hardly out of its reach is soon at the
-/// nearest place, as far off as the target is beyond it.
+/// The damping decreases at a constant target, so an arm that is stretched towards a slightly unreachable target
+/// converges fast. Its final error is the distance of the target beyond the reach.
 #[test]
-fn it_does_not_creep_to_the_nearest_place() {
+fn closest_pose_is_reached_in_few_cycles() {
     let arm = arm("universal_ur5e");
     let start = [0.3, -1.2, 1e-3, -1.0, 0.5, 0.2];
     let first = arm.base_from_tool(&start).unwrap();
-    let way = first.translation * (1.0 / first.translation.norm());
+    let direction = first.translation * (1.0 / first.translation.norm());
     for over in [1e-5, 3e-5, 1e-4] {
-        let target = Placement::new(first.rotation, first.translation + way * over);
+        let target = Placement::new(first.rotation, first.translation + direction * over);
         let mut servo = arm.servo(&start, TICK).unwrap();
         let mut ticks = 0;
         let (mut status, mut error) = (ServoStatus::Settling, f64::INFINITY);
@@ -164,10 +162,10 @@ fn it_does_not_creep_to_the_nearest_place() {
     }
 }
 
-/// Far beyond reach the way to the nearest place is flat; where a target rests there an arm comes to its end all the same, by
-/// more steps in a tick than where it moves.
+/// Far beyond reach the cost is flat near its minimum. At a constant target the arm still converges, with more steps
+/// per cycle.
 #[test]
-fn it_does_not_creep_along_a_flat_way_either() {
+fn flat_minimum_is_reached_in_bounded_cycles() {
     let arm = arm("universal_ur5e");
     for seed in 24..33 {
         let mut random = Random(seed + 1);
@@ -183,10 +181,9 @@ fn it_does_not_creep_along_a_flat_way_either() {
     }
 }
 
-/// Stretched out, straight or bent by less than a servo can tell, it comes to a target within its reach, bent to the side that it is bent to;
-/// it said that it stood at the nearest place, for ever.
+/// A stretched arm, straight or bent by a tiny angle, reaches a target within reach and keeps the side of its bend.
 #[test]
-fn a_stretched_arm_bends_to_a_target_that_it_can_reach() {
+fn stretched_arm_bends_to_a_reachable_target() {
     let arm = planar_with_hand(Limits::new(-3.0, 3.0));
     let x = Vector3::UNITS[0];
     for goal in [Goal::pose(), Goal::position()] {
@@ -207,7 +204,7 @@ fn a_stretched_arm_bends_to_a_target_that_it_can_reach() {
                     servo.q()
                 );
             }
-            // Beyond its reach it stays as straight as it is.
+            // Beyond its reach it stays straight.
             let target = Placement::translation(x * 2.1);
             let mut servo = arm.servo(&start, TICK).unwrap();
             for _ in 0..50 {
@@ -223,7 +220,7 @@ fn a_stretched_arm_bends_to_a_target_that_it_can_reach() {
 }
 
 #[test]
-fn what_holds_it_is_told() {
+fn active_limits_are_reported() {
     let arm = arm("franka_panda");
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let mut servo = arm.servo(&start, TICK).unwrap();
@@ -235,7 +232,7 @@ fn what_holds_it_is_told() {
     let held: Vec<_> = step.held().collect();
     assert!(held.iter().any(|(_, by)| matches!(by, HeldBy::Speed(_))));
     assert!(!held.iter().any(|(_, by)| matches!(by, HeldBy::Limit(_))));
-    // The last joint turned beyond its limit: it ends there and says so.
+    // The last joint beyond its limit: the servo ends there and reports it.
     let arm = self::arm("universal_ur5e");
     let upper = arm.limits().last().unwrap().upper;
     let turned = [0.2, -1.4, 1.3, -1.0, -1.2, upper];
@@ -257,9 +254,9 @@ fn what_holds_it_is_told() {
     assert!(last.iter().any(at_limit), "{last:?}");
 }
 
-/// A fast slide is a jump by the metres that weigh as much as a radian, and a slide's speed is metres.
+/// A fast prismatic motion is a jump, weighted by metres per radian. Velocities of prismatic joints are in m/s.
 #[test]
-fn slides_are_no_angles() {
+fn prismatic_jumps_and_velocities_are_in_metres() {
     let robot = robot("adept_cobra_s600");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_metres_per_radian(0.1);
@@ -275,11 +272,11 @@ fn slides_are_no_angles() {
     let jump = follower.advance(target, &mut solution).unwrap().unwrap();
     assert!(jump.continuous && jump.joint == slide, "{jump:?}");
     assert!((jump.distance - 1.0).abs() < 1e-3, "{jump:?}");
-    // Nor is a short one a jump.
+    // A short one is no jump.
     from[slide] -= 0.019;
     let target = arm.base_from_tool(&from).unwrap();
     assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
-    // Without velocity limits a slide goes a tenth of what weighs as much as a radian.
+    // Without velocity limits a prismatic joint moves at most a tenth of the metres per radian.
     let mut servo = arm.servo(&from, TICK).unwrap();
     servo = servo.with_velocity_limits(&[f64::INFINITY; 4]).unwrap();
     from[slide] += 0.05;
@@ -290,7 +287,7 @@ fn slides_are_no_angles() {
 }
 
 #[test]
-fn what_is_no_servo_is_named() {
+fn invalid_servo_options_are_named() {
     let arm = arm("universal_ur5e");
     let start = [0.1; 6];
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -308,7 +305,7 @@ fn what_is_no_servo_is_named() {
     let mut bent = Placement::identity();
     bent.rotation.x.x = 2.0;
     assert!(servo.step(bent).is_err() && servo.q() == start);
-    // A joint of speed 0 stands still.
+    // A joint with velocity limit 0 does not move.
     let mut limits = [1.0; 6];
     limits[2] = 0.0;
     let mut servo = servo.with_velocity_limits(&limits).unwrap();

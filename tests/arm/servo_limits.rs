@@ -1,5 +1,6 @@
-//! A servo keeps position, velocity, acceleration and jerk limits in every cycle, reverses no joint between cycles, follows
-//! targets within the limits without lag, and moves from pose to pose in the shortest time. `KINOPT_CASES` asks for more courses.
+//! Promise: a servo keeps position, velocity, acceleration and jerk limits in every cycle and reverses no joint between
+//! cycles. It follows targets within the limits without lag, and point-to-point motions take the shortest time.
+//! `KINOPT_CASES` sets the number of trajectories.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
@@ -30,7 +31,7 @@ fn panda_with_limits() -> Arm {
     arm.with_atlas(false).build().unwrap()
 }
 
-/// Finite differences of the commanded positions, checked against the limits that a servo has.
+/// Finite differences of the commanded positions, checked against the servo's limits.
 struct Watch {
     q: Vec<f64>,
     velocity: Vec<f64>,
@@ -70,7 +71,7 @@ impl Watch {
     }
 }
 
-/// Limits on a servo: none beyond those of the file, an industrial arm's, a slow and soft one's.
+/// Servo limits of kind 0, 1 or 2: those of the file, an industrial arm's, and low ones.
 fn limited<'a>(servo: Servo<'a>, kind: usize) -> Servo<'a> {
     let n = servo.q().len();
     let [acceleration, jerk] = [[f64::INFINITY; 2], [12.0, 6000.0], [4.0, 80.0]][kind];
@@ -81,7 +82,7 @@ fn limited<'a>(servo: Servo<'a>, kind: usize) -> Servo<'a> {
 }
 
 #[test]
-fn courses_keep_all_limits_without_reversals() {
+fn trajectories_keep_limits_without_reversals() {
     for name in robots() {
         let arm = arm(name);
         for (rate, kind) in RATES
@@ -118,7 +119,7 @@ fn courses_keep_all_limits_without_reversals() {
     }
 }
 
-/// The null space of a Baxter on a line within reach: each joint changes its direction a few times at most, also over several cycles.
+/// Null-space motion of a Baxter on a reachable line: each joint changes direction a few times at most.
 #[test]
 fn null_space_motion_does_not_oscillate() {
     let arm = arm("rethink_baxter");
@@ -131,7 +132,7 @@ fn null_space_motion_does_not_oscillate() {
         -0.1942831713110183,
         0.8856220394562403,
     ];
-    let way = Vector3::new(0.1907308792720345, 0.7828287659402171, -0.5922844375033277);
+    let direction = Vector3::new(0.1907308792720345, 0.7828287659402171, -0.5922844375033277);
     let first = arm.base_from_tool(&start).unwrap();
     let mut servo = arm.servo(&start, 1.0 / 250.0).unwrap();
     let mut velocities: Vec<Vec<f64>> = Vec::new();
@@ -141,7 +142,7 @@ fn null_space_motion_does_not_oscillate() {
     {
         let target = Placement::new(
             first.rotation,
-            first.translation + way * (0.3 * f64::from(k) / 750.0),
+            first.translation + direction * (0.3 * f64::from(k) / 750.0),
         );
         let step = servo.step(target).unwrap();
         assert!(step.position_error < 1e-4, "{}", step.position_error);
@@ -162,7 +163,8 @@ fn null_space_motion_does_not_oscillate() {
     }
 }
 
-/// Angle of a circle whose speed rises smoothly to `rate` in the first second (its derivative is a quintic smooth step).
+/// Angle of a circle whose speed rises smoothly to `rate` in the first second (its derivative is a quintic smooth
+/// step).
 fn angle(time: f64, rate: f64) -> f64 {
     match time < 1.0 {
         true => rate * time.powi(4) * (2.5 - 3.0 * time + time * time),
@@ -272,13 +274,13 @@ fn steps_take_the_shortest_time_without_overshoot() {
             .flat_map(|row| (0..6).map(move |joint| (row, joint)))
         {
             let beyond = (row[joint] - last[joint]) * (last[joint] - start[joint]).signum();
-            // A thousandth of a step, where the path of the goal is not straight in joint space.
+            // A thousandth of a step, because the goal's path is not straight in joint space.
             assert!(beyond < 5e-3, "{rate} Hz, joint {joint}: {beyond}");
         }
     }
 }
 
-/// Largest distance of the tool from the straight line to a target that jumps, metres, and the cycles that it takes.
+/// Largest distance of the tool from the straight line to a target that jumps, metres, and the number of cycles.
 fn off_the_line(arm: &Arm, start: &[f64], by: Vector3<f64>, straight: bool) -> (f64, usize) {
     let n = start.len();
     let servo = arm.servo(start, 1e-3).unwrap();
@@ -327,7 +329,7 @@ fn straight_lines_are_kept_to_targets_that_jump() {
     }
 }
 
-/// The Panda at a start from which targets some 30 cm away lead it beside singular configurations.
+/// Start of the Panda from which targets at 30 cm lead past singular configurations.
 const BESIDE: [f64; 7] = [0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8];
 
 #[test]
@@ -342,7 +344,7 @@ fn straight_line_servo_stays_at_a_reached_target() {
             v * (size / v.norm())
         };
         let (by, turn) = (vector(0.3), vector(0.8));
-        // The first is a target that the tool left by 5 mm.
+        // A target from which the tool drifted by 5 mm.
         let (by, turn) = match case {
             0 => (Vector3::new(0.1, -0.2, 0.2), Vector3::new(0.8, 0.0, 0.0)),
             _ => (by, turn),
@@ -364,7 +366,7 @@ fn straight_line_servo_stays_at_a_reached_target() {
     assert!(reached * 2 > cases(100, 12), "{reached}");
 }
 
-/// A circle of 0.1 m that speeds up to 0.5 m/s, within the limits of the joints.
+/// A circle of 0.1 m whose speed rises to 0.5 m/s, within the joint limits.
 #[test]
 fn straight_line_servo_follows_a_circle_within_limits() {
     let arm = panda_with_limits();
@@ -413,7 +415,7 @@ fn stop_comes_to_rest_within_all_limits() {
     }
     let rest = servo.q().to_vec();
     assert_eq!(servo.stop().q, rest);
-    // It goes on from there.
+    // The servo continues from there.
     for _ in 0..2000 {
         servo.step(far).unwrap();
         watch.check(&servo, "after the stop");
@@ -422,7 +424,7 @@ fn stop_comes_to_rest_within_all_limits() {
 }
 
 #[test]
-fn a_moving_start_continues_its_motion() {
+fn moving_start_continues_its_motion() {
     let arm = panda_with_limits();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let target = arm.base_from_tool(&start).unwrap();
@@ -441,7 +443,7 @@ fn a_moving_start_continues_its_motion() {
 }
 
 #[test]
-fn a_start_that_cannot_brake_is_named() {
+fn start_that_cannot_brake_is_named() {
     let arm = panda_with_limits();
     let mut start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let upper = arm.limits().nth(2).unwrap().upper;
@@ -453,7 +455,7 @@ fn a_start_that_cannot_brake_is_named() {
         .with_motion(&velocity, &[0.0; 7])
         .unwrap_err()
         .to_string();
-    // 1 rad/s at 10 rad/s² and 5000 rad/s³: 0.051 rad, of which 0.01 are there.
+    // 1 rad/s at 10 rad/s² and 5000 rad/s³ needs 0.051 rad, of which 0.01 are available.
     assert!(
         error.contains("`joint3`") && error.contains("0.04"),
         "{error}"
@@ -471,9 +473,9 @@ fn a_start_that_cannot_brake_is_named() {
     assert!(servo().with_motion(&velocity, &[0.0; 7]).is_ok());
 }
 
-/// 15 rad/s² end at 7 500 rad/s³ in two cycles of 1 ms, after 0.0075 rad/s more.
+/// 15 rad/s² end at 7 500 rad/s³ after two cycles of 1 ms, after another 0.0075 rad/s.
 #[test]
-fn a_start_whose_velocity_will_pass_its_limit_is_named() {
+fn start_that_will_exceed_velocity_is_named() {
     let arm = panda_with_limits();
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let servo = || arm.servo(&start, 1e-3).unwrap();
@@ -494,7 +496,7 @@ fn a_start_whose_velocity_will_pass_its_limit_is_named() {
 }
 
 #[test]
-fn a_start_outside_returns_at_the_velocity_limit() {
+fn start_outside_returns_at_velocity_limit() {
     let arm = arm("universal_ur5e");
     let start = [6.9, -1.0, 1.0, -0.5, 0.5, 0.2];
     let target = arm.base_from_tool(&start).unwrap();

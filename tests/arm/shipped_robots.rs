@@ -1,6 +1,5 @@
-//! Every random pose of every shipped arm is solved to 1e-6 m and 1e-6 rad by the file's own
-//! kinematics, within the file's limits bit for bit. `KINOPT_POSES` asks for another number of poses
-//! a chain (best with `--release`).
+//! Promise: every random pose of every shipped arm is solved to 1e-6 m and 1e-6 rad by independent kinematics, exactly
+//! within the file's limits. `KINOPT_POSES` sets the number of poses for each chain (best with `--release`).
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
@@ -19,7 +18,7 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
     for search in [Search::Start, Search::First] {
         let arm = Arm::builder(&robot, base, tip);
         let arm = arm.with_search(search);
-        // A debug build makes seeds where a search begins from them.
+        // A debug build makes seeds only for searches that start from them.
         let arm = arm.with_atlas(search == Search::First || !few());
         let arm = arm.build().unwrap();
         let joints: Vec<&str> = arm.joints().collect();
@@ -49,12 +48,12 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
                     "{name}: {joint} {value}"
                 );
             }
-            // The errors are those of the answer, and the door's own kinematics agrees.
+            // Errors are those of the result, and the arm's own kinematics agrees.
             let task = solution.tasks().next().unwrap();
             assert!((task.position_error().unwrap() - metres).abs() < 1e-13);
             assert!((task.orientation_error().unwrap() - radians).abs() < 1e-13);
-            let own = from_placement(&arm.base_from_tool(&solution.q).unwrap());
-            let (metres, radians) = apart(&own, &found);
+            let actual = from_placement(&arm.base_from_tool(&solution.q).unwrap());
+            let (metres, radians) = apart(&actual, &found);
             assert!(metres < 1e-13 && radians < 1e-13, "{metres:e} {radians:e}");
         }
     }
@@ -73,13 +72,13 @@ fn six_joints() {
 }
 
 #[test]
-fn both_arms_of_a_torso() {
+fn two_arms_on_a_torso() {
     all_solved("rethink_baxter", "torso", "left_tool", 80);
     all_solved("rethink_baxter", "torso", "right_tool", 80);
 }
 
 #[test]
-fn a_scara_with_a_sliding_joint() {
+fn scara_with_a_prismatic_joint() {
     all_solved("adept_cobra_s600", "base", "flange", 80);
 }
 
@@ -92,10 +91,10 @@ fn limbs_of_a_humanoid() {
     all_solved("aldebaran_nao", "torso", "head", 40);
 }
 
-/// The way may climb before it descends: hand to hand, and sole to sole over the hips, whose
-/// yaw-pitch joints are one motor.
+/// The path from base to tip may first ascend: hand to hand, and sole to sole over the hips, whose yaw-pitch joints
+/// share a motor.
 #[test]
-fn the_base_need_not_carry_the_tip() {
+fn base_and_tip_in_different_branches() {
     all_solved("rethink_baxter", "left_tool", "right_tool", 15);
     all_solved("franka_panda", "flange", "base", 60);
     all_solved("aldebaran_nao", "left_sole", "right_sole", 10);

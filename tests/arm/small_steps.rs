@@ -1,6 +1,7 @@
-//! Promise: a solve from a start near its target returns what the attempt from the start reaches, also with joints on their limits.
+//! Promise: a solve from a start near its target returns the result of the attempt from the start, also with joints on
+//! their limits.
 //!
-//! `KINOPT_CASES=10000 cargo test --release --test arm small_steps` makes 10 000 small steps with each shipped arm.
+//! Longer run of 10 000 steps for each arm: `KINOPT_CASES=10000 cargo test --release --test arm small_steps`.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
@@ -10,12 +11,12 @@ use support::path_steps::longest;
 use support::sample::cases;
 use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 
-/// Largest joint displacement from the pose that a reachable target is taken from, radians or metres.
+/// Largest joint displacement that a reachable target is taken from, radians or metres.
 const JOINT_STEP: f64 = 5e-3;
-/// Every so many steps `Nearest` and `Distinct` solve as well.
+/// Interval at which `Nearest` and `Distinct` solve as well.
 const COMPARED: usize = 10;
 
-/// An arm as searches see it.
+/// One arm per search.
 struct Searches {
     start: Arm,
     first_attempt: Arm,
@@ -38,7 +39,7 @@ impl Searches {
         }
     }
 
-    /// Solves one step by every search; whether the first attempt reaches the target.
+    /// Solves one step by every search. True if the first attempt reaches the target.
     fn check(&self, target: Placement<f64>, start: &[f64], compares: bool, case: &str) -> bool {
         let first = self.first_attempt.solve(target, start).unwrap();
         if !first.reached {
@@ -60,7 +61,7 @@ impl Searches {
     }
 }
 
-/// A random configuration with so many joints on one of their limits.
+/// Random configuration with `count` joints on one of their limits.
 fn on_limits(arm: &Arm, count: usize, random: &mut Random) -> Vec<f64> {
     let mut q = random.configuration(arm);
     let limits: Vec<_> = arm.limits().collect();
@@ -78,14 +79,14 @@ fn on_limits(arm: &Arm, count: usize, random: &mut Random) -> Vec<f64> {
     q
 }
 
-/// A pose that a small step of all joints leads to.
+/// Pose after a small step of all joints.
 fn joint_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
     let moved = start.iter().zip(arm.limits());
     let moved = moved.map(|(q, limits)| limits.clamp(q + JOINT_STEP * (2.0 * random.unit() - 1.0)));
     arm.base_from_tool(&moved.collect::<Vec<_>>()).unwrap()
 }
 
-/// The tool's pose 2 to 5 mm aside, perhaps out of reach.
+/// Pose of the tool after a translation by 2 to 5 mm, possibly unreachable.
 fn tool_step(arm: &Arm, start: &[f64], random: &mut Random) -> Placement<f64> {
     let here = arm.base_from_tool(start).unwrap();
     let mut aside = || 2.0 * random.unit() - 1.0;
@@ -137,7 +138,7 @@ fn small_steps_from_limits_return_the_first_attempt() {
     }
 }
 
-/// Batches have the result of single solves.
+/// Batches equal single solves.
 #[test]
 fn batch_steps_from_limits_return_the_first_attempt() {
     for model in ["franka_panda", "universal_ur10e"] {
@@ -161,7 +162,7 @@ fn batch_steps_from_limits_return_the_first_attempt() {
     }
 }
 
-/// A posture and a bound on moves keep to the first attempt as well.
+/// Also with a posture or with move limits.
 #[test]
 fn steps_with_other_options_return_the_first_attempt() {
     let robot = robot("universal_ur10e");
@@ -186,7 +187,7 @@ fn steps_with_other_options_return_the_first_attempt() {
     }
 }
 
-/// Random targets: the nearest solution is no farther than what the first attempt reaches.
+/// Random targets: the nearest solution is no farther than the first attempt's.
 #[test]
 fn nearest_random_targets_beat_the_first_attempt() {
     for [model, base, tip] in SHIPPED_ARMS {

@@ -1,5 +1,5 @@
-//! Starts that are awkward: on a limit, singular, outside the limits, the answer itself. Each search
-//! solves from them and keeps the limits; a start that is no configuration is an error by name.
+//! Promise: every search solves from difficult starts within limits: on a limit, singular, outside the limits, or at
+//! the solution. An invalid start is named in the error.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
@@ -23,19 +23,19 @@ const SEARCHES: [Search; 4] = [
     },
 ];
 
-/// Both kinds of wrist, and a sliding joint.
+/// Both kinds of wrist, and a prismatic joint.
 const ROBOTS: [&str; 3] = ["franka_panda", "universal_ur5e", "adept_cobra_s600"];
 
 type Arms = [(Search, Arm); 4];
 
-/// The arms of a robot from base to flange, one a search; built once.
+/// Arms of a robot from base to flange, one per search; built once.
 fn arms(name: &'static str) -> Arc<Arms> {
     static BUILT: Mutex<BTreeMap<&str, Arc<OnceLock<Arc<Arms>>>>> = Mutex::new(BTreeMap::new());
     let cell = BUILT.lock().unwrap().entry(name).or_default().clone();
     let build = |search| {
         let robot = robot(name);
         let builder = Arm::builder(&robot, "base", "flange");
-        // A debug build makes seeds where a search begins from them.
+        // A debug build makes seeds only for searches that start from them.
         let builder = builder.with_atlas(search == Search::First || !few());
         (search, builder.with_search(search).build().unwrap())
     };
@@ -66,7 +66,7 @@ fn all_solved_from(name: &'static str, starts: impl Fn(&Arm) -> Vec<Vec<f64>>) {
 }
 
 #[test]
-fn every_joint_exactly_on_a_limit() {
+fn starts_on_limits_are_solved() {
     for name in ROBOTS {
         all_solved_from(name, |arm| {
             let (lower, upper): (Vec<f64>, Vec<f64>) =
@@ -88,7 +88,7 @@ fn every_joint_exactly_on_a_limit() {
 }
 
 #[test]
-fn far_outside_the_limits() {
+fn starts_far_outside_limits_are_solved() {
     for name in ROBOTS {
         all_solved_from(name, |arm| {
             let n = arm.joint_count();
@@ -103,8 +103,8 @@ fn far_outside_the_limits() {
 }
 
 #[test]
-fn singular_configurations() {
-    // Stretched out, wrist axes in line, over the shoulder.
+fn singular_starts_are_solved() {
+    // Stretched, aligned wrist axes, above the shoulder.
     all_solved_from("franka_panda", |_| {
         vec![
             vec![0.0, 0.0, 0.0, -0.0698, 0.0, 0.0, 0.0],
@@ -122,9 +122,9 @@ fn singular_configurations() {
     all_solved_from("kuka_iiwa14", |_| vec![vec![0.0; 7]]);
 }
 
-/// Poses whose own configuration is singular, from elsewhere: convergence is slow there.
+/// Poses of singular configurations, from other starts: convergence is slow there.
 #[test]
-fn singular_targets() {
+fn singular_targets_are_solved() {
     for (name, truths) in [
         (
             "universal_ur5e",
@@ -165,9 +165,9 @@ fn singular_targets() {
     }
 }
 
-/// The answer is given as the start: it comes back, but for what rounding and whole turns make.
+/// The start is the solution and is returned, except for rounding and whole turns.
 #[test]
-fn the_answer_itself() {
+fn start_at_the_solution_is_returned() {
     for name in ROBOTS {
         for (search, arm) in arms(name).iter() {
             let mut random = Random(33);
@@ -190,9 +190,9 @@ fn the_answer_itself() {
     }
 }
 
-/// Half a turn away from the target's orientation, where the rotation logarithm has two values.
+/// Half a turn from the target's orientation, where the rotation logarithm has two values.
 #[test]
-fn half_a_turn_away() {
+fn start_half_a_turn_away_is_solved() {
     for (_, arm) in arms("universal_ur5e").iter() {
         let truth = [0.2, -1.2, 1.4, -0.4, 1.3, 0.5];
         let wanted = arm.base_from_tool(&truth).unwrap();
@@ -205,7 +205,7 @@ fn half_a_turn_away() {
 }
 
 #[test]
-fn what_is_no_start_is_named() {
+fn invalid_starts_are_named() {
     for (_, arm) in arms("franka_panda").iter() {
         let goal = Placement::identity();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -238,7 +238,7 @@ fn what_is_no_start_is_named() {
                 assert!(
                     matches!(error, QueryError::Length { given: g, expected: 7, .. } if g == given)
                 );
-                // Both numbers are in the message.
+                // Both counts are in the message.
                 let message = error.to_string();
                 assert!(
                     message.contains(&given.to_string()) && message.contains('7'),

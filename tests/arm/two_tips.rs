@@ -1,5 +1,5 @@
-//! Two tips at once, through the core's problem: both arms of a torso reach their poses to 1e-6 m
-//! and 1e-6 rad by the file's own kinematics, within the limits bit for bit.
+//! Promise: both arms of a torso reach their poses at once to 1e-6 m and 1e-6 rad by independent kinematics, exactly
+//! within limits.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
@@ -57,7 +57,7 @@ impl Torso {
 }
 
 #[test]
-fn both_reach_their_poses() {
+fn both_tips_reach_their_poses() {
     let torso = Torso::read();
     let solver = Solver::default().with_restarts(Restarts::default().with_attempts(300));
     let mut workspace = Workspace::new();
@@ -79,9 +79,9 @@ fn both_reach_their_poses() {
     }
 }
 
-/// One tip out of reach: the other still has its pose, and the report says which is which.
+/// With one tip out of reach the other keeps its pose, and the report distinguishes them.
 #[test]
-fn one_out_of_reach_does_not_cost_the_other_its_report() {
+fn one_unreachable_tip_keeps_the_other_reached() {
     let torso = Torso::read();
     let rest = torso.robot.model().random_configuration(7);
     let mut wanted = torso.tips(&rest);

@@ -1,5 +1,5 @@
-//! A target out of reach ends, after a bounded number of evaluations, at a configuration that no
-//! free joint can improve, with its errors and exactly the limits that hold it.
+//! Promise: an unreachable target ends after bounded evaluations at a configuration that no free joint improves. The
+//! report has its errors and exactly the active limits.
 #![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ use support::sample::{cases, few};
 
 /// Metres that weigh as much as a radian.
 const WEIGHT: f64 = 0.25;
-/// The engine's attempts, the core's steps, and the gradients of the last steps.
+/// Attempts of the SIMD solver, steps of the general solver, and final gradients.
 const MOST_EVALUATIONS: usize = 4000;
 
 struct Reach<'a> {
@@ -45,7 +45,7 @@ impl Reach<'_> {
         (at(step) - at(-step)) / (2.0 * step)
     }
 
-    /// The slope of every free joint is nought, that of every held one is told.
+    /// Checks that every free joint has a zero gradient and that every active limit is reported.
     fn check(&self, solution: &Solution) {
         assert!(!solution.reached && within_limits(self.arm, &solution.q));
         assert_eq!(
@@ -65,7 +65,7 @@ impl Reach<'_> {
             "{} {cost}",
             solution.cost
         );
-        let told: Vec<(&str, Side)> = solution
+        let reported: Vec<(&str, Side)> = solution
             .active_limits()
             .map(|l| (l.joint, l.side))
             .collect();
@@ -73,13 +73,13 @@ impl Reach<'_> {
         for (joint, (name, limits)) in named {
             let slope = self.slope(&solution.q, joint) / (2.0 * cost).sqrt();
             let value = solution.q[joint];
-            let lower = value == limits.lower && told.contains(&(name, Side::Lower));
-            let upper = value == limits.upper && told.contains(&(name, Side::Upper));
-            // What is told pushes outwards; what is not told does not push.
+            let lower = value == limits.lower && reported.contains(&(name, Side::Lower));
+            let upper = value == limits.upper && reported.contains(&(name, Side::Upper));
+            // Reported limits have an outward force; the others have none.
             let fine = match (lower, upper) {
                 (true, _) => slope > -1e-6,
                 (_, true) => slope < 1e-6,
-                // Beyond a limit the model's joint stands still: half of a one-sided difference.
+                // Beyond a limit the model clamps the joint: half of a one-sided difference.
                 _ if value == limits.lower || value == limits.upper => slope.abs() < 1e-5,
                 _ => slope.abs() < 1e-6,
             };
@@ -95,7 +95,7 @@ impl Reach<'_> {
                     limits.upper
                 }
         };
-        assert!(told.iter().all(on_limit));
+        assert!(reported.iter().all(on_limit));
     }
 }
 
@@ -112,7 +112,7 @@ fn stationary(name: &str, base: &str, tip: &str) {
         let at = base_from_tip(robot.model(), &arm, &q, base, tip);
         let mut unit = || 2.0 * random.unit() - 1.0;
         let axis = Vector3::new(unit(), unit(), unit());
-        // Far away; just out of reach; turned by a right angle at the edge.
+        // Far away; slightly unreachable; rotated by a right angle at the edge.
         let (stretch, turn) = [(5.0, 0.0), (1.25, 0.0), (1.1, 0.5 * PI)][k % 3];
         let turn = UnitQuaternion::from_scaled_axis(axis.normalize() * turn);
         let moved = Translation3::from(at.translation.vector * stretch);
@@ -136,21 +136,21 @@ fn stationary(name: &str, base: &str, tip: &str) {
 }
 
 #[test]
-fn seven_joints() {
+fn seven_joint_misses_are_stationary() {
     stationary("franka_panda", "base", "flange");
     stationary("kuka_iiwa14", "base", "flange");
     stationary("rethink_baxter", "torso", "left_tool");
 }
 
 #[test]
-fn four_joints_and_a_slide() {
+fn scara_misses_are_stationary() {
     stationary("adept_cobra_s600", "base", "flange");
 }
 
-/// A position in the middle of the workspace, but an orientation that no limit allows: the last
-/// joint of the Panda turns by less than a full turn.
+/// A position inside the workspace with an orientation beyond a limit: the Panda's last joint rotates by less than a
+/// full turn.
 #[test]
-fn an_orientation_beyond_a_limit() {
+fn orientation_beyond_a_limit_names_the_limit() {
     let robot = robot("franka_panda");
     let free = Arm::builder(&robot, "base", "flange");
     let free = free.with_atlas(false).build().unwrap();
@@ -165,11 +165,14 @@ fn an_orientation_beyond_a_limit() {
     let wanted = arm.base_from_tool(&[upper + 0.1]).unwrap();
     let solution = arm.solve(wanted, &[0.0]).unwrap();
     assert!(!solution.reached && solution.q == [upper]);
-    let told: Vec<_> = solution
+    let reported: Vec<_> = solution
         .active_limits()
         .map(|l| (l.joint, l.side, l.kind))
         .collect();
-    assert_eq!(told, [(names[6].as_str(), Side::Upper, BoundKind::Limit)]);
+    assert_eq!(
+        reported,
+        [(names[6].as_str(), Side::Upper, BoundKind::Limit)]
+    );
     let missed = solution
         .tasks()
         .next()
@@ -179,9 +182,9 @@ fn an_orientation_beyond_a_limit() {
     assert!((missed - 0.1).abs() < 1e-9);
 }
 
-/// With bounded moves the bound that holds is told from the joint's limit.
+/// Move limits are distinguished from joint limits.
 #[test]
-fn the_end_of_a_move_is_no_limit() {
+fn move_limit_is_not_reported_as_joint_limit() {
     let robot = robot("franka_panda");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_max_move(&[0.05; 7]).build().unwrap();
@@ -202,10 +205,10 @@ fn the_end_of_a_move_is_no_limit() {
     assert!(far, "{:?}", solution.q);
 }
 
-/// Out of reach is told where it is certain, by every door, with the lengths that show it; of a place that the arm
-/// can come to it is never told.
+/// Out of reach is reported where it is certain, by all entry points, with the lengths that prove it. It is never
+/// reported of a reachable position.
 #[test]
-fn what_is_certainly_out_of_reach_is_told() {
+fn proven_out_of_reach_is_reported() {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
@@ -215,10 +218,10 @@ fn what_is_certainly_out_of_reach_is_told() {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let near = arm.solve(target, &start).unwrap();
         assert!(near.reached && !near.is_out_of_reach());
-        // An orientation that it cannot take there, mostly, at a place that it can come to.
+        // Usually an unreachable orientation at a reachable position.
         target.rotation = target.rotation.transpose();
         assert!(!arm.solve(target, &start).unwrap().is_out_of_reach());
-        // The links of the file are 1.19 m long in all.
+        // The links of the file are 1.19 m long in total.
         target.translation = target.translation * (2.5 / target.translation.norm());
         let mut solutions = vec![arm.solve(target, &start).unwrap()];
         solutions.extend(arm.solve_batch(&[target], &start).unwrap());
@@ -232,15 +235,15 @@ fn what_is_certainly_out_of_reach_is_told() {
                 "{}",
                 solution.explain()
             );
-            let told = solution.explain().to_string();
-            assert!(told.contains("Out of reach: "), "{told}");
+            let explanation = solution.explain().to_string();
+            assert!(explanation.contains("Out of reach: "), "{explanation}");
         }
     }
 }
 
-/// Where the chain is too short only the start's own way counts: the answer of all attempts, after one.
+/// Beyond the chain's length one attempt gives the result of all.
 #[test]
-fn no_attempts_are_made_in_vain_beyond_all_reach() {
+fn target_beyond_reach_takes_one_attempt() {
     for (file, tip) in [("franka_panda", "flange"), ("universal_ur5e", "flange")] {
         let robot = robot(file);
         let builder = || Arm::builder(&robot, "base", tip);
@@ -268,20 +271,22 @@ fn no_attempts_are_made_in_vain_beyond_all_reach() {
     }
 }
 
-/// Beyond all reach too: the best of all attempts is no worse than the end of the start's own way, and now and then better.
+/// Also beyond all reach: the best of all attempts is no worse than the attempt from the start, and sometimes better.
 #[test]
-fn where_it_is_asked_for_the_best_place_of_all_is_the_answer() {
+fn global_search_returns_the_best_miss() {
     let robot = robot("universal_ur5e");
     let builder = || Arm::builder(&robot, "base", "flange").with_atlas(false);
-    let own = builder().build().unwrap();
+    let default_arm = builder().build().unwrap();
     let anywhere = builder().with_global_search_on_miss(true).build().unwrap();
     let (mut random, mut better) = (Random(29), 0);
     for case in 0..6 {
-        let target = own.base_from_tool(&random.configuration(&own)).unwrap();
+        let target = default_arm
+            .base_from_tool(&random.configuration(&default_arm))
+            .unwrap();
         let there = target.translation;
         let far = Placement::new(target.rotation, there * (1.5 / there.norm()));
-        let start = random.configuration(&own);
-        let [near, best] = [&own, &anywhere].map(|arm| arm.solve(far, &start).unwrap());
+        let start = random.configuration(&default_arm);
+        let [near, best] = [&default_arm, &anywhere].map(|arm| arm.solve(far, &start).unwrap());
         assert!(!near.reached && !best.reached);
         assert!(best.cost <= near.cost * (1.0 + 1e-6), "{case}");
         better += usize::from(best.cost < 0.99 * near.cost);

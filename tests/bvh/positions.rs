@@ -87,7 +87,7 @@ fn body(root: &str, joint: &str) -> File {
 }
 
 #[test]
-fn every_order_of_three_rotations() {
+fn every_order_of_three_rotations_is_read() {
     for order in EulerOrder::ALL {
         let names = order.axes().map(|axis| ["X", "Y", "Z"][axis]);
         let rotations = names.map(|axis| format!("{axis}rotation")).join(" ");
@@ -99,7 +99,7 @@ fn every_order_of_three_rotations() {
 }
 
 #[test]
-fn one_rotation_or_two_or_none() {
+fn fewer_than_three_rotations_are_read() {
     let axes = ["Xrotation", "Yrotation", "Zrotation"];
     for first in axes {
         check(&body(POSITIONS, first), first);
@@ -111,7 +111,7 @@ fn one_rotation_or_two_or_none() {
 }
 
 #[test]
-fn positions_replace_offsets_wherever_they_stand() {
+fn position_channels_replace_offsets_in_any_order() {
     for channels in [
         "Zposition Yposition Xposition",
         "Yposition",
@@ -123,7 +123,7 @@ fn positions_replace_offsets_wherever_they_stand() {
 }
 
 #[test]
-fn several_roots_have_motion_of_their_own() {
+fn several_roots_move_independently() {
     let mut file = body(POSITIONS, "Xrotation");
     let second = Joint::new("Prop", None, [3.0, 0.0, 0.0], "Zposition Yrotation");
     file.joints.push(second);
@@ -133,7 +133,7 @@ fn several_roots_have_motion_of_their_own() {
 }
 
 #[test]
-fn the_layout_of_the_text_means_nothing() {
+fn text_layout_is_irrelevant() {
     let file = body(POSITIONS, "Zrotation Xrotation");
     let text = file.text();
     let expected = bvh::from_bytes(text.as_bytes(), "shot.bvh").unwrap();
@@ -170,7 +170,7 @@ fn the_layout_of_the_text_means_nothing() {
 }
 
 #[test]
-fn what_the_file_says_is_told() {
+fn file_properties_are_reported() {
     let capture = read(&body(POSITIONS, "Yrotation"));
     assert_eq!((capture.frames, capture.frame_time), (4, 0.04));
     assert_eq!(capture.clip.name(), "shot");
@@ -189,7 +189,7 @@ fn what_the_file_says_is_told() {
 }
 
 #[test]
-fn between_frames_joints_turn_the_short_way_at_constant_speed() {
+fn rotations_between_frames_are_slerped() {
     let text = "HIERARCHY ROOT a\n{ OFFSET 0 0 0 CHANNELS 2 Xposition Zrotation\n\
                 End Site { OFFSET 1 0 0 } }\n\
                 MOTION Frames: 3 Frame Time: 0.5\n 0 170\n 4 -150\n 4 -150";
@@ -203,7 +203,7 @@ fn between_frames_joints_turn_the_short_way_at_constant_speed() {
 }
 
 #[test]
-fn one_frame_is_a_pose_and_none_is_the_rest() {
+fn single_frame_is_a_pose_and_none_is_the_rest_pose() {
     let mut file = body(POSITIONS, "Zrotation Xrotation Yrotation");
     file.frames.truncate(1);
     check(&file, "one frame");

@@ -105,7 +105,7 @@ fn pairs(from: &Armature, to: &Armature) -> Vec<[usize; 2]> {
 }
 
 #[test]
-fn changed_poses_come_back() {
+fn modified_poses_survive_a_round_trip() {
     let armature = armature(false);
     let poses = poses(&armature, 20);
     let capture = read(&bvh::poses_to_text(&armature, &poses, 25.0).unwrap());
@@ -136,7 +136,7 @@ fn changed_poses_come_back() {
 }
 
 #[test]
-fn bones_that_are_turned_at_rest_are_in_their_places() {
+fn bones_rotated_at_rest_survive_a_round_trip() {
     let armature = armature(true);
     let poses = poses(&armature, 20);
     let capture = read(&bvh::poses_to_text(&armature, &poses, 25.0).unwrap());
@@ -161,7 +161,7 @@ fn bones_that_are_turned_at_rest_are_in_their_places() {
 }
 
 #[test]
-fn a_file_comes_back_as_it_was() {
+fn file_survives_a_round_trip() {
     let rotations = "Yrotation Xrotation Zrotation";
     let positions = "Xposition Yposition Zposition";
     let joints = vec![
@@ -209,7 +209,7 @@ fn both_placed(a: &MotionCapture, b: &MotionCapture, index: usize) -> Vec<[Affin
 }
 
 #[test]
-fn a_clip_is_sampled_from_start_to_end() {
+fn clip_is_sampled_from_start_to_end() {
     let armature = armature(false);
     let mut builder = Clip::builder("walk", &armature);
     let hips = armature.bone("hips").unwrap();
@@ -231,7 +231,7 @@ fn a_clip_is_sampled_from_start_to_end() {
 }
 
 #[test]
-fn written_angles_do_not_leap() {
+fn written_angles_are_continuous() {
     let armature = Armature::new(
         vec![bone("top", None, Vec3A::ZERO, Quat::IDENTITY)],
         Vec::new(),
@@ -306,7 +306,7 @@ fn written_angles_pass_gimbal_lock() {
 }
 
 #[test]
-fn tips_that_move_are_joints() {
+fn moving_tips_are_written_as_joints() {
     let armature = armature(false);
     let tip = armature.bone("spine/tip").unwrap();
     let mut poses = poses(&armature, 3);
@@ -323,7 +323,7 @@ fn tips_that_move_are_joints() {
 
 /// All tips of a joint that stand still are End Sites, whose names are not written: the second as the first.
 #[test]
-fn every_tip_that_stands_still_is_an_end_site() {
+fn motionless_tips_are_written_as_end_sites() {
     let names = ["hand", "hand/tip", "hand/tip/2", "hand/tip/3"];
     let bones = names.iter().zip([0.0, 1.0, 2.0, 3.0]).map(|(name, x)| {
         let parent = (x > 0.0).then_some(0);
@@ -337,7 +337,7 @@ fn every_tip_that_stands_still_is_an_end_site() {
 
 /// An End Site has no joints on it.
 #[test]
-fn a_tip_that_something_hangs_on_is_a_joint() {
+fn tip_with_children_is_written_as_a_joint() {
     let still = |name, parent| bone(name, parent, Vec3A::Y, Quat::IDENTITY);
     let bones = vec![
         still("hips", None),
@@ -355,7 +355,7 @@ fn a_tip_that_something_hangs_on_is_a_joint() {
 }
 
 #[test]
-fn what_the_format_cannot_say_is_refused() {
+fn unrepresentable_motion_is_rejected() {
     let good = armature(false);
     let write = |armature: &Armature, poses: &[Pose], rate| {
         bvh::poses_to_text(armature, poses, rate).unwrap_err()
@@ -415,7 +415,7 @@ fn what_the_format_cannot_say_is_refused() {
 
 /// As many frames are written as were read: a length in seconds hides in which of them it ends.
 #[test]
-fn as_many_frames_are_written_as_were_read() {
+fn number_of_frames_survives_a_round_trip() {
     for rate in [24.0, 29.97, 30.0, 60.0, 120.0] {
         for frames in [2, 3, 8, 31, 100, 101, 365] {
             let mut text = format!(
@@ -433,7 +433,7 @@ fn as_many_frames_are_written_as_were_read() {
 
 /// What has no frames has none in another armature either: its rest is still nobody's pose.
 #[test]
-fn a_clip_without_frames_stays_without() {
+fn clip_without_frames_keeps_none() {
     let text = "HIERARCHY ROOT a\n{OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation\n\
                 End Site {OFFSET 0 1 0}}\nMOTION\nFrames: 0\nFrame Time: 0.1\n";
     let capture = kinopt::io::bvh::from_bytes(text.as_bytes(), "none.bvh").unwrap();
@@ -446,7 +446,7 @@ fn a_clip_without_frames_stays_without() {
 
 /// What is written to a file is the text that is told.
 #[test]
-fn poses_are_written_as_they_are_told() {
+fn written_file_equals_the_returned_text() {
     let text = "HIERARCHY ROOT a\n{OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation\n\
                 End Site {OFFSET 0 1 0}}\nMOTION\nFrames: 2\nFrame Time: 0.1\n10 20 30\n5 6 7\n";
     let capture = kinopt::io::bvh::from_bytes(text.as_bytes(), "two.bvh").unwrap();
@@ -473,7 +473,7 @@ fn poses_are_written_as_they_are_told() {
 
 /// In single precision 0.7 s are a hair less than seven frames of a tenth.
 #[test]
-fn a_clip_that_ends_with_a_frame_has_it() {
+fn last_frame_of_a_clip_is_written() {
     let armature = armature(false);
     for (seconds, rate, frames) in [(0.7, 10.0, 8), (0.69, 10.0, 7), (1.1, 30.0, 34)] {
         let mut builder = Clip::builder("ends", &armature);

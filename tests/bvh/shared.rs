@@ -38,7 +38,7 @@ fn frames(capture: &MotionCapture, frame_time: f64) -> Vec<Vec<[f64; 3]>> {
 }
 
 #[test]
-fn joints_are_in_place_and_bones_keep_their_lengths() {
+fn captured_joints_and_bone_lengths_are_correct() {
     let Some(text) = text() else { return };
     let file = File::parse(&text);
     let start = std::time::Instant::now();
@@ -64,7 +64,7 @@ fn joints_are_in_place_and_bones_keep_their_lengths() {
 }
 
 #[test]
-fn it_is_the_same_when_written_and_read_again() {
+fn real_capture_survives_a_round_trip() {
     let Some(text) = text() else { return };
     let capture = bvh::from_bytes(text.as_bytes(), "01_01.bvh").unwrap();
     let rate = 1.0 / capture.frame_time;

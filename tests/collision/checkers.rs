@@ -1,4 +1,4 @@
-//! A checker says which pairs are nearer than the margin, and by how much: places known by hand.
+//! Promise: a checker reports the pairs nearer than the margin with their distances, in cases with known geometry.
 
 use kinopt::collision::{
     BodyKind, Checker, CheckerError, CheckerWorkspace, CollisionModel, CollisionObject, Shape,
@@ -9,7 +9,7 @@ use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::random::Random;
 
-/// Three links of a metre along x that turn about z, each with a ball of 0.1 at its end.
+/// Three links of 1 m along x that rotate about z, each with a sphere of radius 0.1 at its end.
 fn model() -> (Model, Vec<FrameId>) {
     let mut builder = Model::builder("three links");
     let z = Vector3::new(0.0, 0.0, 1.0);
@@ -47,30 +47,30 @@ fn wall(at: f64) -> World {
 }
 
 #[test]
-fn pairs_are_told_with_their_distance_the_deepest_first() {
-    // Stretched, the ends stand at 1, 2 and 3; the wall begins at 1.95.
+fn pairs_are_sorted_by_depth() {
+    // Stretched, the ends are at 1, 2 and 3; the wall starts at 1.95.
     let checker = Checker::new(balls()).with_world(&wall(2.05)).unwrap();
     let found = checker.collisions(&[0.0; 3]).unwrap();
-    let told: Vec<_> = found
+    let reported: Vec<_> = found
         .iter()
         .map(|c| (c.first.as_str(), c.second.as_str()))
         .collect();
-    assert_eq!(told, [("b", "wall")]);
-    // The shorter way out of a wall of 0.2 about 2.05: back, by 0.05 and the ball's radius.
+    assert_eq!(reported, [("b", "wall")]);
+    // The shorter exit of a wall of 0.2 about 2.05 is backward, by 0.05 and the sphere's radius.
     assert!((found[0].distance + 0.15).abs() < 1e-9, "{found:?}");
     assert!((found[0].depth() - 0.15).abs() < 1e-9);
     let wide = checker.with_margin(0.9).unwrap();
     let found = wide.collisions(&[0.0; 3]).unwrap();
-    let told: Vec<_> = found.iter().map(|c| c.first.as_str()).collect();
-    assert_eq!(told, ["b", "c", "a"]);
-    // The end at 3 is 0.85 from the wall, its ball 0.75; the end at 1 the same on the other side, 0.95 and 0.85.
+    let reported: Vec<_> = found.iter().map(|c| c.first.as_str()).collect();
+    assert_eq!(reported, ["b", "c", "a"]);
+    // The end at 3 is 0.85 from the wall and its sphere 0.75; the end at 1 is 0.95 and its sphere 0.85.
     assert!((found[1].distance - 0.75).abs() < 1e-9);
     assert!((found[2].distance - 0.85).abs() < 1e-9);
 }
 
-/// Between links, and a link and an obstacle, of several shapes each the nearest two are what is told, whichever come first.
+/// For links and obstacles of several shapes, the nearest pair of shapes is reported, in any order.
 #[test]
-fn of_several_shapes_the_nearest_count() {
+fn nearest_of_several_shapes_is_reported() {
     let mut random = Random::new(71);
     for _ in 0..200 {
         let (model, ends) = model();
@@ -82,13 +82,18 @@ fn of_several_shapes_the_nearest_count() {
                 let at = Vector3::new(at.x, at.y, at.z);
                 let radius = random.within(0.02, 0.1);
                 let shape = Shape::sphere(radius).unwrap();
-                let place = Placement::translation(at);
-                objects.push(CollisionObject::new(format!("{ball}"), *end, place, shape));
+                let placement = Placement::translation(at);
+                objects.push(CollisionObject::new(
+                    format!("{ball}"),
+                    *end,
+                    placement,
+                    shape,
+                ));
                 balls.push((link, at, radius));
             }
         }
         let model = CollisionModel::new(&model, objects).unwrap();
-        // Stretched, link k stands k + 1 metres along x; a and c alone are kept apart, and all from the world.
+        // Stretched, link k is k + 1 m along x; only a and c are an enabled pair, and all with the world.
         let middle = Vector3::new(2.0, 0.5, 0.0);
         let mut world = World::new();
         world.add_sphere("ball", 0.1, middle).unwrap();
@@ -100,7 +105,11 @@ fn of_several_shapes_the_nearest_count() {
         };
         let of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
         for pair in &found {
-            let link = |name: &str| ["a", "b", "c"].iter().position(|own| *own == name);
+            let link = |name: &str| {
+                ["a", "b", "c"]
+                    .iter()
+                    .position(|link_name| *link_name == name)
+            };
             let first: Vec<_> = of(link(&pair.first).unwrap()).collect();
             let second: Vec<_> = match link(&pair.second) {
                 Some(link) => of(link).collect(),
@@ -119,48 +128,51 @@ fn of_several_shapes_the_nearest_count() {
     }
 }
 
-/// Of several that are in the way at once the deepest is told, whichever of them is looked at first.
+/// Of several blocking pairs the deepest is reported, in any order.
 #[test]
-fn a_way_is_blocked_by_what_is_deepest() {
+fn motion_reports_the_deepest_pair() {
     for (deep, link) in [(1.0, "a"), (2.0, "b"), (3.0, "c")] {
         let mut world = World::new();
         for at in [1.0, 2.0, 3.0] {
-            // Balls of 0.1 above balls of 0.1 as far as their radii, or nearer.
+            // Spheres of 0.1 above spheres of 0.1 at less than the sum of their radii.
             let up = if at == deep { 0.12 } else { 0.18 };
-            let place = Vector3::new(at, 0.0, up);
+            let position = Vector3::new(at, 0.0, up);
             world
-                .add_sphere(&format!("above {at}"), 0.1, place)
+                .add_sphere(&format!("above {at}"), 0.1, position)
                 .unwrap();
         }
         let checker = Checker::new(balls()).with_world(&world).unwrap();
         let mut workspace = checker.workspace();
-        let way = checker
+        let motion = checker
             .check_motion(&mut workspace, &[0.0; 3], &[0.3; 3])
             .unwrap();
-        let blocked = way.blocked_by.unwrap();
+        let blocked = motion.blocked_by.unwrap();
         assert_eq!(blocked.first, link);
         assert!((blocked.distance + 0.08).abs() < 1e-9, "{blocked:?}");
     }
 }
 
-/// An obstacle may bear a link's name: what each of a pair is stands beside it.
+/// An obstacle may have a link's name: the pair distinguishes them by kind.
 #[test]
-fn a_link_and_an_obstacle_of_its_name_are_told_apart() {
+fn link_and_obstacle_of_one_name_differ_by_kind() {
     let mut world = wall(2.05);
-    // Beside the end at 3, and carried by what the first joint turns, onto the end at 2.
+    // Next to the end at 3; the other is attached to the first link, at the end at 2.
     let side = Vector3::new(3.0, 0.15, 0.0);
     world.add_sphere("b", 0.1, side).unwrap();
     world.add_sphere("c", 0.1, Vector3::UNITS[0]).unwrap();
     world.attach("c", "a", Vector3::UNITS[0]).unwrap();
     let checker = Checker::new(balls()).with_world(&world).unwrap();
     let found = checker.collisions(&[0.0; 3]).unwrap();
-    let told: Vec<_> = found.iter().map(ToString::to_string).collect();
+    let messages: Vec<_> = found.iter().map(ToString::to_string).collect();
     for pair in [
         "link `b` and obstacle `wall`",
         "link `c` and obstacle `b`",
         "obstacle `c` and obstacle `wall`",
     ] {
-        assert!(told.iter().any(|told| told == pair), "{pair}: {told:?}");
+        assert!(
+            messages.iter().any(|messages| messages == pair),
+            "{pair}: {messages:?}"
+        );
     }
     let bent = checker.collisions(&[0.0, 0.0, 3.0]).unwrap();
     assert!(
@@ -170,11 +182,11 @@ fn a_link_and_an_obstacle_of_its_name_are_told_apart() {
     );
 }
 
-/// Of a link's several shapes the nearest tells how near the link is, in whichever order they are listed.
+/// A link's distance is that of its nearest shape, in any order.
 #[test]
-fn a_link_is_as_near_as_the_nearest_of_its_shapes() {
+fn link_distance_is_that_of_its_nearest_shape() {
     let (model, ends) = model();
-    // 1.05, 0.75 and 0.65 from a wall at 3.95 to 4.15, the middles at 2.8, 3.1 and 3.2.
+    // 1.05, 0.75 and 0.65 from a wall at 3.95 to 4.15, with centres at 2.8, 3.1 and 3.2.
     for order in [[-0.2, 0.1, 0.2], [0.2, 0.1, -0.2], [0.1, 0.2, -0.2]] {
         let shapes = order.map(|along| {
             let at = Placement::translation(Vector3::new(along, 0.0, 0.0));
@@ -194,9 +206,9 @@ fn a_link_is_as_near_as_the_nearest_of_its_shapes() {
 }
 
 #[test]
-fn links_touch_each_other_but_for_those_next_to_each_other() {
+fn links_collide_except_neighbours() {
     let checker = Checker::new(balls());
-    // Folded back, the third end comes to the first.
+    // Folded back, the third end is at the first.
     let folded = [0.0, 0.0, 3.1];
     let found = checker.collisions(&folded).unwrap();
     assert_eq!(found.len(), 1, "{found:?}");
@@ -212,14 +224,14 @@ fn links_touch_each_other_but_for_those_next_to_each_other() {
 }
 
 #[test]
-fn what_is_attached_moves_with_its_frame_and_may_touch_what_holds_it() {
+fn attached_object_may_touch_its_holder() {
     let mut world = wall(4.2);
     let rod = Shape::cuboid([1.4, 0.02, 0.02]).unwrap();
     world.add("rod", rod, Placement::identity()).unwrap();
     let along = Placement::translation(Vector3::new(0.5, 0.0, 0.0));
     world.attach("rod", "c", along).unwrap();
     let checker = Checker::new(balls()).with_world(&world).unwrap();
-    // It reaches from 2.8 to 4.2, a tenth of a metre into the wall, and through the ball that holds it.
+    // It extends from 2.8 to 4.2, 0.1 m into the wall and through its holder's sphere.
     let found = checker.collisions(&[0.0; 3]).unwrap();
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(
@@ -227,7 +239,7 @@ fn what_is_attached_moves_with_its_frame_and_may_touch_what_holds_it() {
         ("rod", "wall")
     );
     assert!((found[0].distance + 0.1).abs() < 1e-9);
-    // Folded back it lies over the first link's ball, which it is kept from.
+    // Folded back it overlaps the first link's sphere, which is an enabled pair.
     let found = checker.collisions(&[0.0, 0.0, 3.1]).unwrap();
     assert!(
         found.iter().any(|c| c.first == "a" && c.second == "rod"),
@@ -243,7 +255,7 @@ fn what_is_attached_moves_with_its_frame_and_may_touch_what_holds_it() {
 }
 
 #[test]
-fn margins_and_configurations_are_checked() {
+fn invalid_margins_and_configurations_fail() {
     let checker = Checker::new(balls());
     for bad in [-0.1, f64::NAN, f64::INFINITY] {
         assert!(checker.clone().with_margin(bad).is_err(), "{bad}");
@@ -253,8 +265,8 @@ fn margins_and_configurations_are_checked() {
 }
 
 #[test]
-fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
-    // The arm swings as one; its outermost ball, three metres out, comes to the wall above y = 1.
+fn motion_is_free_up_to_contact() {
+    // The arm rotates as one; its outermost sphere, at 3 m, meets the wall above y = 1.
     let mut world = World::new();
     let above = Vector3::new(0.0, 6.0, 0.0);
     world.add_box("wall", [20.0, 10.0, 10.0], above).unwrap();
@@ -262,24 +274,24 @@ fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
     let mut workspace = checker.workspace();
     let touches = (0.9_f64 / 3.0).asin();
     let to = [1.2, 0.0, 0.0];
-    let way = checker
+    let motion = checker
         .check_motion(&mut workspace, &[0.0; 3], &to)
         .unwrap();
     let exact = touches / 1.2;
     assert!(
-        way.free <= exact && way.free > exact - 1e-4,
+        motion.free <= exact && motion.free > exact - 1e-4,
         "{} {exact}",
-        way.free
+        motion.free
     );
-    let by = way.blocked_by.unwrap();
+    let by = motion.blocked_by.unwrap();
     assert_eq!((by.first.as_str(), by.second.as_str()), ("c", "wall"));
-    // Short of it all is free, and so is the way back.
+    // Short of contact the motion is free, in both directions.
     let short = [0.999 * touches, 0.0, 0.0];
     for (from, to) in [([0.0; 3], short), (short, [0.0; 3])] {
-        let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
-        assert_eq!((way.free, way.blocked_by), (1.0, None));
+        let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
+        assert_eq!((motion.free, motion.blocked_by), (1.0, None));
     }
-    // Through a thin wall and out again: free at both ends, not between.
+    // Through a thin wall: free at both ends, not between.
     let mut thin = World::new();
     let at = Vector3::new(0.0, 1.5, 0.0);
     thin.add_box("sheet", [20.0, 0.001, 10.0], at).unwrap();
@@ -287,26 +299,26 @@ fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
     let (from, to) = ([0.0; 3], [3.0, 0.0, 0.0]);
     assert!(checker.collisions(&from).unwrap().is_empty());
     assert!(checker.collisions(&to).unwrap().is_empty());
-    let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
+    let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
     assert!(
-        way.free < 1.4_f64.atan2(3.0) / 3.0 + 0.02 && way.blocked_by.is_some(),
-        "{way:?}"
+        motion.free < 1.4_f64.atan2(3.0) / 3.0 + 0.02 && motion.blocked_by.is_some(),
+        "{motion:?}"
     );
 }
 
-/// A slide that comes in while a hinge turns: what is far out at the begin of the way moves far at first.
+/// A prismatic joint retracts while a revolute joint rotates: a far end moves fast at first.
 #[test]
-fn what_reaches_far_at_either_end_of_a_way_is_stopped() {
+fn far_motion_at_either_end_is_stopped() {
     let mut builder = Model::builder("telescope");
     let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
-    let here = Placement::identity();
-    let turn = builder.revolute("turn", None, here, z, Limits::new(-3.1, 3.1));
-    let slide = builder.prismatic("slide", Some(turn), here, x, Limits::new(0.0, 2.0));
-    let hand = builder.frame("hand", Some(slide), here);
+    let origin = Placement::identity();
+    let turn = builder.revolute("turn", None, origin, z, Limits::new(-3.1, 3.1));
+    let slide = builder.prismatic("slide", Some(turn), origin, x, Limits::new(0.0, 2.0));
+    let hand = builder.frame("hand", Some(slide), origin);
     let model = builder.build().unwrap();
     let ball = |radius: f64| Shape::sphere(radius).unwrap();
-    let own = CollisionObject::new("ball", hand, here, ball(0.01));
-    let own = CollisionModel::new(&model, vec![own]).unwrap();
+    let ball_model = CollisionObject::new("ball", hand, origin, ball(0.01));
+    let ball_model = CollisionModel::new(&model, vec![ball_model]).unwrap();
     let (out, back) = ([0.0, 2.0], [3.0, 0.1]);
     for (from, to) in [(out, back), (back, out)] {
         for step in 1..40 {
@@ -316,20 +328,20 @@ fn what_reaches_far_at_either_end_of_a_way_is_stopped() {
             let mut world = World::new();
             let at = Vector3::new(q[1] * cos, q[1] * sin, 0.0);
             world.add_sphere("pea", 0.01, at).unwrap();
-            let checker = Checker::new(own.clone()).with_world(&world).unwrap();
+            let checker = Checker::new(ball_model.clone()).with_world(&world).unwrap();
             let mut workspace = checker.workspace();
-            let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
+            let motion = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert!(
-                way.free <= share && way.blocked_by.is_some(),
-                "{share}: {way:?}"
+                motion.free <= share && motion.blocked_by.is_some(),
+                "{share}: {motion:?}"
             );
         }
     }
 }
 
-/// A way that comes straight to where less than the margin is left is stopped there, by what stands as by another link.
+/// A straight motion into the margin is stopped, at obstacles and at other links.
 #[test]
-fn a_way_into_the_margin_is_stopped() {
+fn motion_into_the_margin_is_stopped() {
     let mut builder = Model::builder("two slides");
     let (x, here, room) = (
         Vector3::UNITS[0],
@@ -343,28 +355,32 @@ fn a_way_into_the_margin_is_stopped() {
     let other = builder.frame("other", Some(other), here);
     let model = builder.build().unwrap();
     let ball = |frame| CollisionObject::new("ball", frame, here, Shape::sphere(0.1).unwrap());
-    let own = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
-    // Both come to 1.8, a wall or each other 0.1 from their middles and a gap away.
+    let pair_model = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
+    // Both end at 1.8; the wall or the other link is 0.1 from their centres, plus a gap.
     for (gap, stops) in [(0.02, true), (0.049, true), (0.051, false)] {
         for (to, wall_at) in [([1.0, 0.8 - gap], 9.0), ([1.0, 0.0], 1.2 + gap)] {
-            let checker = Checker::new(own.clone())
+            let checker = Checker::new(pair_model.clone())
                 .with_world(&wall(wall_at))
                 .unwrap();
             let checker = checker.with_margin(0.05).unwrap();
             let mut workspace = checker.workspace();
-            let way = checker
+            let motion = checker
                 .check_motion(&mut workspace, &[0.0; 2], &to)
                 .unwrap();
-            assert_eq!(way.blocked_by.is_some(), stops, "{gap} {to:?}: {way:?}");
-            assert_eq!(way.free < 1.0, stops, "{gap} {to:?}: {way:?}");
+            assert_eq!(
+                motion.blocked_by.is_some(),
+                stops,
+                "{gap} {to:?}: {motion:?}"
+            );
+            assert_eq!(motion.free < 1.0, stops, "{gap} {to:?}: {motion:?}");
         }
     }
 }
 
-/// One workspace for the checkers of a robot by itself, of what it holds and of another robot, whichever comes after whichever:
-/// all is told as with a workspace of the checker's own.
+/// One workspace serves checkers of a robot alone, with attached objects and of another robot, in any order, with the
+/// results of separate workspaces.
 #[test]
-fn a_workspace_serves_one_checker_after_another() {
+fn workspace_serves_different_checkers() {
     let mut held = wall(2.6);
     for frame in ["c", "a"] {
         let name = format!("held by {frame}");
@@ -377,10 +393,10 @@ fn a_workspace_serves_one_checker_after_another() {
     let at = Vector3::new(0.2, 0.0, 0.0);
     held_elsewhere.attach("held by a", "b", at).unwrap();
     let panda = Checker::of(&robot("franka_panda")).unwrap();
-    let own = Checker::new(balls());
-    let in_world = |world: &World| own.clone().with_world(world).unwrap();
+    let bare = Checker::new(balls());
+    let in_world = |world: &World| bare.clone().with_world(world).unwrap();
     let checkers = [
-        own.clone(),
+        bare.clone(),
         in_world(&held),
         in_world(&held_elsewhere),
         in_world(&wall(1.5)),
@@ -392,15 +408,15 @@ fn a_workspace_serves_one_checker_after_another() {
         for checker in &checkers {
             let joints = checker.model().model().configuration_len();
             let (from, to) = (vec![-0.9; joints], vec![0.3; joints]);
-            let told = |workspace: &mut CheckerWorkspace| {
+            let reported = |workspace: &mut CheckerWorkspace| {
                 let collisions = checker.collisions_with(workspace, &to).unwrap();
                 let nearest = checker.nearest(workspace, &to, 1.0).unwrap();
-                let way = checker.check_motion(workspace, &from, &to).unwrap();
+                let motion = checker.check_motion(workspace, &from, &to).unwrap();
                 let free = checker.is_free(workspace, &from).unwrap();
-                (collisions, nearest, way, free)
+                (collisions, nearest, motion, free)
             };
-            let expected = told(&mut checker.workspace());
-            assert_eq!(told(&mut workspace), expected);
+            let expected = reported(&mut checker.workspace());
+            assert_eq!(reported(&mut workspace), expected);
             found += expected.0.len();
         }
     }

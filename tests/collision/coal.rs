@@ -1,4 +1,4 @@
-//! Promise: distances and depths are coal's, wherever its own answer is certified (notebooks-ref/distances.py).
+//! Promise: distances and depths equal those of Coal wherever Coal's result is certified (notebooks-ref/distances.py).
 
 use kinopt::collision::{Shape, separation};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -12,7 +12,7 @@ struct Fixture {
 #[derive(Deserialize)]
 struct Pair {
     shapes: [Solid; 2],
-    /// RowBlock.
+    /// Row-major.
     rotations: [[f64; 9]; 2],
     translations: [[f64; 3]; 2],
     distance: f64,
@@ -45,7 +45,7 @@ impl Solid {
 }
 
 #[test]
-fn distances_are_those_of_coal() {
+fn distances_equal_those_of_coal() {
     let text = include_str!("../reference/distances.json");
     let Fixture { pairs } = serde_json::from_str(text).unwrap();
     assert!(pairs.len() > 200);

@@ -1,5 +1,5 @@
-//! Promise: a collision model has the shapes of the robot's links where they stand, and keeps apart what may touch
-//! and should not.
+//! Promise: a collision model has the shapes of the robot's links at their placements, and enables the pairs that can
+//! and should not collide.
 
 use kinopt::collision::{
     CollisionModel, CollisionModelError, CollisionObject, MeshUse, Shape, ShapeKind, separation,
@@ -9,7 +9,7 @@ use kinopt::robot::{Robot, Srdf};
 use kinopt::spatial::Placement;
 use support::arms::robot;
 
-/// Both names of each pair.
+/// Names of each enabled pair.
 fn names(model: &CollisionModel) -> Vec<String> {
     let frames = model.model().frames();
     let name = |link: &kinopt::model::FrameId| frames[link.index()].name.as_str();
@@ -20,7 +20,7 @@ fn names(model: &CollisionModel) -> Vec<String> {
         .collect()
 }
 
-/// A row of links along x: a and b are one body, c swings on it a little, d, which has no shape, on c, e turns on d, f
+/// Links along x: a and b are rigidly connected, c swings slightly on them, d without shape is on c, e rotates on d, f
 /// on e and g on f.
 const ROW: &str = r#"<robot name="row">
   <link name="a"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
@@ -41,15 +41,15 @@ const ROW: &str = r#"<robot name="row">
 </robot>"#;
 
 #[test]
-fn one_body_and_neighbours_may_touch() {
+fn rigid_groups_and_neighbours_may_collide() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();
     let model = CollisionModel::of(&robot).unwrap();
-    // Two joints and the link d, which has no shape, are between c and e.
+    // Two joints and the shapeless link d are between c and e.
     let apart = ["ae", "af", "ag", "be", "bf", "bg", "ce", "cf", "cg", "eg"];
     assert_eq!(names(&model), apart);
 }
 
-/// Two links with shapes, six joints apart, and a shoulder of three hinges on one link in between.
+/// Two links with shapes six joints apart, and a shoulder of three revolute joints between two links.
 #[test]
 fn links_several_joints_apart_are_no_neighbours() {
     let link = |name: &str, radius: f64| {
@@ -72,7 +72,7 @@ fn links_several_joints_apart_are_no_neighbours() {
     let text = format!("<robot name='r'>{ends}{bare}{joints}</robot>");
     let model = CollisionModel::of(&Robot::parse(&text, "r.urdf").unwrap()).unwrap();
     assert_eq!(names(&model), ["l0l6"]);
-    // A free base is one joint, though it is a chain of four.
+    // A free base counts as one joint, although it is a chain of four.
     let free = format!(
         "<robot name='r'>{}{}<joint name='j' type='floating'><parent link='a'/><child link='b'/></joint></robot>",
         link("a", 0.1),
@@ -80,7 +80,7 @@ fn links_several_joints_apart_are_no_neighbours() {
     );
     let model = CollisionModel::of(&Robot::parse(&free, "r.urdf").unwrap()).unwrap();
     assert!(names(&model).is_empty());
-    // So is a shoulder of three hinges in one MJCF body.
+    // So does a shoulder of three revolute joints in one MJCF body.
     let geom = "<geom size='0.1'/>";
     let body = format!(
         "<mujoco><worldbody><body name='trunk'><freejoint/>{geom}<body name='arm'>{geom}<joint axis='1 0 0'/>\
@@ -91,7 +91,7 @@ fn links_several_joints_apart_are_no_neighbours() {
 }
 
 #[test]
-fn a_cylinder_with_spheres_at_its_ends_is_a_capsule() {
+fn cylinder_with_spheres_at_its_ends_is_a_capsule() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();
     let model = CollisionModel::of(&robot).unwrap();
     let elbow: Vec<_> = model
@@ -107,9 +107,9 @@ fn a_cylinder_with_spheres_at_its_ends_is_a_capsule() {
     assert_eq!((*radius, *length), (0.1, 0.2));
 }
 
-/// Spheres of another size, or elsewhere, or only one, are shapes of their own.
+/// Spheres of another radius or position, or a single one, are separate shapes.
 #[test]
-fn a_cylinder_with_other_spheres_is_none() {
+fn cylinder_with_other_spheres_is_no_capsule() {
     for (radius, ends) in [
         (0.12, [0.1, -0.1]),
         (0.08, [0.1, -0.1]),
@@ -128,13 +128,17 @@ fn a_cylinder_with_other_spheres_is_none() {
         );
         let robot = Robot::parse(&text, "r.urdf").unwrap();
         let model = CollisionModel::of(&robot).unwrap();
-        let own: Vec<_> = model
+        let shapes: Vec<_> = model
             .objects_of(robot.model().frame("e").unwrap())
             .collect();
-        let capsules = own
+        let capsules = shapes
             .iter()
-            .filter(|own| matches!(own.shape.kind(), ShapeKind::Capsule { .. }));
-        assert_eq!((own.len(), capsules.count()), (3, 0), "{radius} {ends:?}");
+            .filter(|object| matches!(object.shape.kind(), ShapeKind::Capsule { .. }));
+        assert_eq!(
+            (shapes.len(), capsules.count()),
+            (3, 0),
+            "{radius} {ends:?}"
+        );
     }
 }
 
@@ -148,15 +152,15 @@ fn pairs_are_edited_by_name() {
         .with_checked("c", "b")
         .unwrap();
     assert!(!model.is_checked("a", "f").unwrap() && model.is_checked("b", "c").unwrap());
-    let told = model.with_ignored("a", "d").unwrap_err().to_string();
+    let message = model.with_ignored("a", "d").unwrap_err().to_string();
     assert!(
-        told.contains("`d`") && told.contains("a, b, c, e, f, g"),
-        "{told}"
+        message.contains("`d`") && message.contains("a, b, c, e, f, g"),
+        "{message}"
     );
 }
 
 #[test]
-fn semantics_disable_pairs() {
+fn srdf_disables_pairs() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();
     let text = r#"<robot name="row"><disable_collisions link1="f" link2="b" reason="Never"/>
       <disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
@@ -167,20 +171,20 @@ fn semantics_disable_pairs() {
 }
 
 #[test]
-fn samples_drop_what_never_and_what_always_touches() {
+fn sampling_drops_pairs_of_never_and_always() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();
     let model = CollisionModel::of(&robot).unwrap();
     let sampled = model.clone().with_pairs_sampled(3000, 7).unwrap();
-    // By hand: e stays about 1.0 from b and 1.3 from a, and reaches 0.2. The centre of f and g goes around e at 0.5, to
-    // c and no nearer to b than 0.5: f's reach and b's are 0.3, g's and b's 0.65. a is 0.8 away. g always holds
-    // a part of e.
+    // By hand: e stays about 1.0 from b and 1.3 from a, and reaches 0.2. The centre of f and g circles e at 0.5, up to
+    // c and no nearer to b than 0.5. Radii: f and b together 0.3, g and b together 0.65. a is 0.8 away. g always
+    // contains a part of e.
     assert_eq!(names(&sampled), ["bg", "cf", "cg"]);
     let again = model.with_pairs_sampled(3000, 7).unwrap();
     assert_eq!(names(&again), names(&sampled));
 }
 
 #[test]
-fn shipped_robots_stand_free_where_they_are_shown() {
+fn shipped_robots_have_valid_pairs() {
     for (name, arms) in [("franka_panda", 7), ("universal_ur5e", 6)] {
         let robot = robot(name);
         let model = CollisionModel::of(&robot).unwrap();
@@ -192,7 +196,7 @@ fn shipped_robots_stand_free_where_they_are_shown() {
 }
 
 #[test]
-fn the_shipped_world_leaves_the_panda_room() {
+fn shipped_world_leaves_the_panda_free() {
     let world = kinopt::collision::World::read("../models/worlds/table.json").unwrap();
     let model = CollisionModel::of(&robot("franka_panda")).unwrap();
     let model = model.with_pairs_sampled(500, 1).unwrap();
@@ -213,12 +217,15 @@ fn the_shipped_world_leaves_the_panda_room() {
     ];
     assert_eq!(checker.collisions(&ready).unwrap(), []);
     let leaning = [0.0, 1.4, 0.0, -0.8, 0.0, pi / 2.0, pi / 4.0, 0.04, 0.04];
-    let told = checker.collisions(&leaning).unwrap();
-    assert!(told.iter().any(|pair| pair.second == "table"), "{told:?}");
+    let reported = checker.collisions(&leaning).unwrap();
+    assert!(
+        reported.iter().any(|pair| pair.second == "table"),
+        "{reported:?}"
+    );
 }
 
 #[test]
-fn meshes_are_found_beside_above_and_in_packages() {
+fn meshes_are_found_in_packages_and_folders() {
     let folder = std::env::temp_dir().join(format!("kinopt-meshes-{}", std::process::id()));
     let meshes = folder.join("lamp_description/meshes");
     let others = folder.join("elsewhere/stand_description");
@@ -248,11 +255,13 @@ fn meshes_are_found_beside_above_and_in_packages() {
     let robot = Robot::read(&urdf).unwrap();
     let error = CollisionModel::of(&robot).unwrap_err();
     assert!(matches!(error, CollisionModelError::MeshNotFound { .. }));
-    let told = error.to_string();
-    assert!(told.contains("link `arm`") && told.contains("package://stand_description/foot.obj"));
+    let message = error.to_string();
     assert!(
-        told.contains("lamp_description/urdf/stand_description/foot.obj"),
-        "{told}"
+        message.contains("link `arm`") && message.contains("package://stand_description/foot.obj")
+    );
+    assert!(
+        message.contains("lamp_description/urdf/stand_description/foot.obj"),
+        "{message}"
     );
 
     let left_out = CollisionModel::builder(&robot)
@@ -267,11 +276,11 @@ fn meshes_are_found_beside_above_and_in_packages() {
     std::fs::create_dir_all(late.join("stand_description")).unwrap();
     let larger = cube.replacen("v 1", "v 3", 1);
     std::fs::write(late.join("stand_description/foot.obj"), &larger).unwrap();
-    // Nor is what lies deeper in the package under its name taken before its own.
+    // A file deeper in the package does not replace the package's own.
     let deeper = folder.join("lamp_description/lamp_description/meshes");
     std::fs::create_dir_all(&deeper).unwrap();
     std::fs::write(deeper.join("arm.obj"), &larger).unwrap();
-    // A folder of another name is not the package, whatever lies in it.
+    // A folder of another name is not the package.
     let stranger = folder.join("stranger");
     std::fs::create_dir_all(&stranger).unwrap();
     std::fs::write(stranger.join("foot.obj"), &larger).unwrap();
@@ -315,10 +324,10 @@ fn meshes_are_found_beside_above_and_in_packages() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Shapes at most so far apart hang together, metres; shapes leave some room at joints.
+/// Shapes within this distance count as connected, metres; shapes leave gaps at joints.
 const JOINED: f64 = 0.03;
 
-/// How many pieces the shapes of a robot make that do not touch each other, at a configuration.
+/// Number of connected components of a robot's shapes at a configuration.
 fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
     let mut kinematics = ForwardKinematics::<f64>::new(model.model());
     let links = kinematics.place(q).unwrap();
@@ -349,7 +358,7 @@ fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
 }
 
 #[test]
-fn shipped_arms_hang_together() {
+fn shapes_of_shipped_arms_are_connected() {
     for name in [
         "adept_cobra_s600",
         "franka_panda",
@@ -367,9 +376,9 @@ fn shipped_arms_hang_together() {
     }
 }
 
-/// What has no end cannot move with a link.
+/// Unbounded shapes cannot move with a link.
 #[test]
-fn planes_and_height_fields_are_no_part_of_a_link() {
+fn planes_and_height_fields_on_links_are_rejected() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();
     let model = robot.model();
     let heights = Shape::height_field(vec![0.0; 4], 2, [1.0; 2]).unwrap();

@@ -1,4 +1,4 @@
-//! Promise: one mesh in any of the formats is the same triangles, and a damaged file is an error that names it.
+//! Promise: a mesh has the same triangles in all formats, and errors of damaged files name the file.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use kinopt::collision::MeshFile;
 use kinopt::spatial::Vector3;
 use support::random::Random;
 
-/// Corners of a box of 2 × 4 × 6 about (10, 20, 30), and its twelve triangles, outside counter-clockwise.
+/// Corners of a box of 2 × 4 × 6 about (10, 20, 30), and its twelve triangles, counter-clockwise from outside.
 fn corners() -> Vec<[f64; 3]> {
     let corner = |k: usize| {
         let side = |bit: usize, half: f64| if k & bit == 0 { -half } else { half };
@@ -33,7 +33,7 @@ fn triangles() -> Vec<[usize; 3]> {
     QUADS.iter().flat_map(halves).collect()
 }
 
-/// Six times the volume, by the divergence theorem: 48 · 6 for the box, if all triangles look outside.
+/// Six times the volume by the divergence theorem: 48 · 6 for the box if all triangles face outward.
 fn six_volumes(mesh: &MeshFile) -> f64 {
     let part = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(|k| mesh.points[k as usize]);
@@ -67,7 +67,7 @@ fn obj() -> String {
         let [a, b, c, d] = quad.map(|k| k + 1);
         writeln!(text, "f {a}/1/1 {b}//2 {c}/3 {d}").unwrap();
     }
-    // Counted from the end, on two lines.
+    // Negative indices, on two lines.
     let [a, b, c, d] = QUADS[5].map(|k| k as i64 - 8);
     writeln!(text, "g other\nf {a} {b} \\\n {c} {d}").unwrap();
     text
@@ -100,9 +100,9 @@ fn binary_stl() -> Vec<u8> {
     bytes
 }
 
-/// The box in half its size in centimetres, placed by a node within another that turns and doubles.
+/// The box at half its size in centimetres, placed by a node within another that rotates and doubles it.
 fn dae() -> String {
-    // A turn by +90° about z takes (x, y, z) to (-y, x, z): undone here, with (5, 0, 0) cm before.
+    // A rotation by +90° about z takes (x, y, z) to (-y, x, z). The inverse is applied here, with (5, 0, 0) cm before.
     let points = corners().into_iter().map(|[x, y, z]| {
         let [x, y, z] = [x * 50.0, y * 50.0, z * 50.0];
         format!("{} {} {}", y, -x - 5.0, z)
@@ -130,17 +130,17 @@ fn dae() -> String {
 }
 
 #[test]
-fn all_formats_say_the_same() {
+fn all_formats_give_equal_triangles() {
     is_the_box(&MeshFile::parse(obj().as_bytes(), "box.obj").unwrap());
     is_the_box(&MeshFile::parse(ascii_stl().as_bytes(), "box.stl").unwrap());
     is_the_box(&MeshFile::parse(&binary_stl(), "box.STL").unwrap());
     is_the_box(&MeshFile::parse(dae().as_bytes(), "box.dae").unwrap());
 }
 
-/// A backslash goes on in the next line; after the last one there is nothing, and what stands before it counts.
-/// What else is said of a corner may come before its place.
+/// A backslash continues a line; after the last one nothing follows, and the text before it counts. In COLLADA the
+/// other attributes of a vertex may precede its position.
 #[test]
-fn places_are_where_a_collada_file_says() {
+fn collada_offsets_are_respected() {
     let later = dae().replacen("offset=\"0\"", "offset=\"2\"", 1).replacen(
         "offset=\"1\"",
         "offset=\"0\"",
@@ -154,16 +154,16 @@ fn places_are_where_a_collada_file_says() {
     is_the_box(&MeshFile::parse(later.as_bytes(), "box.dae").unwrap());
 }
 
-/// Programs draw the edges of what they write as lines beside its faces.
+/// Exporters add the edges of faces as lines.
 #[test]
-fn lines_are_no_part_of_a_collada_mesh() {
+fn collada_lines_are_ignored() {
     let lines = "<lines count=\"2\"><input semantic=\"VERTEX\" source=\"#corners\" offset=\"0\"/><p>0 1 1 3</p></lines>";
     let drawn = dae().replace("<polylist", &format!("{lines}<polylist"));
     is_the_box(&MeshFile::parse(drawn.as_bytes(), "box.dae").unwrap());
 }
 
 #[test]
-fn a_file_that_ends_in_a_backslash_has_its_last_face() {
+fn file_ending_in_a_backslash_keeps_its_last_face() {
     let whole = obj();
     let file = format!("{} \\", whole.trim_end());
     is_the_box(&MeshFile::parse(file.as_bytes(), "box.obj").unwrap());
@@ -173,14 +173,14 @@ fn a_file_that_ends_in_a_backslash_has_its_last_face() {
 }
 
 #[test]
-fn mirrored_meshes_still_look_outside() {
+fn mirrored_mesh_faces_outward() {
     let mesh = MeshFile::parse(obj().as_bytes(), "box.obj").unwrap();
     let mirrored = mesh.scaled([-1.0, 2.0, 1.0]);
     assert!((six_volumes(&mirrored) - 576.0).abs() < 1e-9);
 }
 
 #[test]
-fn parts_are_told_apart() {
+fn connected_parts_are_separated() {
     let one = MeshFile::parse(obj().as_bytes(), "box.obj").unwrap();
     let mut two = obj();
     let far = corners()
@@ -199,13 +199,13 @@ fn parts_are_told_apart() {
             .all(|part| part.points.len() == 8 && part.triangles.len() == 12)
     );
     assert_eq!(one.parts().len(), 1);
-    // Corners that are written twice are one place, also where one has a zero and the other a negative zero.
+    // Equal vertices are one, also with zero and negative zero.
     let touching = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -0.0 -0 0\nv 0 1 -0\nv -1 1 0\nf 1 2 3\nf 4 5 6\n";
     let touching = MeshFile::parse(touching.as_bytes(), "two.obj").unwrap();
     let parts = touching.parts();
     assert_eq!(parts.len(), 1);
     assert_eq!(parts[0].triangles.len(), 2);
-    // Triangles that share one corner are one part, whichever corner of theirs it is.
+    // Triangles that share any vertex are one part.
     for face in ["1 4 5", "4 2 5", "4 5 3"] {
         let points: String = (0..5).map(|k| format!("v {k} {} 0\n", k * k)).collect();
         let file = format!("{points}f 1 2 3\nf {face}\n");
@@ -215,27 +215,29 @@ fn parts_are_told_apart() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_the_file() {
-    let told = |bytes: &[u8], file: &str| MeshFile::parse(bytes, file).unwrap_err().to_string();
-    assert!(told(b"", "hand.fbx").contains("hand.fbx: is of no format that is read"));
-    assert!(told(b"v 0 0 0\nf 1 2 3\n", "a.obj").contains("line 2: `2` is none of the 1 points"));
-    assert!(told(b"v 0 0 nan\n", "a.obj").contains("line 1"));
-    assert!(told(b"v 0 0 0\n", "a.obj").contains("has no triangles"));
-    assert!(told(&binary_stl()[..300], "a.stl").contains("at least"));
+fn errors_name_the_file() {
+    let message = |bytes: &[u8], file: &str| MeshFile::parse(bytes, file).unwrap_err().to_string();
+    assert!(message(b"", "hand.fbx").contains("hand.fbx: is of no format that is read"));
+    assert!(
+        message(b"v 0 0 0\nf 1 2 3\n", "a.obj").contains("line 2: `2` is none of the 1 points")
+    );
+    assert!(message(b"v 0 0 nan\n", "a.obj").contains("line 1"));
+    assert!(message(b"v 0 0 0\n", "a.obj").contains("has no triangles"));
+    assert!(message(&binary_stl()[..300], "a.stl").contains("at least"));
     let dangling = dae().replace("url=\"#box\"", "url=\"#ball\"");
-    assert!(told(dangling.as_bytes(), "a.dae").contains("`#ball` is no id"));
+    assert!(message(dangling.as_bytes(), "a.dae").contains("`#ball` is no id"));
     let endless = dae().replace(
         "<node><translate>0 5 0</translate>",
         "<node id=\"n\"><instance_node url=\"#n\"/>",
     );
-    assert!(told(endless.as_bytes(), "a.dae").contains("nodes within nodes"));
+    assert!(message(endless.as_bytes(), "a.dae").contains("nodes within nodes"));
     let beyond = dae().replace("0 0 2 0 3 0 1 0", "0 0 2 0 3 0 8 0");
-    assert!(told(beyond.as_bytes(), "a.dae").contains("beyond the 8"));
+    assert!(message(beyond.as_bytes(), "a.dae").contains("beyond the 8"));
 }
 
-/// Each of 18 nodes shows the next one twice.
+/// Each of 18 nodes instantiates the next twice.
 #[test]
-fn few_lines_that_show_more_nodes_than_a_mesh_has_are_refused() {
+fn exponential_node_instances_are_rejected() {
     for last in ["", "<instance_geometry url=\"#box\"/>"] {
         let mut nodes = format!("<node id=\"n18\">{last}</node>");
         for k in 0..18 {
@@ -247,8 +249,8 @@ fn few_lines_that_show_more_nodes_than_a_mesh_has_are_refused() {
             "<instance_geometry url=\"#box\"/></node></node></visual_scene>",
             "<instance_node url=\"#n0\"/></node></node></visual_scene>",
         );
-        let told = MeshFile::parse(file.as_bytes(), "a.dae").unwrap_err();
-        assert!(told.to_string().contains("nodes within nodes"), "{told}");
+        let error = MeshFile::parse(file.as_bytes(), "a.dae").unwrap_err();
+        assert!(error.to_string().contains("nodes within nodes"), "{error}");
     }
 }
 
@@ -285,9 +287,9 @@ fn damaged_files_never_panic() {
     }
 }
 
-/// Programs put a checksum or notes behind the triangles that a binary STL announces, and break long lines of an OBJ.
+/// Exporters append a checksum or notes after the announced triangles of a binary STL, and break long lines of an OBJ.
 #[test]
-fn what_stands_behind_and_lines_that_go_on_make_no_difference() {
+fn trailing_bytes_and_continuations_are_accepted() {
     let mut longer = binary_stl();
     longer.extend([7; 120]);
     is_the_box(&MeshFile::parse(&longer, "box.stl").unwrap());
@@ -297,9 +299,9 @@ fn what_stands_behind_and_lines_that_go_on_make_no_difference() {
     is_the_box(&MeshFile::parse(tight.as_bytes(), "box.obj").unwrap());
 }
 
-/// Entities of entities could stand for any amount of memory.
+/// Nested entities could expand to any amount of memory.
 #[test]
-fn dae_with_a_document_type_is_refused() {
+fn dae_with_a_document_type_is_rejected() {
     let mut entities = String::from("<!ENTITY e0 'xxxxxxxxxx'>");
     for k in 1..9 {
         let before = format!("&e{};", k - 1).repeat(10);

@@ -1,12 +1,12 @@
-//! Promise: of an MJCF file that is kept apart which MuJoCo lets touch: a plane holds all that moves, the world is no
-//! neighbour of what stands on it, and pairs that the file names or whose bits do not meet are as it says.
+//! Promise: the enabled pairs of an MJCF model are those of MuJoCo. Planes collide with all moving bodies, the world is
+//! no neighbour of bodies on it, and contact pairs, excludes and bits apply.
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::problem::BodyKind;
 use kinopt::robot::{BaseJoint, Robot, Srdf};
 
-/// Three links of 0.4, 0.4 and 0.1 m along x that turn about y, half a metre above the floor that `world` may bring.
+/// Three links of 0.4, 0.4 and 0.1 m along x that rotate about y, 0.5 m above a floor that `world` may add.
 fn robot(world: &str, links: [&str; 3], contact: &str) -> Robot {
     let [a, b, c] = links;
     let text = format!(
@@ -30,9 +30,9 @@ const SIN_1: f64 = 0.841_470_984_807_896_5;
 const FLOOR: &str = r#"<geom name="floor" type="plane" size="0 0 .1" pos="0 0 .1"/>"#;
 
 #[test]
-fn a_plane_is_what_all_that_moves_stands_over() {
+fn plane_collides_with_all_moving_bodies() {
     let arm = robot(FLOOR, [""; 3], "");
-    // The hand and the forearm hang 0.9 and 0.8 m down a slope of 1 rad, the upper arm's end 0.4 m.
+    // The hand and the forearm are 0.9 and 0.8 m down a slope of 1 rad, the upper arm's end 0.4 m.
     let found = told(&arm, &[1.0, 0.0, 0.0]);
     let below = |length: f64| 0.5 - length * SIN_1 - 0.05 - 0.1;
     assert_eq!(found.len(), 2, "{found:?}");
@@ -41,13 +41,13 @@ fn a_plane_is_what_all_that_moves_stands_over() {
         assert!((distance - below(length)).abs() < 1e-12, "{distance}");
     }
     assert!(told(&arm, &[0.0; 3]).is_empty());
-    // Neither moves against the other: the slab is half in the floor.
+    // Neither moves relative to the other: the slab is half in the floor.
     let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
     assert!(told(&robot(&format!("{FLOOR}{slab}"), [""; 3], ""), &[0.0; 3]).is_empty());
-    // What stands on the world by itself stands there too, turned and moved.
+    // A plane of a static body counts as well, rotated and translated.
     let stand = r#"<body name="stand" pos="0 0 .1"><body pos="0 0 -1"><geom type="plane" size="1 1 1" pos="0 0 1"/></body></body>"#;
     assert_eq!(told(&robot(stand, [""; 3], ""), &[1.0, 0.0, 0.0]).len(), 2);
-    // Its x is down, so that the plane is 0.2 m under the ground.
+    // Its x axis points down, so the plane is 0.2 m below the ground.
     let turned = r#"<body name="stand" pos="0 0 .1" euler="0 90 0"><geom type="plane" size="1 1 1" pos=".3 0 0" zaxis="-1 0 0"/></body>"#;
     let found = told(&robot(turned, [""; 3], ""), &[1.0, 0.0, 0.0]);
     let depths: Vec<f64> = found.iter().map(|(_, _, distance)| *distance).collect();
@@ -58,14 +58,14 @@ fn a_plane_is_what_all_that_moves_stands_over() {
 }
 
 #[test]
-fn an_arm_keeps_over_the_plane() {
+fn arm_stays_above_the_plane() {
     let arm_of = |robot: &Robot| Arm::new(robot, "world", "tip").unwrap();
     let robot = robot(FLOOR, [""; 3], "");
     let checker = Checker::of(&robot).unwrap();
     let rest = robot.model().neutral();
     let plain = arm_of(&robot);
     let arm = arm_of(&robot).with_checker(&checker, &rest).unwrap();
-    // The forearm's end at (0.5, 0.18) is come to by an elbow at 0.11 m, in the floor, or high above it.
+    // The forearm's end at (0.5, 0.18) is reached with an elbow at 0.11 m, in the floor, or high above it.
     let start = [1.31, -1.47, 0.16];
     let target = plain.base_from_tool(&start).unwrap();
     assert!(!checker.collisions(&start).unwrap().is_empty());
@@ -76,7 +76,7 @@ fn an_arm_keeps_over_the_plane() {
 }
 
 #[test]
-fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
+fn plane_survives_copies_or_is_noted() {
     let arm = robot(FLOOR, [""; 3], "");
     let model = CollisionModel::of(&arm).unwrap();
     let text = serde_json::to_string(&model).unwrap();
@@ -84,17 +84,17 @@ fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
     let found = Checker::new(again).collisions(&[1.0, 0.0, 0.0]).unwrap();
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].second_kind, BodyKind::Link);
-    // Through the floor by hand.
+    // The pair with the floor can be disabled.
     assert!(model.is_checked("world", "c").unwrap());
     let model = model.with_ignored("c", "world").unwrap();
     assert!(!model.is_checked("c", "world").unwrap());
-    // Also by way of an SRDF file, in which the plane is its body's.
+    // Also through an SRDF file, which writes the plane's body.
     let srdf = Srdf::parse(&model.to_srdf(), "arm.srdf", &arm).unwrap();
     let again = CollisionModel::of(&arm).unwrap().with_srdf(&srdf);
     assert!(!again.is_checked("world", "c").unwrap() && again.is_checked("world", "b").unwrap());
     let found = Checker::new(model).collisions(&[1.0, 0.0, 0.0]).unwrap();
     assert_eq!(found.len(), 1);
-    // Of two planes that are one body's the pair is written once, and where the body has other shapes.
+    // A body with two planes, or with a plane and other shapes, is written once per pair.
     let ramp = r#"<geom name="ramp" type="plane" size="0 0 .1" pos="0 0 -1"/>"#;
     let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
     for beside in [ramp, slab] {
@@ -104,13 +104,13 @@ fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
         let of_c = |line: &&str| line.contains("\"world\"") && line.contains("\"c\"");
         assert_eq!(text.lines().filter(of_c).count(), 1, "{text}");
     }
-    // What stands as it does is no matter to it.
+    // Static bodies are not written.
     let stand = r#"<body name="stand" pos="1 0 .5"><geom type="box" size=".1 .1 .1"/></body>"#;
     let exclude = r#"<contact><exclude body1="world" body2="stand"/></contact>"#;
     let beside = robot(&format!("{FLOOR}{stand}"), [""; 3], exclude);
     let text = CollisionModel::of(&beside).unwrap().to_srdf();
     assert!(!text.contains("stand"), "{text}");
-    // Carried by a joint it would be a half-space that moves.
+    // A plane on a moving base would be a moving half-space.
     let carried = arm.with_base_joint(BaseJoint::FREE).unwrap();
     let model = CollisionModel::of(&carried).unwrap();
     let notes = model.notes().join("\n");
@@ -129,7 +129,7 @@ fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
     );
 }
 
-/// Both names of each pair.
+/// Names of each enabled pair.
 fn pairs(robot: &Robot) -> Vec<String> {
     let model = CollisionModel::of(robot).unwrap();
     let frames = model.model().frames();
@@ -143,8 +143,8 @@ fn pairs(robot: &Robot) -> Vec<String> {
 const SLAB: &str = r#"<geom name="slab" type="box" size=".1 .2 .05" pos=".3 0 .425"/>"#;
 
 #[test]
-fn the_world_is_no_neighbour_of_what_stands_on_it() {
-    // The slab's top is where the upper arm's axis is less 0.025 m, half its radius.
+fn world_is_no_neighbour_of_bodies_on_it() {
+    // The slab's top is 0.025 m, half the radius, below the upper arm's axis.
     let arm = robot(SLAB, [""; 3], "");
     assert_eq!(pairs(&arm), ["world-a", "world-b", "world-c", "a-c"]);
     let found = told(&arm, &[0.0; 3]);
@@ -152,17 +152,17 @@ fn the_world_is_no_neighbour_of_what_stands_on_it() {
         .iter()
         .find(|(first, second, _)| first == "world" && second == "a");
     assert!((of_a.unwrap().2 + 0.025).abs() < 1e-12, "{found:?}");
-    // Nor is what is welded to it.
+    // Nor is a body that is welded to the world.
     let stand = format!(r#"<body name="stand"><body name="top">{SLAB}</body></body>"#);
     assert!(pairs(&robot(&stand, [""; 3], "")).contains(&"top-a".to_owned()));
-    // `filterparent` says that there are no neighbours at all.
+    // `filterparent` disables the exclusion of neighbours.
     let all = r#"<option><flag filterparent="disable"/></option>"#;
     let expected = ["world-a", "world-b", "world-c", "a-b", "a-c", "b-c"];
     assert_eq!(pairs(&robot(SLAB, [""; 3], all)), expected);
 }
 
 #[test]
-fn pairs_are_as_contact_and_bits_say() {
+fn pairs_follow_contacts_and_bits() {
     let exclude = |a, b| format!(r#"<contact><exclude body1="{a}" body2="{b}"/></contact>"#);
     let excluded = robot(SLAB, [""; 3], &exclude("c", "a"));
     assert_eq!(pairs(&excluded), ["world-a", "world-b", "world-c"]);
@@ -170,7 +170,7 @@ fn pairs_are_as_contact_and_bits_say() {
     assert_eq!(pairs(&excluded), ["world-b", "world-c", "a-c"]);
     let excluded = robot(FLOOR, [""; 3], &exclude("world", "c"));
     assert_eq!(told(&excluded, &[1.0, 0.0, 0.0]).len(), 1);
-    // a meets what has bit 2, which c has; c meets nothing by itself, and b nothing of the world's.
+    // a collides with bit 2, which c has; c with nothing by itself, and b with nothing of the world.
     let bits = [
         r#"contype="4" conaffinity="2""#,
         r#"contype="8" conaffinity="8""#,
@@ -178,7 +178,7 @@ fn pairs_are_as_contact_and_bits_say() {
     ];
     assert_eq!(pairs(&robot(SLAB, bits, "")), ["a-c"]);
     assert_eq!(told(&robot(FLOOR, bits, ""), &[1.0, 0.0, 0.0]), []);
-    // What is named is kept, whatever the bits say, of neighbours too.
+    // Named pairs are enabled for any bits, also of neighbours.
     let named = [r#"name="ga" contype="4""#, r#"name="gb""#, ""];
     let pair = |a, b| format!(r#"<contact><pair geom1="{a}" geom2="{b}"/></contact>"#);
     assert!(pairs(&robot(SLAB, named, &pair("gb", "ga"))).contains(&"a-b".to_owned()));
@@ -194,7 +194,7 @@ fn pairs_are_as_contact_and_bits_say() {
 }
 
 #[test]
-fn what_is_not_kept_as_said_is_told() {
+fn unsupported_contacts_are_noted() {
     let noted = |robot: &Robot| -> String {
         let repairs: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
         repairs.join("\n")
@@ -225,10 +225,10 @@ fn what_is_not_kept_as_said_is_told() {
         ));
         assert!(told.contains(what), "{what}: {told}");
     }
-    // One of the two geoms of a link alone would touch.
+    // Only one of the two geoms of a link could collide.
     let two = r#"/><geom size=".05" contype="0" conaffinity="2" "#;
     let model = CollisionModel::of(&robot(SLAB, [two, "", ""], "")).unwrap();
-    // With the slab, and with c.
+    // With the slab and with c.
     let [note] = model.notes() else {
         panic!("{:?}", model.notes())
     };
@@ -238,9 +238,9 @@ fn what_is_not_kept_as_said_is_told() {
     );
 }
 
-/// What passes a plane may be kept over it again, and what it holds passes with it.
+/// A disabled pair with a plane can be enabled again, and applies to attached objects too.
 #[test]
-fn a_plane_that_a_link_passes_is_no_matter_to_what_it_holds() {
+fn attached_object_shares_disabled_plane_pairs() {
     use kinopt::collision::World;
     let arm = robot(FLOOR, [""; 3], "");
     let mut world = World::new();

@@ -1,4 +1,4 @@
-//! Promise: where the freedom of an arm has room between obstacles for a hair's breadth alone, which random attempts miss, it is found.
+//! Promise: null-space motion finds collision-free intervals between obstacles that are too narrow for random attempts.
 
 use kinopt::Arm;
 use kinopt::arm::Search;
@@ -9,14 +9,14 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
 
-/// How far the arm is from both of two balls, metres.
+/// Clearance of the arm from both spheres, metres.
 const ROOM: f64 = 3e-4;
 const BALL: f64 = 0.6;
 
 #[test]
-fn an_elbow_comes_between_two_balls() {
+fn elbow_fits_between_two_spheres() {
     let robot = robot("franka_panda");
     let model = robot.model();
     let bodies = CollisionModel::of(&robot).unwrap();
@@ -35,7 +35,7 @@ fn an_elbow_comes_between_two_balls() {
         let [shoulder, elbow, wrist] = ["link2", "link4", "link6"]
             .map(|name| placed[model.frame(name).unwrap().index()].translation);
         let away = (wrist - shoulder).cross(elbow - shoulder);
-        // An arm that is stretched has no elbow to speak of.
+        // A stretched arm has no defined elbow direction.
         if away.norm() < 0.02 || !checker.collisions(&q).unwrap().is_empty() {
             continue;
         }
@@ -49,14 +49,14 @@ fn an_elbow_comes_between_two_balls() {
                     .unwrap();
                 world
             };
-            // The nearest at which it is clear by so much.
+            // Nearest distance with the required clearance.
             let (mut near, mut far) = (0.0, 2.0);
             for _ in 0..40 {
                 let middle = 0.5 * (near + far);
                 let among = checker.clone().with_world(&ball(middle)).unwrap();
                 let among = among.with_margin(ROOM).unwrap();
-                let told = among.collisions(&q).unwrap();
-                match told.iter().any(|pair| pair.second == "ball") {
+                let reported = among.collisions(&q).unwrap();
+                match reported.iter().any(|pair| pair.second == "ball") {
                     true => near = middle,
                     false => far = middle,
                 }

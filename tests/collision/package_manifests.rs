@@ -1,4 +1,5 @@
-//! A mesh at `package://NAME/…` lies in the package whose `package.xml` states the name, whatever its folder is called.
+//! Promise: a mesh at `package://NAME/…` is found in the package whose `package.xml` has that name, whatever its folder
+//! is called.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
@@ -46,12 +47,12 @@ fn package_is_found_by_the_name_in_its_manifest() {
         write(&file, &robot(package));
         Robot::read(&file).unwrap()
     };
-    // The package that holds the file, and one beside it.
+    // The package of the file, and a sibling.
     for package in ["arm_support", "other"] {
         let model = CollisionModel::of(&read(package));
         assert_eq!(model.unwrap().objects().len(), 1, "{package}");
     }
-    // One in a folder that is named, or that folder itself.
+    // A package in a given folder, or that folder itself.
     for folder in ["elsewhere", "elsewhere/far-away"] {
         let robot = read("far");
         assert!(CollisionModel::of(&robot).is_err());

@@ -1,4 +1,4 @@
-//! Promise: in a world so many times as large all distances are so many times as long, whatever its obstacles are.
+//! Promise: in a scaled world all distances scale by the factor, for all kinds of obstacles.
 
 use kinopt::collision::{Shape, World, WorldError, separation};
 use kinopt::spatial::{Placement, Vector3};
@@ -10,7 +10,7 @@ fn at(x: f64, y: f64) -> Placement<f64> {
     Placement::new(turn, Vector3::new(x, y, 0.5))
 }
 
-/// One obstacle of each kind, three metres apart and more.
+/// One obstacle of each kind, at least 3 m apart.
 fn one_of_each() -> World {
     let corners =
         |x: f64| [[0.0; 3], [x, 0.0, 0.0], [0.0, x, 0.0], [0.0, 0.0, x]].map(Vector3::from);
@@ -37,7 +37,7 @@ fn one_of_each() -> World {
 }
 
 #[test]
-fn distances_are_as_many_times_as_long() {
+fn distances_scale_with_the_world() {
     let world = one_of_each();
     for times in TIMES {
         let scaled = world.scaled(times).unwrap();
@@ -64,7 +64,7 @@ fn distances_are_as_many_times_as_long() {
 }
 
 #[test]
-fn what_is_attached_stays_so_and_what_cannot_be_is_told() {
+fn attachment_is_kept_and_bad_scales_rejected() {
     let mut world = World::new();
     world
         .add_box("board", [0.1, 0.2, 0.3], at(0.0, 0.0))
@@ -76,10 +76,10 @@ fn what_is_attached_stays_so_and_what_cannot_be_is_told() {
     let off = board.placement.translation - at(0.2, 0.0).translation * 2.0;
     assert!(off.norm() < 1e-15);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let told = world.scaled(bad).unwrap_err().to_string();
+        let message = world.scaled(bad).unwrap_err().to_string();
         assert!(
-            told.contains("times") && told.contains("positive"),
-            "{told}"
+            message.contains("times") && message.contains("positive"),
+            "{message}"
         );
     }
     let far = world.scaled(1e-320).unwrap_err();

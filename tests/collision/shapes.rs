@@ -1,4 +1,4 @@
-//! Promise: a shape is checked when it is made, and what is wrong is named.
+//! Promise: shapes are validated on construction, and errors name the fault.
 
 use kinopt::collision::{Checker, Shape, ShapeError, World};
 use kinopt::robot::Robot;
@@ -9,8 +9,8 @@ use support::random::Random;
 #[test]
 fn lengths_are_positive_and_finite() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
-        let told = Shape::sphere(bad).unwrap_err().to_string();
-        assert!(told.contains("radius of the sphere"), "{told}");
+        let message = Shape::sphere(bad).unwrap_err().to_string();
+        assert!(message.contains("radius of the sphere"), "{message}");
         assert!(Shape::capsule(1.0, bad).is_err() && Shape::capsule(bad, 1.0).is_err());
         assert!(Shape::cylinder(1.0, bad).is_err() && Shape::cylinder(bad, 1.0).is_err());
         assert!(Shape::cuboid([1.0, bad, 1.0]).is_err());
@@ -33,7 +33,7 @@ fn points_in_a_plane_have_no_hull() {
 }
 
 #[test]
-fn an_ellipsoid_is_held_by_its_hull_which_is_hardly_larger() {
+fn ellipsoid_hull_is_tight() {
     let radii = [0.3, 0.05, 1.2];
     let hull = Shape::ellipsoid(radii).unwrap();
     let mut farthest = f64::NEG_INFINITY;
@@ -49,7 +49,7 @@ fn an_ellipsoid_is_held_by_its_hull_which_is_hardly_larger() {
                 scale * z * radii[2],
             )
         };
-        // A point of the ellipsoid is within, one that is 2 % further out is not.
+        // A point of the ellipsoid is inside, one 2 % farther out is not.
         let inside = hull.signed_distance(at(1.0));
         assert!(inside <= 1e-12, "{inside}");
         farthest = farthest.max(inside);
@@ -59,7 +59,7 @@ fn an_ellipsoid_is_held_by_its_hull_which_is_hardly_larger() {
 }
 
 #[test]
-fn ellipsoids_of_mjcf_keep_clear() {
+fn mjcf_ellipsoids_collide() {
     let text = r#"<mujoco><worldbody><body name="arm"><joint name="hinge" axis="0 0 1"/>
         <geom type="ellipsoid" size="0.5 0.1 0.1" pos="0.5 0 0"/></body></worldbody></mujoco>"#;
     let robot = Robot::parse_mjcf(text, "arm.xml").unwrap();
@@ -73,9 +73,9 @@ fn ellipsoids_of_mjcf_keep_clear() {
     assert_eq!(touching[0].second, "ball");
 }
 
-/// Below its lowest place a height field is solid as far down as its longer side is, whichever that is.
+/// Below its lowest point a height field is solid to the depth of its longer side.
 #[test]
-fn a_height_field_is_as_deep_as_its_longer_side() {
+fn height_field_depth_is_its_longer_side() {
     for (columns, rows, spacing) in [
         (2, 9, [1.0, 0.5]),
         (9, 2, [0.5, 1.0]),
@@ -97,9 +97,9 @@ fn a_height_field_is_as_deep_as_its_longer_side() {
     }
 }
 
-/// What lies in a shape lies in its box and in its ball; and neither is much larger than it must be.
+/// Points of a shape are in its bounding box and sphere, which are nearly tight.
 #[test]
-fn the_box_and_the_ball_of_a_shape_hold_it() {
+fn bounding_box_and_sphere_are_tight() {
     let corner = |k: u32| {
         let side = |bit| if k & bit == 0 { -0.4 } else { 0.2 };
         Vector3::new(0.5 * side(1), side(2), 2.0 * side(4))
@@ -138,7 +138,7 @@ fn the_box_and_the_ball_of_a_shape_hold_it() {
             assert!(away <= ball.radius + 1e-9, "{shape:?} {at:?}: {away}");
             farthest = farthest.max(away);
         }
-        // A box that is turned with what is in it holds all of its corners, and touches six sides.
+        // A rotated bounding box contains all its corners and is tight on six sides.
         for _ in 0..20 {
             let [turn, by] = [3.0, 1.0].map(|size| {
                 let v = random.vector(size);
@@ -175,9 +175,9 @@ fn the_box_and_the_ball_of_a_shape_hold_it() {
     }
 }
 
-/// Into how many triangles a face is cut does not say on which side of a corner a point is.
+/// The number of triangles at a vertex does not decide which side of it a point is on.
 #[test]
-fn a_corner_of_many_triangles_has_its_outside_where_it_is() {
+fn vertex_of_many_triangles_has_the_right_side() {
     let corners = [
         [1.0, 1.0, 1.0],
         [1.0, -1.0, -1.0],
@@ -186,7 +186,7 @@ fn a_corner_of_many_triangles_has_its_outside_where_it_is() {
     ];
     let [a, b, c, d] = corners.map(Vector3::from);
     for parts in [1_u32, 12] {
-        // The side from b to c is cut, and with it the two faces that meet there: from a, and from d.
+        // The side from b to c is split, and with it the two faces at it: from a, and from d.
         let cut = (0..=parts).map(|k| b + (c - b) * (f64::from(k) / f64::from(parts)));
         let vertices: Vec<Vector3<f64>> = [a, d].into_iter().chain(cut).collect();
         let (first, last) = (2, 2 + parts);
@@ -197,27 +197,27 @@ fn a_corner_of_many_triangles_has_its_outside_where_it_is() {
         let mesh = Shape::mesh(vertices, triangles).unwrap();
         for (corner, others) in [(a, [b, c, d]), (d, [a, b, c])] {
             let [p, q, r] = others;
-            // Outward normals of the three faces at the corner; what they span is nearest to it.
+            // Outward normals of the three faces at the corner; points in their cone are nearest to it.
             let normals = [[p, q, r], [q, r, p], [r, p, q]].map(|[x, y, z]| {
                 let normal = (x - corner).cross(y - corner);
                 let out = normal * -(z - corner).dot(normal).signum();
                 out * (1.0 / out.norm())
             });
             for k in 0..3 {
-                let way = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
-                let far = 0.01 / way.norm();
-                let told = mesh.signed_distance(corner + way * far);
-                assert!((told - 0.01).abs() < 1e-12, "{parts} {k}: {told}");
+                let direction = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
+                let far = 0.01 / direction.norm();
+                let reported = mesh.signed_distance(corner + direction * far);
+                assert!((reported - 0.01).abs() < 1e-12, "{parts} {k}: {reported}");
                 assert!(mesh.signed_distance(corner - corner * 0.01) < 0.0);
             }
         }
     }
 }
 
-/// A box whose triangles have their own corners each, off by roundings of up to a half of what counts as one: it has an inside, in
-/// which the distance is that of the box. Farther off it has none.
+/// A box whose triangles have separate vertices, displaced by up to half the merge tolerance, is closed and has the
+/// box's distances. With larger displacements it is open.
 #[test]
-fn corners_that_are_one_but_for_roundings_close_a_mesh() {
+fn vertices_within_rounding_close_a_mesh() {
     let half = [0.3, 0.5, 0.2];
     let corner = |k: u32| {
         [0, 1, 2].map(|axis| half[axis] * f64::from(u8::from(k >> axis & 1 == 1) * 2) - half[axis])
@@ -244,9 +244,9 @@ fn corners_that_are_one_but_for_roundings_close_a_mesh() {
     }
 }
 
-/// Which side is out is told by what a mesh encloses, of dice of a millimetre some kilometres away too.
+/// The enclosed volume decides which side is outside, also for cubes of 1 mm at kilometres from the origin.
 #[test]
-fn a_small_mesh_far_from_its_origin_has_an_inside() {
+fn small_mesh_far_from_the_origin_has_an_inside() {
     let mut random = Random::new(9);
     for _ in 0..20 {
         let middle = Vector3::from(random.vector(10_000.0));

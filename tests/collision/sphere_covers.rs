@@ -1,4 +1,4 @@
-//! Promise: the spheres of a link hold all of its shapes, and stick out no further than they say.
+//! Promise: the spheres of a link contain all its shapes and protrude no farther than reported.
 
 use kinopt::collision::{
     CollisionModel, CollisionObject, Resolution, Shape, ShapeKind, SphereModel,
@@ -10,7 +10,7 @@ use support::convex_shapes::Solid;
 use support::random::Random;
 use support::sample::{cases, part};
 
-/// A point on the surface of a shape, drawn without the library.
+/// Random point on the surface of a shape, independent of the library.
 fn on_surface(kind: &ShapeKind, random: &mut Random) -> Vector3<f64> {
     let direction = random.direction();
     let direction = Vector3::new(direction.x, direction.y, direction.z);
@@ -62,7 +62,7 @@ fn on_surface(kind: &ShapeKind, random: &mut Random) -> Vector3<f64> {
     }
 }
 
-/// That points on shapes and between two of them are in spheres, and points on spheres near shapes.
+/// Checks that points on and between points of shapes are inside spheres, and that points on spheres are near shapes.
 fn holds(model: &CollisionModel, spheres: &SphereModel, points: usize, random: &mut Random) {
     for group in spheres.groups() {
         let objects: Vec<_> = model.objects_of(group.link).collect();
@@ -107,7 +107,7 @@ fn holds(model: &CollisionModel, spheres: &SphereModel, points: usize, random: &
 }
 
 #[test]
-fn shipped_robots_lie_within_their_spheres() {
+fn spheres_cover_shipped_robots() {
     let robots = [
         "adept_cobra_s600",
         "aldebaran_nao",
@@ -139,7 +139,7 @@ pub(crate) fn one_link(
 }
 
 #[test]
-fn random_shapes_lie_within_their_spheres() {
+fn spheres_cover_random_shapes() {
     let mut random = Random::new(5);
     for case in 0..cases(60, 4) {
         let count = 1 + random.below(3);
@@ -165,7 +165,7 @@ fn random_shapes_lie_within_their_spheres() {
 }
 
 #[test]
-fn hulls_of_many_corners_lie_within_their_spheres() {
+fn spheres_cover_large_hulls() {
     let mut random = Random::new(6);
     for round in [1.0, 0.2, 0.01] {
         let corner = |_| {
@@ -186,7 +186,7 @@ fn hulls_of_many_corners_lie_within_their_spheres() {
 }
 
 #[test]
-fn spheres_stay_what_they_are() {
+fn sphere_shapes_are_kept() {
     let at = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
     let model = one_link([(Shape::sphere(0.25).unwrap(), at)]);
     let spheres = SphereModel::of(&model, Resolution::Overhang(0.5)).unwrap();
@@ -198,27 +198,27 @@ fn spheres_stay_what_they_are() {
 }
 
 #[test]
-fn capsules_get_no_more_spheres_than_they_need() {
-    // Neighbours may stand 2 √(0.12² − 0.1²) = 0.1327 apart, and the last ones 0.02 from the ends: 0.96 / 0.1327.
+fn capsule_cover_is_minimal() {
+    // Neighbours may be 2 √(0.12² − 0.1²) = 0.1327 apart, and the last ones 0.02 from the ends: 0.96 / 0.1327.
     let model = one_link([(Shape::capsule(0.1, 1.0).unwrap(), Placement::identity())]);
     let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
     assert_eq!(spheres.count(), 9);
 }
 
-/// About the middle of a section of 0.1 × 0.1 a sphere may have a radius of 0.1, of which the bar's corners leave it 0.1414 of its length:
-/// eight do. Found one by one they are up to some more than twice as many.
+/// A sphere of radius 0.1 in the axis of a section of 0.1 × 0.1 covers 0.1414 of the bar's length, so eight suffice. A
+/// greedy cover needs up to slightly more than twice as many.
 #[test]
-fn bars_get_few_more_spheres_than_they_need() {
+fn bar_cover_is_nearly_minimal() {
     let bar = Shape::cuboid([1.0, 0.1, 0.1]).unwrap();
     let model = one_link([(bar, Placement::identity())]);
     let spheres = SphereModel::of(&model, Resolution::Overhang(0.05)).unwrap();
     assert!((8..=20).contains(&spheres.count()), "{}", spheres.count());
 }
 
-/// Nine spheres stick out by e from a capsule of radius 0.1 and length 1, where (0.1 + e)² = 0.1² + ((1 − 2e) / 16)²: at its
-/// poles as far as where two of them meet. One that holds a capsule of length 0.01 sticks out by 0.005.
+/// Nine spheres protrude by e from a capsule of radius 0.1 and length 1, with (0.1 + e)² = 0.1² + ((1 − 2e) / 16)², at
+/// its poles as far as between them. One around a capsule of length 0.01 protrudes by 0.005.
 #[test]
-fn of_capsules_the_farthest_overhang_is_told() {
+fn protrusion_of_capsules_is_the_maximum() {
     let half = 0.5 * (0.2 + 1.0 / 64.0);
     let share: f64 = 63.0 / 64.0;
     let farthest = ((half * half + share * 0.25 / 64.0).sqrt() - half) / share;
@@ -232,40 +232,40 @@ fn of_capsules_the_farthest_overhang_is_told() {
     ] {
         let model = one_link(capsules);
         let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
-        let told = spheres.overhang();
-        assert!((told - expected).abs() < 1e-9, "{told} {expected}");
+        let reported = spheres.overhang();
+        assert!((reported - expected).abs() < 1e-9, "{reported} {expected}");
     }
 }
 
 #[test]
-fn the_same_twice() {
+fn cover_is_reproducible() {
     let model = CollisionModel::of(&robot("franka_panda")).unwrap();
     let twice = [0, 1].map(|_| SphereModel::of(&model, Resolution::Overhang(0.04)).unwrap());
     assert_eq!(twice[0], twice[1]);
 }
 
 #[test]
-fn what_is_no_fineness_is_refused() {
+fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let told = SphereModel::of(&model, Resolution::Overhang(bad))
+        let message = SphereModel::of(&model, Resolution::Overhang(bad))
             .unwrap_err()
             .to_string();
-        assert!(told.contains("overhang"), "{told}");
+        assert!(message.contains("overhang"), "{message}");
     }
     assert!(SphereModel::of(&model, Resolution::PerLink(0)).is_err());
 }
 
-/// Where links are spheres, an arm that looks at spheres alone knows what the shapes say, of chains of turns and slides about
-/// any axes, by kinematics of its own.
+/// For links that are spheres, sphere checks equal exact checks, on chains of revolute and prismatic joints about any
+/// axes.
 #[test]
-fn of_links_that_are_spheres_all_is_known() {
+fn sphere_links_are_checked_exactly() {
     use kinopt::Arm;
     use kinopt::collision::{Checker, World};
     use kinopt::model::Limits;
     use kinopt::spatial::rotation_exp;
     let mut random = Random::new(83);
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for case in 0..cases(60, 24) {
         let three = |random: &mut Random, size: f64| {
             let v = random.vector(size);
@@ -306,7 +306,7 @@ fn of_links_that_are_spheres_all_is_known() {
             let hills = Shape::height_field(heights, 4, [0.8; 2]).unwrap();
             let place = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
             world.add("hills", hills, place).unwrap();
-            // A mesh of more triangles than are looked at one by one.
+            // A mesh with more triangles than are checked one by one.
             let corner = |_| Vector3::from(random.direction().into_inner() * 0.3);
             let points: Vec<_> = (0..30).map(corner).collect();
             let hull = Shape::convex(&points).unwrap();
@@ -336,8 +336,8 @@ fn of_links_that_are_spheres_all_is_known() {
             arm.clear_by_spheres(&q, &mut clear).unwrap();
             let is_free = alone.collisions(&q).unwrap().is_empty();
             assert_eq!(clear[0], is_free, "{case}: {q:?}");
-            told[usize::from(is_free)] += 1;
+            reported[usize::from(is_free)] += 1;
         }
     }
-    assert!(told.iter().all(|count| *count > 40), "{told:?}");
+    assert!(reported.iter().all(|count| *count > 40), "{reported:?}");
 }

@@ -1,4 +1,4 @@
-//! Promise: sphere models are read and written as others have them.
+//! Promise: sphere models are read and written in the formats of other tools.
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel, World};
@@ -8,11 +8,11 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
+use crate::sphere_consistency::add_boxes;
 use crate::sphere_covers::one_link;
-use crate::spheres_change_no_answer::add_boxes;
 
-/// As in cuRobo's own files: nested, with comments, flow and block style, and a sphere that is turned off.
+/// As in cuRobo's files: nested, with comments, flow and block style, and a disabled sphere.
 const CUROBO: &str = "
 robot_cfg:
   kinematics:
@@ -49,7 +49,7 @@ fn curobo_spheres_are_read() {
     assert_eq!(hand.spheres[0].centre.to_array(), [0.0, 0.01, 0.03]);
     assert_eq!(spheres.pairs(), [[0, 1]]);
     // The hand is a capsule of radius 0.033 along y at z = 0.03: 0.05 - 0.033. The base is a box 0.14 high and 0.19
-    // wide, its middle at x = -0.035 and z = 0.07: 0.05 from the bottom, 0.12 - 0.05.
+    // wide, centred at x = -0.035 and z = 0.07: 0.05 from the bottom, 0.12 - 0.05.
     assert!(
         (spheres.overhang() - 0.07).abs() < 1e-12,
         "{}",
@@ -58,49 +58,51 @@ fn curobo_spheres_are_read() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn errors_name_the_line() {
     let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let told = |text: &str, file: &str| {
+    let reported = |text: &str, file: &str| {
         let read = SphereModel::parse(text.as_bytes(), file, &shapes);
         read.unwrap_err().to_string()
     };
     let head = "collision_spheres:\n";
-    assert!(told("a: 1\n", "s.yml").contains("s.yml: has no `collision_spheres`"));
+    assert!(reported("a: 1\n", "s.yml").contains("s.yml: has no `collision_spheres`"));
     assert!(
-        told(
+        reported(
             &format!("{head}  palm:\n    - {{center: [0, 0, 0], radius: 1}}\n"),
             "s.yml"
         )
         .contains("`palm`")
     );
     assert!(
-        told(
+        reported(
             &format!("{head}  hand:\n    - center: [0, 0]\n      radius: 1\n"),
             "s.yml"
         )
         .contains("line 3")
     );
     assert!(
-        told(
+        reported(
             &format!("{head}  hand:\n    - center: [0, 0, .nan]\n      radius: 1\n"),
             "s.yml"
         )
         .contains("three finite")
     );
     assert!(
-        told(
+        reported(
             &format!("{head}  hand:\n    - center: [0, 0, 0]\n"),
             "s.yml"
         )
         .contains("needs a `radius`")
     );
-    assert!(told("", "s.txt").contains(".yaml or .urdf"));
+    assert!(reported("", "s.txt").contains(".yaml or .urdf"));
     let cylinder = r#"<robot name="r"><link name="hand"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"#;
-    assert!(told(cylinder, "s.urdf").contains("`hand` has a collision shape that is no sphere"));
+    assert!(
+        reported(cylinder, "s.urdf").contains("`hand` has a collision shape that is no sphere")
+    );
 }
 
 #[test]
-fn both_formats_give_back_the_same_spheres() {
+fn both_formats_round_trip() {
     let path = "../models/franka_panda.urdf";
     let robot = robot("franka_panda");
     let shapes = CollisionModel::of(&robot).unwrap();
@@ -114,7 +116,7 @@ fn both_formats_give_back_the_same_spheres() {
     let spherised = spheres.spherised(&urdf, path).unwrap();
     let again = SphereModel::parse(spherised.as_bytes(), "s.urdf", &shapes).unwrap();
     assert_eq!(again.groups(), spheres.groups());
-    // All else is as it was.
+    // Everything else is unchanged.
     let read = Robot::parse(&spherised, "s.urdf").unwrap();
     assert_eq!(read.mimics(), robot.mimics());
     for frame in robot.model().frame_ids() {
@@ -125,7 +127,7 @@ fn both_formats_give_back_the_same_spheres() {
 }
 
 #[test]
-fn disabled_pairs_go_through_srdf() {
+fn disabled_pairs_round_trip_through_srdf() {
     let robot = robot("franka_panda");
     let shapes = CollisionModel::of(&robot).unwrap();
     let edited = shapes.clone().with_pairs_sampled(300, 3).unwrap();
@@ -135,7 +137,7 @@ fn disabled_pairs_go_through_srdf() {
         text.contains(r#"link1="link1" link2="link2" reason="Adjacent""#),
         "{text}"
     );
-    // Which joints do not make neighbours of is left out because somebody said so.
+    // Pairs that are disabled without being neighbours have the reason `User`.
     assert!(
         text.contains(r#"link1="base" link2="link5" reason="User""#),
         "{text}"
@@ -144,7 +146,7 @@ fn disabled_pairs_go_through_srdf() {
     assert_eq!(shapes.with_srdf(&srdf).pairs(), edited.pairs());
 }
 
-/// Spheres of a Panda, a third of each too small, as a file.
+/// Sphere file of a Panda, each sphere a third too small.
 fn small_spheres(shapes: &CollisionModel) -> String {
     let spheres = SphereModel::of(shapes, Resolution::Overhang(0.03)).unwrap();
     let mut text = "collision_spheres:\n".to_owned();
@@ -162,7 +164,7 @@ fn small_spheres(shapes: &CollisionModel) -> String {
 }
 
 #[test]
-fn what_spheres_leave_uncovered_is_told_and_never_less_than_it_is() {
+fn reported_gap_bounds_the_uncovered_part() {
     let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
     let text = small_spheres(&shapes);
     let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
@@ -172,7 +174,7 @@ fn what_spheres_leave_uncovered_is_told_and_never_less_than_it_is() {
         for object in shapes.objects_of(group.link) {
             let bounds = object.shape.bounding_sphere();
             for _ in 0..cases(20_000, 2_000) {
-                // Of points about the shape the nearest ones on it.
+                // Nearest points of the shape to random points around it.
                 let about = [(); 3].map(|()| bounds.radius * random.within(-1.2, 1.2));
                 let point = bounds.centre + Vector3::from(about);
                 let depth = -object.shape.signed_distance(point);
@@ -199,7 +201,7 @@ fn what_spheres_leave_uncovered_is_told_and_never_less_than_it_is() {
         );
     }
     assert!(small.gap() > 0.01);
-    // Those that cover leave none, of whatever shape.
+    // Spheres that cover a shape leave no gap, for any shape.
     for name in ["franka_panda", "universal_ur5e", "kuka_iiwa14"] {
         let shapes = CollisionModel::of(&robot(name)).unwrap();
         let spheres = SphereModel::of(&shapes, Resolution::Overhang(0.03)).unwrap();
@@ -209,13 +211,13 @@ fn what_spheres_leave_uncovered_is_told_and_never_less_than_it_is() {
 }
 
 #[test]
-fn an_arm_whose_spheres_leave_gaps_answers_by_its_shapes_all_the_same() {
+fn arm_with_incomplete_spheres_uses_shapes() {
     let robot = robot("franka_panda");
     let shapes = CollisionModel::of(&robot).unwrap();
     let shapes = shapes.with_pairs_sampled(300, 1).unwrap();
     let text = small_spheres(&shapes);
     let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
-    // What they leave is kept where they are.
+    // Gaps are stored with the spheres.
     assert!(small.gap() > 0.0);
     let json = serde_json::to_string(&small).unwrap();
     let again: SphereModel = serde_json::from_str(&json).unwrap();
@@ -247,9 +249,9 @@ fn an_arm_whose_spheres_leave_gaps_answers_by_its_shapes_all_the_same() {
     assert!(reached > 20, "{reached}");
 }
 
-/// Spheres on a capsule's axis that hold all of its side need not hold its round ends.
+/// Spheres on a capsule's axis that cover its side need not cover its ends.
 #[test]
-fn ends_of_a_capsule_that_stick_out_are_told() {
+fn uncovered_capsule_ends_are_reported() {
     let text = r#"<robot name="rod"><link name="rod"><collision><geometry><capsule radius="0.1" length="0.4"/></geometry></collision></link></robot>"#;
     let robot = Robot::parse(text, "rod.urdf").unwrap();
     let shapes = CollisionModel::of(&robot).unwrap();
@@ -259,7 +261,8 @@ fn ends_of_a_capsule_that_stick_out_are_told() {
         let text = format!("collision_spheres:\n  rod:\n{}", each.concat());
         SphereModel::parse(text.as_bytes(), "rod.yml", &shapes).unwrap()
     };
-    // Each holds 0.125 of the axis to either side, and all of it so. Ends are at 0.3, and the outer ones reach to 0.27, or to 0.31.
+    // Each covers 0.125 of the axis on either side, so the whole axis. The ends are at 0.3, and the outer spheres reach
+    // 0.27 or 0.31.
     assert!(
         (spheres(0.11).gap() - 0.03).abs() < 1e-3,
         "{}",
@@ -268,9 +271,9 @@ fn ends_of_a_capsule_that_stick_out_are_told() {
     assert_eq!(spheres(0.15).gap(), 0.0);
 }
 
-/// A mesh of two grains a metre apart, whose middle is nearer to the one that a sphere holds.
+/// A mesh of two grains 1 m apart, whose centre is nearer to the covered one.
 #[test]
-fn a_part_of_a_mesh_far_from_all_spheres_is_told() {
+fn far_uncovered_mesh_part_is_reported() {
     let grain = |base: f64, tip: f64| {
         let base = [[0.01, -0.01], [-0.01, -0.01], [0.0, 0.01]].map(|[y, z]| [base, y, z]);
         [base[0], base[1], base[2], [tip, 0.0, 0.0]].map(Vector3::from)
@@ -286,9 +289,9 @@ fn a_part_of_a_mesh_far_from_all_spheres_is_told() {
     assert!((0.08 - 1e-12..0.083).contains(&gap), "{gap}");
 }
 
-/// What a row of spheres holds of a capsule with no room to spare, it holds in any order.
+/// A row of spheres that covers a capsule exactly does so in any order.
 #[test]
-fn the_order_of_spheres_makes_no_difference() {
+fn sphere_order_does_not_matter() {
     let text = r#"<robot name="rod"><link name="rod"><collision><geometry><capsule radius="0.1" length="0.9"/></geometry></collision></link></robot>"#;
     let robot = Robot::parse(text, "rod.urdf").unwrap();
     let shapes = CollisionModel::of(&robot).unwrap();
@@ -310,10 +313,10 @@ fn the_order_of_spheres_makes_no_difference() {
     }
 }
 
-/// A checker's spheres cover what those of a file leave uncovered, and the sphere around a link's holds them as they are then: what it
-/// does not touch is not looked at any closer.
+/// A checker enlarges the spheres of a file to cover their gaps. The bounding sphere of a link contains the enlarged
+/// spheres.
 #[test]
-fn spheres_that_are_grown_stay_within_the_one_around_them() {
+fn enlarged_spheres_stay_in_their_bound() {
     let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
     let text = small_spheres(&shapes);
     let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
@@ -335,16 +338,16 @@ fn spheres_that_are_grown_stay_within_the_one_around_them() {
     }
 }
 
-/// A capsule is held only where both its caps are.
+/// A capsule is covered only if both caps are.
 #[test]
-fn a_capsule_whose_one_cap_sticks_out_is_not_held() {
+fn capsule_with_an_uncovered_cap_has_a_gap() {
     let robot = r#"<robot name="r"><link name="rod">
         <collision><geometry><cylinder radius="0.1" length="0.4"/></geometry></collision>
         <collision><origin xyz="0 0 0.2"/><geometry><sphere radius="0.1"/></geometry></collision>
         <collision><origin xyz="0 0 -0.2"/><geometry><sphere radius="0.1"/></geometry></collision></link></robot>"#;
     let robot = Robot::parse(robot, "rod.urdf").unwrap();
     let shapes = CollisionModel::of(&robot).unwrap();
-    // The middle one holds all between the caps, each of the others a cap.
+    // The middle sphere covers everything between the caps, each other one a cap.
     let middle = 0.05_f64.sqrt() + 1e-9;
     for ends in [vec![-0.2], vec![0.2], vec![-0.2, 0.2]] {
         let mut text = String::from("collision_spheres:\n  rod:\n");
@@ -356,13 +359,16 @@ fn a_capsule_whose_one_cap_sticks_out_is_not_held() {
         }
         let spheres = SphereModel::parse(text.as_bytes(), "rod.yml", &shapes).unwrap();
         let gap = if ends.len() == 2 { 0.0 } else { 0.3 - middle };
-        let told = spheres.gap();
-        assert!(told >= gap && told < gap + 2e-3, "{ends:?}: {told} {gap}");
+        let reported = spheres.gap();
+        assert!(
+            reported >= gap && reported < gap + 2e-3,
+            "{ends:?}: {reported} {gap}"
+        );
     }
 }
 
 #[test]
-fn spheres_beyond_the_largest_length_are_refused() {
+fn spheres_beyond_1e9_are_rejected() {
     let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
     for (from, to) in [
         ("0.12", "1e308"),

@@ -1,4 +1,4 @@
-//! Promise: what is dragged through a wall that is thinner than its steps stops at the wall, on its own side, and lies against it.
+//! Promise: a drag through a wall that is thinner than its steps stops at the near side, in contact with it.
 
 use kinopt::Problem;
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
@@ -8,14 +8,14 @@ use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 
-/// Of the ball, metres.
+/// Radius of the sphere, metres.
 const RADIUS: f64 = 0.02;
 const THICKNESS: f64 = 1e-3;
-/// Where the wall's near side is, metres along y.
+/// Near side of the wall, metres along y.
 const WALL: f64 = 0.1;
 
-/// Links in the plane, a metre together, with a ball at their end, drawn along x; a wall across its way; and where it stands after
-/// each frame in which it is dragged beyond.
+/// Positions of the tip after each frame of a drag beyond a wall. The tip is a sphere at the end of a planar chain of 1
+/// m, initially along x.
 fn dragged(links: usize) -> Vec<Vector3<f64>> {
     let mut builder = Model::builder("arm");
     let [x, y, z] = Vector3::UNITS;
@@ -49,17 +49,17 @@ fn dragged(links: usize) -> Vec<Vector3<f64>> {
     let places = (0..30).map(|frame| {
         let before = drag.q().to_vec();
         drag.advance();
-        let way = checker
+        let motion = checker
             .check_motion(&mut workspace, &before, drag.q())
             .unwrap();
-        assert_eq!(way.blocked_by, None, "frame {frame}");
+        assert_eq!(motion.blocked_by, None, "frame {frame}");
         kinematics.place(drag.q()).unwrap()[tip.index()].translation - y * from.y
     });
     places.collect()
 }
 
 #[test]
-fn what_is_dragged_through_a_thin_wall_lies_against_it() {
+fn drag_through_a_thin_wall_stops_at_it() {
     for links in [1, 3] {
         let places = dragged(links);
         for (frame, at) in places.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Promise: among obstacles a limit of time ends a search at the next look at the clock, which is never further than a group of
-//! attempts, and an observer at once; no time is measured for it.
+//! Promise: with obstacles a time limit ends a search at the next check of the clock, at most a group of attempts
+//! later, and an observer at once. The tests do not measure time.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -15,14 +15,19 @@ use kinopt::{Problem, Solver, Workspace};
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
 
-/// Lanes of the widest group: iterations in one lock step.
+/// Lanes of the widest SIMD group: iterations of one lockstep.
 const LOCK_STEP: usize = 8;
+<<<<<<< HEAD
 /// Attempts that are compared between two looks at the clock, and the most iterations of one.
 const COMPARED: (usize, usize) = (LOCK_STEP, 2);
+=======
+/// Attempts between two checks of the clock in a comparing search, and the largest number of iterations of one.
+const COMPARED: (usize, usize) = (16, 100);
+>>>>>>> t7renamed
 
-/// All above the Panda's base is filled: nothing that reaches is free.
+/// Checker with everything above the Panda's base filled: every reaching solution is in contact.
 fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
     let bodies = CollisionModel::of(robot).unwrap();
     let mut world = World::new();
@@ -39,7 +44,7 @@ fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
     }
 }
 
-/// A question that is answered where it starts, but for what is in the way, and no time for another.
+/// Solves a target at the start with contacts and no time.
 fn ends_at_once(search: Search, with_spheres: bool, most: (usize, usize)) {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let checker = all_blocked(&robot, with_spheres);
@@ -64,18 +69,18 @@ fn ends_at_once(search: Search, with_spheres: bool, most: (usize, usize)) {
             cut.attempts,
             cut.iterations
         );
-        // There is much to cut short.
+        // An unlimited search makes many more attempts.
         assert!(whole.attempts > 2 * cut.attempts, "{}", whole.attempts);
     }
 }
 
 #[test]
-fn an_arm_with_no_time_begins_no_further_attempt() {
+fn arm_with_zero_time_makes_no_further_attempt() {
     for with_spheres in [true, false] {
         for search in [Search::Start, Search::First] {
             ends_at_once(search, with_spheres, (1 + LOCK_STEP, LOCK_STEP));
         }
-        // What is compared with is gathered for the plain answer, and for the free one.
+        // The plain and the collision-free search each collect candidates.
         let (attempts, iterations) = COMPARED;
         let twice = (2 * attempts, 2 * attempts * iterations);
         ends_at_once(Search::Nearest, with_spheres, twice);
@@ -83,7 +88,7 @@ fn an_arm_with_no_time_begins_no_further_attempt() {
 }
 
 #[test]
-fn a_body_with_no_time_is_led_nowhere() {
+fn robot_with_zero_time_does_not_move() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let checker = all_blocked(&robot, false);
     let model = robot.model();
@@ -93,7 +98,7 @@ fn a_body_with_no_time_is_led_nowhere() {
         .place(&start)
         .unwrap()[tip.index()]
     .translation;
-    // Where it stands, so that only what it touches is left to do; and elsewhere.
+    // At its present pose, so that only contacts remain, and elsewhere.
     for target in [at, at + Vector3::new(0.1, 0.1, -0.2)] {
         let mut tasks = Problem::builder(model);
         tasks.parameters(robot.map().clone());
@@ -113,9 +118,9 @@ fn a_body_with_no_time_is_led_nowhere() {
     }
 }
 
-/// An observer that says stop is asked hardly more, wherever a search is: also where it is led out of what it touches.
+/// An observer's stop ends the search at once at any stage, also during depenetration.
 #[test]
-fn a_body_whose_observer_says_stop_is_led_no_further() {
+fn cancelled_depenetration_stops_at_once() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let checker = all_blocked(&robot, false);
     let model = robot.model();
@@ -135,9 +140,14 @@ fn a_body_whose_observer_says_stop_is_led_no_further() {
             }
         };
         let (start, mut workspace) = (model.neutral(), Workspace::new());
-        let told = Solver::default().solve_observed(&problem, &start, &mut workspace, &mut watch);
-        assert_eq!(told.unwrap().termination, Termination::Cancelled, "{stop}");
-        // Where goals are met one search ends and the next begins.
+        let reported =
+            Solver::default().solve_observed(&problem, &start, &mut workspace, &mut watch);
+        assert_eq!(
+            reported.unwrap().termination,
+            Termination::Cancelled,
+            "{stop}"
+        );
+        // One search ends and the next starts when required tasks are reached.
         assert!(seen <= stop + 1, "{seen} after {stop}");
     }
 }

@@ -1,5 +1,5 @@
-//! Promise: worlds come from our JSON and MoveIt's scenes as they stand there, go to JSON and back without a change,
-//! and what is wrong is named with its place.
+//! Promise: worlds are read from JSON files and MoveIt scenes as written, JSON round trips are exact, and errors name
+//! the location.
 
 use kinopt::collision::{Checker, Shape, ShapeKind, World, separation};
 use kinopt::spatial::{Placement, Vector3};
@@ -38,7 +38,7 @@ world:
 ";
 
 #[test]
-fn a_planning_scene_stands_as_it_says() {
+fn planning_scene_is_read() {
     let world = World::from_moveit(SCENE.as_bytes(), "scene.yaml").unwrap();
     let names: Vec<_> = world.obstacles().map(|o| o.name.as_str()).collect();
     assert_eq!(names, ["Can1", "shelf/0", "shelf/1", "pen"]);
@@ -66,7 +66,7 @@ fn a_planning_scene_stands_as_it_says() {
     assert_eq!(pen.placement.translation.to_array(), [0.0, 0.0, 0.1]);
 }
 
-/// One of every kind, at any place.
+/// One obstacle of every kind at random placements.
 fn any_world(random: &mut Random) -> World {
     let mut world = World::new();
     let tetrahedron: Vec<Vector3<f64>> =
@@ -98,7 +98,7 @@ fn any_world(random: &mut Random) -> World {
 }
 
 #[test]
-fn a_world_comes_back_from_its_own_text() {
+fn json_round_trip_is_exact() {
     let mut random = Random::new(5);
     for _ in 0..20 {
         let world = any_world(&mut random);
@@ -121,8 +121,8 @@ fn a_world_comes_back_from_its_own_text() {
 }
 
 #[test]
-fn what_is_wrong_in_json_is_named_with_its_place() {
-    let told = |text: &str| {
+fn json_errors_name_the_location() {
+    let reported = |text: &str| {
         World::from_json(text.as_bytes(), "w.json")
             .unwrap_err()
             .to_string()
@@ -201,27 +201,27 @@ fn what_is_wrong_in_json_is_named_with_its_place() {
             "one plane",
         ),
     ] {
-        let told = told(text);
+        let reported = reported(text);
         assert!(
-            told.starts_with("w.json: ") && told.contains(place) && told.contains(what),
-            "{text}: {told}"
+            reported.starts_with("w.json: ") && reported.contains(place) && reported.contains(what),
+            "{text}: {reported}"
         );
     }
 }
 
 #[test]
-fn what_is_wrong_in_a_scene_is_named_with_its_line() {
-    let told = |text: &str| {
+fn scene_errors_name_the_line() {
+    let message = |text: &str| {
         World::from_moveit(text.as_bytes(), "s.yaml")
             .unwrap_err()
             .to_string()
     };
-    let scene = |from: &str, to: &str| told(&SCENE.replacen(from, to, 1));
-    for (told, what) in [
-        (told("a: 1"), "no `world`"),
-        (told("a: [1"), "line "),
-        (told(""), "no YAML"),
-        (told("a: &b [1]\nworld: *b"), "line 2: aliases"),
+    let scene = |from: &str, to: &str| message(&SCENE.replacen(from, to, 1));
+    for (message, what) in [
+        (message("a: 1"), "no `world`"),
+        (message("a: [1"), "line "),
+        (message(""), "no YAML"),
+        (message("a: &b [1]\nworld: *b"), "line 2: aliases"),
         (scene("type: box", "type: cone"), "\"cone\" is not box"),
         (
             scene("[0.14, 0.03]", "[0.14]"),
@@ -246,15 +246,15 @@ fn what_is_wrong_in_a_scene_is_named_with_its_line() {
         (scene("id: Can1", "name: Can1"), "no `id`"),
     ] {
         assert!(
-            told.starts_with("s.yaml: ") && told.contains(what),
-            "{told} ({what})"
+            message.starts_with("s.yaml: ") && message.contains(what),
+            "{message} ({what})"
         );
     }
 }
 
-/// A primitive stands in its object, and turns with it.
+/// A primitive's pose is relative to its object.
 #[test]
-fn a_turned_object_of_a_planning_scene_takes_its_parts_along() {
+fn primitive_poses_are_relative_to_the_object() {
     let scene = "
 world:
   collision_objects:
@@ -265,7 +265,7 @@ world:
 ";
     let world = World::from_moveit(scene.as_bytes(), "scene.yaml").unwrap();
     let placed = world.obstacle("table").unwrap().placement;
-    // A quarter turn about z takes (0.5, 0.2) to (-0.2, 0.5), x to y, and what was turned z to x.
+    // A quarter turn about z takes (0.5, 0.2) to (-0.2, 0.5) and x to y; the primitive's rotation takes z to x.
     let off = placed.translation - Vector3::new(0.8, 0.5, 0.5);
     assert!(off.norm() < 1e-14, "{placed:?}");
     let [x, y, z] = Vector3::UNITS;
@@ -273,7 +273,7 @@ world:
     assert!((turned.x - y).norm() + (turned.y - z).norm() + (turned.z - x).norm() < 1e-14);
 }
 
-/// Objects of another frame.
+/// Objects in other frames.
 const FRAMES: &str = "
 fixed_frame_transforms:
   - header: {frame_id: world}
@@ -306,7 +306,7 @@ world:
 ";
 
 #[test]
-fn an_object_of_a_planning_scene_stands_in_its_frame_or_is_refused() {
+fn scene_objects_are_placed_in_their_frame() {
     let read = |text: &str| World::from_moveit(text.as_bytes(), "s.yaml");
     let world = read(FRAMES).unwrap();
     assert!(world.notes().is_empty());
@@ -319,29 +319,33 @@ fn an_object_of_a_planning_scene_stands_in_its_frame_or_is_refused() {
         world.obstacle("pen").unwrap().attached.as_deref(),
         Some("hand")
     );
-    let told = |from: &str, to: &str| read(&FRAMES.replacen(from, to, 1)).unwrap_err().to_string();
-    for (told, what) in [
+    let message =
+        |from: &str, to: &str| read(&FRAMES.replacen(from, to, 1)).unwrap_err().to_string();
+    for (message, what) in [
         (
-            told("frame_id: /camera", "frame_id: shelf"),
+            message("frame_id: /camera", "frame_id: shelf"),
             "\"ball\" stands in frame \"shelf\"",
         ),
         (
-            told("{frame_id: camera}", "{frame_id: other}"),
+            message("{frame_id: camera}", "{frame_id: other}"),
             "\"camera\"",
         ),
         (
-            told("{frame_id: hand}", "{frame_id: world}"),
+            message("{frame_id: hand}", "{frame_id: world}"),
             "in \"hand\" is not known",
         ),
-        (told("data: []", "data: [0, 1]"), "`octomap` holds cells"),
-        (told("translation: {x: 1", "translation: {u: 1"), "no `x`"),
+        (message("data: []", "data: [0, 1]"), "`octomap` holds cells"),
+        (
+            message("translation: {x: 1", "translation: {u: 1"),
+            "no `x`",
+        ),
     ] {
         assert!(
-            told.starts_with("s.yaml: ") && told.contains(what),
-            "{told} ({what})"
+            message.starts_with("s.yaml: ") && message.contains(what),
+            "{message} ({what})"
         );
     }
-    // A scene that names no frames stands in the world.
+    // A scene without frames is in world coordinates.
     let plain = SCENE.replacen(
         "- id: Can1",
         "- header: {frame_id: world}\n      id: Can1",
@@ -353,29 +357,29 @@ fn an_object_of_a_planning_scene_stands_in_its_frame_or_is_refused() {
         "- header: {frame_id: panda_link0}\n      id: Can1",
         1,
     );
-    let told = read(&elsewhere).unwrap_err().to_string();
+    let message = read(&elsewhere).unwrap_err().to_string();
     assert!(
-        told.contains("panda_link0") && told.contains("\"world\""),
-        "{told}"
+        message.contains("panda_link0") && message.contains("\"world\""),
+        "{message}"
     );
 }
 
-/// Pairs of links are the robot's affair: that they are passed over is told.
+/// Pairs of links belong to the robot: a note says that they are ignored.
 #[test]
-fn a_planning_scene_lets_touch_what_it_says_of_its_objects() {
+fn scene_matrix_allows_collisions_of_objects() {
     let read = |matrix: &str| {
         let text = format!("allowed_collision_matrix: {matrix}{SCENE}");
         World::from_moveit(text.as_bytes(), "s.yaml")
     };
     let links = "{entry_names: [a, b], entry_values: [[0, 1], [1, 0]]}";
     let world = read(links).unwrap();
-    let told = world.notes().join("\n");
+    let message = world.notes().join("\n");
     assert!(
-        told.contains("pairs of links") && told.contains("allowed_collision_matrix"),
-        "{told}"
+        message.contains("pairs of links") && message.contains("allowed_collision_matrix"),
+        "{message}"
     );
     assert_eq!(world.scaled(2.0).unwrap().notes(), world.notes());
-    // As lists, and as messages of ROS.
+    // As lists, and as ROS messages.
     let names = "entry_names: [panda_hand, Can1, shelf, gone]";
     let rows = [
         "[false, true, false, false]",
@@ -392,17 +396,20 @@ fn a_planning_scene_lets_touch_what_it_says_of_its_objects() {
         let may = |a: &str, b: &str| world.may_touch(a, b);
         assert!(may("Can1", "panda_hand") && may("shelf/0", "Can1") && may("shelf/1", "Can1"));
         assert!(!may("shelf/0", "panda_hand") && !may("pen", "Can1"));
-        // What is no more there, and what another robot has, is passed over, also after JSON.
+        // Entries of removed objects and of other robots' links are ignored, also after JSON.
         let again = World::from_json(world.to_json().as_bytes(), "w.json").unwrap();
         for mut world in [world, again] {
             world.remove("pen").unwrap();
             let panda = support::arms::robot("franka_panda");
             let checker = Checker::of(&panda).unwrap();
             checker.clone().with_world(&world).unwrap();
-            // What somebody else lets touch has to be there.
+            // Names in other permissions have to exist.
             world.allow_touch("Can1", "hnad").unwrap();
-            let told = checker.with_world(&world).unwrap_err().to_string();
-            assert!(told.contains("`hnad`") && told.contains("`hand`"), "{told}");
+            let message = checker.with_world(&world).unwrap_err().to_string();
+            assert!(
+                message.contains("`hnad`") && message.contains("`hand`"),
+                "{message}"
+            );
         }
     }
     let held = SCENE.replace(
@@ -419,18 +426,18 @@ fn a_planning_scene_lets_touch_what_it_says_of_its_objects() {
         "{entry_names: [a, b], entry_values: [[0, maybe], [1, 0]]}",
         "{entry_names: [a, a], entry_values: [[0, 1], [1, 0]]}",
     ] {
-        let told = read(wrong).unwrap_err().to_string();
+        let message = read(wrong).unwrap_err().to_string();
         assert!(
-            told.contains("line 1") && told.contains("entry_")
-                || told.contains("allowed_collision_matrix"),
-            "{told}"
+            message.contains("line 1") && message.contains("entry_")
+                || message.contains("allowed_collision_matrix"),
+            "{message}"
         );
     }
 }
 
-/// A mesh is as large as its file says, axis by axis.
+/// A mesh is scaled per axis.
 #[test]
-fn a_mesh_has_the_scale_that_is_asked_for() {
+fn mesh_is_scaled_per_axis() {
     let text = r#"{"meshes": [{"name": "roof", "scale": [2.0, 1.0, 0.5],
         "vertices": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], "triangles": [[0,2,1],[0,1,3],[1,2,3],[0,3,2]]}]}"#;
     let world = World::from_json(text.as_bytes(), "roof.json").unwrap();
@@ -440,7 +447,7 @@ fn a_mesh_has_the_scale_that_is_asked_for() {
 }
 
 #[test]
-fn a_file_that_is_written_is_read_again_and_says_so_in_its_name() {
+fn written_file_needs_json_extension() {
     let folder = std::env::temp_dir().join(format!("kinopt-worlds-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let world = any_world(&mut Random::new(6));
@@ -450,8 +457,8 @@ fn a_file_that_is_written_is_read_again_and_says_so_in_its_name() {
         assert_eq!(again.to_json(), world.to_json());
     }
     for name in ["world", "world.yaml"] {
-        let told = world.write(folder.join(name)).unwrap_err().to_string();
-        assert!(told.contains("must end in .json"), "{name}: {told}");
+        let message = world.write(folder.join(name)).unwrap_err().to_string();
+        assert!(message.contains("must end in .json"), "{name}: {message}");
         assert!(!folder.join(name).exists(), "{name}");
     }
     std::fs::remove_dir_all(folder).unwrap();

@@ -1,5 +1,5 @@
-//! Promise: obstacles are edited by name, every edit shows in the revision, copies stay as they were, and a name
-//! that is not there is told with those that are.
+//! Promise: obstacles are edited by name, every edit raises the revision, copies are independent, and unknown names are
+//! reported with the known ones.
 
 use kinopt::collision::{World, WorldError};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -37,17 +37,17 @@ fn obstacles_are_edited_by_name() {
         world.obstacles().map(|o| &*o.name).collect::<Vec<_>>(),
         ["ball"]
     );
-    // Those that are left to be told are counted.
-    let mut told = before.obstacles();
-    assert!(told.next().is_some());
-    assert_eq!(told.len(), 1);
-    // The copy is as it was.
+    // The iterator counts the remaining obstacles.
+    let mut reported = before.obstacles();
+    assert!(reported.next().is_some());
+    assert_eq!(reported.len(), 1);
+    // The copy is unchanged.
     assert_eq!(before.len(), 2);
     assert_eq!(before.obstacle("ball").unwrap().placement, at(1.0));
 }
 
 #[test]
-fn what_cannot_be_leaves_the_world_as_it_was() {
+fn invalid_edits_change_nothing() {
     let mut world = World::new();
     world.add_plane("floor", at(0.0)).unwrap();
     let revision = world.revision();
@@ -55,35 +55,41 @@ fn what_cannot_be_leaves_the_world_as_it_was() {
         world.add_sphere("floor", 1.0, at(0.0)),
         Err(WorldError::Taken(_))
     ));
-    let told = world
+    let message = world
         .add_sphere("ball", 0.0, at(0.0))
         .unwrap_err()
         .to_string();
     assert!(
-        told.contains("\"ball\"") && told.contains("radius"),
-        "{told}"
+        message.contains("\"ball\"") && message.contains("radius"),
+        "{message}"
     );
-    for told in [
+    for message in [
         world.move_to("wall", at(0.0)).unwrap_err(),
         world.remove("wall").unwrap_err(),
         world.attach("wall", "hand", at(0.0)).unwrap_err(),
         world.detach("wall", at(0.0)).unwrap_err(),
         world.obstacle("wall").unwrap_err(),
     ] {
-        let told = told.to_string();
-        assert!(told.contains("wall") && told.contains("floor"), "{told}");
+        let message = message.to_string();
+        assert!(
+            message.contains("wall") && message.contains("floor"),
+            "{message}"
+        );
     }
-    // What was never attached is nowhere to be taken from.
-    let told = world.detach("floor", at(0.0)).unwrap_err().to_string();
+    // An obstacle that was never attached cannot be detached.
+    let message = world.detach("floor", at(0.0)).unwrap_err().to_string();
     assert!(
-        told.contains("\"floor\"") && told.contains("attached"),
-        "{told}"
+        message.contains("\"floor\"") && message.contains("attached"),
+        "{message}"
     );
-    // Counts are said as people say them.
+    // Singular and plural are correct.
     let flat = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     let flat = flat.map(Vector3::from);
-    let told = world.add_convex("flat", &flat, at(0.0)).unwrap_err();
-    assert!(told.to_string().ends_with("lie in one plane"), "{told}");
+    let message = world.add_convex("flat", &flat, at(0.0)).unwrap_err();
+    assert!(
+        message.to_string().ends_with("lie in one plane"),
+        "{message}"
+    );
     let mirrored = Matrix3::from_columns(
         Vector3::new(-1.0, 0.0, 0.0),
         Vector3::new(0.0, 1.0, 0.0),

@@ -1,5 +1,5 @@
-//! Promise: cyclic coordinate descent turns each joint by its signed angle, never raises the cost,
-//! and serves tips, poses, sliding and coupled joints.
+//! Promise: cyclic coordinate descent rotates each joint by its signed angle and never increases the cost. It handles
+//! tips, poses, prismatic and mimic joints.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -29,7 +29,7 @@ fn reach_for(model: &Model, target: [f64; 3]) -> Problem {
 }
 
 #[test]
-fn a_target_to_the_right_turns_right() {
+fn rotation_follows_the_sign_of_the_angle() {
     for (limits, expected) in [(None, -0.7), (Some((-0.3, 2.0)), -0.3)] {
         let model = planar_arm(&[1.0], limits);
         let target = [f64::cos(-0.7), f64::sin(-0.7), 0.0];
@@ -41,10 +41,10 @@ fn a_target_to_the_right_turns_right() {
     }
 }
 
-/// Two links on x, target (0, 2): the outer joint turns by 90° + 26.57° (from (1, 0) onto (−1, 2)),
-/// then the inner one turns the tip that this gives onto the y axis.
+/// Two links on x, target (0, 2): the outer joint rotates by 90° + 26.57° (from (1, 0) to (−1, 2)), then the inner one
+/// rotates the resulting tip onto the y axis.
 #[test]
-fn a_sweep_goes_from_the_tip_to_the_root() {
+fn sweep_runs_from_tip_to_root() {
     let model = planar_arm(&[1.0, 1.0], None);
     let solution = one_sweep()
         .solve(&reach_for(&model, [0.0, 2.0, 0.0]), &[0.0; 2])
@@ -58,9 +58,9 @@ fn a_sweep_goes_from_the_tip_to_the_root() {
 
 /// Beyond both limits the nearer end is not the better one: the cost decides.
 #[test]
-fn a_clamped_turn_takes_the_better_end() {
+fn clamped_rotation_takes_the_better_limit() {
     let model = planar_arm(&[1.0], Some((-2.9, 0.2)));
-    // At 170° from x; the lower end, −166°, is 24° away from it, the upper one 158°.
+    // At 170° from x; the lower limit, −166°, is 24° away, the upper one 158°.
     let target = [f64::cos(2.96), f64::sin(2.96), 0.0];
     let solution = one_sweep()
         .solve(&reach_for(&model, target), &[0.1])
@@ -69,7 +69,7 @@ fn a_clamped_turn_takes_the_better_end() {
 }
 
 #[test]
-fn a_slider_slides_by_what_is_left_along_its_axis() {
+fn prismatic_joint_moves_along_its_axis() {
     let mut builder = Model::builder("gantry");
     let limits = Limits::new(-1.0, 1.0);
     let [x, y, z] = Vector3::UNITS;
@@ -86,7 +86,7 @@ fn a_slider_slides_by_what_is_left_along_its_axis() {
 }
 
 #[test]
-fn no_sweep_raises_the_cost() {
+fn no_sweep_increases_the_cost() {
     let model = planar_arm(&[0.6, 0.5, 0.4, 0.3], Some((-1.2, 0.9)));
     let mut random = Random::new(5);
     for _ in 0..50 {
@@ -104,9 +104,9 @@ fn no_sweep_raises_the_cost() {
     }
 }
 
-/// A follower at −0.5 of its master and a locked joint: only the master is a variable.
+/// A mimic joint of ratio −0.5 and a locked joint: only the source joint is a variable.
 #[test]
-fn coupled_and_locked_joints_keep_their_word() {
+fn coupled_and_locked_joints_are_respected() {
     let model = planar_arm(&[1.0, 0.8, 0.6], Some((-2.0, 2.0)));
     let [first, second, third] = [0, 1, 2].map(|k| model.joint(&format!("joint {k}")).unwrap());
     let map = ParameterMap::builder(&model).with_coupled(second, first, -0.5, 0.1);
@@ -137,10 +137,10 @@ fn rig(name: &str) -> Rig {
     Rig::read(format!("{models}/{name}/{name}.json")).unwrap()
 }
 
-/// One tip of each shipped rig to where a random pose within the limits has it: the method alone
-/// finds at least nine of ten, and what it says of the tip is true.
+/// One tip of each shipped rig with a target from a random pose within limits: the method alone reaches at least nine
+/// of ten, and reports the tip's error correctly.
 #[test]
-fn tips_of_the_shipped_rigs() {
+fn tips_of_shipped_rigs_are_reached() {
     for (name, tips) in [("robot-arm", 1), ("humanoid", 5)] {
         let rig = rig(name);
         let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
@@ -160,8 +160,8 @@ fn tips_of_the_shipped_rigs() {
                 .unwrap()
                 - target)
                 .norm();
-            let told = solution.tasks().next().unwrap().position_error().unwrap();
-            assert!((told - missed).abs() < 1e-12);
+            let reported = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((reported - missed).abs() < 1e-12);
             assert_eq!(solution.reached, missed <= 1e-6);
             assert!(within_limits(model, &solution));
             (reached, asked) = (reached + usize::from(solution.reached), asked + 1);
@@ -170,9 +170,9 @@ fn tips_of_the_shipped_rigs() {
     }
 }
 
-/// All five tips of the humanoid at once, from poses three tenths of the way to the limits.
+/// All five tips of the humanoid at once, from poses at 30 % of the way to the limits.
 #[test]
-fn five_tips_of_the_humanoid() {
+fn five_tips_of_the_humanoid_are_reached() {
     let rig = rig("humanoid");
     let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
     let neutral = model.neutral();
@@ -197,9 +197,9 @@ fn five_tips_of_the_humanoid() {
     assert!(reached >= 8, "{reached} of 10");
 }
 
-/// Pose tasks: a spherical wrist on a shoulder and an elbow, to poses that it can take.
+/// Pose tasks of an arm with a spherical wrist, a shoulder and an elbow, at reachable poses.
 #[test]
-fn poses_of_an_arm() {
+fn poses_of_an_arm_are_reached() {
     let mut builder = Model::builder("arm");
     let [x, y, z] = Vector3::UNITS;
     let limits = Limits::new(-2.8, 2.8);
@@ -238,7 +238,7 @@ fn poses_of_an_arm() {
 }
 
 #[test]
-fn targets_that_are_not_finite_end_as_such() {
+fn non_finite_targets_end_as_non_finite() {
     let model = planar_arm(&[1.0, 1.0], None);
     let mut builder = Problem::builder(&model);
     let task = builder.add(Point::new(model.frame("tip").unwrap(), [1.0, 1.0, 0.0]));
@@ -252,10 +252,10 @@ fn targets_that_are_not_finite_end_as_such() {
     assert!(Ccd::default().solve(&problem, &[f64::NAN, 0.0]).is_err());
 }
 
-/// A joint that can turn farther than right round, near the end of its range: the short way to the target
-/// leads out of it, the long way back does not.
+/// A joint with a range above one turn near the end of its range: the short rotation to the target leaves the range,
+/// the long one does not.
 #[test]
-fn the_other_way_round_is_taken_where_the_short_one_is_barred() {
+fn long_rotation_is_taken_if_the_short_is_blocked() {
     let model = planar_arm(&[1.0], Some((-1.0, 6.0)));
     let target = [f64::cos(0.3), f64::sin(0.3), 0.0];
     let solution = one_sweep().solve(&reach_for(&model, target), &[5.5]);
@@ -277,15 +277,15 @@ fn the_other_way_round_is_taken_where_the_short_one_is_barred() {
 }
 
 #[test]
-fn a_start_whose_error_overflows_is_not_the_last_attempt() {
-    // A slide so long that its square overflows at the start, and at most random places.
+fn overflowing_start_is_not_the_last_attempt() {
+    // A prismatic range whose square overflows at the start and at most random samples.
     let long = 2.5e154;
     let mut builder = Model::builder("slide");
     let axis = Vector3::new(1.0, 0.0, 0.0);
     let limits = Limits::new(-long, long);
     let slide = builder.prismatic("slide", None, Placement::identity(), axis, limits);
     let tip = builder.frame("tip", Some(slide), Placement::identity());
-    // Random places are drawn within a few times the model's size.
+    // Random samples are within a few times the model's size.
     let size = Placement::translation([0.0, long, 0.0].into());
     builder.frame("far", Some(slide), size);
     let model = builder.build().unwrap();
@@ -296,10 +296,10 @@ fn a_start_whose_error_overflows_is_not_the_last_attempt() {
     assert!(solution.reached && solution.attempts > 1, "{solution:?}");
 }
 
-/// One joint between a place and a direction that contradict each other: turned about z, the sum
-/// Σ w² |chord|² is least at the angle of Σ w² r² (cos, sin), r the lever, 1 for the direction.
+/// One joint between conflicting position and direction: rotated about z, the sum Σ w² |chord|² is minimal at the angle
+/// of Σ w² r² (cos, sin), with the lever r, which is 1 for the direction.
 #[test]
-fn places_and_directions_count_by_their_weights() {
+fn positions_and_directions_are_weighted() {
     let (lever, weight) = (0.7, 0.4);
     let model = planar_arm(&[lever], None);
     let (place, direction) = (0.5_f64, -0.3_f64);
@@ -322,9 +322,9 @@ fn places_and_directions_count_by_their_weights() {
     );
 }
 
-/// A joint that alone follows another one, the other way and half as far, is turned by what its leader turns.
+/// A mimic joint of ratio −½ outside its source joint's chain is moved by its source joint.
 #[test]
-fn a_follower_of_a_joint_elsewhere_is_turned_by_its_leader() {
+fn mimic_joint_moves_by_its_source_joint() {
     let mut builder = Model::builder("follower");
     let z = Vector3::new(0.0, 0.0, 1.0);
     let limits = Limits::new(-1.0, 1.0);
@@ -349,9 +349,9 @@ fn a_follower_of_a_joint_elsewhere_is_turned_by_its_leader() {
     }
 }
 
-/// One that follows by a ratio of 0 stands at its offset whatever it is asked for, and the joints before it make up for that.
+/// A mimic joint of ratio 0 stays at its offset, and the joints before it compensate.
 #[test]
-fn a_follower_that_its_leader_does_not_move_stands_still() {
+fn mimic_joint_of_ratio_zero_is_fixed() {
     let mut builder = Model::builder("follower");
     let z = Vector3::new(0.0, 0.0, 1.0);
     let limits = Limits::new(-2.0, 2.0);
@@ -375,9 +375,9 @@ fn a_follower_that_its_leader_does_not_move_stands_still() {
     }
 }
 
-/// Σ w² (s − d)² is least at the mean by weights, whatever they are.
+/// Σ w² (s − d)² is minimal at the weighted mean, for any weights.
 #[test]
-fn a_slide_goes_to_the_mean_of_what_it_is_asked_for() {
+fn prismatic_joint_moves_to_the_weighted_mean() {
     let mut builder = Model::builder("slide");
     let (x, limits) = (Vector3::new(1.0, 0.0, 0.0), Limits::new(-5.0, 5.0));
     let slide = builder.prismatic("slide", None, Placement::identity(), x, limits);
@@ -401,9 +401,9 @@ fn a_slide_goes_to_the_mean_of_what_it_is_asked_for() {
     );
 }
 
-/// What turns or slides up to its limit stands on it to the bit, however its way there is rounded.
+/// A joint that moves to its limit is exactly at it, despite rounding.
 #[test]
-fn a_limit_that_is_turned_to_is_met_exactly() {
+fn limit_is_reached_exactly() {
     let mut random = Random::new(3);
     for _ in 0..200 {
         let upper = random.within(0.1, 1.0);
@@ -420,9 +420,9 @@ fn a_limit_that_is_turned_to_is_met_exactly() {
     }
 }
 
-/// A pose that is asked of a tool is one asked of a frame where the tool is.
+/// A pose of a tool equals a pose of a frame at the tool.
 #[test]
-fn a_tool_is_a_frame_at_the_tip() {
+fn tool_equals_a_frame_at_the_tip() {
     let mut random = Random::new(47);
     let limits = Limits::new(-2.5, 2.5);
     let mut builder = Model::builder("arm");

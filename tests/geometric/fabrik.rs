@@ -1,4 +1,4 @@
-//! Promise: FABRIK keeps every length, arrives where it can, and knows beforehand where it cannot.
+//! Promise: FABRIK keeps every length, reaches reachable targets, and detects unreachable ones in advance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -16,8 +16,8 @@ use nalgebra as na;
 use support::random::Random;
 use support::{planar_arm, vector};
 
-/// The lecture's demo: joints at 0, 2, 3.5 and 4.5 on x reach for (3, 3) to 0.001. Its listing run in
-/// plain Python makes 14 passes and ends here.
+/// The lecture's demo: joints at 0, 2, 3.5 and 4.5 on x, target (3, 3), tolerance 0.001. Its listing in plain Python
+/// makes 14 passes and ends here.
 const DEMO: [[f64; 2]; 4] = [
     [0.0, 0.0],
     [1.808_501_001_284_189_1, 0.854_004_758_976_251_4],
@@ -34,7 +34,7 @@ fn lengths(points: &[Vector3<f64>]) -> Vec<f64> {
 }
 
 #[test]
-fn the_demo_of_the_lecture() {
+fn lecture_demo_is_reproduced() {
     let mut points = on_x(&[0.0, 2.0, 3.5, 4.5]);
     let done = fabrik(&mut points, Vector3::new(3.0, 3.0, 0.0), 1e-3, 50);
     assert_eq!((done.passes, done.span), (14, Span::Within));
@@ -44,9 +44,9 @@ fn the_demo_of_the_lecture() {
     }
 }
 
-/// The same chain as a model: the joints follow the points exactly, pass by pass.
+/// The same chain as a model: the joints match the points exactly in every pass.
 #[test]
-fn the_demo_on_a_model() {
+fn lecture_demo_on_a_model_is_reproduced() {
     let model = planar_arm(&[2.0, 1.5, 1.0], Some((-3.0, 3.0)));
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
@@ -64,20 +64,20 @@ fn the_demo_on_a_model() {
     }
 }
 
-/// The lecture's test compares with the whole length only, and runs out of passes here.
+/// The lecture's test compares with the total length only, and uses all its passes here.
 #[test]
-fn a_target_too_near_is_known_at_once() {
+fn too_near_target_is_detected_at_once() {
     let mut points = on_x(&[0.0, 2.0, 2.5, 3.0]);
     let done = fabrik(&mut points, Vector3::new(0.0, 0.4, 0.0), 1e-9, 50);
     assert_eq!(done.passes, 0);
     assert!(matches!(done.span, Span::TooNear(by) if (by - 0.6).abs() < 1e-12));
-    // The tip stays as near as it gets: 1 from the root, towards the target.
+    // The tip is as near as possible: at 1 from the root, towards the target.
     assert!((points[3] - Vector3::new(0.0, 1.0, 0.0)).norm() < 1e-12);
     assert!((done.miss - 0.6).abs() < 1e-12);
 }
 
 #[test]
-fn bare_chains_keep_their_lengths_and_arrive() {
+fn chains_keep_lengths_and_reach_targets() {
     let mut random = Random::new(7);
     let mut seen = [0; 3];
     for k in 0..300 {
@@ -100,7 +100,7 @@ fn bare_chains_keep_their_lengths_and_arrive() {
             assert!((now - was).abs() < 1e-12, "chain {k}");
         }
         assert!((points[0] - vector(root)).norm() == 0.0);
-        // What the triangle inequality says of a chain.
+        // Bounds of the triangle inequality for a chain.
         let total: f64 = before.iter().sum();
         let longest = before.iter().copied().fold(0.0, f64::max);
         let nearest = (2.0 * longest - total).max(0.0);
@@ -120,10 +120,9 @@ fn bare_chains_keep_their_lengths_and_arrive() {
     assert!(seen.iter().all(|&count| count > 10), "{seen:?}");
 }
 
-/// Five bones in space, several targets: what a caller sees between passes is the whole state, and
-/// each pass comes nearer.
+/// Five bones in space, random targets: the points between passes are the complete state, and each pass comes nearer.
 #[test]
-fn a_search_can_be_watched_pass_by_pass() {
+fn passes_can_be_observed() {
     let mut random = Random::new(11);
     for k in 0..100 {
         let mut start = vec![Vector3::zero()];
@@ -152,7 +151,7 @@ fn a_search_can_be_watched_pass_by_pass() {
 }
 
 #[test]
-fn degenerate_chains_are_left_alone() {
+fn degenerate_chains_are_unchanged() {
     let target = Vector3::new(1.0, 2.0, 3.0);
     for count in 0..2 {
         let mut points = on_x(&[0.0, 1.0][..count]);
@@ -160,13 +159,13 @@ fn degenerate_chains_are_left_alone() {
         assert_eq!(fabrik(&mut points, target, 1e-6, 10).passes, 0);
         assert_eq!(points, before);
     }
-    // All points in one place, and a target there.
+    // All points coincide with the target.
     let mut points = vec![target; 4];
     assert_eq!(fabrik(&mut points, target, 1e-6, 10).miss, 0.0);
 }
 
 #[test]
-fn out_of_reach_a_model_is_stretched_or_folded() {
+fn unreachable_target_stretches_or_folds() {
     let links = [1.6, 0.5, 0.3];
     let model = planar_arm(&links, None);
     let tip = model.frame("tip").unwrap();
@@ -192,9 +191,9 @@ fn out_of_reach_a_model_is_stretched_or_folded() {
     }
 }
 
-/// What is beyond a pin has no say in whether its target is near enough.
+/// Links beyond a pinned frame do not affect the test of its reach.
 #[test]
-fn a_joint_in_the_middle_of_a_chain_is_no_tip() {
+fn frame_in_mid_chain_ignores_later_links() {
     let mut builder = Model::builder("long forearm");
     let about_z = Vector3::new(0.0, 0.0, 1.0);
     let along_x = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
@@ -217,10 +216,10 @@ fn a_joint_in_the_middle_of_a_chain_is_no_tip() {
     assert!(solution.reached, "{}", solution.explain());
 }
 
-/// The left hand of the shipped humanoid to where a random pose within the limits has it: with
-/// restarts at least nine of ten.
+/// The left hand of the shipped humanoid with targets from random poses within limits: at least nine of ten with
+/// restarts.
 #[test]
-fn a_hand_of_the_humanoid() {
+fn hand_of_the_humanoid_is_reached() {
     let rig = humanoid();
     let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
     let hand = skeleton.bone("left_hand").unwrap();
@@ -245,7 +244,7 @@ fn a_hand_of_the_humanoid() {
     assert!(reached >= 9, "{reached} of 10");
 }
 
-/// Five tips at once: limits keep the passes from arriving, but they halve the miss at least.
+/// Five tips at once: limits prevent convergence, but the error is at least halved.
 #[test]
 fn five_tips_of_the_humanoid_come_nearer() {
     let rig = humanoid();
@@ -276,14 +275,14 @@ fn five_tips_of_the_humanoid_come_nearer() {
     }
 }
 
-/// Two hands on one trunk, of which one is off a little and the other, whose miss costs much more, is not: both are near enough a few passes
-/// later, at a greater cost than at first. The first place where they are is the answer.
+/// Two hands on one trunk: one slightly off its target, and another with a large weight on its target. Both are within
+/// tolerance a few passes later, at a higher cost than at first. The first such iterate is returned.
 #[test]
-fn an_arrival_that_costs_more_than_the_start_is_one() {
+fn success_with_a_higher_cost_is_returned() {
     let mut builder = Model::builder("fork");
-    let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
+    let (origin, z) = (Placement::identity(), Vector3::UNITS[2]);
     let link = Placement::translation(Vector3::UNITS[0]);
-    let trunk = builder.continuous("trunk", None, here, z);
+    let trunk = builder.continuous("trunk", None, origin, z);
     let tips = ["left", "right"].map(|name| {
         let elbow = builder.continuous(name, Some(trunk), link, z);
         builder.frame(format!("{name} hand"), Some(elbow), link)
@@ -331,13 +330,13 @@ fn humanoid() -> Rig {
     .unwrap()
 }
 
-/// Where several bones share a joint its place is the mean of what they ask for, wherever the figure
-/// stands: a few passes come to the same angles here and five metres away.
+/// A joint that several bones share moves to the mean of their positions, for any placement of the skeleton. A few
+/// passes give equal angles here and five metres away.
 #[test]
-fn a_figure_elsewhere_bends_alike() {
+fn placed_skeleton_bends_equally() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let away = Vector3::new(3.0, -4.0, 1.0);
-    let place = kinopt::spatial::Placement::translation(away);
+    let placement = kinopt::spatial::Placement::translation(away);
     let bent = |skeleton: &kinopt::Skeleton, shift: Vector3<f64>| {
         let mut builder = Problem::builder(skeleton.model());
         for (name, at) in [
@@ -356,7 +355,7 @@ fn a_figure_elsewhere_bends_alike() {
         few.solve(&problem, &skeleton.model().neutral()).unwrap().q
     };
     let here = bent(&rig.skeleton, Vector3::zero());
-    let there = bent(&rig.skeleton.placed(place).unwrap(), away);
+    let there = bent(&rig.skeleton.placed(placement).unwrap(), away);
     for (a, b) in here.iter().zip(&there) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }

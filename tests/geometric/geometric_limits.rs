@@ -1,5 +1,4 @@
-//! Promise: the geometric methods never leave the joint limits, not even between start and end, and
-//! say the truth about targets that they miss.
+//! Promise: geometric methods never violate joint limits, also between start and end, and report misses correctly.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -16,7 +15,7 @@ use nalgebra as na;
 use support::bones::RandomRig;
 use support::random::Random;
 
-/// Solves while watching that every iteration is within the bounds.
+/// Solves and checks that every iterate is within bounds.
 fn watched(solver: &dyn Geometric, problem: &Problem, start: &[f64]) -> Solution {
     let mut observe = |iteration: &Iteration<'_>| {
         let bounds = problem.lower().iter().zip(problem.upper());
@@ -29,14 +28,17 @@ fn watched(solver: &dyn Geometric, problem: &Problem, start: &[f64]) -> Solution
     solved.unwrap()
 }
 
-/// What holds of every solution, whose true misses are `missed`.
+/// Checks every solution against its true errors `missed`.
 fn check(name: &str, model: &Model, solution: &Solution, missed: &[f64]) {
     for (&value, limits) in solution.q.iter().zip(model.limits()) {
         assert!(limits.contains(value), "{name}");
     }
-    let told = solution.tasks().map(|task| task.position_error().unwrap());
-    for (told, missed) in told.zip(missed) {
-        assert!((told - missed).abs() < 1e-12, "{name}: {told} is {missed}");
+    let reported = solution.tasks().map(|task| task.position_error().unwrap());
+    for (reported, missed) in reported.zip(missed) {
+        assert!(
+            (reported - missed).abs() < 1e-12,
+            "{name}: {reported} is {missed}"
+        );
     }
     let cost = 0.5 * missed.iter().map(|m| m * m).sum::<f64>();
     assert!(
@@ -62,7 +64,7 @@ fn check(name: &str, model: &Model, solution: &Solution, missed: &[f64]) {
 }
 
 #[test]
-fn rigs_with_five_tips_near_and_far() {
+fn rigs_with_five_tips_stay_within_limits() {
     let solvers: [&dyn Geometric; 2] = [
         &Ccd::default().with_restarts(Restarts::default().with_attempts(3)),
         &Fabrik::default().with_restarts(Restarts::default().with_attempts(2)),
@@ -110,17 +112,17 @@ fn rigs_with_five_tips_near_and_far() {
     );
 }
 
-/// Where the tip of the arm below is. Turning about y by b lifts x towards −z.
+/// Tip position of the arm below. A rotation about y by b moves x towards −z.
 fn reach(lengths: [f64; 2], [a, b, c]: [f64; 3]) -> na::Vector3<f64> {
     let along = |b: f64| na::Vector3::new(b.cos(), 0.0, -b.sin());
     let flat = along(b) * lengths[0] + along(b + c) * lengths[1];
     na::Rotation3::from_axis_angle(&na::Vector3::z_axis(), a) * flat
 }
 
-/// Shoulder, elbow and tip: turn, lift and bend, with limits that random targets run into, farther
-/// than the arm is long and nearer than it folds.
+/// Shoulder, elbow and tip: turn, lift and bend. Random targets exceed the limits, are beyond the arm's length, or too
+/// near.
 #[test]
-fn an_arm_of_two_bones_with_limits() {
+fn two_bone_arm_stays_within_limits() {
     let lengths = [0.9, 0.4];
     let [x, y, z] = Vector3::UNITS;
     let still = Placement::identity();
@@ -136,7 +138,7 @@ fn an_arm_of_two_bones_with_limits() {
         let bend = builder.revolute("bend", Some(lift), elbow, y, bend);
         let tip = builder.frame("tip", Some(bend), Placement::translation(x * lengths[1]));
         let model = builder.build().unwrap();
-        // Every other target is one that the arm can reach.
+        // Every other target is reachable.
         let target = match k % 2 {
             0 => random.direction().into_inner() * random.within(0.1, 1.6),
             _ => {
@@ -173,9 +175,9 @@ fn an_arm_of_two_bones_with_limits() {
     );
 }
 
-/// As far from the start as a question lets them, to the bit, whether the target is reached or not.
+/// At most the move limit from the start, exactly, whether the target is reached or not.
 #[test]
-fn no_joint_goes_further_than_its_move() {
+fn move_limits_hold_exactly() {
     let solvers: [&dyn Geometric; 2] = [
         &Ccd::default().with_restarts(Restarts::default().with_attempts(3)),
         &Fabrik::default().with_restarts(Restarts::default().with_attempts(3)),
@@ -188,7 +190,7 @@ fn no_joint_goes_further_than_its_move() {
         let start = model.random_configuration(seed);
         let step = [0.02, 0.3][seed as usize % 2];
         let moves: Vec<f64> = start.iter().map(|_| random.within(0.0, step)).collect();
-        // A place that moves within these lead to, or one beyond.
+        // A position within these moves, or beyond them.
         let goal: Vec<f64> = (start.iter().zip(&moves).zip(model.limits()))
             .map(|((q, most), limits)| limits.clamp(q + random.within(-most, *most)))
             .collect();
@@ -216,7 +218,7 @@ fn no_joint_goes_further_than_its_move() {
 }
 
 #[test]
-fn a_limb_of_two_bones_keeps_to_its_moves() {
+fn two_bone_limb_keeps_move_limits() {
     let (x, y) = (Vector3::UNITS[0], Vector3::UNITS[1]);
     let mut builder = Model::builder("limb");
     let limits = Limits::new(-3.0, 3.0);
@@ -242,9 +244,9 @@ fn a_limb_of_two_bones_keeps_to_its_moves() {
     }
 }
 
-/// A ball, whose move is no range of a variable, is refused by name as any ball is.
+/// A move limit of a ball joint is no range of a variable: it is rejected by name like any ball joint.
 #[test]
-fn balls_are_refused_within_moves_too() {
+fn ball_joints_are_rejected_with_move_limits() {
     let mut builder = Model::builder("arm");
     let x = Vector3::UNITS[0];
     let ball = builder.ball("shoulder", None, Placement::identity(), x, None);

@@ -1,5 +1,5 @@
-//! Promise: a triangle of two bones has their lengths, and says by how much its target is too far or too near;
-//! as many attempts that agree as are asked for end a search.
+//! Promise: a two-bone triangle has the bones' lengths and reports by how much its target is too far or too near. The
+//! requested number of agreeing attempts ends a search.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
@@ -13,7 +13,7 @@ use support::planar_arm;
 use support::random::Random;
 
 #[test]
-fn sides_angles_and_what_is_missed_are_those_of_plane_geometry() {
+fn triangle_matches_plane_geometry() {
     let mut random = Random::new(3);
     let mut seen = [0; 3];
     for _ in 0..300 {
@@ -30,19 +30,22 @@ fn sides_angles_and_what_is_missed_are_those_of_plane_geometry() {
             _ => 0.0,
         };
         assert!((missed - expected).abs() < 1e-12);
-        let told = match found.span {
+        let reported = match found.span {
             Span::TooFar(by) => (0, by),
             Span::TooNear(by) => (1, by),
             Span::Within => (2, 0.0),
         };
-        seen[told.0] += 1;
-        assert!((told.1 - expected).abs() < 1e-12, "{told:?} {expected}");
+        seen[reported.0] += 1;
+        assert!(
+            (reported.1 - expected).abs() < 1e-12,
+            "{reported:?} {expected}"
+        );
         let (first, second) = (found.mid - root, found.tip - found.mid);
         assert!((first.norm() - upper).abs() < 1e-9 && (second.norm() - lower).abs() < 1e-9);
         let angle = |a: Vector3<f64>, b: Vector3<f64>| a.cross(b).norm().atan2(a.dot(b));
         assert!((angle(target - root, first) - found.swing).abs() < 1e-7);
         assert!((angle(first, second) - found.turn).abs() < 1e-7);
-        // Out towards the pole, in its plane.
+        // The bend is towards the pole, in its plane.
         let along = (target - root) * distance.recip();
         let aside = towards - along * along.dot(towards);
         let out = first - along * along.dot(first);
@@ -52,7 +55,7 @@ fn sides_angles_and_what_is_missed_are_those_of_plane_geometry() {
 }
 
 #[test]
-fn attempts_that_agree_are_counted_from_the_first() {
+fn agreeing_attempts_are_counted_from_the_first() {
     let model = planar_arm(&[0.5, 0.4], None);
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(model.frame("tip").unwrap(), [2.0, 0.3, 0.0]));
@@ -66,9 +69,9 @@ fn attempts_that_agree_are_counted_from_the_first() {
     }
 }
 
-/// A point with a target of its own goes there, whatever the points beyond it ask for.
+/// A frame with its own target reaches it, whatever frames beyond it require.
 #[test]
-fn a_point_held_inside_a_chain_stays() {
+fn pinned_frame_inside_a_chain_stays() {
     let mut builder = Model::builder("four links");
     let (z, limits) = (Vector3::new(0.0, 0.0, 1.0), Limits::new(-2.5, 2.5));
     let link = Placement::translation([1.0, 0.0, 0.0].into());
@@ -96,15 +99,15 @@ fn a_point_held_inside_a_chain_stays() {
     assert!(solution.iterations < 40, "{}", solution.iterations);
 }
 
-/// The side that a limb bends to is a direction: as good in metres as in any other unit.
+/// The bend direction has no size: it is equal in any unit of length.
 #[test]
-fn a_bend_has_no_size() {
+fn bend_direction_is_scale_invariant() {
     for unit in [1e-14, 1.0, 1e14] {
         for towards in [1e-3, 1.0, 1e3] {
             let target = Vector3::new(unit, 0.0, 0.0);
             let side = Vector3::new(0.3, -0.6, 0.8) * (towards * unit);
             let found = triangle(Vector3::zero(), [unit, unit], target, side);
-            // A triangle of equal sides, in the plane of the side.
+            // An equilateral triangle in the plane of the bend direction.
             let height = 0.75_f64.sqrt();
             let wanted = Vector3::new(0.5, -0.6 * height, 0.8 * height) * unit;
             assert!(

@@ -1,5 +1,5 @@
-//! Promise: two bones reach their target exactly, with the elbow on the side asked for, and say so
-//! where they cannot.
+//! Promise: the two-bone solver reaches targets exactly, with the elbow on the requested side, and reports unreachable
+//! ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Elbow, Fabrik, Geometric, GeometricError, Span, TwoBone, triangle};
@@ -29,7 +29,7 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 #[test]
-fn both_elbows_are_the_law_of_cosines() {
+fn both_elbows_follow_the_law_of_cosines() {
     let mut random = Random::new(1);
     for _ in 0..100 {
         let [upper, lower] = [random.within(0.2, 2.0), random.within(0.2, 2.0)];
@@ -54,7 +54,7 @@ fn both_elbows_are_the_law_of_cosines() {
 }
 
 #[test]
-fn the_triangle_keeps_its_lengths_in_space() {
+fn triangle_keeps_its_lengths_in_space() {
     let mut random = Random::new(2);
     for _ in 0..200 {
         let [upper, lower] = [random.within(0.1, 2.0), random.within(0.1, 2.0)];
@@ -67,11 +67,11 @@ fn the_triangle_keeps_its_lengths_in_space() {
         assert!(((mid - root).norm() - upper).abs() < 1e-9);
         assert!(((target - mid).norm() - lower).abs() < 1e-9);
         assert!((na::Vector3::from(solved.tip) - target).norm() < 1e-12);
-        // Out towards the pole, and in the plane of root, target and pole.
+        // The bend is towards the pole, in the plane of root, target and pole.
         let pole = pole - way * way.dot(&pole);
         assert!((mid - root).dot(&pole) >= 0.0);
         assert!((mid - root).dot(&way.cross(&pole)).abs() < 1e-9);
-        // The angles as they are measured between the bones.
+        // The reported angles equal those between the bones.
         let turn = (target - mid).angle(&(mid - root));
         assert!((solved.turn - turn).abs() < 1e-7);
         assert!((solved.swing - (mid - root).angle(&way)).abs() < 1e-7);
@@ -79,7 +79,7 @@ fn the_triangle_keeps_its_lengths_in_space() {
 }
 
 #[test]
-fn out_of_reach_is_stretched_or_folded() {
+fn unreachable_target_stretches_or_folds() {
     let mut random = Random::new(3);
     for _ in 0..100 {
         let links = [random.within(0.2, 2.0), random.within(0.2, 2.0)];
@@ -94,8 +94,8 @@ fn out_of_reach_is_stretched_or_folded() {
                 assert!(!solution.reached);
                 let tip = planar_tip(&links, &solution.q);
                 assert!(((tip - along * distance).norm() - miss).abs() < 1e-9);
-                let told = solution.tasks().next().unwrap().position_error().unwrap();
-                assert!((told - miss).abs() < 1e-9);
+                let reported = solution.tasks().next().unwrap().position_error().unwrap();
+                assert!((reported - miss).abs() < 1e-9);
                 assert!(solution.explain().starts_with("Not reached"));
             }
         }
@@ -103,7 +103,7 @@ fn out_of_reach_is_stretched_or_folded() {
 }
 
 #[test]
-fn a_hinge_that_bends_one_way_refuses_the_other() {
+fn one_sided_joint_rejects_the_other_elbow() {
     let mut builder = Model::builder("hinge");
     let (z, link) = (Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.0));
     let (turn, bend) = (Limits::new(-3.0, 3.0), Limits::new(0.0, 2.5));
@@ -121,10 +121,10 @@ fn a_hinge_that_bends_one_way_refuses_the_other() {
     assert!(solution.explain().contains("misses by"));
 }
 
-/// Turn, lift and bend, as most robots have them: the elbow's sign picks one of the two solutions,
-/// and of a pose's own sign the pose itself, but for half a turn of the base.
+/// Turn, lift and bend, as on most robots: the elbow's sign selects one of two solutions. The pose's own sign gives the
+/// pose, except for half a turn of the base.
 #[test]
-fn an_arm_on_a_turning_base() {
+fn arm_on_a_rotating_base_is_solved() {
     let mut builder = Model::builder("arm");
     let [x, y, z] = Vector3::UNITS;
     let still = Placement::identity();
@@ -149,7 +149,7 @@ fn an_arm_on_a_turning_base() {
             assert!(sign * bent >= 0.0);
             assert!((bent.abs() - wrapped(goal[2]).abs()).abs() < 1e-6);
         }
-        // Of the two ways round, facing the target or leaning back to it, the one that turns less.
+        // Of the two solutions, facing the target or leaning back, the one with the smaller rotation.
         let elbow = match wrapped(goal[2]) > 0.0 {
             true => Elbow::Positive,
             false => Elbow::Negative,
@@ -162,10 +162,10 @@ fn an_arm_on_a_turning_base() {
     assert!(near >= 90, "{near} of 100");
 }
 
-/// The shipped humanoid's arms and legs: with the pole at the elbow of a pose, that pose's target is
-/// reached again, elbow and all.
+/// Arms and legs of the shipped humanoid: with the pole at the elbow of a pose, that pose is reached again, including
+/// its elbow.
 #[test]
-fn a_limb_of_a_rig_follows_its_pole() {
+fn rig_limb_follows_its_pole() {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../models/humanoid/humanoid.json"
@@ -210,7 +210,7 @@ fn a_limb_of_a_rig_follows_its_pole() {
 }
 
 #[test]
-fn what_is_not_two_bones_is_refused_by_name() {
+fn chain_without_two_bones_is_rejected() {
     let three = planar_arm(&[1.0, 1.0, 1.0], None);
     let target = na::Vector3::new(1.0, 0.0, 0.0);
     let two_bone = TwoBone::new(Elbow::Positive);

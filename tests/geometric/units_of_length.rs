@@ -1,4 +1,4 @@
-//! Promise: a geometric method answers alike in any unit of length.
+//! Promise: geometric methods give equal results in any unit of length.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
@@ -7,9 +7,9 @@ use kinopt::ik::Restarts;
 use kinopt::task::{Point, Quantity};
 use support::bones::RandomRig;
 
-/// What stands at one place does so in any unit of length: the angles are the same.
+/// Positions scale with the unit, so angles are equal.
 #[test]
-fn the_unit_of_length_does_not_matter() {
+fn geometric_solvers_are_unit_invariant() {
     for seed in 0..6 {
         let solved = [-20, 0, 20].map(|power| {
             let unit = f64::powi(2.0, power);

@@ -37,7 +37,7 @@ fn posed(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
 }
 
 /// What is written is read again: the same armature, meshes and clips.
-fn comes_back(scene: &Scene) {
+fn assert_round_trip(scene: &Scene) {
     let options = WriteOptions::default();
     let bytes = gltf::to_bytes(scene, &options).unwrap();
     let again = gltf::from_bytes(&bytes, "again.glb", |_| unreachable!()).unwrap();
@@ -49,7 +49,7 @@ fn comes_back(scene: &Scene) {
 /// The numbers are those of another program, which reads the file and multiplies 4×4 matrices in
 /// double precision.
 #[test]
-fn a_fox_of_24_joints_and_three_clips() {
+fn fox_with_three_clips_equals_the_reference() {
     let Some(fox) = read("Fox.glb") else { return };
     assert_eq!(fox.armature.bones(), 26);
     let mesh = &fox.meshes[0].mesh;
@@ -110,11 +110,11 @@ fn a_fox_of_24_joints_and_three_clips() {
         let sum: Vec3 = positions.iter().sum();
         assert!((sum / 1728.0).distance(Vec3::from(mean)) < 1e-4, "{name}");
     }
-    comes_back(&fox);
+    assert_round_trip(&fox);
 }
 
 #[test]
-fn a_simple_skin_bends() {
+fn simple_skin_bends_as_specified() {
     let Some(scene) = read("SimpleSkin.gltf") else {
         return;
     };
@@ -132,11 +132,11 @@ fn a_simple_skin_bends() {
             "{vertex}: {found}"
         );
     }
-    comes_back(&scene);
+    assert_round_trip(&scene);
 }
 
 #[test]
-fn steps_lines_and_splines_of_another_program() {
+fn step_linear_and_cubic_clips_are_sampled() {
     let Some(scene) = read("interpolation_test.gltf") else {
         return;
     };
@@ -160,11 +160,11 @@ fn steps_lines_and_splines_of_another_program() {
         (spline - (6.0 + 4.0 * u * u * (3.0 - 2.0 * u))).abs() < 1e-4,
         "{spline}"
     );
-    comes_back(&scene);
+    assert_round_trip(&scene);
 }
 
 #[test]
-fn a_cube_with_two_morph_targets() {
+fn cube_with_two_morph_targets_is_posed() {
     let Some(scene) = read("AnimatedMorphCube.gltf") else {
         return;
     };
@@ -181,5 +181,5 @@ fn a_cube_with_two_morph_targets() {
     }
     assert_eq!(scene.meshes[0].tangents.len(), 24);
     assert_eq!(scene.clips[0].name(), "Square");
-    comes_back(&scene);
+    assert_round_trip(&scene);
 }

@@ -91,7 +91,7 @@ fn with_wave(bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_not_understood_stays_the_text_that_it_was() {
+fn unknown_content_keeps_its_text() {
     let (numbers, rest, _) = file();
     for before in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
         let after = text(&with_wave(&before));
@@ -137,7 +137,7 @@ fn buffers_keep_their_bytes() {
 }
 
 #[test]
-fn the_clip_is_read_again_behind_the_others() {
+fn added_clip_is_read_after_the_others() {
     let (numbers, rest, _) = file();
     for before in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
         let (old, new) = (scene(&before), scene(&with_wave(&before)));
@@ -155,7 +155,7 @@ fn the_clip_is_read_again_behind_the_others() {
 }
 
 #[test]
-fn a_second_clip_goes_behind_the_first() {
+fn second_clip_is_added_after_the_first() {
     let (numbers, rest, _) = file();
     let once = with_wave(&numbers.glb(&rest));
     let mut file = opened(&once);
@@ -167,7 +167,7 @@ fn a_second_clip_goes_behind_the_first() {
 }
 
 #[test]
-fn without_a_change_the_document_is_the_same() {
+fn unchanged_document_stays_the_same() {
     let (numbers, rest, _) = file();
     let glb = opened(&numbers.glb(&rest)).to_bytes().unwrap();
     let [old, new]: [Value; 2] =
@@ -177,7 +177,7 @@ fn without_a_change_the_document_is_the_same() {
 }
 
 #[test]
-fn chunks_of_other_kinds_stay() {
+fn chunks_of_other_kinds_are_kept() {
     let (numbers, rest, _) = file();
     // The last is filled up with zeros, as chunks end at multiples of four.
     for (length, chunk, kept) in [(4_u32, "ACMEfurs", "ACMEfurs"), (3, "ACMEfur", "ACMEfur\0")] {
@@ -193,7 +193,7 @@ fn chunks_of_other_kinds_stay() {
 
 /// Other programs write chunks whose length is no multiple of four.
 #[test]
-fn a_clip_stands_where_numbers_may_behind_a_buffer_of_any_length() {
+fn clip_after_a_buffer_of_any_length_is_aligned() {
     let (numbers, rest, _) = file();
     let whole = numbers.glb(&rest);
     let odd = [binary(&whole), &[9]].concat();
@@ -216,7 +216,7 @@ fn a_clip_stands_where_numbers_may_behind_a_buffer_of_any_length() {
 
 /// Where a clip leaves a node alone, its matrix is as good as ever.
 #[test]
-fn a_node_that_no_clip_moves_keeps_its_matrix() {
+fn node_without_animation_keeps_its_matrix() {
     let (numbers, rest) = small();
     let before = numbers.document(&rest);
     let matrix = r#""matrix":[2,0,0,0,0,2,0,0,0,0,2,0,1,2,3,1]"#;
@@ -236,7 +236,7 @@ fn a_node_that_no_clip_moves_keeps_its_matrix() {
 
 /// Only the one that grows is written anew.
 #[test]
-fn a_second_buffer_stays_the_text_that_it_was() {
+fn second_buffer_keeps_its_text() {
     let (numbers, rest, _) = file();
     let whole = numbers.glb(&rest);
     let other = r#"{ "uri" : "data:application/octet-stream;base64,AAAA" , "byteLength" : 3 }"#;
@@ -248,7 +248,7 @@ fn a_second_buffer_stays_the_text_that_it_was() {
 }
 
 #[test]
-fn a_name_that_is_taken_is_refused_with_all_that_are() {
+fn taken_clip_name_is_rejected_with_all_names() {
     let (numbers, rest, _) = file();
     let mut file = opened(&numbers.glb(&rest));
     let clip = wave(file.scene()).renamed("bend");
@@ -265,7 +265,7 @@ fn a_name_that_is_taken_is_refused_with_all_that_are() {
 }
 
 #[test]
-fn a_posed_file_shows_the_pose_where_no_clip_moves_it() {
+fn posed_file_has_the_pose_and_keeps_its_clips() {
     let (numbers, rest, _) = file();
     let mut file = opened(&numbers.glb(&rest));
     let old = file.scene().clone();
@@ -292,7 +292,7 @@ fn a_posed_file_shows_the_pose_where_no_clip_moves_it() {
 }
 
 #[test]
-fn files_beside_it_go_along_to_another_folder() {
+fn referenced_files_are_copied_to_another_folder() {
     let folder = Folder::new("beside");
     std::fs::create_dir(folder.path("elsewhere")).unwrap();
     let path = |file: &str| folder.path(file);
@@ -330,7 +330,7 @@ fn files_beside_it_go_along_to_another_folder() {
 
 /// Were it left out without a word, the new file would name what is not there.
 #[test]
-fn what_is_beside_it_and_cannot_be_read_is_named() {
+fn unreadable_referenced_file_is_named() {
     let folder = Folder::new("unread");
     for own in ["elsewhere", "coat.png"] {
         std::fs::create_dir(folder.path(own)).unwrap();
@@ -349,7 +349,7 @@ fn what_is_beside_it_and_cannot_be_read_is_named() {
 
 /// A binary file may have its buffer in its text all the same.
 #[test]
-fn a_buffer_that_is_text_in_a_binary_file_stays_that_text() {
+fn text_buffer_in_a_binary_file_keeps_its_text() {
     let folder = Folder::new("text-in-binary");
     let (numbers, rest) = small();
     let whole = numbers.document(&rest);
@@ -362,7 +362,7 @@ fn a_buffer_that_is_text_in_a_binary_file_stays_that_text() {
 }
 
 #[test]
-fn text_becomes_binary_and_back() {
+fn text_and_binary_files_are_converted() {
     let folder = Folder::new("kinds");
     let path = |file: &str| folder.path(file);
     let (numbers, rest, _) = file();

@@ -101,7 +101,7 @@ impl TwoJoints {
 }
 
 #[test]
-fn a_skin_follows_joints_from_where_it_was_bound() {
+fn skin_follows_joints_from_the_bind_pose() {
     let two = TwoJoints::new();
     let (numbers, rest) = two.file();
     let from_text = numbers.read(&rest);
@@ -144,7 +144,7 @@ fn a_skin_follows_joints_from_where_it_was_bound() {
 }
 
 #[test]
-fn dual_quaternions_pose_the_same_where_one_joint_moves_a_vertex() {
+fn skinning_methods_agree_for_single_joint_vertices() {
     let mut two = TwoJoints::new();
     two.weights = vec![
         [1.0, 0.0, 0.0, 0.0],
@@ -184,7 +184,7 @@ fn cubic_spline<const N: usize>(
 }
 
 #[test]
-fn cubic_splines_are_those_of_the_specification() {
+fn cubic_splines_equal_the_specification() {
     let mut numbers = Numbers::default();
     let times = numbers.floats(&[[1.0], [3.0]]);
     // Arriving tangent, value, leaving tangent; the first and the last are not used.
@@ -310,7 +310,7 @@ fn cubic_splines_are_those_of_the_specification() {
 }
 
 #[test]
-fn steps_hold_and_lines_run_straight() {
+fn step_and_linear_curves_equal_the_specification() {
     let mut numbers = Numbers::default();
     let times = numbers.floats(&[[0.0], [1.0], [4.0]]);
     let values = numbers.floats(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0]]);

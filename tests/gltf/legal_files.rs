@@ -17,7 +17,7 @@ fn changed(from: &str, to: &str) -> Scene {
 }
 
 #[test]
-fn a_scene_may_have_no_nodes() {
+fn scene_without_nodes_is_read() {
     let scene = changed(r#"{"nodes":[3]}"#, r#"{"name":"empty"}"#);
     assert_eq!((scene.armature.bones(), scene.meshes.len()), (4, 0));
     let noted = notes(&scene);
@@ -27,7 +27,7 @@ fn a_scene_may_have_no_nodes() {
 }
 
 #[test]
-fn a_channel_without_a_node_is_left_out() {
+fn channel_without_a_node_is_omitted() {
     let pointer =
         r#""target":{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/x"}}}"#;
     let without = [r#""target":{"path":"translation"}"#, pointer];
@@ -58,7 +58,7 @@ fn a_channel_without_a_node_is_left_out() {
 }
 
 #[test]
-fn a_channel_with_a_node_that_does_not_exist_is_refused() {
+fn channel_with_an_unknown_node_is_rejected() {
     for nobody in ["4", "4294967295"] {
         let (numbers, rest) = small();
         // Also beside one that has none.
@@ -81,7 +81,7 @@ fn a_channel_with_a_node_that_does_not_exist_is_refused() {
 }
 
 #[test]
-fn primitives_of_lines_and_points_are_left_out() {
+fn line_and_point_primitives_are_omitted() {
     let mut numbers = Numbers::default();
     let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let others = numbers.floats(&[[5.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
@@ -114,13 +114,13 @@ fn primitives_of_lines_and_points_are_left_out() {
 }
 
 #[test]
-fn a_texture_may_have_no_image() {
+fn texture_without_an_image_is_read() {
     let scene = changed(r#""scene":0"#, r#""textures":[{"sampler":0},{}],"scene":0"#);
     assert_eq!(scene.meshes.len(), 1);
 }
 
 #[test]
-fn an_extension_that_is_applied_is_not_said_to_be_left_out() {
+fn applied_extension_is_not_noted_as_omitted() {
     let scene = changed(
         r#""scene":0"#,
         r#""extensionsUsed":["KHR_mesh_quantization","KHR_xmp"],"extensionsRequired":["KHR_mesh_quantization"],"scene":0"#,
@@ -137,7 +137,7 @@ fn an_extension_that_is_applied_is_not_said_to_be_left_out() {
 }
 
 #[test]
-fn of_nodes_with_one_name_the_joint_keeps_it_then_what_is_animated() {
+fn repeated_name_is_kept_by_joint_then_animated_node() {
     let (numbers, rest) = small();
     // The mesh's node before the joint, and both called so; of the other two the animated one keeps it.
     let rest = rest
@@ -181,7 +181,7 @@ fn of_nodes_with_one_name_the_joint_keeps_it_then_what_is_animated() {
 }
 
 #[test]
-fn inverse_bind_matrices_that_are_not_finite_are_refused() {
+fn inverse_bind_matrices_not_finite_are_rejected() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for entry in 0..16 {
             let mut matrix = [

@@ -24,14 +24,14 @@ fn says(error: &str, words: &[&str]) {
 }
 
 #[test]
-fn the_small_file_is_right() {
+fn valid_small_file_is_read() {
     let (numbers, rest) = small();
     assert!(read(numbers.document(&rest).as_bytes()).is_ok());
     assert!(read(&numbers.glb(&rest)).is_ok());
 }
 
 #[test]
-fn the_document() {
+fn document_errors_are_named() {
     let versions = |to: &str| changed(r#""version":"2.0""#, to);
     says(&versions(r#""version":"1.0""#), &["asset", "1.0", "2.0"]);
     says(&versions(r#""version":"2.1","minVersion":"2.1""#), &["2.1"]);
@@ -62,7 +62,7 @@ fn the_document() {
 }
 
 #[test]
-fn the_container() {
+fn container_errors_are_named() {
     let (numbers, rest) = small();
     let good = numbers.glb(&rest);
     let with = |at: usize, word: u32| {
@@ -90,7 +90,7 @@ fn the_container() {
 }
 
 #[test]
-fn buffers() {
+fn buffer_errors_are_named() {
     let (numbers, rest) = small();
     let text = numbers.document(&rest);
     let start = text.find("data:").unwrap();
@@ -124,7 +124,7 @@ fn buffers() {
 }
 
 #[test]
-fn nodes() {
+fn node_errors_are_named() {
     let child = r#""name":"upper","#;
     says(
         &changed(child, r#""name":"upper","children":[9],"#),
@@ -174,7 +174,7 @@ fn nodes() {
 }
 
 #[test]
-fn skins_and_meshes() {
+fn skin_and_mesh_errors_are_named() {
     says(
         &changed(r#""joints":[1,0]"#, r#""joints":[1,7]"#),
         &["skins[0].joints[1]", "node 7"],
@@ -242,7 +242,7 @@ fn skins_and_meshes() {
 }
 
 #[test]
-fn accessors() {
+fn accessor_errors_are_named() {
     let mut numbers = Numbers::default();
     let view = numbers.view(&[0; 64]);
     let mesh = |accessor: &str| {
@@ -320,7 +320,7 @@ fn accessors() {
 }
 
 #[test]
-fn animations() {
+fn animation_errors_are_named() {
     says(
         &changed(r#""target":{"node":0,"#, r#""target":{"node":8,"#),
         &["animations[0].channels[0].target.node", "node 8"],
@@ -388,7 +388,7 @@ fn animations() {
 
 /// What a mesh without morph targets cannot follow.
 #[test]
-fn weights_without_targets() {
+fn weights_without_morph_targets_are_rejected() {
     let mut numbers = Numbers::default();
     let corners = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let ends = numbers.floats(&[[0.0], [1.0]]);
@@ -408,7 +408,7 @@ fn weights_without_targets() {
 }
 
 #[test]
-fn numbers_that_are_not_finite() {
+fn numbers_not_finite_are_rejected() {
     let refused = |positions: [[f32; 3]; 3], weights: [[f32; 4]; 3]| {
         let mut numbers = Numbers::default();
         let positions = numbers.floats(&positions);

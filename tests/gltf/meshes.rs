@@ -11,7 +11,7 @@ use kinopt::skinning::{MorphTargets, PosedVertices, SkinningMethod};
 use support::gltf_text::{Numbers, read};
 
 #[test]
-fn morph_targets_may_be_sparse_and_start_with_weights() {
+fn sparse_morph_targets_and_weights_are_read() {
     let mut numbers = Numbers::default();
     let corners = [
         [0.0, 0.0, 0.0],
@@ -136,7 +136,7 @@ fn morph_targets_may_be_sparse_and_start_with_weights() {
 }
 
 #[test]
-fn triangles_come_without_indices_and_as_fans() {
+fn triangles_without_indices_and_fans_are_read() {
     let mut numbers = Numbers::default();
     let corners = [
         [0.0, 0.0, 0.0],
@@ -169,7 +169,7 @@ fn triangles_come_without_indices_and_as_fans() {
 
 /// A corner that comes back after one or two others makes no triangle, and turns the ones behind it round.
 #[test]
-fn strips_are_stitched_by_triangles_without_area() {
+fn degenerate_triangles_stitch_strips() {
     let mut numbers = Numbers::default();
     let corners = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|x: f32| [x, x * x, 0.0]);
     let corners = numbers.floats(&corners);
@@ -184,7 +184,7 @@ fn strips_are_stitched_by_triangles_without_area() {
 
 /// Nothing of it is left over.
 #[test]
-fn a_mesh_without_primitives_has_no_joints() {
+fn mesh_without_primitives_has_no_joints() {
     let scene = Numbers::default()
         .read(r#""nodes":[{"name":"nothing","mesh":0}],"meshes":[{"primitives":[]}]"#);
     assert!(scene.notes.is_empty(), "{:?}", scene.notes);
@@ -192,7 +192,7 @@ fn a_mesh_without_primitives_has_no_joints() {
 }
 
 #[test]
-fn a_matrix_is_taken_apart() {
+fn matrix_is_decomposed() {
     let [scale, turn, place] = [
         DVec3::new(2.0, 3.0, 0.5),
         DVec3::new(0.6, -0.3, 0.2),
@@ -231,7 +231,7 @@ fn a_matrix_is_taken_apart() {
 }
 
 #[test]
-fn weights_are_put_right_and_that_is_said() {
+fn rescaled_weights_are_noted() {
     let mut numbers = Numbers::default();
     let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let joints = numbers.bytes(&[[0, 0, 0, 0], [0, 1, 0, 0], [1, 1, 0, 0]], "");
@@ -272,7 +272,7 @@ fn weights_are_put_right_and_that_is_said() {
 }
 
 #[test]
-fn weights_that_are_half_of_what_they_should_be_are_told_too() {
+fn weights_with_half_the_sum_are_noted() {
     let mut numbers = Numbers::default();
     let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let joints = numbers.bytes(&[[0; 4]; 3], "");
@@ -291,7 +291,7 @@ fn weights_that_are_half_of_what_they_should_be_are_told_too() {
 /// Bytes as fractions: of the signed ones the lowest stands for −1 as well (section 3.6.2.2). And the last
 /// entry of an interleaved view need not be followed by the room that is between the others.
 #[test]
-fn fractions_and_interleaved_entries() {
+fn normalised_and_interleaved_accessors_are_read() {
     let mut numbers = Numbers::default();
     let bytes = [-128_i8, -127, 127, 0, 64, 1, 127, 0, 0].map(|v| v as u8);
     let fractions = numbers.raw(&bytes, 5120, "VEC3", 3, r#","normalized":true"#);
@@ -333,7 +333,7 @@ fn fractions_and_interleaved_entries() {
 
 /// The values of a sparse accessor are read as the accessor's own are: whole numbers that stand for shares.
 #[test]
-fn sparse_values_may_be_normalized() {
+fn sparse_normalised_values_are_read() {
     let mut numbers = Numbers::default();
     let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let (places, values) = (numbers.view(&[1, 0]), numbers.view(&[51, 204, 0, 0]));
@@ -359,7 +359,7 @@ fn sparse_values_may_be_normalized() {
 
 /// Targets of a mesh of several primitives move each one's own vertices.
 #[test]
-fn morph_targets_move_the_vertices_of_their_primitive() {
+fn morph_targets_move_their_primitive_only() {
     let mut numbers = Numbers::default();
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let others = corners.map(|[x, y, z]: [f32; 3]| [x + 5.0, y, z]);
@@ -386,7 +386,7 @@ fn morph_targets_move_the_vertices_of_their_primitive() {
 
 /// Weights of a mesh of several primitives are those of each one's own vertices.
 #[test]
-fn weights_go_with_the_vertices_of_their_primitive() {
+fn weights_belong_to_their_primitive() {
     let mut numbers = Numbers::default();
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let others = corners.map(|[x, y, z]: [f32; 3]| [x + 5.0, y, z]);

@@ -7,7 +7,7 @@ use kinopt::io::rig::Rig;
 use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
 
 #[test]
-fn the_skin_goes_where_the_rig_s_does() {
+fn skin_of_the_scene_moves_as_that_of_the_rig() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
@@ -57,7 +57,7 @@ fn the_skin_goes_where_the_rig_s_does() {
 }
 
 #[test]
-fn bones_alone_are_a_scene_too() {
+fn skeleton_without_mesh_is_a_scene() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let scene = Scene::of_skeleton(&rig.skeleton, None).unwrap();
     let bytes = gltf::to_bytes(&scene, &WriteOptions::default()).unwrap();

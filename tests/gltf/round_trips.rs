@@ -305,7 +305,7 @@ fn again(scene: &Scene, options: &WriteOptions) -> Scene {
 }
 
 #[test]
-fn what_gltf_has_comes_back_to_the_bit() {
+fn representable_content_survives_bitwise() {
     let scene = scene();
     let read = again(&scene, &WriteOptions::default());
     assert_eq!(read.armature, scene.armature);
@@ -324,7 +324,7 @@ fn what_gltf_has_comes_back_to_the_bit() {
 }
 
 #[test]
-fn a_clip_gives_its_channels_back() {
+fn clip_returns_its_channels() {
     let scene = scene();
     for clip in &scene.clips {
         let mut builder = Clip::builder(clip.name(), &scene.armature);
@@ -343,7 +343,7 @@ fn a_clip_gives_its_channels_back() {
 }
 
 #[test]
-fn a_posed_mesh_comes_back_as_it_is() {
+fn posed_mesh_survives_a_round_trip() {
     let scene = scene();
     let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
     let posed = posing.mesh(&at(&scene, 0, 0.7)).unwrap();
@@ -358,7 +358,7 @@ fn a_posed_mesh_comes_back_as_it_is() {
 
 /// Whatever its bones are called.
 #[test]
-fn a_scene_whose_up_is_another_axis_stands_on_a_bone_more() {
+fn scene_with_another_up_axis_gets_an_extra_bone() {
     let bones = vec![
         bone("up", None, Vec3A::ZERO),
         bone("up'", Some(0), Vec3A::new(0.25, 0.0, 2.0)),
@@ -381,7 +381,7 @@ fn a_scene_whose_up_is_another_axis_stands_on_a_bone_more() {
 }
 
 #[test]
-fn what_cannot_be_written_or_posed_is_said() {
+fn unwritable_and_unposable_scenes_are_errors() {
     let refused = |change: &dyn Fn(&mut Scene), words: &[&str]| {
         let mut broken = scene();
         change(&mut broken);
@@ -446,7 +446,7 @@ fn what_cannot_be_written_or_posed_is_said() {
 }
 
 #[test]
-fn morph_targets_leave_alone_what_a_mesh_does_not_have() {
+fn morph_targets_ignore_absent_mesh_attributes() {
     let mut bare = scene();
     bare.meshes[1].tangents.clear();
     let read = again(&bare, &WriteOptions::default());
@@ -465,7 +465,7 @@ fn at_rate(keys_per_second: f32) -> WriteOptions {
 /// A glTF animation begins at 0 and ends with its last key: keys before a clip's start move all times, and where every bone
 /// turns one of them keeps its place to the clip's end.
 #[test]
-fn a_clip_lasts_as_long_as_it_did_wherever_its_keys_are() {
+fn clip_duration_is_kept_wherever_its_keys_are() {
     let mut scene = scene();
     let turning = |times: [f32; 2], span: [f32; 2]| {
         let mut builder = Clip::builder("turning", &scene.armature);

@@ -85,7 +85,7 @@ fn apart(one: &Scene, other: &Scene) -> [f32; 3] {
 }
 
 #[test]
-fn other_curves_are_sampled_at_the_rate() {
+fn unsupported_curves_are_sampled_at_the_rate() {
     let handle = |time, value| BezierHandle { time, value };
     let drawn = |value: Vec3A| {
         let handles = vec![
@@ -151,7 +151,7 @@ fn other_curves_are_sampled_at_the_rate() {
 
 /// A weight that stands still goes along with one that steps: it leaps where it leapt, at once.
 #[test]
-fn steps_beside_a_constant_stay_steps() {
+fn steps_beside_a_constant_weight_stay_steps() {
     for constant in [0, 1] {
         let scene = moving(|builder| {
             let steps = KeyedCurve::step(vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 0.25]).unwrap();
@@ -182,7 +182,7 @@ fn steps_beside_a_constant_stay_steps() {
 }
 
 #[test]
-fn a_clip_lasts_as_long_as_it_did() {
+fn clip_duration_is_kept() {
     let build = |start: f32, end: f32| {
         moving(|builder| {
             builder.span(start, end).unwrap();
@@ -203,7 +203,7 @@ fn a_clip_lasts_as_long_as_it_did() {
 /// Samples of turning angles are written on one side, for programs that take the way between quaternions as
 /// it is given.
 #[test]
-fn quaternions_of_angles_stay_on_one_side() {
+fn sampled_quaternions_keep_one_sign() {
     let angles = [0.0, 4.0, -3.0, 9.0].map(|turn| Vec3A::new(turn, 0.3 * turn, 0.1));
     let euler = EulerCurve {
         order: EulerOrder::Xyz,
@@ -241,7 +241,7 @@ fn at_rate(keys_per_second: f32) -> WriteOptions {
 
 /// What no curve moves stays as it is at rest while a weight beside it moves, whatever runs between that one's keys.
 #[test]
-fn a_weight_that_nothing_moves_stays_at_rest() {
+fn weight_without_curve_stays_at_rest() {
     let (times, values) = (vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 0.25]);
     let slopes = vec![[0.5, 0.5]; 3];
     for curve in [

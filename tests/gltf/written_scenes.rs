@@ -58,7 +58,7 @@ fn scene(armature: Armature, meshes: Vec<SceneMesh>) -> Scene {
 }
 
 #[test]
-fn skins_that_differ_in_one_thing_are_two() {
+fn skins_with_any_difference_are_written_apart() {
     let armature = armature();
     let own = || skin(&armature, &[1, 2]);
     let mut named = own();
@@ -86,7 +86,7 @@ fn skins_that_differ_in_one_thing_are_two() {
 
 /// A mesh without morph targets need not say of how many vertices they would be.
 #[test]
-fn no_morph_targets_are_of_any_size() {
+fn empty_morph_targets_may_have_any_size() {
     let armature = armature();
     let own = mesh("one", 1, &armature, skin(&armature, &[1, 2]));
     let bare = SceneMesh {
@@ -100,7 +100,7 @@ fn no_morph_targets_are_of_any_size() {
 
 /// Sixteen bits tell joints apart.
 #[test]
-fn more_joints_than_there_are_numbers_for_are_refused() {
+fn more_joints_than_sixteen_bits_are_rejected() {
     let armature = armature();
     let joints = 65_537;
     let many = skin(&armature, &vec![1; joints]);
@@ -112,7 +112,7 @@ fn more_joints_than_there_are_numbers_for_are_refused() {
 
 /// Also where a file names a child before its parent, so that what is written of it is read in its own order.
 #[test]
-fn meshes_come_in_the_order_of_their_bones() {
+fn meshes_are_ordered_by_their_bones() {
     let mut numbers = Numbers::default();
     let corners = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let mesh = |name: &str| {

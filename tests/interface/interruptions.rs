@@ -1,4 +1,4 @@
-//! Promise: a computation that is told to stop ends early, and one that is not is as without.
+//! Promise: a computation that is interrupted ends early; one that is not interrupted has the usual result.
 #![allow(clippy::unwrap_used)]
 
 use std::cell::Cell;
@@ -13,14 +13,14 @@ thread_local! {
     static CALLS: Cell<u32> = const { Cell::new(0) };
 }
 
-/// After so many calls.
-fn stopped() -> bool {
+/// Interrupts after 100 calls.
+fn interrupts() -> bool {
     CALLS.set(CALLS.get() + 1);
     CALLS.get() > 100
 }
 
 #[test]
-fn endless_computations_end_when_stopped() {
+fn endless_computations_end_when_interrupted() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let model = CollisionModel::of(&robot).unwrap();
     let builder = Arm::builder(&robot, "base", "flange").with_atlas(false);
@@ -28,21 +28,21 @@ fn endless_computations_end_when_stopped() {
     let start = vec![0.1; 7];
     let mut far = arm.base_from_tool(&start).unwrap();
     far.translation += Vector3::new(5.0, 0.0, 0.0);
-    let solution = interruptible(stopped, || arm.solve(far, &start)).unwrap();
+    let solution = interruptible(interrupts, || arm.solve(far, &start)).unwrap();
     assert!(!solution.reached);
     CALLS.set(0);
-    let sampled = interruptible(stopped, || model.clone().with_pairs_sampled(u64::MAX, 1));
+    let sampled = interruptible(interrupts, || model.clone().with_pairs_sampled(u64::MAX, 1));
     assert!(sampled.is_ok());
     CALLS.set(0);
-    // Its spheres are incomplete, and no use.
-    let _ = interruptible(stopped, || {
+    // Its spheres are incomplete and discarded.
+    let _ = interruptible(interrupts, || {
         SphereModel::of(&model, Resolution::PerLink(100_000_000))
     });
     assert!(CALLS.get() > 100);
 }
 
 #[test]
-fn computation_that_is_not_stopped_is_the_same() {
+fn uninterrupted_computation_is_unchanged() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let arm = Arm::builder(&robot, "base", "flange").build().unwrap();
     let target = arm.base_from_tool(&[0.3; 7]).unwrap();

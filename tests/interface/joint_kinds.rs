@@ -1,5 +1,4 @@
-//! Promise: what a kind of joint is stands in the files that CONTRIBUTING's page names and nowhere else; the rest asks
-//! the kind.
+//! Promise: only the files that CONTRIBUTING.md names contain knowledge about single kinds of joints.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
@@ -8,10 +7,10 @@ use std::path::Path;
 use kinopt::model::{JointKind, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 
-/// Where these tests run from the root.
+/// Path to the root from the folder in which these tests run.
 const ROOT: &str = "../";
 
-/// Every source below a folder that names one of some kinds, by its path from the root.
+/// Collects every source file below a folder that names one of the kinds, by its path from the root.
 fn naming(kinds: &[&str], folder: &Path, found: &mut BTreeSet<String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -30,11 +29,11 @@ fn naming(kinds: &[&str], folder: &Path, found: &mut BTreeSet<String>) {
 }
 
 #[test]
-fn a_kind_is_added_where_the_page_says() {
+fn joint_kinds_occur_only_where_documented() {
     let page = std::fs::read_to_string("../CONTRIBUTING.md").unwrap();
     let (_, page) = page.split_once("## A kind of joint").unwrap();
     let (page, _) = page.split_once("\n## ").unwrap();
-    // Those of one number first, then the one of four.
+    // First the kinds with one number, then the kind with four.
     let (of_one, of_several) = page.split_once("One of several numbers").unwrap();
     let of_one_number = &["Fixed", "Revolute", "Continuous", "Prismatic"][..];
     for (kinds, page) in [(of_one_number, of_one), (&["Ball"], of_several)] {
@@ -50,7 +49,7 @@ fn a_kind_is_added_where_the_page_says() {
 }
 
 #[test]
-fn a_kind_says_what_its_value_is() {
+fn joint_kind_describes_its_value() {
     let mut builder = Model::builder("one of each");
     let (at, axis) = (Placement::identity(), Vector3::UNITS[2]);
     builder.fixed("fixed", None, at);

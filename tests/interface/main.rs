@@ -1,8 +1,8 @@
-//! Promises of the whole interface: what all public types can do, and one policy for wrong input.
+//! Promises of the whole interface: traits of public types, and a single policy for invalid input.
 
 mod interruptions;
+mod invalid_numbers;
 mod joint_kinds;
 mod option_tables;
 mod public_types;
 mod serialised;
-mod wrong_numbers;

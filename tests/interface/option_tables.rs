@@ -1,9 +1,9 @@
-//! Promise: the tables of docs/reference/options.md name every option that a builder or a setter takes, and no others.
+//! Promise: the tables of docs/options.md name every option of a builder or setter, and no others.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
 
-/// What a section's table has in its column of Rust, between the signs for code.
+/// Names in code marks in the column `Rust` of a section's table.
 fn named(section: &str) -> BTreeSet<String> {
     let page = std::fs::read_to_string("../docs/reference/options.md").unwrap();
     let (_, part) = page.split_once(&format!("\n## {section}\n")).unwrap();
@@ -16,7 +16,7 @@ fn named(section: &str) -> BTreeSet<String> {
     names.map(str::to_owned).collect()
 }
 
-/// The public functions of a source, from the root, by how they begin, with what stands before them in the table.
+/// Public functions of a source file whose names have the given prefix. `before` is what precedes them in the table.
 fn public(source: &str, begin: &str, before: &str) -> BTreeSet<String> {
     let text = std::fs::read_to_string(format!("../{source}")).unwrap();
     let after = text.split("pub fn ").skip(1);
@@ -25,7 +25,7 @@ fn public(source: &str, begin: &str, before: &str) -> BTreeSet<String> {
     names.map(|name| format!("{before}{name}")).collect()
 }
 
-/// The two are the same but for what is named otherwise.
+/// Asserts that table and code name the same options, except for `besides`.
 fn assert_same(section: &str, sources: &[(&str, &str)], besides: &[&str]) {
     let setters = sources
         .iter()
@@ -37,7 +37,7 @@ fn assert_same(section: &str, sources: &[(&str, &str)], besides: &[&str]) {
 }
 
 #[test]
-fn the_tables_are_the_code() {
+fn option_tables_equal_the_code() {
     assert_same(
         "Arms",
         &[("src/arm/builder.rs", "")],
@@ -66,7 +66,7 @@ fn the_tables_are_the_code() {
 }
 
 #[test]
-fn problems_and_tasks_too() {
+fn problem_and_task_tables_equal_the_code() {
     let mut there = public("src/problem/builder.rs", "", "");
     there.remove("build");
     there.insert("keep_clear".to_owned());

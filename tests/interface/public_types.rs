@@ -1,5 +1,5 @@
-//! Promise: every public type can be printed, copied, shared between threads and sent to another; every
-//! error is one that `?` and `anyhow` take.
+//! Promise: every public type can be printed, copied, shared between threads and sent to another. Every error works
+//! with `?` and `anyhow`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::error::Error;
@@ -136,11 +136,11 @@ each! { value:
     task::Numeric<task::Point>, task::Inequality, task::Task<task::Point>, task::Within<task::Point>,
 }
 
-// Each holds a caller's memory as its own, which only one may at a time.
+// Each borrows the caller's memory exclusively.
 each! { shared:
     ik::SolutionDerivative<'static>, problem::Evaluation<'static>, skinning::PosedVertices<'static>,
 }
-// As those do, and a problem that any thread may have brought.
+// Like those, and it also borrows a problem of any kind.
 each! { shown: solver::Iterate<'static>, }
 
 each! { error:
@@ -168,13 +168,13 @@ each! { error:
 }
 
 #[test]
-fn methods_and_deformations_may_be_boxed_and_sent() {
+fn methods_and_deformations_can_be_boxed_and_sent() {
     fn sent<T: Send + ?Sized>() {}
     sent::<dyn solver::AnyMethod>();
     sent::<Box<dyn skinning::Deformation + Send>>();
 }
 
-/// The names of types that a folder's sources have in their interface: `pub` is said of nothing else (`unreachable_pub`).
+/// Names of the types in the interface of a folder's sources: only these are `pub` (`unreachable_pub`).
 fn declared(folder: &Path, found: &mut Vec<String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -194,7 +194,7 @@ fn declared(folder: &Path, found: &mut Vec<String>) {
 }
 
 #[test]
-fn no_public_type_is_missing_above() {
+fn every_public_type_is_listed() {
     let above = include_str!("public_types.rs");
     // The bridge to argmin has tests of its own (`examples/argmin/tests`), with its feature.
     let words = above.split(|c: char| !c.is_alphanumeric()).chain(BRIDGE);
@@ -206,7 +206,7 @@ fn no_public_type_is_missing_above() {
     assert!(found.is_empty(), "{found:?} are to be listed above");
 }
 
-/// Pinned in `examples/argmin/tests/bridge/promises.rs`.
+/// Tested in `examples/argmin/tests/bridge/promises.rs`.
 const BRIDGE: [&str; 4] = [
     "BoundedProblem",
     "UnboundedProblem",

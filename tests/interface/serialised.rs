@@ -1,5 +1,5 @@
-//! Promise: models, skeletons, options, solutions and clips go through serde and back bit for bit, and what
-//! is read is checked as what is built is.
+//! Promise: models, skeletons, options, solutions and clips survive serde bitwise. Deserialised values are validated
+//! like built ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Debug;
@@ -34,20 +34,20 @@ use support::planar_arm;
 use support::random::Random;
 use support::trees::RandomTree;
 
-fn again<T: Serialize + DeserializeOwned>(value: &T) -> T {
+fn round_trip<T: Serialize + DeserializeOwned>(value: &T) -> T {
     serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
 }
 
-fn same<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
-    assert_eq!(again(value), *value);
+fn assert_round_trip<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
+    assert_eq!(round_trip(value), *value);
 }
 
 fn bits(q: &[f64]) -> Vec<u64> {
     q.iter().map(|value| value.to_bits()).collect()
 }
 
-fn same_model(model: &Model) {
-    let read = again(model);
+fn assert_model_round_trip(model: &Model) {
+    let read = round_trip(model);
     assert_eq!(read.joints(), model.joints());
     assert_eq!(read.frames(), model.frames());
     assert_eq!(read.loops(), model.loops());
@@ -68,15 +68,15 @@ fn same_model(model: &Model) {
 }
 
 #[test]
-fn models_and_skeletons() {
+fn models_and_skeletons_survive_serde() {
     for seed in 0..20 {
-        same_model(&RandomTree::new(seed, 9).model);
+        assert_model_round_trip(&RandomTree::new(seed, 9).model);
         let skeleton = RandomRig::new(seed).skeleton;
-        let read: Skeleton = again(&skeleton);
+        let read: Skeleton = round_trip(&skeleton);
         assert_eq!(read.bones(), skeleton.bones());
-        same_model(skeleton.model());
+        assert_model_round_trip(skeleton.model());
     }
-    same_model(Robot::read("../models/franka_panda.urdf").unwrap().model());
+    assert_model_round_trip(Robot::read("../models/franka_panda.urdf").unwrap().model());
     let held = RandomTree::new(20, 9).model;
     let mut builder = ModelBuilder::from_model(&held);
     let (frame, place) = (
@@ -86,19 +86,19 @@ fn models_and_skeletons() {
     let own = &held.frames()[frame.index()];
     let beside = builder.frame("beside", own.joint, own.joint_from_frame);
     builder.close(Loop::weld("closed", [frame, beside]).at([place; 2]));
-    same_model(&builder.build().unwrap());
-    same(&Limits::UNBOUNDED);
-    same(&Limits::new(f64::NEG_INFINITY, 0.1 + 0.2));
+    assert_model_round_trip(&builder.build().unwrap());
+    assert_round_trip(&Limits::UNBOUNDED);
+    assert_round_trip(&Limits::new(f64::NEG_INFINITY, 0.1 + 0.2));
 }
 
 #[test]
-fn parameter_maps() {
+fn parameter_maps_survive_serde() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
-    same(robot.map());
+    assert_round_trip(robot.map());
     for seed in 0..20 {
         let model = RandomTree::new(seed, 9).model;
-        same(&ParameterMap::identity(&model));
-        same(&ParameterMap::free(&model));
+        assert_round_trip(&ParameterMap::identity(&model));
+        assert_round_trip(&ParameterMap::free(&model));
     }
     let text = serde_json::to_string(robot.map()).unwrap();
     for (from, to, what) in [
@@ -110,15 +110,15 @@ fn parameter_maps() {
     }
 }
 
-/// A hinge and a ball: variables 0 and 1 to 3, coordinates 0 and 1 to 4.
+/// A hinge and a ball joint: variables 0 and 1 to 3, coordinates 0 and 1 to 4.
 #[test]
-fn parameter_maps_of_balls() {
+fn parameter_maps_of_ball_joints_survive_serde() {
     let mut builder = Model::builder("ball");
     let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
     builder.revolute("hinge", None, at, z, Limits::UNBOUNDED);
     builder.ball("ball", None, at, z, None);
     let model = builder.build().unwrap();
-    same(&ParameterMap::identity(&model));
+    assert_round_trip(&ParameterMap::identity(&model));
     let text = serde_json::to_string(&ParameterMap::identity(&model)).unwrap();
     for (from, to, what) in [
         ("\"coordinate\":1,", "\"coordinate\":0,", "balls"),
@@ -127,7 +127,7 @@ fn parameter_maps_of_balls() {
     ] {
         refused::<ParameterMap>(&text, [from, to], what);
     }
-    // Of two variables a ball is not turned.
+    // Two variables cannot rotate a ball joint.
     let mut short: serde_json::Value = serde_json::from_str(&text).unwrap();
     for part in ["leaders", "bounds"] {
         short[part].as_array_mut().unwrap().pop();
@@ -144,7 +144,7 @@ fn refused<T: DeserializeOwned>(text: &str, [from, to]: [&str; 2], what: &str) {
 }
 
 #[test]
-fn solutions() {
+fn solutions_survive_serde() {
     let tree = RandomTree::new(7, 9);
     for target in [[0.3, 0.2, 0.4], [90.0, 0.0, 0.0]] {
         let mut builder = Problem::builder(&tree.model);
@@ -152,7 +152,7 @@ fn solutions() {
         let problem = builder.build().unwrap();
         let start = tree.configuration(&mut Random::new(1));
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
-        let read: Solution = again(&solution);
+        let read: Solution = round_trip(&solution);
         assert_eq!(bits(&read.q), bits(&solution.q));
         assert_eq!(read.explain(), solution.explain());
         assert_eq!(format!("{read:?}"), format!("{solution:?}"));
@@ -160,7 +160,7 @@ fn solutions() {
 }
 
 #[test]
-fn solutions_whose_numbers_json_has_no_word_for() {
+fn solutions_with_nan_and_infinity_survive_serde() {
     let tree = RandomTree::new(7, 9);
     let mut builder = Problem::builder(&tree.model);
     let hand = builder.add(kinopt::task::Point::new(tree.far_frame(), [0.3, 0.2, 0.4]));
@@ -173,18 +173,18 @@ fn solutions_whose_numbers_json_has_no_word_for() {
         let question = problem.with_targets(&targets).unwrap();
         let solution = Solver::default().solve_once(question, &start).unwrap();
         assert!(!solution.cost.is_finite());
-        let read: Solution = again(&solution);
+        let read: Solution = round_trip(&solution);
         assert_eq!(format!("{read:?}"), format!("{solution:?}"));
     }
 }
 
 #[test]
-fn options() {
-    same(&Stopping::default());
-    same(&Restarts::default());
-    same(&LaneOptions::default());
-    same(&AutomaticWeights::default());
-    same(&HeatWeights::default());
+fn options_survive_serde() {
+    assert_round_trip(&Stopping::default());
+    assert_round_trip(&Restarts::default());
+    assert_round_trip(&LaneOptions::default());
+    assert_round_trip(&AutomaticWeights::default());
+    assert_round_trip(&HeatWeights::default());
     for search in [
         Search::First,
         Search::Distinct {
@@ -192,20 +192,20 @@ fn options() {
             distance: 0.1,
         },
     ] {
-        same(&search);
+        assert_round_trip(&search);
     }
-    same(&Preferences::Traded);
-    same(&ContactDetection::default());
-    // It is refused, and must not come back as infinity, which is not.
-    same(&ContactDetection::default().with_height(f64::NEG_INFINITY));
-    same(&KeyTolerance::EXACT.with_rotation(1e-3));
+    assert_round_trip(&Preferences::Traded);
+    assert_round_trip(&ContactDetection::default());
+    // Minus infinity is rejected, and must not come back as plus infinity, which is valid.
+    assert_round_trip(&ContactDetection::default().with_height(f64::NEG_INFINITY));
+    assert_round_trip(&KeyTolerance::EXACT.with_rotation(1e-3));
     let nao = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let options = RetargetOptions::default().with_up(UpAxis::Y);
-    same(&options.with_shapes(FootShapes::of_files(&nao)));
+    assert_round_trip(&options.with_shapes(FootShapes::of_files(&nao)));
 }
 
 #[test]
-fn worlds() {
+fn worlds_survive_serde() {
     let mut world = World::new();
     let at = |x: f64| Placement::translation(Vector3::new(x, 0.1 + 0.2, -0.3));
     world
@@ -217,7 +217,7 @@ fn worlds() {
     world
         .add("other ball", Shape::sphere(0.2).unwrap(), at(1.0))
         .unwrap();
-    assert_eq!(again(&world).to_json(), world.to_json());
+    assert_eq!(round_trip(&world).to_json(), world.to_json());
     let text = serde_json::to_string(&world).unwrap();
     let wrong = text.replace("\"radius\":0.1", "\"radius\":-0.1");
     let error = serde_json::from_str::<World>(&wrong).unwrap_err();
@@ -225,7 +225,7 @@ fn worlds() {
 }
 
 #[test]
-fn motions_and_paths() {
+fn motions_and_paths_survive_serde() {
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.0)));
     let mut motion = MotionProblem::builder(&model, 6, 0.1);
     let tip = motion.add(kinopt::task::Point::new(
@@ -237,7 +237,7 @@ fn motions_and_paths() {
         .solve(&motion.build().unwrap(), &[0.1; 3])
         .unwrap();
     assert!(!solved.reached());
-    let read: MotionSolution = again(&solved);
+    let read: MotionSolution = round_trip(&solved);
     assert_eq!(bits(read.q()), bits(solved.q()));
     assert_eq!(format!("{read:?}"), format!("{solved:?}"));
 
@@ -256,11 +256,11 @@ fn motions_and_paths() {
         .solve(&path)
         .unwrap();
     assert!(!solved.missed.is_empty());
-    same(&solved);
+    assert_round_trip(&solved);
 }
 
 #[test]
-fn clips() {
+fn euler_clips_survive_serde() {
     let skeleton = RandomRig::new(2).skeleton;
     let mut random = Random::new(5);
     let tracks = skeleton.bone_ids().take(4).enumerate().map(|(k, bone)| {
@@ -268,7 +268,7 @@ fn clips() {
             time: i as f64 * 0.1,
             angles: std::array::from_fn(|_| random.within(-1.0, 1.0)),
         };
-        // The last one's track has no keys.
+        // The last track has no keys.
         EulerTrack {
             bone,
             keys: (0..3 - k).map(key).collect(),
@@ -280,25 +280,25 @@ fn clips() {
         bias: 0.2,
     };
     let clip = EulerClip::new(tracks.collect()).unwrap();
-    same(&clip);
+    assert_round_trip(&clip);
     let first = clip.tracks()[0].bone;
     let drawn = clip.interpolated(|track| match track.bone == first {
         true => EulerInterpolation::kochanek_bartels(track, controls),
         false => EulerInterpolation::Linear,
     });
-    same(&drawn.unwrap());
+    assert_round_trip(&drawn.unwrap());
 }
 
 #[test]
-fn armatures_poses_and_clips_of_all_kinds_of_curves() {
+fn armatures_poses_and_clips_survive_serde() {
     let skeleton = RandomRig::new(4).skeleton;
     let armature = Armature::of_skeleton(&skeleton)
         .with_morph_targets(vec!["smile".into(), "blink".into()])
         .unwrap();
-    same(&armature);
+    assert_round_trip(&armature);
     let mut pose = armature.rest().clone();
     pose.morph_weights_mut()[1] = 0.3;
-    same(&pose);
+    assert_round_trip(&pose);
 
     let times = || vec![0.0_f32, 0.4, 1.1];
     let turns = || [0.1_f32, 2.0, -1.0].map(Quat::from_rotation_y).to_vec();
@@ -328,13 +328,13 @@ fn armatures_poses_and_clips_of_all_kinds_of_curves() {
     let mut bones = skeleton.bone_ids();
     for curve in rotations {
         let curve = curve.unwrap();
-        same(&curve);
+        assert_round_trip(&curve);
         let bone = bones.next().unwrap();
         builder.channel(bone, Channel::Rotation(curve)).unwrap();
     }
     for (curve, bone) in vectors.into_iter().zip(skeleton.bone_ids()) {
         let curve = curve.unwrap();
-        same(&curve);
+        assert_round_trip(&curve);
         builder
             .channel(bone, Channel::Translation(curve.clone()))
             .unwrap();
@@ -357,7 +357,7 @@ fn armatures_poses_and_clips_of_all_kinds_of_curves() {
     builder.event(0.5, "there").unwrap();
     builder.span(-0.2, 2.0).unwrap();
     let clip = builder.build();
-    let read = again(&clip);
+    let read = round_trip(&clip);
     assert_eq!(read.events(), clip.events());
     assert_eq!((read.name(), read.span()), (clip.name(), clip.span()));
     for step in 0..60 {
@@ -387,7 +387,7 @@ fn armatures_poses_and_clips_of_all_kinds_of_curves() {
 }
 
 #[test]
-fn what_is_wrong_is_refused() {
+fn invalid_serialised_values_are_rejected() {
     let model = RandomTree::new(1, 4).model;
     let text = serde_json::to_string(&model).unwrap();
     let renamed = text.replace("joint 1", "joint 0");
@@ -405,8 +405,8 @@ fn what_is_wrong_is_refused() {
         let mut parts: serde_json::Value = serde_json::from_str(&text).unwrap();
         parts["scales"][bone][1] = 1e39.into();
         let error = serde_json::from_value::<Pose>(parts).unwrap_err();
-        let told = format!("bone {bone}:");
-        assert!(error.to_string().contains(&told), "{error}");
+        let message = format!("bone {bone}:");
+        assert!(error.to_string().contains(&message), "{error}");
     }
 
     let turns = vec![Quat::IDENTITY; 3];
@@ -417,8 +417,8 @@ fn what_is_wrong_is_refused() {
             let mut parts = serde_json::to_value(&curve).unwrap();
             parts["between"][kind][key][0] = 1e39.into();
             let error = serde_json::from_value::<RotationCurve>(parts).unwrap_err();
-            let told = format!("key {key}: the tangent");
-            assert!(error.to_string().contains(&told), "{error}");
+            let message = format!("key {key}: the tangent");
+            assert!(error.to_string().contains(&message), "{error}");
         }
     }
 

@@ -1,12 +1,12 @@
-//! Promise: a cone stands about any axis, as wide to all sides, and what turns for ever has no range.
+//! Promise: a cone may have any axis and is equally wide in all directions, and continuous joints have no range.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, Joint, JointKind, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 
-/// Whichever direction it is told by where its swing is round: to both sides of it the same.
+/// Independent of the direction from which the swing is measured.
 #[test]
-fn a_cone_stands_about_any_axis() {
+fn cone_limits_apply_about_any_axis() {
     let [x, y, z] = Vector3::UNITS;
     let leaning =
         |x: f64, y: f64, z: f64| Vector3::new(x, y, z) * (1.0 / Vector3::new(x, y, z).norm());
@@ -46,9 +46,9 @@ fn a_cone_stands_about_any_axis() {
     }
 }
 
-/// Whatever limits it is given: they are of one number that goes to and fro.
+/// Given limits are ignored: they apply to one bounded coordinate.
 #[test]
-fn what_turns_for_ever_has_no_range() {
+fn continuous_joint_has_no_range() {
     for (kind, numbers) in [
         (JointKind::Continuous, vec![9.0]),
         (JointKind::Ball, vec![-0.6, 0.8, 0.0, 0.0]),

@@ -1,6 +1,5 @@
-//! Promise: a bone bends and twists in its canonical frame, whatever its rest placement; the rest's
-//! own twist chooses where bending goes and moves neither end; twist, bend and twist make any
-//! rotation.
+//! Promise: a bone bends and twists in its canonical frame, for any rest placement. The rest's twist selects the
+//! bending direction and moves neither end. Twist, bend and twist give any rotation.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::FRAC_PI_2;
@@ -40,14 +39,14 @@ fn tip(skeleton: &Skeleton, bone: BoneId, q: &[f64]) -> na::Point3<f64> {
 }
 
 #[test]
-fn the_canonical_bone_lies_along_x_and_the_rest_places_its_ends() {
+fn canonical_bone_is_along_x() {
     let (canonical, bone) = one_bone(&Rigid::identity());
     assert_eq!(canonical.bones()[0].rest_tail().to_array(), [0.0; 3]);
     assert_eq!(
         canonical.bones()[0].rest_tip().to_array(),
         [LENGTH, 0.0, 0.0]
     );
-    // Bending turns about z: the tip goes towards y.
+    // Bending rotates about z: the tip moves towards y.
     let bent = tip(&canonical, bone, &[0.0, FRAC_PI_2, 0.0]);
     assert!((bent - na::Point3::new(0.0, LENGTH, 0.0)).amax() < 1e-15);
 
@@ -63,7 +62,7 @@ fn the_canonical_bone_lies_along_x_and_the_rest_places_its_ends() {
 }
 
 #[test]
-fn a_rest_twist_moves_no_end_and_turns_the_bending() {
+fn rest_twist_rotates_bending_and_moves_no_end() {
     let mut random = Random::new(2);
     let rest = rigid(random.rotation(), random.vector(2.0));
     let (plain, bone) = one_bone(&rest);
@@ -72,7 +71,7 @@ fn a_rest_twist_moves_no_end_and_turns_the_bending() {
         let [a, b] = [&plain, &twisted].map(|s| &s.bones()[0]);
         assert_eq!(a.rest_tail(), b.rest_tail());
         assert!((a.rest_tip() - b.rest_tip()).norm() < 1e-15);
-        // The same bend goes another way: where the plain bone goes after a twist of its own.
+        // The same bend has another direction: that of the plain bone after an equal twist.
         let bend = 0.8;
         let by_rest = tip(&twisted, bone, &[0.0, bend, 0.0]);
         let by_angle = tip(&plain, bone, &[0.0, bend, twist]);
@@ -80,13 +79,13 @@ fn a_rest_twist_moves_no_end_and_turns_the_bending() {
         assert!((by_rest - by_angle).amax() < 1e-14);
         assert!((by_rest - untwisted).amax() > 0.1);
     }
-    // A first twist alone turns about the bone: its ends stay.
+    // A first twist alone rotates about the bone: its ends are fixed.
     let spun = tip(&plain, bone, &[1.1, 0.0, 0.0]);
     assert!((spun - tip(&plain, bone, &[0.0; 3])).amax() < 1e-15);
 }
 
 #[test]
-fn bending_about_y_takes_a_quarter_twist_first() {
+fn bending_about_y_needs_a_quarter_twist() {
     let (skeleton, bone) = one_bone(&Rigid::identity());
     for angle in [0.3, -1.2, 2.5] {
         // R_y(β) = R_x(−90°) R_z(β) R_x(90°).
@@ -106,7 +105,7 @@ fn bending_about_y_takes_a_quarter_twist_first() {
 }
 
 #[test]
-fn twist_bend_twist_makes_any_rotation() {
+fn twist_bend_twist_gives_any_rotation() {
     let mut random = Random::new(3);
     let (skeleton, _) = one_bone(&Rigid::identity());
     for _ in 0..300 {

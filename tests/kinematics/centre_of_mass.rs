@@ -1,9 +1,9 @@
-//! Promise: the centre of mass and its Jacobian are Pinocchio's, to 1e-12, and what differences along the manifold
-//! of configurations say; bodies that have no centre are refused by name.
+//! Promise: the centre of mass and its Jacobian equal Pinocchio's to 1e-12, and the Jacobian equals finite differences
+//! on the manifold. Models without a centre of mass are rejected by name.
 //!
 //! The numbers are of pin 4.1.0 from PyPI: `centerOfMass`, `jacobianCenterOfMass` and `computeTotalMass` of
-//! `buildModelFromUrdf("leaning.urdf")` at (0.3, -0.7, 1.9, 0.12), and of a JointModelFreeFlyer, a
-//! JointModelSpherical at 0.9 rad about z and a JointModelRY with the masses below (rows one after the other).
+//! `buildModelFromUrdf("leaning.urdf")` at (0.3, -0.7, 1.9, 0.12), and of a JointModelFreeFlyer, a JointModelSpherical
+//! at 0.9 rad about z and a JointModelRY with the masses below (row-major).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
@@ -102,22 +102,22 @@ impl<const N: usize> Expected<N> {
     }
 }
 
-/// With a plate of 40 kg bolted to the world, which is the world's.
+/// Includes a plate of 40 kg fixed to the world, which does not count.
 #[test]
-fn a_robot_on_a_fixed_base() {
+fn robot_on_a_fixed_base_equals_pinocchio() {
     let text = include_str!("leaning.urdf");
     let robot = Robot::reader().parse(text, "leaning.urdf").unwrap();
     let q = [0.3, -0.7, 1.9, 0.12];
     let centre = robot.centre_of_mass(&q).unwrap();
     let jacobian = robot.centre_of_mass_jacobian(&q).unwrap();
     LEANING.check(robot.masses().unwrap().total(), centre, &jacobian);
-    // A motor that is fixed to its link is of one mass with it.
+    // A motor fixed to its link is one mass with it.
     assert_eq!(robot.masses().unwrap().points().len(), 4);
 }
 
-/// Free and ball joints: configurations with quaternions, velocities in moved axes.
+/// Free and ball joints: configurations with quaternions, velocities in local axes.
 #[test]
-fn a_body_on_a_free_base() {
+fn robot_on_a_free_base_equals_pinocchio() {
     let still = Placement::identity();
     let mut builder = Model::builder("body");
     let base = builder.free("base", None, still, [Limits::UNBOUNDED; 3]);
@@ -148,7 +148,7 @@ fn a_body_on_a_free_base() {
 }
 
 #[test]
-fn the_jacobian_is_what_differences_along_the_manifold_say() {
+fn jacobian_matches_differences_on_the_manifold() {
     for seed in 0..10 {
         let figure = Figure::new(seed, 8);
         let model = &figure.model;
@@ -181,10 +181,10 @@ fn the_jacobian_is_what_differences_along_the_manifold_say() {
 }
 
 #[test]
-fn bodies_without_a_centre_are_refused_by_name() {
+fn models_without_a_centre_are_rejected_by_name() {
     let text = include_str!("leaning.urdf");
     let parse = |text: &str| Robot::reader().parse(text, "leaning.urdf").unwrap();
-    // Only the plate, which stands in the world, has mass.
+    // Only the plate, which is fixed to the world, has mass.
     let light = ["3.2", "1.1", "5.5", "17.25", "0.75"];
     let light = light.iter().fold(text.to_owned(), |text, mass| {
         text.replace(&format!("mass value=\"{mass}\""), "mass value=\"0\"")
@@ -224,7 +224,7 @@ fn bodies_without_a_centre_are_refused_by_name() {
         Masses::new(model, [point([f64::INFINITY; 3], 1.0)]),
         Err(MassError::BadPlace { .. })
     ));
-    // Nothing, or more than there is a number for.
+    // No mass, or an overflowing one.
     for none in [vec![], vec![point([0.0; 3], f64::MAX); 2]] {
         let error = Masses::new(model, none).unwrap_err();
         assert!(matches!(error, MassError::NoMass { .. }), "{error}");

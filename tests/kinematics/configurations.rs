@@ -1,5 +1,5 @@
-//! Promise: configurations of free and ball joints are moved, compared and mixed as points of a manifold, frames
-//! stand where nalgebra's isometries put them, and the Jacobian is what moving along a velocity does.
+//! Promise: configurations with free and ball joints integrate, differ and interpolate on their manifold. Frame
+//! placements equal nalgebra's isometries, and the Jacobian is the derivative along velocities.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, KinematicsError, frame_jacobian};
@@ -14,15 +14,15 @@ fn velocity(model: &Model, random: &mut Random, size: f64) -> Vec<f64> {
     (0..model.degrees_of_freedom()).map(draw).collect()
 }
 
-/// The largest difference of two configurations, q and −q of a quaternion being the same.
-fn apart(model: &Model, a: &[f64], b: &[f64]) -> f64 {
+/// Largest difference of two configurations; q and −q are the same rotation.
+fn largest_difference(model: &Model, a: &[f64], b: &[f64]) -> f64 {
     let mut v = vec![0.0; model.degrees_of_freedom()];
     model.difference(a, b, &mut v).unwrap();
     v.iter().fold(0.0, |most, v| most.max(v.abs()))
 }
 
 #[test]
-fn what_is_added_is_what_is_the_difference() {
+fn integrate_and_difference_are_inverse() {
     for seed in 0..20 {
         let Figure { model, .. } = Figure::new(seed, 9);
         let random = &mut Random::new(seed);
@@ -36,7 +36,10 @@ fn what_is_added_is_what_is_the_difference() {
 
         model.difference(&a, &b, &mut v).unwrap();
         model.integrate(&a, &v, &mut q).unwrap();
-        assert!(apart(&model, &q, &b) < 1e-12, "a + (b - a) is b");
+        assert!(
+            largest_difference(&model, &q, &b) < 1e-12,
+            "a + (b - a) is b"
+        );
 
         let step = velocity(&model, random, 1.5);
         model.integrate(&a, &step, &mut q).unwrap();
@@ -46,13 +49,13 @@ fn what_is_added_is_what_is_the_difference() {
 
         for (share, end) in [(0.0, &a), (1.0, &b)] {
             model.interpolate(&a, &b, share, &mut q).unwrap();
-            assert!(apart(&model, &q, end) < 1e-12);
+            assert!(largest_difference(&model, &q, end) < 1e-12);
         }
         let mut half = vec![0.0; n];
         model.interpolate(&a, &b, 0.5, &mut half).unwrap();
         model.interpolate(&b, &a, 0.5, &mut q).unwrap();
         assert!(
-            apart(&model, &q, &half) < 1e-12,
+            largest_difference(&model, &q, &half) < 1e-12,
             "the middle is the same from both ends"
         );
 
@@ -62,12 +65,12 @@ fn what_is_added_is_what_is_the_difference() {
         }
         model.normalise(&mut long).unwrap();
         assert!((na::Vector4::from_row_slice(&long[3..7]).norm() - 1.0).abs() < 1e-15);
-        assert!(apart(&model, &long, &b) < 1e-12);
+        assert!(largest_difference(&model, &long, &b) < 1e-12);
     }
 }
 
 #[test]
-fn a_free_joint_moves_along_the_exponential_of_its_twist() {
+fn free_joint_moves_by_the_twist_exponential() {
     let mut builder = Model::builder("body");
     let body = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
     builder.frame("body", Some(body), Placement::identity());
@@ -98,7 +101,7 @@ fn a_free_joint_moves_along_the_exponential_of_its_twist() {
 }
 
 #[test]
-fn frames_stand_where_isometries_put_them() {
+fn frame_placements_equal_isometries() {
     for seed in 0..20 {
         let figure = Figure::new(seed, 9);
         let q = figure.model.random_configuration(seed);
@@ -114,7 +117,7 @@ fn frames_stand_where_isometries_put_them() {
 }
 
 #[test]
-fn the_jacobian_is_what_moving_along_a_velocity_does() {
+fn jacobian_is_the_derivative_along_velocities() {
     const H: f64 = 1e-6;
     for seed in 0..10 {
         let figure = Figure::new(seed, 9);
@@ -148,9 +151,9 @@ fn the_jacobian_is_what_moving_along_a_velocity_does() {
     }
 }
 
-/// Balls among hinges, whichever come first.
+/// Ball joints among revolute joints, in any order.
 #[test]
-fn what_is_beyond_its_limits_is_told_in_the_order_of_the_configuration() {
+fn joints_outside_limits_are_in_model_order() {
     for order in [
         ["ball", "hinge", "neck"],
         ["hinge", "ball", "neck"],
@@ -172,7 +175,7 @@ fn what_is_beyond_its_limits_is_told_in_the_order_of_the_configuration() {
             let coordinate = model.coordinate(model.joint(name).unwrap()).unwrap();
             match name {
                 "hinge" => q[coordinate] = 0.7,
-                // Turned by a radian about x.
+                // Rotated by 1 rad about x.
                 _ => q[coordinate..coordinate + 2].copy_from_slice(&[0.5_f64.cos(), 0.5_f64.sin()]),
             }
         }
@@ -181,7 +184,7 @@ fn what_is_beyond_its_limits_is_told_in_the_order_of_the_configuration() {
             .iter()
             .map(|id| model.joints()[id.index()].name.as_str());
         assert_eq!(names.collect::<Vec<_>>(), order);
-        // A quaternion that is not of unit length is beyond by several numbers, and its joint once.
+        // A quaternion that is not of unit length violates several coordinates, and its joint is listed once.
         for name in ["ball", "neck"] {
             let coordinate = model.coordinate(model.joint(name).unwrap()).unwrap();
             for number in &mut q[coordinate..coordinate + 4] {
@@ -192,9 +195,9 @@ fn what_is_beyond_its_limits_is_told_in_the_order_of_the_configuration() {
     }
 }
 
-/// Joints and twists whose range is on one side of zero stand at its end that is nearer to it.
+/// Joints and twists whose range excludes zero are at the end nearest to zero.
 #[test]
-fn what_cannot_stand_at_zero_stands_next_to_it() {
+fn neutral_is_the_limit_nearest_to_zero() {
     for (lower, upper, nearest) in [(-1.2, -0.4, -0.4), (0.3, 0.9, 0.3), (-0.5, 0.7, 0.0_f64)] {
         let mut builder = Model::builder("twisted");
         let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
@@ -218,7 +221,7 @@ fn what_cannot_stand_at_zero_stands_next_to_it() {
 }
 
 #[test]
-fn a_wrong_number_or_quaternion_is_named() {
+fn invalid_numbers_and_quaternions_are_named() {
     let Figure { model, frames, .. } = Figure::new(0, 5);
     let q = model.neutral();
     let mut to = q.clone();
@@ -242,14 +245,14 @@ fn a_wrong_number_or_quaternion_is_named() {
         kinematics.place(&none),
         Err(KinematicsError::NoRotation { index: 3, .. })
     ));
-    // A direction is enough.
+    // Any nonzero length is enough.
     none[3] = 1e-200;
     assert!(model.integrate(&none, &v, &mut to).is_ok());
 }
 
-/// Numbers of a configuration, of which a ball has four, and not variables, of which it has three.
+/// Index of the configuration, in which a ball has four numbers, not of the variables, in which it has three.
 #[test]
-fn what_is_no_number_or_rotation_is_told_by_its_place() {
+fn non_finite_numbers_are_reported_by_index() {
     let mut builder = Model::builder("balls");
     let (z, still) = (Vector3::new(0.0, 0.0, 1.0), Placement::identity());
     let mut last = None;
@@ -262,24 +265,24 @@ fn what_is_no_number_or_rotation_is_told_by_its_place() {
     for ball in 0..3 {
         let mut q = model.neutral();
         q[4 * ball..4 * ball + 4].fill(0.0);
-        let told = kinematics.place(&q).unwrap_err();
+        let error = kinematics.place(&q).unwrap_err();
         let expected = 4 * ball;
         assert!(
-            matches!(told, KinematicsError::NoRotation { index, .. } if index == expected),
-            "{told}"
+            matches!(error, KinematicsError::NoRotation { index, .. } if index == expected),
+            "{error}"
         );
         q[4 * ball + 2] = f64::NAN;
-        let told = kinematics.place(&q).unwrap_err();
+        let error = kinematics.place(&q).unwrap_err();
         let expected = 4 * ball + 2;
         assert!(
-            matches!(told, KinematicsError::NotFinite { index, .. } if index == expected),
-            "{told}"
+            matches!(error, KinematicsError::NotFinite { index, .. } if index == expected),
+            "{error}"
         );
     }
 }
 
 #[test]
-fn limits_that_no_ball_can_have_are_refused() {
+fn impossible_ball_limits_are_rejected() {
     use kinopt::model::BallLimits;
     let z = Vector3::new(0.0, 0.0, 1.0);
     let free = Limits::UNBOUNDED;
@@ -293,7 +296,7 @@ fn limits_that_no_ball_can_have_are_refused() {
         BallLimits::within_angle(0.0),
         BallLimits::within_angle(-1.0),
         BallLimits::within_angle(f64::NAN),
-        // A twist by 0.5 at least is a turn by so much.
+        // A twist of at least 0.5 rad is a rotation of at least that.
         BallLimits::cone(1.0, Limits::new(0.5, 1.0)).with_angle(0.4),
         BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.4),
     ] {

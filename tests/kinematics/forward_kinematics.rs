@@ -1,5 +1,5 @@
-//! Promise: forward kinematics of any tree, under any parameter map, is the product of its
-//! transforms, to 1e-12 of the size of the coordinates.
+//! Promise: forward kinematics of any tree, under any parameter map, is the product of its transforms, to 1e-12 of the
+//! coordinates' size.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, KinematicsError};
@@ -11,7 +11,7 @@ use support::trees::RandomTree;
 use support::{apart, placement, rigid};
 
 #[test]
-fn full_trees() {
+fn full_trees_equal_their_transforms() {
     for seed in 0..40 {
         let tree = RandomTree::new(seed, 1 + seed as usize % 17);
         let mut random = Random::new(seed);
@@ -28,11 +28,11 @@ fn full_trees() {
 }
 
 #[test]
-fn some_frames_of_a_tree_under_every_map() {
+fn selected_frames_under_every_map() {
     for seed in 0..20 {
         let tree = RandomTree::new(seed, 14);
         let mut random = Random::new(seed);
-        // Any choice and order of frames, one of them twice.
+        // Any selection and order of frames, one of them twice.
         let n = tree.frames.len();
         let chosen: Vec<usize> = [n - 2, 3, random.below(n), n - 1, 3].to_vec();
         let ids: Vec<FrameId> = chosen.iter().map(|&k| tree.frames[k]).collect();
@@ -44,8 +44,8 @@ fn some_frames_of_a_tree_under_every_map() {
             let q = expected.expand(&x);
             let mut own_q = vec![f64::NAN; q.len()];
             expected.map.expand(&x, &mut own_q).unwrap();
-            for (own, right) in own_q.iter().zip(&q) {
-                assert!((own - right).abs() < 1e-14, "{}", expected.name);
+            for (actual, right) in own_q.iter().zip(&q) {
+                assert!((actual - right).abs() < 1e-14, "{}", expected.name);
             }
             let placed = kinematics.place(&x).unwrap();
             let at = tree.frames_at(&q);
@@ -58,7 +58,7 @@ fn some_frames_of_a_tree_under_every_map() {
 }
 
 #[test]
-fn far_from_the_origin() {
+fn placements_hold_far_from_the_origin() {
     let mut random = Random::new(3);
     let away = rigid(random.rotation(), random.direction().into_inner() * 1e6);
     for seed in 0..10 {
@@ -73,7 +73,7 @@ fn far_from_the_origin() {
 }
 
 #[test]
-fn values_on_dual_numbers_are_the_plain_ones() {
+fn dual_number_values_equal_plain_ones() {
     let tree = RandomTree::new(8, 13);
     let q = tree.configuration(&mut Random::new(8));
     let duals: Vec<Dual<1>> = q.iter().map(|&v| Dual::variable(v, 0)).collect();
@@ -87,7 +87,7 @@ fn values_on_dual_numbers_are_the_plain_ones() {
 }
 
 #[test]
-fn wrong_lengths_foreign_frames_and_foreign_maps_are_named_errors() {
+fn wrong_lengths_and_foreign_ids_are_named() {
     let small = RandomTree::new(1, 3).model;
     let large = RandomTree::new(2, 12);
     let far = *large.frames.last().unwrap();
@@ -109,12 +109,12 @@ fn wrong_lengths_foreign_frames_and_foreign_maps_are_named_errors() {
 }
 
 #[test]
-fn angles_of_any_size_turn_as_far_as_they_say() {
+fn angles_of_any_size_are_exact() {
     let tree = RandomTree::new(5, 9);
     let mut kinematics = ForwardKinematics::new(&tree.model);
     let sizes = [0.0, 1e-300, 1e-9, 1.0, 1e3, 9.9e5, 1.1e6, 1e12, 1e300];
     for size in sizes.into_iter().flat_map(|size| [size, -size]) {
-        // The library's own sines and cosines are the reference, within the trees of the tests.
+        // The library's own sine and cosine are the reference, through the test trees.
         let q = vec![size; tree.model.degrees_of_freedom()];
         let placed = kinematics.place(&q).unwrap();
         for (ours, theirs) in placed.iter().zip(&tree.frames_at(&q)) {

@@ -1,6 +1,5 @@
-//! Promise: the Jacobian of frames is what differences of forward kinematics say and what a product of
-//! exponentials of screws gives: linear rows first, in world axes at the frame's origin, a column a
-//! coordinate or variable.
+//! Promise: frame Jacobians equal finite differences of forward kinematics and products of screw exponentials. Linear
+//! rows come first, in world axes at the frame's origin; each column is a coordinate or variable.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, Jacobian, KinematicsError, frame_jacobian};
@@ -10,7 +9,7 @@ use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, Vector3, Vector6};
 use support::random::Random;
 use support::trees::RandomTree;
 
-/// The exponential of a unit screw times q: about the axis w through the point p, or along w.
+/// Exponential of a unit screw times q: about the axis w through the point p, or along w.
 fn exponential(kind: JointKind, w: &Vector3<f64>, p: &Vector3<f64>, q: f64) -> Matrix4<f64> {
     let mut motion = Matrix4::identity();
     if kind == JointKind::Prismatic {
@@ -26,7 +25,7 @@ fn exponential(kind: JointKind, w: &Vector3<f64>, p: &Vector3<f64>, q: f64) -> M
     motion
 }
 
-/// How twists (velocity at the world's origin, angular velocity) change axes under a motion.
+/// Adjoint of a motion on twists (velocity at the world's origin, angular velocity).
 fn adjoint(motion: &Matrix4<f64>) -> Matrix6<f64> {
     let turn = motion.fixed_view::<3, 3>(0, 0).into_owned();
     let shift = motion.fixed_view::<3, 1>(0, 3).into_owned();
@@ -38,7 +37,7 @@ fn adjoint(motion: &Matrix4<f64>) -> Matrix6<f64> {
     adjoint
 }
 
-/// 6 × degrees of freedom, by Lynch & Park 2017, "Modern Robotics", eq. 5.11, moved to the frame.
+/// 6 × degrees of freedom, by Lynch & Park 2017, "Modern Robotics", eq. 5.11, shifted to the frame.
 fn by_exponentials(tree: &RandomTree, frame: usize, q: &[f64]) -> DMatrix<f64> {
     let zeros = vec![0.0; q.len()];
     let home = tree.frames_at(&zeros);
@@ -88,7 +87,7 @@ fn by_exponentials(tree: &RandomTree, frame: usize, q: &[f64]) -> DMatrix<f64> {
 }
 
 #[test]
-fn one_frame_by_exponentials() {
+fn jacobian_equals_screw_exponentials() {
     for seed in 0..20 {
         let tree = RandomTree::new(seed, 9);
         let q = tree.configuration(&mut Random::new(seed));
@@ -102,9 +101,9 @@ fn one_frame_by_exponentials() {
     }
 }
 
-/// What turns and slides is told from the root, not from the world's origin, however far that is.
+/// Jacobians are computed relative to the root, so a distant world origin costs no precision.
 #[test]
-fn far_from_the_origin_no_digit_is_lost() {
+fn distant_origin_costs_no_precision() {
     let away = support::rigid(
         nalgebra::Rotation3::identity(),
         Vector3::new(1e8, -2e8, 3e8),
@@ -122,7 +121,7 @@ fn far_from_the_origin_no_digit_is_lost() {
 }
 
 #[test]
-fn all_frames_by_differences() {
+fn jacobian_of_all_frames_matches_differences() {
     const H: f64 = 1e-6;
     for seed in 0..10 {
         let tree = RandomTree::new(seed, 8);
@@ -150,7 +149,7 @@ fn all_frames_by_differences() {
 }
 
 #[test]
-fn variables_and_chosen_frames_have_the_columns_and_rows_asked_for() {
+fn jacobian_has_requested_rows_and_columns() {
     let tree = RandomTree::new(3, 8);
     let model = &tree.model;
     let [leader, follower] = [model.moving_joints()[0], model.moving_joints()[1]];
@@ -174,7 +173,7 @@ fn variables_and_chosen_frames_have_the_columns_and_rows_asked_for() {
 }
 
 #[test]
-fn what_is_no_configuration_or_frame_is_refused() {
+fn invalid_configurations_and_frames_fail() {
     let (tree, larger) = (RandomTree::new(1, 3), RandomTree::new(1, 9));
     let (model, frame) = (&tree.model, tree.far_frame());
     let mut q = vec![0.0; model.degrees_of_freedom()];
@@ -190,9 +189,9 @@ fn what_is_no_configuration_or_frame_is_refused() {
     ));
 }
 
-/// A Jacobian is asked again and again: each is of its configuration alone.
+/// Repeated evaluations depend on their configuration only.
 #[test]
-fn asked_again_it_is_that_of_the_configuration() {
+fn repeated_jacobian_depends_on_q_only() {
     let tree = RandomTree::new(5, 8);
     let mut random = Random::new(5);
     let mut jacobian = Jacobian::new(ForwardKinematics::new(&tree.model));

@@ -1,6 +1,6 @@
-//! Promise: the kinematic Jacobian of tips by stacked Euler angles is what differences of forward
-//! kinematics with h = 1e-7 say; differences and forward mode evaluate once more for every variable
-//! or group of variables, the analytic route as often for sixty variables as for six.
+//! Promise: the Jacobian of tips with respect to stacked Euler angles equals finite differences with h = 1e-7.
+//! Differences and forward mode evaluate once per variable or group of variables; the analytic route evaluates equally
+//! often for sixty variables as for six.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -19,14 +19,14 @@ use support::random::Random;
 use support::trees::configuration_of;
 
 #[test]
-fn it_is_the_difference_quotient_of_the_recursion() {
+fn jacobian_matches_differences_of_the_recursion() {
     const H: f64 = 1e-7;
     for seed in 0..4 {
         let rig = RandomRig::new(seed);
         let model = rig.skeleton.model();
         let q = configuration_of(model, &mut Random::new(seed));
         let mut builder = Problem::builder(model);
-        // Every angle, locked ones too, so that columns are the stacked vector's.
+        // Every angle, also locked ones, so that columns are those of the stacked vector.
         builder.parameters(ParameterMap::identity(model));
         for &tip in &rig.tips {
             builder.add(Point::new(rig.skeleton.tip(tip), [0.0; 3]));
@@ -60,7 +60,7 @@ fn it_is_the_difference_quotient_of_the_recursion() {
     }
 }
 
-/// A point's place, which counts how often it is asked for it.
+/// Position of a frame, with a counter of evaluations.
 #[derive(Clone)]
 struct Counted {
     frame: FrameId,
@@ -83,7 +83,7 @@ impl Residual for Counted {
 }
 
 #[test]
-fn how_often_each_route_evaluates() {
+fn derivative_routes_have_known_evaluation_counts() {
     let evaluations = |joints: usize, route: Derivatives, gradient: bool| {
         let model = planar_arm(&vec![0.1; joints], None);
         let calls = Arc::new(AtomicUsize::new(0));
@@ -114,9 +114,9 @@ fn how_often_each_route_evaluates() {
         assert_eq!(jacobian(Derivatives::ForwardDifference), n + 1);
         assert_eq!(jacobian(Derivatives::CentralDifference), 2 * n);
         assert_eq!(jacobian(Derivatives::Dual), n / 6);
-        // One frame has six ways to move, and that is one group of six.
+        // A frame has six degrees of freedom, which is one group of six.
         assert_eq!(jacobian(Derivatives::Analytic), 1);
-        // Backward mode: the gradient by every variable in one sweep.
+        // Reverse mode: the gradient of all variables in one sweep.
         assert_eq!(evaluations(n, Derivatives::Analytic, true), 1);
     }
 }

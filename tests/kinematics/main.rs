@@ -1,12 +1,12 @@
-//! Rotations, placements and Jacobians.
+//! Rotations, placements, forward kinematics and Jacobians.
 
 mod ball_limits;
 mod canonical_bones;
 mod centre_of_mass;
 mod configurations;
+mod drag_holds;
 mod forward_kinematics;
 mod frame_jacobians;
-mod holds;
 mod kinematic_jacobian;
 mod model_reach;
 mod parameter_maps;
@@ -15,6 +15,6 @@ mod placement_conversions;
 mod planar_joints;
 mod random_configurations;
 mod rotation_exp_log;
-mod scalar_laws;
+mod scalar_functions;
 mod skeleton_poses;
 mod unknown_names;

@@ -1,5 +1,5 @@
-//! Promise: a model's length scale is that of what moves, wherever it stands and whatever stands
-//! beside it, and limits that only mean "none" do not stretch it.
+//! Promise: a model's length scale is that of its moving parts, independent of its placement and its surroundings.
+//! Limits that mean "none" do not increase it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Model;
@@ -13,7 +13,7 @@ fn shift(x: f64) -> Placement<f64> {
 }
 
 #[test]
-fn only_what_moves_counts() {
+fn only_moving_parts_count() {
     let mut builder = Model::builder("arm on a pedestal");
     builder.frame("door", None, shift(40.0));
     let pedestal = builder.fixed("pedestal", None, shift(10.0));
@@ -30,7 +30,7 @@ fn only_what_moves_counts() {
 }
 
 #[test]
-fn nothing_moves_nothing_reaches() {
+fn immobile_model_has_zero_reach() {
     let mut builder = Model::builder("table");
     let top = builder.fixed("top", None, shift(1.0));
     builder.frame("edge", Some(top), shift(1.0));
@@ -38,7 +38,7 @@ fn nothing_moves_nothing_reaches() {
 }
 
 #[test]
-fn limits_that_mean_none_neither_stretch_nor_scatter() {
+fn huge_limits_do_not_increase_the_reach() {
     let model = |limit: f64| {
         let mut builder = Model::builder("slide and turn");
         let limits = Limits::new(-limit, limit);
@@ -59,13 +59,13 @@ fn limits_that_mean_none_neither_stretch_nor_scatter() {
             );
         }
     }
-    // Two turns either way are limits that are meant.
+    // Two turns in either direction are real limits.
     let wide = model(4.0 * std::f64::consts::PI);
     let far = (0..100).map(|seed| wide.random_configuration(seed)[1].abs());
     assert!(far.fold(0.0, f64::max) > 3.0 * std::f64::consts::PI);
 }
 
-/// A mobile base on three slides that go `far`, and an arm of a metre that turns and slides.
+/// Mobile base on three prismatic joints of range `far`, with an arm of 1 m that rotates and slides.
 fn mobile(far: f64, unit: f64) -> Model {
     let mut builder = Model::builder("mobile");
     let limits = Limits::new(-far * unit, far * unit);
@@ -82,17 +82,17 @@ fn mobile(far: f64, unit: f64) -> Model {
 }
 
 #[test]
-fn how_far_a_base_slides_says_nothing_about_the_size() {
-    // A radian weighs a quarter of the reach: with the travel of the base, 750 m instead of 31 cm.
+fn base_range_does_not_count() {
+    // A radian weighs a quarter of the reach: with the base's range, 750 m instead of 31 cm.
     for far in [0.0, 0.5, 7.0, 1e3, 1e8, f64::INFINITY] {
         assert_eq!(mobile(far, 1.0).reach(), 1.25, "{far}");
-        // In any unit, also where the base's travel looks like a number that means none.
+        // In any unit, also where the base's range looks like "none".
         assert_eq!(mobile(far, 1024.0).reach(), 1.25 * 1024.0, "{far}");
     }
 }
 
 #[test]
-fn a_slide_that_is_turned_counts_up_to_the_size_of_what_is_rigid() {
+fn rotated_prismatic_range_is_capped() {
     let telescope = |limit: f64| {
         let mut builder = Model::builder("telescope");
         let turn = builder.revolute("turn", None, shift(0.0), ALONG_X, Limits::new(-1.0, 1.0));
@@ -107,7 +107,7 @@ fn a_slide_that_is_turned_counts_up_to_the_size_of_what_is_rigid() {
 }
 
 #[test]
-fn where_nothing_turns_slides_are_the_size() {
+fn without_rotations_prismatic_ranges_count() {
     let mut builder = Model::builder("gantry");
     let limits = Limits::new(-1.0, 3.0);
     let x = builder.prismatic("x", None, shift(0.0), ALONG_X, limits);

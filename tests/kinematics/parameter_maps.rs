@@ -1,5 +1,5 @@
-//! Promise: a parameter map leaves every coordinate where it says: free, held within its limits, following; and
-//! bounds of variables are those of all that hangs on them.
+//! Promise: a parameter map gives every coordinate its specified value: free, locked within limits, or coupled. Bounds
+//! of a variable are those of all coordinates that depend on it.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
@@ -12,7 +12,7 @@ use support::random::Random;
 use support::{placement, planar_arm};
 
 #[test]
-fn held_joints_are_clamped_by_a_small_excess_only() {
+fn locked_values_are_clamped_by_a_small_excess() {
     let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
     let map = ParameterMap::builder(&model).with_only(&[joints[2]], &[-1.0009, 0.5, 9.0, 0.0]);
@@ -33,7 +33,7 @@ fn held_joints_are_clamped_by_a_small_excess_only() {
 }
 
 #[test]
-fn bounds_are_those_of_all_that_follow() {
+fn bounds_include_coupled_joints() {
     let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
     let build = |ratio: f64, offset: f64, narrow: Option<Limits>| {
@@ -55,7 +55,7 @@ fn bounds_are_those_of_all_that_follow() {
 }
 
 #[test]
-fn what_is_reduced_is_within_its_bounds() {
+fn reduced_variables_are_within_bounds() {
     let model = planar_arm(&[1.0; 3], Some((-1.0, 2.0)));
     let map = ParameterMap::identity(&model);
     let mut x = [0.0; 3];
@@ -63,9 +63,9 @@ fn what_is_reduced_is_within_its_bounds() {
     assert_eq!(x, [2.0, -1.0, 0.5]);
 }
 
-/// Whichever joints are held, balls and bases among them, frames stand where the whole configuration puts them.
+/// With any joints locked, balls and bases included, frames are placed as by the whole configuration.
 #[test]
-fn what_is_held_stands_where_it_was() {
+fn locked_joints_keep_frame_placements() {
     let random = &mut Random::new(61);
     for seed in 0..20 {
         let figure = Figure::new(seed, 7);
@@ -80,24 +80,26 @@ fn what_is_held_stands_where_it_was() {
         let kinematics = ForwardKinematics::under(model, &map, &figure.frames);
         let mut kinematics = kinematics.unwrap();
         let placed = kinematics.place(&x).unwrap();
-        for (own, expected) in placed.iter().zip(figure.frames_at(&q)) {
+        for (actual, expected) in placed.iter().zip(figure.frames_at(&q)) {
             let expected = placement(&expected);
-            assert!((own.translation - expected.translation).norm() < 1e-10);
-            let turned = own.rotation.transpose() * expected.rotation;
+            assert!((actual.translation - expected.translation).norm() < 1e-10);
+            let turned = actual.rotation.transpose() * expected.rotation;
             assert!(rotation_log(&turned).norm() < 1e-10, "seed {seed}");
         }
     }
 }
 
-/// Narrowing never widens: neither a joint's own limits nor what it was narrowed to before.
+/// Narrowing never widens: neither a joint's limits nor earlier narrowed ones.
 #[test]
-fn a_joint_is_narrowed_to_what_all_limits_have() {
+fn narrowing_intersects_all_limits() {
     let model = planar_arm(&[1.0; 2], Some((-1.0, 2.0)));
     let joint = model.moving_joints()[1];
     let narrowed = |all: &[(f64, f64)]| {
-        let map = all.iter().fold(ParameterMap::builder(&model), |map, own| {
-            map.with_narrowed(joint, Limits::new(own.0, own.1))
-        });
+        let map = all
+            .iter()
+            .fold(ParameterMap::builder(&model), |map, limits| {
+                map.with_narrowed(joint, Limits::new(limits.0, limits.1))
+            });
         let map = map.build().unwrap();
         (map.lower()[1], map.upper()[1])
     };
@@ -106,9 +108,9 @@ fn a_joint_is_narrowed_to_what_all_limits_have() {
     assert_eq!(narrowed(&[(-0.5, 1.0), (-0.8, 0.2)]), (-0.5, 0.2));
 }
 
-/// A bound of the problem's on a follower narrows what it follows, but never leaves it more than it had.
+/// A problem's bounds on a mimic joint narrow its source joint and never widen it.
 #[test]
-fn a_problem_s_bounds_on_a_follower_give_its_leader_no_room() {
+fn mimic_bounds_never_widen_the_source_joint() {
     let model = planar_arm(&[1.0; 2], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
     let map = ParameterMap::builder(&model);

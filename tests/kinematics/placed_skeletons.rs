@@ -1,5 +1,5 @@
-//! Promise: the root of a skeleton may be placed generally in a larger scene; relative rotations,
-//! skin and inverse kinematics then mean what they did, and so they do below any joint.
+//! Promise: a skeleton's root may have any placement in a scene. Relative rotations, skinning and inverse kinematics
+//! are unchanged, also below any joint.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
@@ -14,22 +14,22 @@ use support::random::Random;
 use support::trees::configuration_of;
 use support::{Rigid, apart, placement, rigid};
 
-fn somewhere(random: &mut Random) -> Rigid {
+fn random_rigid(random: &mut Random) -> Rigid {
     rigid(random.rotation(), random.vector(3.0))
 }
 
 #[test]
-fn skinning_transforms_begin_with_the_root_s() {
+fn skinning_transforms_include_the_root() {
     for seed in 0..10 {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
-        let root = somewhere(&mut random);
+        let root = random_rigid(&mut random);
         let q = configuration_of(rig.skeleton.model(), &mut random);
         // The recursion with T_root = P in place of the identity.
         let expected: Vec<Rigid> = rig.transforms(&q).iter().map(|t| root * t).collect();
         let in_scene = placement(&root);
         let placed = rig.skeleton.placed(in_scene).unwrap();
-        // By placing the pose; and by placing the skeleton, with the mesh left as it was modelled.
+        // By placing the pose, and by placing the skeleton with an unchanged mesh.
         let poses = [
             rig.skeleton.pose(&q).unwrap().placed(in_scene),
             placed.pose(&q).unwrap(),
@@ -55,12 +55,12 @@ fn skinning_transforms_begin_with_the_root_s() {
 }
 
 #[test]
-fn what_a_joint_does_composes_with_whatever_is_above_it() {
-    // T_parent⁻¹ T_i, the knee's own part, does not change when the hip moves.
+fn joint_motion_is_relative_to_its_parent() {
+    // T_parent⁻¹ T_i of the knee does not change when the hip moves.
     let rig = RandomRig::new(4);
     let mut random = Random::new(4);
     let q = configuration_of(rig.skeleton.model(), &mut random);
-    let own = |q: &[f64], bone: usize, parent: usize| {
+    let relative = |q: &[f64], bone: usize, parent: usize| {
         let pose = rig.skeleton.pose(q).unwrap();
         let all: Vec<Placement<f64>> = pose.skinning_transforms(&rig.skeleton).collect();
         all[parent].inverse() * all[bone]
@@ -71,18 +71,18 @@ fn what_a_joint_does_composes_with_whatever_is_above_it() {
         for angle in &mut moved[3 * parent..3 * parent + 3] {
             *angle += random.within(-1.0, 1.0);
         }
-        let (before, after) = (own(&q, bone, parent), own(&moved, bone, parent));
+        let (before, after) = (relative(&q, bone, parent), relative(&moved, bone, parent));
         let off = before.inverse() * after;
         assert!(apart(&off, &Rigid::identity()) < 1e-13);
     }
 }
 
 #[test]
-fn tips_are_dragged_in_the_scene_as_in_the_model() {
+fn placed_skeleton_solves_equally() {
     for seed in 0..6 {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
-        let root = somewhere(&mut random);
+        let root = random_rigid(&mut random);
         let placed = rig.skeleton.placed(placement(&root)).unwrap();
         let start = configuration_of(rig.skeleton.model(), &mut random);
         let goal = configuration_of(rig.skeleton.model(), &mut random);
@@ -105,7 +105,7 @@ fn tips_are_dragged_in_the_scene_as_in_the_model() {
             (here.cost - there.cost).abs() <= 1e-9 * (1.0 + here.cost),
             "rig {seed}"
         );
-        // Judged by the recursion: where the tips went, seen from the root.
+        // Checked by the recursion: positions of the tips relative to the root.
         let posed = rig.transforms(&there.q);
         if there.reached {
             for &tip in &rig.tips {
@@ -117,7 +117,7 @@ fn tips_are_dragged_in_the_scene_as_in_the_model() {
 }
 
 #[test]
-fn a_root_that_is_no_rigid_motion_is_refused() {
+fn non_rigid_root_is_rejected() {
     let rig = RandomRig::new(5);
     let mut stretched = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
     stretched.rotation = Matrix3::from_columns(
@@ -129,15 +129,15 @@ fn a_root_that_is_no_rigid_motion_is_refused() {
     assert!(matches!(error, SkeletonError::BadRest { bone, .. } if bone == "bone/0"));
 }
 
-/// A bone hangs on one before it: not on a later one, and not on itself.
+/// A bone's parent precedes it: no later bone, and not itself.
 #[test]
-fn a_bone_comes_after_what_carries_it() {
+fn parent_precedes_its_bones() {
     let rig = RandomRig::new(3);
     let bones = rig.skeleton.bones().to_vec();
     for (bone, parent) in [(0, 0), (1, 1), (1, 2), (2, 2)] {
-        let mut own = bones.clone();
-        own[bone].parent = rig.skeleton.bone_at(parent);
-        let error = Skeleton::new("loop", own).unwrap_err();
+        let mut cyclic = bones.clone();
+        cyclic[bone].parent = rig.skeleton.bone_at(parent);
+        let error = Skeleton::new("loop", cyclic).unwrap_err();
         let bone = bones[bone].name.clone();
         assert_eq!(error, SkeletonError::ParentNotBefore { bone });
     }

@@ -1,5 +1,5 @@
-//! Promise: placements, nalgebra's isometries and glam's affine maps are the same motions; what is no
-//! rigid motion is refused.
+//! Promise: placements, nalgebra's isometries and glam's affine maps convert into each other, and non-rigid maps are
+//! rejected.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
@@ -14,14 +14,14 @@ fn any(random: &mut Random) -> Placement<f64> {
     Placement::new(turn, Vector3::from(random.vector(2.0).data.0[0]))
 }
 
-fn apart(a: &Placement<f64>, b: &Placement<f64>) -> f64 {
+fn difference(a: &Placement<f64>, b: &Placement<f64>) -> f64 {
     let columns = |p: &Placement<f64>| [p.rotation.x, p.rotation.y, p.rotation.z, p.translation];
     let pairs = columns(a).into_iter().zip(columns(b));
     pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
 #[test]
-fn there_and_back() {
+fn conversions_round_trip() {
     let mut random = Random::new(5);
     for _ in 0..500 {
         let placement = any(&mut random);
@@ -40,22 +40,22 @@ fn there_and_back() {
             assert!((by_nalgebra[k] - moved[k]).abs() < 1e-14);
             assert!((f64::from(by_single[k]) - moved[k]).abs() < 2e-6);
         }
-        assert!(apart(&Placement::try_from(double).unwrap(), &placement) < 1e-14);
-        assert!(apart(&Placement::from(isometry), &placement) < 1e-14);
+        assert!(difference(&Placement::try_from(double).unwrap(), &placement) < 1e-14);
+        assert!(difference(&Placement::from(isometry), &placement) < 1e-14);
         let back = Placement::try_from(single).unwrap();
-        assert!(apart(&back, &placement) < 1e-6);
-        // Rigid in double precision though it came from single.
+        assert!(difference(&back, &placement) < 1e-6);
+        // Rigid in double precision although it came from single.
         assert!(back.check_rigid(1e-14).is_ok());
         let turn = glam::DQuat::from_mat3(&double.matrix3);
         let [single, double] = [Matrix3::from(turn.as_quat()), Matrix3::from(turn)];
         let turned = Placement::new(single, Vector3::zero());
         assert!(turned.check_rigid(1e-14).is_ok());
-        assert!(apart(&turned, &Placement::new(double, Vector3::zero())) < 1e-6);
+        assert!(difference(&turned, &Placement::new(double, Vector3::zero())) < 1e-6);
     }
 }
 
 #[test]
-fn what_is_not_rigid_is_refused() {
+fn non_rigid_maps_are_rejected() {
     let shear = Affine3A::from_mat3(glam::Mat3::from_cols(
         Vec3::X,
         Vec3::new(0.01, 1.0, 0.0),
@@ -81,23 +81,26 @@ fn what_is_not_rigid_is_refused() {
 }
 
 #[test]
-fn vectors_and_rotations_of_either_crate() {
+fn vectors_and_rotations_convert() {
     let [x, y, z] = [0.25, -1.5, 3.0];
-    let own = Vector3::new(x, y, z);
+    let vector = Vector3::new(x, y, z);
     let glams = DVec3::new(x, y, z);
     let theirs = nalgebra::Vector3::new(x, y, z);
-    assert_eq!(Vector3::from(glams), own);
-    assert_eq!(Vector3::from(glams.as_vec3()), own);
-    assert_eq!(Vector3::from(glam::Vec3A::from(glams.as_vec3())), own);
-    assert_eq!(Vector3::from(theirs), own);
-    assert_eq!(Vector3::from(nalgebra::Point3::from(theirs)), own);
-    assert_eq!(DVec3::from(own), glams);
-    assert_eq!(nalgebra::Point3::from(own), nalgebra::Point3::from(theirs));
+    assert_eq!(Vector3::from(glams), vector);
+    assert_eq!(Vector3::from(glams.as_vec3()), vector);
+    assert_eq!(Vector3::from(glam::Vec3A::from(glams.as_vec3())), vector);
+    assert_eq!(Vector3::from(theirs), vector);
+    assert_eq!(Vector3::from(nalgebra::Point3::from(theirs)), vector);
+    assert_eq!(DVec3::from(vector), glams);
+    assert_eq!(
+        nalgebra::Point3::from(vector),
+        nalgebra::Point3::from(theirs)
+    );
 
     let mut random = Random::new(8);
     let off = |a: Matrix3<f64>, b: Matrix3<f64>| {
         let [a, b] = [a, b].map(|rotation| Placement::new(rotation, Vector3::zero()));
-        apart(&a, &b)
+        difference(&a, &b)
     };
     for _ in 0..200 {
         let turn = any(&mut random).rotation;
@@ -112,13 +115,13 @@ fn vectors_and_rotations_of_either_crate() {
         assert!(off(quaternion.into(), turn) < 1e-14);
         assert!(off(glams_quaternion.into(), turn) < 1e-14);
         assert!(off(glams_quaternion.as_quat().into(), turn) < 1e-6);
-        let place = Placement::from(quaternion);
-        assert!(apart(&place, &Placement::new(turn, Vector3::zero())) < 1e-14);
+        let placement = Placement::from(quaternion);
+        assert!(difference(&placement, &Placement::new(turn, Vector3::zero())) < 1e-14);
     }
 }
 
 #[test]
-fn builders_take_either_crates_types() {
+fn builders_accept_types_of_both_crates() {
     use kinopt::model::{Limits, Model};
     let mut models = Vec::new();
     let limits = Limits::new(-1.0, 1.0);

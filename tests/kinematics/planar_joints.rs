@@ -1,5 +1,5 @@
-//! Promise: a planar joint moves across its normal, whichever way that points: by as much as its numbers say along two directions
-//! at right angles, right-handed about it, and turns about it.
+//! Promise: a planar joint translates by its coordinates along two orthogonal directions, right-handed about its
+//! normal, and rotates about the normal, for any normal.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 
 #[test]
-fn planes_may_lie_anyhow() {
+fn planar_joint_works_for_any_normal() {
     let mut random = Random::new(41);
     for _ in 0..200 {
         let normal = [(); 3].map(|()| random.within(-1.0, 1.0));
@@ -34,7 +34,7 @@ fn planes_may_lie_anyhow() {
             "{normal:?}: {right:?}"
         );
         assert!((x.cross(y) - up).norm() < 1e-14);
-        // A quarter turn takes the one onto the other, after both slides.
+        // A quarter turn takes one direction to the other, after both translations.
         let there = place([0.3, -0.2, std::f64::consts::FRAC_PI_2]);
         assert!((there.translation - (x * 0.3 - y * 0.2)).norm() < 1e-14);
         assert!(

@@ -1,4 +1,4 @@
-//! Promise: a random configuration lies within the limits and depends on its seed alone.
+//! Promise: a random configuration is within the limits and depends on its seed only.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{Limits, Model};
@@ -32,7 +32,7 @@ fn model() -> Model {
 }
 
 #[test]
-fn within_limits_and_finite() {
+fn samples_are_finite_and_within_limits() {
     let model = model();
     for seed in 0..2000 {
         let q = model.random_configuration(seed);
@@ -43,29 +43,29 @@ fn within_limits_and_finite() {
                 "{value} in {limits:?}"
             );
         }
-        // Missing limits end half a turn, or the reach, from the neutral value.
+        // Missing limits are replaced by half a turn, or the reach, from the neutral value.
         let pi = std::f64::consts::PI;
         assert!(q[1] <= 7.0 + pi && q[2] >= -9.0 - pi && q[5].abs() <= pi);
         assert!(q[6].abs() <= model.reach());
     }
 }
 
-/// Also where no limit of a joint is near zero: its neutral value is what the range is about.
+/// Also if no limit of a joint is near zero: the range is about its neutral value.
 #[test]
-fn spread_where_the_range_is() {
+fn one_sided_ranges_are_sampled_near_their_end() {
     let model = model();
     let drawn = (0..500).map(|seed| model.random_configuration(seed));
     let drawn: Vec<Vec<f64>> = drawn.collect();
     for (coordinate, [lower, upper]) in [(1, [7.0, 8.5]), (2, [-10.5, -9.0])] {
         let within = |q: &&Vec<f64>| (lower..=upper).contains(&q[coordinate]);
         let count = drawn.iter().filter(within).count();
-        // About half of what is drawn over half a turn lies in 1.5 rad.
+        // About half of the samples over half a turn are within 1.5 rad.
         assert!((150..350).contains(&count), "{count} of joint {coordinate}");
     }
 }
 
 #[test]
-fn spread_over_the_whole_range() {
+fn whole_range_is_sampled_evenly() {
     let model = model();
     let mut tenths = [0; 10];
     for seed in 0..2000 {
@@ -80,15 +80,15 @@ fn spread_over_the_whole_range() {
 }
 
 #[test]
-fn the_seed_decides() {
+fn seed_determines_the_configuration() {
     let model = model();
     assert_eq!(model.random_configuration(3), model.random_configuration(3));
     assert_ne!(model.random_configuration(3), model.random_configuration(4));
 }
 
-/// A ball that may turn by so much in all is drawn within that, and up to it.
+/// A ball joint with a total angle limit is sampled up to that angle.
 #[test]
-fn within_whole_angles() {
+fn samples_respect_total_angles() {
     use kinopt::model::BallLimits;
     let mut builder = Model::builder("ball");
     let (z, still) = (Vector3::UNITS[2], Placement::identity());
@@ -106,16 +106,16 @@ fn within_whole_angles() {
     assert!(farthest > 0.5, "{farthest}");
 }
 
-/// A ball is within its limits where its swing is within the ellipse, its twist in the range and the whole turn
-/// within the angle, whichever of these there are; judged by its making.
+/// A ball joint is within its limits if its swing is in the ellipse, its twist in the range and its total angle below
+/// the limit. The test composes rotations from these parts.
 #[test]
-fn a_ball_is_within_what_it_is_made_of() {
+fn ball_limits_match_their_parts() {
     use kinopt::model::{BallLimits, Model};
     use kinopt::spatial::{Quaternion, rotation_exp};
     use std::f64::consts::PI;
     use support::random::Random;
     let mut random = Random::new(31);
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for case in 0..600 {
         let [x, y, z] = Vector3::UNITS;
         let (axis, first, second) = [(x, y, z), (y, z, x), (z, x, y)][case % 3];
@@ -147,11 +147,11 @@ fn a_ball_is_within_what_it_is_made_of() {
             let inside = (a / swing[0]).hypot(b / swing[1]) <= 1.0
                 && twist.contains(turned)
                 && angle.is_none_or(|most| 2.0 * w.abs().min(1.0).acos() <= most);
-            // A swing by more than half a turn is another one.
+            // A swing beyond half a turn equals another one.
             if a.hypot(b) < 3.1 {
                 let q = [w, v.x, v.y, v.z];
                 assert_eq!(model.is_within_limits(&q), inside, "{limits:?} {q:?}");
-                told[usize::from(inside)] += 1;
+                reported[usize::from(inside)] += 1;
             }
         }
         for seed in 0..4 {
@@ -159,10 +159,10 @@ fn a_ball_is_within_what_it_is_made_of() {
             assert!(model.is_within_limits(&q), "{limits:?} {q:?}");
         }
     }
-    assert!(told.iter().all(|count| *count > 500), "{told:?}");
+    assert!(reported.iter().all(|count| *count > 500), "{reported:?}");
 }
 
-/// Each free joint is known by its first slide; what limits two allow is what either does.
+/// A free joint is identified by its first translation. The intersection of two limits is what both allow.
 #[test]
 fn free_joints_and_common_limits() {
     let mut builder = Model::builder("two bodies");
@@ -189,9 +189,9 @@ fn free_joints_and_common_limits() {
     }
 }
 
-/// Each slide of a free or a planar joint has the room that it is given, in their order.
+/// Each translation of a free or planar joint has its own bounds, in order.
 #[test]
-fn rooms_are_those_of_their_axes() {
+fn translation_bounds_are_in_axis_order() {
     let mut builder = Model::builder("rooms");
     let still = Placement::identity();
     let [a, b, c] = [0.1, 0.2, 0.3].map(|end| Limits::new(-end, 2.0 * end));
@@ -203,9 +203,9 @@ fn rooms_are_those_of_their_axes() {
     assert_eq!(limits[7..], [b, a, c]);
 }
 
-/// Only a ball has a cone.
+/// Only ball joints have cones.
 #[test]
-fn a_cone_on_a_hinge_is_refused() {
+fn cone_on_a_revolute_joint_is_rejected() {
     use kinopt::model::{BallLimits, Joint, JointKind, ModelError};
     for kind in [
         JointKind::Revolute,

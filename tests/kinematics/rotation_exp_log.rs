@@ -1,5 +1,5 @@
-//! Promise: the rotation exponential and logarithm are inverse to 1e-12, in values and in
-//! derivatives, at 0, near 0, near π and at π.
+//! Promise: the rotation exponential and logarithm are inverse to 1e-12, in values and derivatives, at 0, near 0, near
+//! π and at π.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
@@ -38,7 +38,7 @@ fn axes() -> Vec<na::Vector3<f64>> {
         axes.push(na::Vector3::ith(k, 1.0));
         axes.push(na::Vector3::ith(k, -1.0));
     }
-    // The seams of Shepperd's four cases.
+    // The boundaries of Shepperd's four cases.
     axes.push(na::Vector3::new(1.0, 1.0, 0.0).normalize());
     axes.push(na::Vector3::new(1.0, -1.0, 1.0).normalize());
     axes
@@ -68,7 +68,7 @@ fn jacobian(v: Vector3<Dual<3>>) -> na::Matrix3<f64> {
 }
 
 #[test]
-fn the_exponential_is_the_rotation_about_the_axis() {
+fn exponential_is_rotation_about_the_axis() {
     for axis in axes() {
         for angle in ANGLES.into_iter().chain([PI, 4.0, 2.0 * PI, 10.0]) {
             let ours = rotation_exp(Vector3::from(axis * angle));
@@ -83,13 +83,13 @@ fn the_exponential_is_the_rotation_about_the_axis() {
 }
 
 #[test]
-fn the_logarithm_undoes_the_exponential() {
+fn logarithm_inverts_the_exponential() {
     for axis in axes() {
         for angle in ANGLES {
             let omega = axis * angle;
             let back = rotation_log(&rotation_exp(Vector3::from(omega)));
             let error = length(back - Vector3::from(omega));
-            // Below half a turn the pair is the identity; very small ones keep their own digits.
+            // Below half a turn the pair is the identity; tiny vectors keep their relative precision.
             assert!(
                 error <= 1e-12 * angle.clamp(1e-150, 1.0),
                 "{axis} × {angle}: off by {error:e}"
@@ -99,7 +99,7 @@ fn the_logarithm_undoes_the_exponential() {
 }
 
 #[test]
-fn the_exponential_undoes_the_logarithm() {
+fn exponential_inverts_the_logarithm() {
     let mut random = Random::new(5);
     for _ in 0..300 {
         let rotation = random.rotation().into_inner();
@@ -109,7 +109,7 @@ fn the_exponential_undoes_the_logarithm() {
 }
 
 #[test]
-fn at_half_a_turn_one_of_the_two_vectors_is_returned() {
+fn half_turn_logarithm_is_one_of_two_vectors() {
     for axis in axes() {
         // I − 2 (I − a aᵀ): half a turn about a, without a sine.
         let half = axis * axis.transpose() * 2.0 - na::Matrix3::identity();
@@ -121,7 +121,7 @@ fn at_half_a_turn_one_of_the_two_vectors_is_returned() {
 }
 
 #[test]
-fn beyond_half_a_turn_the_logarithm_takes_the_short_way() {
+fn logarithm_beyond_half_a_turn_is_shortest() {
     for axis in axes() {
         for beyond in [1e-9, 1e-6, 1e-3, 0.5, 2.0] {
             let long = rotation_exp(Vector3::from(axis * (PI + beyond)));
@@ -132,7 +132,7 @@ fn beyond_half_a_turn_the_logarithm_takes_the_short_way() {
 }
 
 #[test]
-fn derivatives_of_the_pair_are_the_identity() {
+fn derivative_of_log_exp_is_the_identity() {
     for axis in axes() {
         for angle in ANGLES {
             let omega = variables(axis * angle);
@@ -144,7 +144,7 @@ fn derivatives_of_the_pair_are_the_identity() {
 }
 
 #[test]
-fn the_derivative_of_the_exponential_at_zero_is_the_cross_product() {
+fn exponential_derivative_at_zero_is_cross_product() {
     let turned = rotation_exp(variables(na::Vector3::zeros()));
     let columns = [turned.x, turned.y, turned.z].map(jacobian);
     for (k, ours) in columns.into_iter().enumerate() {
@@ -155,7 +155,7 @@ fn the_derivative_of_the_exponential_at_zero_is_the_cross_product() {
 }
 
 #[test]
-fn the_jacobian_of_the_logarithm_is_the_dual_derivative_by_a_further_turn() {
+fn logarithm_jacobian_matches_dual_numbers() {
     for axis in axes() {
         for angle in ANGLES {
             let phi = axis * angle;
@@ -170,8 +170,8 @@ fn the_jacobian_of_the_logarithm_is_the_dual_derivative_by_a_further_turn() {
 }
 
 #[test]
-fn the_jacobian_of_the_logarithm_inverts_the_left_jacobian() {
-    // J_l = Σ [φ]ᵏ / (k + 1)!, summed as it stands (Chirikjian 2012, eq. 10.86).
+fn logarithm_jacobian_inverts_left_jacobian() {
+    // J_l = Σ [φ]ᵏ / (k + 1)!, summed directly (Chirikjian 2012, eq. 10.86).
     for axis in axes() {
         for angle in ANGLES {
             let phi = axis * angle;
@@ -187,16 +187,16 @@ fn the_jacobian_of_the_logarithm_inverts_the_left_jacobian() {
     }
 }
 
-/// How a rotation turns as its vector changes is what small changes make it turn by, from no turn to beyond half of one.
+/// The Jacobian of the exponential equals small rotations by finite differences, from zero to beyond half a turn.
 #[test]
-fn the_jacobian_of_the_exponential_is_its_change() {
+fn exponential_jacobian_matches_differences() {
     use kinopt::spatial::{Matrix3, Vector3, rotation_exp, rotation_exp_jacobian, rotation_log};
     use support::random::Random;
     let mut random = Random::new(23);
     for size in [0.0, 1e-9, 1e-3, 0.09, 0.11, 1.0, 3.0, 5.0] {
         for _ in 0..20 {
-            let way = random.direction();
-            let phi = Vector3::new(way.x, way.y, way.z) * size;
+            let direction = random.direction();
+            let phi = Vector3::new(direction.x, direction.y, direction.z) * size;
             let jacobian = rotation_exp_jacobian(phi);
             for (unit, column) in Vector3::UNITS
                 .into_iter()

@@ -1,5 +1,5 @@
-//! Promise: a skeleton's pose is the recursion of the source documents, T_i = T_parent T̂_i
-//! R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹, to 1e-12 of its size; tails stay on their parents' tips.
+//! Promise: a skeleton's pose is the recursion T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹ of the source
+//! documents, to 1e-12 of its size. Tails coincide with their parents' tips.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -12,14 +12,14 @@ use support::{apart, rigid};
 
 const SEEDS: u64 = 20;
 
-/// Angles far beyond the limits too: the formula knows none.
+/// Angles also far beyond the limits, which the formula ignores.
 fn angles(rig: &RandomRig, random: &mut Random) -> Vec<f64> {
     let count = rig.skeleton.angles();
     (0..count).map(|_| random.within(-7.0, 7.0)).collect()
 }
 
 #[test]
-fn skinning_transforms_are_the_recursion() {
+fn skinning_transforms_follow_the_recursion() {
     for seed in 0..SEEDS {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
@@ -53,7 +53,7 @@ fn at_rest_nothing_moves() {
 }
 
 #[test]
-fn ends_are_where_the_transforms_carry_them_and_tails_stay_on_tips() {
+fn tails_coincide_with_parent_tips() {
     for seed in 0..SEEDS {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
@@ -76,7 +76,7 @@ fn ends_are_where_the_transforms_carry_them_and_tails_stay_on_tips() {
 }
 
 #[test]
-fn the_models_frames_are_tails_and_tips_by_name() {
+fn model_frames_are_named_tails_and_tips() {
     let rig = RandomRig::new(1);
     let model = rig.skeleton.model();
     let q = angles(&rig, &mut Random::new(1));
@@ -98,7 +98,7 @@ fn the_models_frames_are_tails_and_tips_by_name() {
 }
 
 #[test]
-fn angles_stand_in_the_sources_order() {
+fn angles_are_in_the_documented_order() {
     // One angle at a time, bone by bone: first twist, bend, second twist.
     let rig = RandomRig::new(2);
     let model = rig.skeleton.model();
@@ -113,8 +113,8 @@ fn angles_stand_in_the_sources_order() {
 }
 
 #[test]
-fn rests_written_with_seven_digits_are_still_rigid() {
-    // As a rig file may hold them: accepted, so the promises hold for them too.
+fn rests_with_seven_digits_are_accepted() {
+    // As in a rig file: accepted, so the promises apply.
     let exact = RandomRig::new(3);
     let mut bones = exact.skeleton.bones().to_vec();
     let rounded = |v: f64| (v * 1e7).round() / 1e7;
@@ -132,7 +132,7 @@ fn rests_written_with_seven_digits_are_still_rigid() {
     }
 }
 
-/// A bone's frames are its own, the tail where it begins and the tip where it ends.
+/// A bone's tail frame is at its start and its tip frame at its end.
 #[test]
 fn frames_belong_to_their_bones() {
     let rig = RandomRig::new(3);

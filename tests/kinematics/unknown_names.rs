@@ -1,5 +1,4 @@
-//! Promise: a name that is not there is told with all names where they are few, and with those that
-//! may have been meant where they are many.
+//! Promise: an unknown name is reported with all names if they are few, and with similar ones if they are many.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Model;
@@ -23,7 +22,7 @@ const BONES: [&str; 14] = [
     "tail",
 ];
 
-fn asked(name: &str) -> UnknownName {
+fn unknown_bone(name: &str) -> UnknownName {
     UnknownName::new("bone", name, BONES)
 }
 
@@ -35,7 +34,7 @@ fn few_names_are_listed_in_full() {
         meant.to_string(),
         "no joint named `elbw`; did you mean `elbow`? valid names: elbow, shoulder"
     );
-    // Of two that are as near, the list is enough.
+    // Of two equally similar names none is suggested; the list is enough.
     let either = UnknownName::new("joint", "joint9", ["joint1", "joint2"]);
     assert_eq!(
         either.to_string(),
@@ -50,7 +49,7 @@ fn few_names_are_listed_in_full() {
 }
 
 #[test]
-fn of_many_names_the_nearest_are_told() {
+fn similar_names_are_suggested_of_many() {
     for (typed, meant) in [
         ("lefthand", "left_hand"),
         ("left_hnad", "left_hand"),
@@ -61,17 +60,17 @@ fn of_many_names_the_nearest_are_told() {
         ("mixamorig:RightFoot", "RightFoot"),
         ("upper_arm", "left_upper_arm"),
     ] {
-        let unknown = asked(typed);
+        let unknown = unknown_bone(typed);
         assert_eq!(unknown.suggestions().first(), Some(&meant), "{typed}");
         let text = unknown.to_string();
         let start = format!("no bone named `{typed}`; did you mean `{meant}`");
         assert!(text.starts_with(&start), "{text}");
         assert!(text.ends_with("? (14 names)"), "{text}");
     }
-    let either = asked("hand").to_string();
+    let either = unknown_bone("hand").to_string();
     let text = "no bone named `hand`; did you mean `left_hand` or `right_hand`? (14 names)";
     assert_eq!(either, text);
-    let noted = asked("hand")
+    let noted = unknown_bone("hand")
         .with_note("`kinopt info` lists all")
         .to_string();
     assert!(
@@ -81,12 +80,12 @@ fn of_many_names_the_nearest_are_told() {
 }
 
 #[test]
-fn where_none_is_like_it_the_first_are_told() {
+fn first_names_are_listed_if_none_is_similar() {
     for name in ["zzzzzz", "", "q"] {
-        let text = asked(name).to_string();
+        let text = unknown_bone(name).to_string();
         let end = "; none is like it; they begin with `hips`, `spine`, `chest` (14 names)";
         assert!(text.ends_with(end), "{text}");
-        assert!(asked(name).suggestions().is_empty(), "{name}");
+        assert!(unknown_bone(name).suggestions().is_empty(), "{name}");
     }
 }
 
@@ -100,7 +99,7 @@ fn names_of_any_length_are_compared() {
 }
 
 #[test]
-fn a_model_s_errors_suggest() {
+fn model_errors_suggest_names() {
     let mut builder = Model::builder("long");
     let mut last = None;
     for index in 1..=20 {
@@ -119,22 +118,22 @@ fn a_model_s_errors_suggest() {
     assert!(matches!(text, Err(text) if !text.contains("joint19")));
 }
 
-/// Of names that hold what was asked for, the one with the least around it is meant most likely.
+/// Of names that contain the query, the shortest is suggested first.
 #[test]
-fn the_shortest_name_around_it_comes_first() {
+fn shortest_containing_name_comes_first() {
     let names = ["the left hand's thumb", "left hand"];
     let found = UnknownName::new("bone", "hand", names);
     assert_eq!(found.suggestions(), ["left hand", "the left hand's thumb"]);
 }
 
-/// A name of one letter that is another altogether is less like it than one with a letter more.
+/// A different single-letter name is less similar than one with an added letter.
 #[test]
-fn another_letter_alone_is_another_name() {
+fn other_single_letter_is_less_similar() {
     let found = UnknownName::new("joint", "a", ["b", "ab"]);
     assert_eq!(found.suggestions(), ["ab", "b"]);
 }
 
-/// An id of another model is none here, also the first that there is not.
+/// An id of a larger model is unknown, also the first index beyond the last.
 #[test]
 fn ids_of_larger_models_are_unknown() {
     let chain = |joints: usize| {
@@ -157,6 +156,6 @@ fn ids_of_larger_models_are_unknown() {
         let is_joint = JointRef::Id(joint).resolve(&small).is_ok();
         assert_eq!((is_frame, is_joint), (k < 3, k < 3), "{k}");
     }
-    // The first that there is not, counted as ids are.
+    // The index equals the number of frames.
     assert!(large.frame("link 3").unwrap().index() == small.frames().len());
 }

@@ -1,4 +1,4 @@
-//! Lanes compute what `f64` computes: sine and cosine to 1e-15, and the portable and the fused
+//! Promise: SIMD lanes compute what `f64` computes. Sine and cosine are accurate to 1e-15; the portable and the fused
 //! kernels agree.
 #![allow(clippy::unwrap_used)]
 
@@ -18,7 +18,7 @@ fn worst_error(x: f64) -> f64 {
 }
 
 #[test]
-fn sine_and_cosine_are_accurate_over_the_whole_range() {
+fn sine_and_cosine_are_accurate_over_full_range() {
     let mut random = Random(1);
     for magnitude in [1e-12, 1e-6, 0.1, 1.0, 4.0, 10.0, 1e3, 1e5, 0.9 * MAX_ANGLE] {
         for _ in 0..2000 {
@@ -43,9 +43,8 @@ fn tiny_angles_keep_their_relative_precision() {
     }
 }
 
-/// The two kernels run the same formulas with one or two roundings for a product and a sum; where
-/// attempts converge they converge to the same point, in as many steps but for a few whose last one is
-/// decided by rounding.
+/// Both kernels evaluate the same formulas, with one or two roundings for a product and a sum. Attempts that converge
+/// reach the same point. The step counts differ only where rounding decides about the last step.
 #[test]
 fn portable_and_fused_kernels_agree() {
     let chain = panda();

@@ -1,4 +1,4 @@
-//! No q that the lane engine returns lies outside its bounds by one bit, reached or not.
+//! Promise: no q returned by the SIMD solver exceeds its bounds by a single bit, whether the target is reached or not.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
@@ -13,7 +13,7 @@ fn check(chain: &Chain, seed: u64, queries: usize) {
     let mut random = Random(seed);
     let mut q = vec![0.0; n];
     for k in 0..queries {
-        // Goals on the bounds, and out of reach; starts inside, on and far outside the bounds.
+        // Goals on the bounds and out of reach; starts within, on and far outside the bounds.
         let mut truth = random.configuration(chain);
         for (value, joint) in truth.iter_mut().zip(chain.joints()) {
             if random.unit() < 0.4 && joint.upper.is_finite() {
@@ -66,10 +66,10 @@ fn random_chains_stay_within_bounds() {
     }
 }
 
-/// Joints that can turn round more than once: of the equal values within the bounds the nearest to the
-/// start comes back, also where the nearest of all lies beyond a bound.
+/// Joints with a range of more than one turn return the equivalent value within the bounds that is nearest to the
+/// start. This also holds where the nearest of all values exceeds a bound.
 #[test]
-fn wide_joints_come_back_as_near_to_the_start_as_bounds_allow() {
+fn multi_turn_joints_stay_near_start_within_bounds() {
     let mut joints = panda().joints().to_vec();
     for joint in &mut joints {
         (joint.lower, joint.upper) = (-5.0, 5.0);
@@ -96,9 +96,9 @@ fn wide_joints_come_back_as_near_to_the_start_as_bounds_allow() {
     assert!(held > 40, "{held} were held by a bound");
 }
 
-/// Seeds too: a question that is given up at its first point has an answer within the bounds.
+/// Also with starts outside: a solve that ends at its first point returns values within the bounds.
 #[test]
-fn the_first_point_is_within_bounds() {
+fn first_point_is_within_bounds() {
     for seed in 0..4 {
         let chain = random_chain(40 + seed, 7, 0, false);
         let options = LaneOptions::default().with_iterations(1);

@@ -1,4 +1,4 @@
-//! The same question has the same answer, bit for bit, however a batch is split.
+//! Promise: the same target and start have bitwise the same result, however a batch is split.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{
@@ -54,7 +54,7 @@ fn check(chain: &Chain, atlas: bool) {
             "chunks of {size}"
         );
     }
-    // A solver built anew, and threads.
+    // A new solver, and threads.
     let again = PoseSolver::new(chain, options).unwrap();
     assert!(split(&again, &goals, &starts, 60) == whole);
     for threads in [2, 8] {
@@ -74,7 +74,7 @@ fn check(chain: &Chain, atlas: bool) {
         let bits: Vec<u64> = joined.iter().flat_map(|part| part.0.clone()).collect();
         assert!(bits == whole.0, "{threads} threads");
     }
-    // Those of rayon, of whom each has a part of 128 queries at most.
+    // Rayon's threads, each with at most 128 queries of the batch.
     let (many, from) = (goals.repeat(3), starts.repeat(3));
     let mut q = vec![0.0; from.len()];
     let mut outcomes = vec![PoseOutcome::default(); many.len()];
@@ -83,7 +83,7 @@ fn check(chain: &Chain, atlas: bool) {
         .unwrap();
     let bits: Vec<u64> = q.into_iter().map(f64::to_bits).collect();
     assert!(bits == whole.0.repeat(3) && outcomes == whole.1.repeat(3));
-    // Single queries too, whatever was asked before.
+    // Single queries, independently of those before.
     let n = solver.joints();
     let ask = |k: usize| {
         let mut q = vec![0.0; n];
@@ -99,14 +99,14 @@ fn check(chain: &Chain, atlas: bool) {
 }
 
 #[test]
-fn any_split_and_any_thread_count_give_the_same_bits() {
+fn results_are_bitwise_equal_for_splits_and_threads() {
     check(&panda(), true);
     check(&random_chain(5, 8, 1, true), false);
 }
 
-/// The numbered attempts are those that a batch runs: its winner is the lowest that reaches.
+/// Numbered attempts equal those of a batch: the winner is the lowest number that reaches the target.
 #[test]
-fn numbered_attempts_are_those_of_a_batch() {
+fn numbered_attempts_equal_those_of_a_batch() {
     let chain = panda();
     let options = LaneOptions::default().with_atlas(false);
     let solver = PoseSolver::new(&chain, options).unwrap();
@@ -150,7 +150,7 @@ fn numbered_attempts_are_those_of_a_batch() {
     }
 }
 
-/// Of attempts that reach after equally many steps the one with the lowest number wins.
+/// Of attempts that reach the target after equally many steps, the lowest number wins.
 #[test]
 fn ties_go_to_the_lowest_attempt() {
     let chain = panda();
@@ -172,7 +172,7 @@ fn ties_go_to_the_lowest_attempt() {
         let Some(first) = reached.clone().min_by_key(key) else {
             continue;
         };
-        // With nothing given up on before, no other attempt was let in.
+        // No attempt was abandoned before, so no other one was started.
         let steps = alone[first as usize].iterations;
         if raced.attempts == 4 {
             assert_eq!(raced.winner, Some(first));
@@ -183,10 +183,10 @@ fn ties_go_to_the_lowest_attempt() {
     assert!(ties > 5, "{ties} ties");
 }
 
-/// Further attempts for slides without ends begin near the start: where two of them undo each other, the
-/// answers stay there too.
+/// Further attempts for prismatic joints without limits begin near the start. Where two such joints cancel each other,
+/// the results stay near the start too.
 #[test]
-fn attempts_of_unbounded_slides_begin_near_the_start() {
+fn unbounded_prismatic_joints_start_nearby() {
     let slide = ChainJoint {
         parent_from_joint: Placement::identity(),
         axis: [1.0, 0.0, 0.0].into(),
@@ -208,8 +208,8 @@ fn attempts_of_unbounded_slides_begin_near_the_start() {
     }
 }
 
-/// A race counts the iterations of all its attempts, of which none has more than it may; a batch makes no
-/// attempt more than it may, and none less where nothing is reached.
+/// A parallel search counts the iterations of all its attempts, none of which exceeds its limit. A batch makes at most
+/// the allowed number of attempts, and exactly so many where nothing is reached.
 #[test]
 fn iterations_and_attempts_are_counted() {
     let chain = panda();
@@ -240,9 +240,9 @@ fn iterations_and_attempts_are_counted() {
     }
 }
 
-/// Where any orientation will do, that of the target changes nothing but rounding.
+/// Where any orientation is accepted, the target's orientation only affects rounding.
 #[test]
-fn an_orientation_that_is_free_has_no_say() {
+fn free_target_orientation_has_no_effect() {
     let chain = panda();
     let options = LaneOptions::default().with_axes(AxisGoal::position_only());
     let solver = PoseSolver::new(&chain, options).unwrap();
@@ -262,9 +262,9 @@ fn an_orientation_that_is_free_has_no_say() {
     assert!(alike >= 18, "{alike} of 20");
 }
 
-/// Goals for whose place the atlas has no seeds take none of the question before.
+/// Goals for whose position the atlas has no seeds use no seeds of earlier goals.
 #[test]
-fn goals_without_seeds_take_none_of_others() {
+fn goals_without_seeds_use_none_of_other_goals() {
     let chain = panda();
     let options = LaneOptions::default().with_attempts(6);
     let solver = PoseSolver::new(&chain, options).unwrap();
@@ -274,17 +274,17 @@ fn goals_without_seeds_take_none_of_others() {
         let [x, y, z] = [(); 3].map(|()| random.within(-1.2, 1.2));
         goal.translation = [x, y, z].into();
     }
-    let answers = |size: usize| {
-        let mut answers = Vec::new();
+    let results = |size: usize| {
+        let mut results = Vec::new();
         for (goals, starts) in goals.chunks(size).zip(starts.chunks(7 * size)) {
             let mut q = vec![0.0; starts.len()];
             let mut outcomes = vec![PoseOutcome::default(); goals.len()];
             solver
                 .solve_batch(goals, starts, Prefer::First, &mut q, &mut outcomes)
                 .unwrap();
-            answers.extend(outcomes.into_iter().zip(q.chunks(7).map(<[f64]>::to_vec)));
+            results.extend(outcomes.into_iter().zip(q.chunks(7).map(<[f64]>::to_vec)));
         }
-        answers
+        results
     };
-    assert!(answers(40) == answers(1));
+    assert!(results(40) == results(1));
 }

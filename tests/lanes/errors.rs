@@ -1,4 +1,4 @@
-//! The errors beside a q are the errors of that q, judged by nalgebra's kinematics.
+//! Promise: the errors reported with a q are those of that q, according to nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
@@ -34,7 +34,7 @@ fn check(chain: &Chain, seed: u64) {
 }
 
 #[test]
-fn reported_errors_are_those_of_the_returned_values() {
+fn reported_errors_belong_to_the_returned_values() {
     check(&panda(), 1);
     check(&ur5(), 2);
     check(&planar(), 3);
@@ -63,9 +63,9 @@ fn one_joint(kind: JointKind, lower: f64, upper: f64) -> PoseSolver {
     PoseSolver::new(&chain, LaneOptions::default()).unwrap()
 }
 
-/// A joint that does not move belongs into the placement of the next; one without limits turns.
+/// A fixed joint belongs in the placement of the next joint. A joint without limits is a revolute one.
 #[test]
-fn fixed_joints_are_no_joints_of_a_chain() {
+fn fixed_chain_joints_are_rejected() {
     let joint = |kind| ChainJoint {
         parent_from_joint: Placement::identity(),
         axis: Vector3::new(0.0, 0.0, 1.0),
@@ -83,7 +83,7 @@ fn fixed_joints_are_no_joints_of_a_chain() {
 }
 
 #[test]
-fn what_is_no_joint_of_a_chain_is_named() {
+fn invalid_chain_joints_are_named() {
     let joint = |kind, axis: [f64; 3], (lower, upper)| ChainJoint {
         parent_from_joint: Placement::identity(),
         axis: axis.into(),
@@ -91,9 +91,9 @@ fn what_is_no_joint_of_a_chain_is_named() {
         lower,
         upper,
     };
-    let last = |own: ChainJoint| {
+    let last = |tested: ChainJoint| {
         let first = joint(JointKind::Revolute, [1.0, 0.0, 0.0], (-1.0, 1.0));
-        Chain::new(vec![first, own], Placement::identity())
+        Chain::new(vec![first, tested], Placement::identity())
     };
     let (inf, up) = (f64::INFINITY, [0.0, 0.0, 1.0]);
     for axis in [
@@ -118,16 +118,16 @@ fn what_is_no_joint_of_a_chain_is_named() {
         (false, false, (-inf, -inf)),
     ] {
         for (kind, fits) in [(JointKind::Revolute, turns), (JointKind::Prismatic, slides)] {
-            let told = last(joint(kind, up, bounds));
-            assert_eq!(told.is_ok(), fits, "{kind:?} {bounds:?}");
-            assert!(fits || matches!(told, Err(ChainError::Bounds { joint: 1, .. })));
+            let reported = last(joint(kind, up, bounds));
+            assert_eq!(reported.is_ok(), fits, "{kind:?} {bounds:?}");
+            assert!(fits || matches!(reported, Err(ChainError::Bounds { joint: 1, .. })));
         }
     }
 }
 
-/// Half a turn away is π away, though a rotation by it and none have the same sine.
+/// A rotation by π is reported as such, although its sine equals that of no rotation.
 #[test]
-fn half_a_turn_is_told() {
+fn half_a_turn_is_reported_as_pi() {
     let solver = one_joint(JointKind::Revolute, -1e-5, 1e-5);
     let turned = Placement::new(
         Matrix3::identity().rotated_about_z((0.0, -1.0)),
@@ -140,9 +140,9 @@ fn half_a_turn_is_told() {
     assert!((outcome.orientation_error - std::f64::consts::PI).abs() < 1e-4);
 }
 
-/// So far out a place is not known to a micrometre.
+/// At this distance floating point does not resolve a micrometre.
 #[test]
-fn what_a_long_slide_cannot_resolve_is_not_reached() {
+fn unresolvable_prismatic_joint_is_not_reached() {
     let solver = one_joint(JointKind::Prismatic, 0.0, 1e12);
     let far = |x: f64| Placement::translation(Vector3::new(x + 0.3, 0.0, 0.0));
     for (x, reached) in [(1.0, true), (9e11, false)] {
@@ -153,9 +153,9 @@ fn what_a_long_slide_cannot_resolve_is_not_reached() {
     }
 }
 
-/// Nor is a direction to 1e-12 rad after a thousand turns, however roughly the place is asked for.
+/// After a thousand turns a direction is not resolved to 1e-12 rad, however wide the position tolerance is.
 #[test]
-fn what_many_turns_cannot_resolve_is_not_reached() {
+fn unresolvable_angle_after_turns_is_not_reached() {
     let joint = ChainJoint {
         parent_from_joint: Placement::identity(),
         axis: Vector3::UNITS[2],
@@ -176,9 +176,9 @@ fn what_many_turns_cannot_resolve_is_not_reached() {
     }
 }
 
-/// Rounding of every link adds up: of links that would resolve the tolerance each alone, so many do not.
+/// Rounding of all links adds up: each link resolves the tolerance on its own, all together do not.
 #[test]
-fn what_many_long_links_cannot_resolve_is_not_reached() {
+fn unresolvable_long_links_are_not_reached() {
     let link = Placement::translation(Vector3::new(1e8, 0.0, 0.0));
     let axes = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
     let joint = |k: usize| ChainJoint {
@@ -200,9 +200,9 @@ fn what_many_long_links_cannot_resolve_is_not_reached() {
     assert!(reached(1) && !reached(8));
 }
 
-/// Each of the twelve numbers of weights and half widths is asked, and refused where it is none.
+/// Each of the twelve weights and half widths is validated.
 #[test]
-fn every_number_of_a_goal_s_axes_is_looked_at() {
+fn every_number_of_an_axis_goal_is_validated() {
     use kinopt::simd_ik::AxisGoal;
     type Part = fn(&mut AxisGoal) -> &mut [f64; 3];
     let parts: [Part; 4] = [

@@ -1,13 +1,13 @@
-//! The lane engine alone.
+//! The SIMD solver on its own.
 
 mod arithmetic;
-mod arms_on_rails;
+mod best_attempts;
 mod bounds;
 mod determinism;
-mod doors;
+mod entry_points;
 mod errors;
-mod misses;
-mod success;
-mod turned_zeros;
+mod joint_zeros;
+mod rail_mounts;
+mod reachable_poses;
 mod unit_of_length;
 mod unreachable;

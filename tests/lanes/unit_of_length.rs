@@ -1,5 +1,5 @@
-//! The unit of length does not matter: a chain, its targets and its tolerances in other units have
-//! the same angles, bit for bit where the units differ by a power of two.
+//! Promise: results do not depend on the unit of length. A chain with targets and tolerances in another unit has the
+//! same angles, bitwise where the units differ by a power of two.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{
@@ -9,11 +9,11 @@ use kinopt::spatial::Placement;
 use support::lane_chains::{Random, panda, random_chain, target, ur5};
 use support::sample::{cases, part};
 
-fn longer(placement: &Placement<f64>, by: f64) -> Placement<f64> {
+fn scaled(placement: &Placement<f64>, by: f64) -> Placement<f64> {
     Placement::new(placement.rotation, placement.translation * by)
 }
 
-/// The same chain with `by` units of length where there was one.
+/// The same chain in a unit `by` times as small.
 fn chain_in(chain: &Chain, by: f64) -> Chain {
     let joints = chain.joints().iter().map(|joint| {
         let unit = if joint.kind == JointKind::Prismatic {
@@ -22,13 +22,13 @@ fn chain_in(chain: &Chain, by: f64) -> Chain {
             1.0
         };
         ChainJoint {
-            parent_from_joint: longer(&joint.parent_from_joint, by),
+            parent_from_joint: scaled(&joint.parent_from_joint, by),
             lower: joint.lower * unit,
             upper: joint.upper * unit,
             ..*joint
         }
     });
-    Chain::new(joints.collect(), longer(chain.joint_from_tip(), by)).unwrap()
+    Chain::new(joints.collect(), scaled(chain.joint_from_tip(), by)).unwrap()
 }
 
 fn options_in(by: f64) -> LaneOptions {
@@ -37,8 +37,8 @@ fn options_in(by: f64) -> LaneOptions {
         .with_metres_per_radian(0.3 * by)
 }
 
-/// q in units of one, and the outcomes: single, both searches, and batch; reached and not.
-fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
+/// q and outcomes in the original unit: single queries, both searches, and batches; reached and not.
+fn results(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
     let there = chain_in(chain, by);
     let solver = PoseSolver::new(&there, options_in(by)).unwrap();
     let n = solver.joints();
@@ -60,7 +60,7 @@ fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
         if k % 8 == 7 {
             goal.translation = goal.translation * 4.0;
         }
-        goals.push(longer(&goal, by));
+        goals.push(scaled(&goal, by));
         let start = random.configuration(chain);
         starts.extend(start.iter().zip(&units).map(|(q, unit)| q * unit));
     }
@@ -103,13 +103,13 @@ fn chains() -> Vec<Chain> {
 }
 
 #[test]
-fn powers_of_two_give_the_same_bits() {
+fn powers_of_two_give_bitwise_equal_results() {
     for chain in chains() {
-        let (q, outcomes) = answers(&chain, 1.0);
+        let (q, outcomes) = results(&chain, 1.0);
         assert!(outcomes.iter().any(|outcome| outcome.reached));
-        // Far and near: what rounding hides of lengths hides nothing of angles.
+        // Far and near: rounding of lengths does not affect that of angles.
         for by in part([2_f64.powi(40), 1.0 / 4096.0, 1024.0], 2) {
-            let (other, others) = answers(&chain, by);
+            let (other, others) = results(&chain, by);
             let bits = |q: &[f64]| -> Vec<u64> { q.iter().map(|v| v.to_bits()).collect() };
             assert_eq!(bits(&q), bits(&other));
             assert_eq!(outcomes, others);
@@ -117,17 +117,17 @@ fn powers_of_two_give_the_same_bits() {
     }
 }
 
-/// Of turning joints: what a slide weighs among them goes by powers of two.
+/// Only revolute joints: prismatic joints are weighted by powers of two.
 #[test]
 fn millimetres_give_the_same_angles() {
     for chain in [panda(), ur5()] {
-        let (q, outcomes) = answers(&chain, 1.0);
-        let (other, others) = answers(&chain, 1000.0);
+        let (q, outcomes) = results(&chain, 1.0);
+        let (other, others) = results(&chain, 1000.0);
         let n = chain.joints().len();
         let (mut compared, mut same) = (0, 0);
         for (k, (a, b)) in outcomes.iter().zip(&others).enumerate() {
             assert_eq!(a.reached, b.reached);
-            // Out of reach rounding may grow to another end.
+            // Out of reach, rounding may lead to another end.
             if !a.reached {
                 continue;
             }
@@ -142,9 +142,9 @@ fn millimetres_give_the_same_angles() {
     }
 }
 
-/// A start many turns away is a start all the same.
+/// A start many turns away is valid.
 #[test]
-fn starts_far_round() {
+fn starts_many_turns_away_are_solved() {
     use std::f64::consts::TAU;
     let chain = ur5();
     let mut joints = chain.joints().to_vec();
@@ -175,9 +175,9 @@ fn starts_far_round() {
     }
 }
 
-/// The room that a position is given is of the chain's own unit.
+/// The half width of a position is in the chain's unit.
 #[test]
-fn room_is_in_the_unit_of_the_chain() {
+fn half_widths_are_in_the_unit_of_the_chain() {
     for by in [1.0, 1024.0] {
         let chain = chain_in(&ur5(), by);
         let room = 0.05 * by;

@@ -1,4 +1,5 @@
-//! Out of reach ends honestly: the best point found and its errors; bad input is an error. Of all attempts, that is the search for the first.
+//! Promise: a target out of reach returns the best point found and its errors; invalid input is an error. Among all
+//! attempts this is the search for the first.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Instant;
@@ -7,9 +8,9 @@ use kinopt::simd_ik::{AxisGoal, LaneError, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{far_away, panda, planar, target};
 
-/// The planar arm cannot come nearer to (5, 0) than stretched out towards it.
+/// The planar arm is nearest to (3, 4) when it is stretched towards it.
 #[test]
-fn the_nearest_point_is_found() {
+fn planar_arm_stretches_to_the_nearest_point() {
     let chain = planar();
     let options = LaneOptions::default().with_axes(AxisGoal::position_only());
     let solver = PoseSolver::new(&chain, options).unwrap();
@@ -26,9 +27,9 @@ fn the_nearest_point_is_found() {
     );
 }
 
-/// A 7-joint arm asked for a point far away stretches towards it.
+/// An arm of seven joints stretches towards a distant point.
 #[test]
-fn a_far_point_is_approached() {
+fn seven_joint_arm_approaches_a_distant_point() {
     let chain = panda();
     let options = LaneOptions::default().with_atlas(false).with_attempts(40);
     let solver = PoseSolver::new(&chain, options).unwrap();
@@ -47,7 +48,7 @@ fn a_far_point_is_approached() {
 }
 
 #[test]
-fn a_passed_deadline_ends_the_search() {
+fn passed_deadline_ends_the_search() {
     let chain = panda();
     let options = LaneOptions::default()
         .with_atlas(false)
@@ -63,7 +64,7 @@ fn a_passed_deadline_ends_the_search() {
 }
 
 #[test]
-fn bad_input_is_named() {
+fn invalid_input_is_named() {
     let chain = panda();
     let options = LaneOptions::default().with_atlas(false);
     let solver = PoseSolver::new(&chain, options.clone()).unwrap();

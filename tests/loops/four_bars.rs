@@ -1,5 +1,5 @@
-//! Promise: a four-bar linkage is closed wherever its crank stands, as Freudenstein's equation has it; its pen is
-//! put where it can be, and only there.
+//! Promise: a four-bar linkage is closed at any crank angle, as in Freudenstein's equation. Its pen reaches the points
+//! of its curve, and only those.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use kinopt::{Problem, Solver};
 use crate::mechanisms::FourBar;
 
 #[test]
-fn the_rocker_follows_a_crank_that_is_held() {
+fn rocker_follows_a_locked_crank() {
     let linkage = FourBar::CRANK_ROCKER;
     let model = linkage.model();
     for k in 0..24 {
@@ -20,7 +20,7 @@ fn the_rocker_follows_a_crank_that_is_held() {
         let map = ParameterMap::builder(&model).with_locked(model.joint("crank").unwrap(), angle);
         let mut problem = Problem::builder(&model);
         problem.parameters(map.build().unwrap());
-        // No task but the loop.
+        // Only the loop, no task.
         let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.0, 0.5, 1.5]);
         let solution = solution.unwrap();
         assert!(solution.reached, "{}", solution.explain());
@@ -31,7 +31,7 @@ fn the_rocker_follows_a_crank_that_is_held() {
         assert_eq!(crank, angle);
         let off = linkage.freudenstein(crank, rocker);
         assert!(off.abs() < 1e-8, "{off:e} at {angle}");
-        // The coupler's direction, from the two ends that Freudenstein's equation leaves out.
+        // Direction of the coupler, from the two ends that Freudenstein's equation omits.
         let (x, y) = (
             linkage.ground + linkage.rocker * rocker.cos() - linkage.crank * crank.cos(),
             linkage.rocker * rocker.sin() - linkage.crank * crank.sin(),
@@ -42,13 +42,13 @@ fn the_rocker_follows_a_crank_that_is_held() {
 }
 
 #[test]
-fn the_pen_goes_where_the_linkage_takes_it() {
+fn pen_reaches_points_of_its_curve() {
     let linkage = FourBar::CRANK_ROCKER;
     let model = linkage.model();
     let pen = model.frame("pen").unwrap();
     let mut kinematics = ForwardKinematics::new(&model);
     for k in 0..40 {
-        // A place that the coupler comes through: the crank anywhere, the coupler by the half-angle formula.
+        // A point on the coupler's path: any crank angle, and the coupler by the law of cosines.
         let crank = TAU * (f64::from(k) + 0.3) / 40.0;
         let (x, y) = (
             linkage.ground - linkage.crank * crank.cos(),
@@ -70,9 +70,9 @@ fn the_pen_goes_where_the_linkage_takes_it() {
     }
 }
 
-/// A loop is no goal that preferences could be traded off against: those keep their order.
+/// A loop is no required task for soft tasks to be weighted against: soft tasks keep their order.
 #[test]
-fn preferences_are_not_traded_with_a_loop() {
+fn soft_tasks_are_not_weighted_against_loops() {
     let model = FourBar::CRANK_ROCKER.model();
     let crank = model.joint("crank").unwrap();
     for preferences in [Preferences::WithinGoals, Preferences::Traded] {

@@ -1,4 +1,4 @@
-//! Promise: a gripper of parallelograms, without one coupled joint, opens both fingers alike and keeps them parallel.
+//! Promise: a parallelogram gripper without coupled joints opens both fingers equally and keeps them parallel.
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -8,8 +8,8 @@ use kinopt::{Problem, Solver};
 
 use crate::mechanisms::Gripper;
 
-/// Fingers are as the palm is turned, tips mirror each other and stand where the cranks' angle has them, and the rods
-/// reach from the slide to the cranks.
+/// Checks that fingers are parallel to the palm, that tips are symmetric and at the position of the crank angle, and
+/// that rods keep their length.
 fn assert_gripper(model: &Model, q: &[f64]) {
     let [out, arm, _, hole, rod] = Gripper::SIZES;
     let mut kinematics = ForwardKinematics::new(model);
@@ -52,7 +52,7 @@ pub(crate) fn begin(model: &Model) -> Vec<f64> {
 }
 
 #[test]
-fn a_slide_moves_both_fingers() {
+fn prismatic_joint_moves_both_fingers() {
     let model = Gripper::model();
     let push = model.joint("push").unwrap();
     let moving = model.moving_joints().iter().copied();
@@ -64,14 +64,14 @@ fn a_slide_moves_both_fingers() {
         closure.close(&mut q).unwrap();
         assert_gripper(&model, &q);
     }
-    // Farther than the rods are long.
+    // Farther than the rods' length.
     q[model.coordinate(push).unwrap()] = -0.09;
     let error = closure.close(&mut q).unwrap_err().to_string();
     assert!(error.contains("loop `left push` is open by"), "{error}");
 }
 
 #[test]
-fn one_finger_is_asked_for_and_the_other_follows() {
+fn other_finger_follows_a_targeted_finger() {
     let model = Gripper::model();
     let tip = model.frame("right tip").unwrap();
     let [out, arm, ..] = Gripper::SIZES;

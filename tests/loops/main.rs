@@ -1,15 +1,15 @@
-//! Models whose joints close loops.
+//! Models with closed loops.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod drags;
-mod drawn_configurations;
 mod four_bars;
 mod grippers;
-mod knees;
+mod invalid_loops;
 mod mechanisms;
 mod minima;
 mod nearest_assemblies;
+mod random_configurations;
+mod reported_closures;
+mod rod_driven_legs;
 mod stewart_platforms;
-mod truth;
 mod two_hands;
-mod wrong_loops;

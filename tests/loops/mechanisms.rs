@@ -1,10 +1,10 @@
-//! Mechanisms with loops, and their closed forms.
+//! Mechanisms with loops, and their closed-form solutions.
 
 use kinopt::model::{FrameId, JointId, Limits, Loop, Model, ModelBuilder};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::random::Random;
 
-/// Any angle.
+/// Wide range for rotations.
 pub(crate) const TURNS: Limits = Limits {
     lower: -4.0,
     upper: 4.0,
@@ -14,7 +14,7 @@ pub(crate) fn along_x(length: f64) -> Placement<f64> {
     Placement::translation(Vector3::new(length, 0.0, 0.0))
 }
 
-/// Four links in a plane: ground, crank, coupler, rocker. With it a point off the coupler.
+/// Planar four-bar linkage: ground, crank, coupler, rocker, and a point off the coupler.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FourBar {
     pub(crate) ground: f64,
@@ -24,7 +24,7 @@ pub(crate) struct FourBar {
 }
 
 impl FourBar {
-    /// The crank turns all the way round (Grashof: shortest + longest < the others together).
+    /// The crank rotates fully (Grashof: shortest + longest < sum of the others).
     pub(crate) const CRANK_ROCKER: Self = Self {
         ground: 0.4,
         crank: 0.12,
@@ -32,8 +32,8 @@ impl FourBar {
         rocker: 0.3,
     };
 
-    /// Adds its joints `crank`, `coupler` and `rocker`, the frame `pen` 0.1 m beside the coupler's middle, and the
-    /// loop `pin`.
+    /// Adds the joints `crank`, `coupler` and `rocker`, the frame `pen` 0.1 m off the coupler's middle, and the loop
+    /// `pin`.
     pub(crate) fn add_to(&self, builder: &mut ModelBuilder, on: Option<JointId>) -> [JointId; 3] {
         let z = Vector3::new(0.0, 0.0, 1.0);
         let crank = builder.revolute("crank", on, along_x(0.0), z, TURNS);
@@ -55,8 +55,8 @@ impl FourBar {
         builder.build().unwrap()
     }
 
-    /// K₁ cos θ₄ − K₂ cos θ₂ + K₃ − cos(θ₂ − θ₄), which is zero where the loop is closed with the crank at θ₂ and
-    /// the rocker at θ₄ (Freudenstein 1954).
+    /// K₁ cos θ₄ − K₂ cos θ₂ + K₃ − cos(θ₂ − θ₄), which is zero if the loop is closed with the crank at θ₂ and the
+    /// rocker at θ₄ (Freudenstein 1954).
     pub(crate) fn freudenstein(&self, crank: f64, rocker: f64) -> f64 {
         let Self {
             ground: g,
@@ -70,15 +70,15 @@ impl FourBar {
     }
 }
 
-/// A Stewart platform: six slides between a ground and a platform that is free to move, each on a universal joint
-/// below and a ball above.
+/// Stewart platform: six prismatic legs between a ground and a free platform, each on a universal joint below and a
+/// ball joint above.
 pub(crate) struct Stewart {
     pub(crate) model: Model,
     pub(crate) platform: FrameId,
     pub(crate) slides: Vec<JointId>,
-    /// The universal joints' hinges.
+    /// Revolute joints of the universal joints.
     pub(crate) hinges: Vec<JointId>,
-    /// Below and above.
+    /// Anchor points below and above.
     pub(crate) anchors: Vec<[Vector3<f64>; 2]>,
 }
 
@@ -125,7 +125,7 @@ impl Stewart {
         }
     }
 
-    /// How long the legs are for a pose of the platform: the inverse kinematics in closed form.
+    /// Leg lengths for a pose of the platform: closed-form inverse kinematics.
     pub(crate) fn lengths(&self, platform: &Placement<f64>) -> Vec<f64> {
         let ends = self.anchors.iter();
         ends.map(|[below, above]| (platform.apply(*above) - *below).norm())
@@ -141,12 +141,13 @@ impl Stewart {
     }
 }
 
-/// A gripper without coupled joints: a slide pushes rods that turn a parallelogram on either side, whose coupler is
-/// the finger.
+/// Gripper without coupled joints: a prismatic joint pushes rods that rotate a parallelogram on either side, whose
+/// coupler is the finger.
 pub(crate) struct Gripper;
 
 impl Gripper {
-    /// From where the arms turn to the middle, along them, between those of a side, of the rod's hole, and the rods.
+    /// Distances of the arms' pivots from the middle, along the arms, between the arms of a side and to the rod's hole,
+    /// and the rods' length.
     pub(crate) const SIZES: [f64; 5] = [0.03, 0.06, 0.02, 0.025, 0.055];
 
     pub(crate) fn model() -> Model {
@@ -162,7 +163,7 @@ impl Gripper {
             Limits::new(-0.1, 0.06),
         );
         for (side, s) in [("left", -1.0), ("right", 1.0)] {
-            // At zero the arms stand out sideways.
+            // At zero the arms point sideways.
             let turn = Limits::new(-1.4, 1.4);
             let mut add = |name: &str, on, place| {
                 let axis = z * s;

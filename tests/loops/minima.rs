@@ -1,8 +1,8 @@
-//! Promise: where goals are out of reach the loops stay closed, and the nearest configuration is as near as
-//! the minimum that CasADi and IPOPT find with the loops as equality constraints.
+//! Promise: for unreachable targets loops stay closed, and the result is as close as the minimum that CasADi and IPOPT
+//! find with loops as equality constraints.
 //!
-//! `notebooks-ref/loops.py` writes the file. Two arms of seven joints have some dozen minima that starts at random find: from
-//! near the least one the solver ends there. Of the others it finds the least from a start of its own.
+//! `notebooks-ref/loops.py` writes the file. Two arms of seven joints have about a dozen minima from random starts;
+//! from near the smallest one the solver ends there. Of the other mechanisms it finds the smallest from its own start.
 
 use kinopt::ik::Restarts;
 use kinopt::model::{Loop, Model, ParameterMap};
@@ -30,9 +30,9 @@ struct Provenance {
 struct Statement {
     mechanism: String,
     target: Vec<f64>,
-    /// The least first.
+    /// Sorted, the smallest first.
     minima: Vec<Minimum>,
-    /// A place near the least.
+    /// A configuration near the smallest minimum.
     near: Vec<f64>,
 }
 
@@ -41,17 +41,17 @@ struct Minimum {
     cost: f64,
 }
 
-/// Costs are the same within this share of them.
+/// Largest relative difference of equal costs.
 const SAME: f64 = 1e-6;
 
 fn vector(numbers: &[f64]) -> Vector3<f64> {
     Vector3::new(numbers[0], numbers[1], numbers[2])
 }
 
-/// The model, what moves, and where it starts.
-fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
+/// The model, its parameter map and its start.
+fn mechanism(statement: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
     let file = |path| format!("{}/{path}", env!("CARGO_MANIFEST_DIR"));
-    match own.mechanism.as_str() {
+    match statement.mechanism.as_str() {
         "four-bar" => (FourBar::CRANK_ROCKER.model(), None, vec![0.5, 0.5, 1.5]),
         "gripper" => {
             let model = Gripper::model();
@@ -70,7 +70,7 @@ fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
             for (segment, value) in model.neutral().iter().enumerate().skip(3) {
                 start[segment] = *value;
             }
-            let own = [
+            let joints = [
                 "hip",
                 "knee_motor",
                 "knee_rod",
@@ -79,33 +79,34 @@ fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
                 "ankle_rod",
                 "ankle",
             ];
-            let map = ParameterMap::builder(&model).with_only(&robot.joints(&own).unwrap(), &start);
+            let map =
+                ParameterMap::builder(&model).with_only(&robot.joints(&joints).unwrap(), &start);
             let map = map.build().unwrap();
             (model, Some(map), start)
         }
         "hands" => {
             let model = crate::two_hands::robot().model().clone();
-            let start = own.near.clone();
+            let start = statement.near.clone();
             (model, None, start)
         }
         other => panic!("{other}"),
     }
 }
 
-fn solve(own: &Statement) -> Solution {
-    let (model, map, start) = mechanism(own);
+fn solve(statement: &Statement) -> Solution {
+    let (model, map, start) = mechanism(statement);
     let mut problem = Problem::builder(&model);
     if let Some(map) = map {
         problem.parameters(map);
     }
     let frame = |name| model.frame(name).unwrap();
-    let target = &own.target;
-    match own.mechanism.as_str() {
+    let target = &statement.target;
+    match statement.mechanism.as_str() {
         "four-bar" => {
             problem.add(Point::new(frame("pen"), [target[0], target[1], 0.0]));
         }
         "gripper" => {
-            // The left side's are mirrored.
+            // The left side is mirrored.
             problem.add(Point::new(frame("left tip"), [-target[0], target[1], 0.0]));
             problem.add(Point::new(frame("right tip"), [target[2], target[3], 0.0]));
         }
@@ -128,7 +129,7 @@ fn solve(own: &Statement) -> Solution {
         }
     }
     let problem = problem.build().unwrap();
-    let restarts = match own.mechanism.as_str() {
+    let restarts = match statement.mechanism.as_str() {
         "hands" => Restarts::none(),
         _ => Restarts::default(),
     };
@@ -137,25 +138,29 @@ fn solve(own: &Statement) -> Solution {
 }
 
 #[test]
-fn what_is_out_of_reach_is_missed_by_as_little_as_closed_loops_allow() {
+fn misses_with_closed_loops_are_minimal() {
     let text = include_str!("../reference/loops.json");
     let reference: Reference = serde_json::from_str(text).unwrap();
     assert_eq!(reference.provenance.tool, "CasADi + IPOPT");
     assert_eq!(reference.provenance.script, "notebooks-ref/loops.py");
     let (mut best, mut others) = (0, Vec::new());
-    for (number, own) in reference.problems.iter().enumerate() {
-        let solution = solve(own);
-        let told = || format!("{number} ({}): {}", own.mechanism, solution.explain());
-        assert!(!solution.reached && solution.loops_closed(), "{}", told());
+    for (number, statement) in reference.problems.iter().enumerate() {
+        let solution = solve(statement);
+        let explanation = || format!("{number} ({}): {}", statement.mechanism, solution.explain());
+        assert!(
+            !solution.reached && solution.loops_closed(),
+            "{}",
+            explanation()
+        );
         for task in solution.tasks().filter(|task| task.is_loop) {
             assert!(task.position_error().unwrap() <= Loop::TOLERANCE);
         }
         let same = |minimum: &&Minimum| (solution.cost - minimum.cost).abs() <= SAME * minimum.cost;
-        let found = own.minima.iter().position(|minimum| same(&minimum));
+        let found = statement.minima.iter().position(|minimum| same(&minimum));
         match found {
             Some(0) => best += 1,
             Some(_) => others.push(number),
-            None => panic!("{} is none of them: {}", solution.cost, told()),
+            None => panic!("{} is none of them: {}", solution.cost, explanation()),
         }
     }
     assert_eq!(reference.problems.len(), 50);

@@ -1,5 +1,5 @@
-//! Promise: of the ways in which a mechanism closes, forward kinematics takes the one nearest to where its passive
-//! joints stand, without whole turns more than that.
+//! Promise: of several assemblies of a mechanism, forward kinematics selects the one nearest to the passive joints'
+//! values, without additional whole turns.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use support::sample::cases;
 
 use crate::mechanisms::{FourBar, TURNS};
 
-/// Coupler and rocker for a crank, by the two places at which the circles of their ends meet.
+/// Coupler and rocker angles for a crank angle, from the two intersections of the circles of their ends.
 fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
     let tip = [linkage.crank * crank.cos(), linkage.crank * crank.sin()];
     let (x, y) = (linkage.ground - tip[0], -tip[1]);
@@ -30,7 +30,7 @@ fn assemblies(linkage: &FourBar, crank: f64) -> [[f64; 2]; 2] {
     })
 }
 
-/// How far joints have to go from `start` at least, each by the turns within `limits` that come nearest.
+/// Smallest joint distance from `start`, with each joint at its nearest turn within `limits`.
 fn distance(start: [f64; 2], angles: [f64; 2], limits: Limits) -> f64 {
     let moved = start.iter().zip(angles).map(|(start, angle)| {
         let turns = (-3..=3).map(|k| angle + TAU * f64::from(k));
@@ -42,14 +42,14 @@ fn distance(start: [f64; 2], angles: [f64; 2], limits: Limits) -> f64 {
     moved.map(|moved| moved * moved).sum::<f64>().sqrt()
 }
 
-/// The linkage with hinges that turn without end.
+/// The linkage with continuous joints.
 fn endless(linkage: &FourBar) -> Model {
     let mut builder = ModelBuilder::from_model(&linkage.model().without_loops());
     linkage
         .model()
         .loops()
         .iter()
-        .for_each(|own| builder.close(own.clone()));
+        .for_each(|closure| builder.close(closure.clone()));
     let model = builder.build().unwrap();
     let mut endless = Model::builder("endless");
     for joint in model.joints() {
@@ -62,12 +62,12 @@ fn endless(linkage: &FourBar) -> Model {
     model
         .loops()
         .iter()
-        .for_each(|own| endless.close(own.clone()));
+        .for_each(|closure| endless.close(closure.clone()));
     endless.build().unwrap()
 }
 
 #[test]
-fn the_nearer_of_two_assemblies() {
+fn nearer_assembly_is_selected() {
     let linkage = FourBar::CRANK_ROCKER;
     for (model, limits, seed) in [
         (linkage.model(), TURNS, 1),
@@ -83,7 +83,7 @@ fn the_nearer_of_two_assemblies() {
             assert!(closure.gaps(&q).unwrap()[0].is_closed());
             let moved = (q[1] - start[0]).hypot(q[2] - start[1]);
             let ways = assemblies(&linkage, q[0]);
-            let nearest = ways.map(|way| distance(start, way, limits));
+            let nearest = ways.map(|assembly| distance(start, assembly, limits));
             let nearest = nearest[0].min(nearest[1]);
             assert!(
                 moved < nearest + 1e-6,
@@ -94,7 +94,7 @@ fn the_nearer_of_two_assemblies() {
 }
 
 #[test]
-fn whole_turns_stay_as_they_were() {
+fn whole_turns_are_kept() {
     let model = endless(&FourBar::CRANK_ROCKER);
     let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
     let closure = LoopClosure::new(ParameterMap::builder(&model), &dependent).unwrap();
@@ -110,9 +110,9 @@ fn whole_turns_stay_as_they_were() {
     }
 }
 
-/// Whole turns of one would turn the other by a part of one.
+/// Whole turns of one joint would rotate the other by a fraction.
 #[test]
-fn a_joint_that_another_follows_takes_it_along() {
+fn source_joint_moves_its_mimic_joint() {
     let linkage = endless(&FourBar::CRANK_ROCKER);
     let mut builder = Model::builder("geared");
     for joint in linkage.joints() {
@@ -120,8 +120,8 @@ fn a_joint_that_another_follows_takes_it_along() {
         builder.continuous(name, joint.parent, at, joint.axis);
     }
     let rocker = linkage.joint("rocker").unwrap();
-    let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
-    let gear = builder.continuous("gear", Some(rocker), here, z);
+    let (origin, z) = (Placement::identity(), Vector3::UNITS[2]);
+    let gear = builder.continuous("gear", Some(rocker), origin, z);
     for frame in linkage.frames() {
         builder.frame(&frame.name, frame.joint, frame.joint_from_frame);
     }
@@ -142,7 +142,7 @@ fn a_joint_that_another_follows_takes_it_along() {
     }
 }
 
-/// Crank, rod and slider, all lengths times `unit`: the crank at the origin, the slider's line along x at a height.
+/// Crank, rod and slider with lengths times `unit`: the crank at the origin, the slider's line parallel to x.
 fn slider_crank(unit: f64) -> Model {
     let along = |length: f64| Placement::translation(Vector3::new(length * unit, 0.0, 0.0));
     let [x, y, z] = Vector3::UNITS;
@@ -159,10 +159,10 @@ fn slider_crank(unit: f64) -> Model {
     builder.build().unwrap()
 }
 
-/// Which of two assemblies is nearer, where the one asks less of the hinge and the other less of the slide, is no matter of
-/// the unit of length.
+/// The nearer of two assemblies, one with less rotation and one with less translation, does not depend on the unit of
+/// length.
 #[test]
-fn the_nearer_assembly_is_the_same_in_millimetres() {
+fn nearer_assembly_is_unit_invariant() {
     const MM: f64 = 1000.0;
     let models = [1.0, MM].map(slider_crank);
     let [metres, millimetres] = models.each_ref().map(|model| {
@@ -178,7 +178,7 @@ fn the_nearer_assembly_is_the_same_in_millimetres() {
         let (mut small, mut large) = ([crank, rod, slide], [crank, rod, slide * MM]);
         metres.close(&mut small).unwrap();
         millimetres.close(&mut large).unwrap();
-        // The two places of the slide, by Pythagoras.
+        // The two positions of the slider by Pythagoras.
         let (sin, cos) = crank.sin_cos();
         let half = (0.64 - (0.3 * sin - 0.2).powi(2)).sqrt();
         let ends = [0.3 * cos + half, 0.3 * cos - half];
@@ -193,9 +193,9 @@ fn the_nearer_assembly_is_the_same_in_millimetres() {
     assert!(ahead * 4 > wanted && ahead * 4 < 3 * wanted, "{ahead}");
 }
 
-/// Also the numbers of a ball, which turns by a quaternion of any length.
+/// Also the coordinates of a ball joint, whose quaternion may have any length.
 #[test]
-fn what_does_not_close_the_loop_keeps_its_numbers() {
+fn joints_outside_the_loop_keep_their_values() {
     let linkage = FourBar::CRANK_ROCKER;
     let mut builder = Model::builder("figure");
     let [_, coupler, rocker] = linkage.add_to(&mut builder, None);

@@ -1,5 +1,5 @@
-//! Promise: a Stewart platform's legs are as long as closed-form inverse kinematics has them wherever the platform is
-//! put, and a platform stands where legs of given lengths hold it.
+//! Promise: a Stewart platform's leg lengths equal closed-form inverse kinematics for any pose, and given leg lengths
+//! determine the platform's pose.
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -11,7 +11,7 @@ use support::random::Random;
 
 use crate::mechanisms::Stewart;
 
-/// Upright in the middle, the legs as good as there.
+/// Upright in the middle, with legs near their values there.
 pub(crate) fn begin(stewart: &Stewart) -> Vec<f64> {
     let mut q = stewart.model.neutral();
     q[2] = 0.7;
@@ -33,13 +33,13 @@ fn platform(stewart: &Stewart, q: &[f64]) -> Placement<f64> {
 
 fn assert_lengths(stewart: &Stewart, q: &[f64]) {
     let expected = stewart.lengths(&platform(stewart, q));
-    for (own, expected) in values(stewart, q, &stewart.slides).iter().zip(expected) {
-        assert!((own - expected).abs() < 2e-9, "{own} {expected}");
+    for (actual, expected) in values(stewart, q, &stewart.slides).iter().zip(expected) {
+        assert!((actual - expected).abs() < 2e-9, "{actual} {expected}");
     }
 }
 
 #[test]
-fn the_inverse() {
+fn inverse_kinematics_gives_leg_lengths() {
     let stewart = Stewart::new();
     let mut random = Random::new(5);
     for _ in 0..30 {
@@ -51,20 +51,20 @@ fn the_inverse() {
             .unwrap();
         assert!(solution.reached, "{}", solution.explain());
         assert_lengths(&stewart, &solution.q);
-        for (own, expected) in values(&stewart, &solution.q, &stewart.slides)
+        for (actual, expected) in values(&stewart, &solution.q, &stewart.slides)
             .iter()
             .zip(stewart.lengths(&target))
         {
-            assert!((own - expected).abs() < 2e-6, "{own} {expected}");
+            assert!((actual - expected).abs() < 2e-6, "{actual} {expected}");
         }
     }
 }
 
 #[test]
-fn the_forward() {
+fn forward_kinematics_gives_the_platform_pose() {
     let stewart = Stewart::new();
     let model = &stewart.model;
-    // The platform hangs on its legs: its joint, three slides and a ball, and the hinges follow.
+    // The platform depends on its legs: its free joint and the universal joints are dependent.
     let moving = model.moving_joints().iter().copied();
     let mut dependent: Vec<JointId> = moving.filter(|id| !stewart.slides.contains(id)).collect();
     dependent.dedup();
@@ -80,7 +80,7 @@ fn the_forward() {
         closure.close(&mut q).unwrap();
         assert_eq!(values(&stewart, &q, &stewart.slides), lengths);
         assert_lengths(&stewart, &q);
-        // Of the platform's up to 40 places for these lengths it is the one that it came from.
+        // Of up to 40 assemblies of the platform the one of the start is found.
         let found = platform(&stewart, &q);
         let off = (found.translation - pose.translation).norm();
         assert!(off < 1e-7, "{off:e}");
@@ -89,13 +89,13 @@ fn the_forward() {
 }
 
 #[test]
-fn legs_that_reach_nothing_are_named() {
+fn legs_that_do_not_fit_are_named() {
     let stewart = Stewart::new();
     let moving = stewart.hinges.clone();
     let closure = LoopClosure::new(ParameterMap::builder(&stewart.model), &moving).unwrap();
     let mut q = begin(&stewart);
     let before = q.clone();
-    // The platform and all lengths are given, which agree for no leg.
+    // The platform and all lengths are given, and no leg fits.
     let error = closure.close(&mut q).unwrap_err().to_string();
     assert_eq!(q, before);
     for leg in 0..6 {

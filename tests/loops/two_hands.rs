@@ -1,4 +1,4 @@
-//! Promise: two hands on one box are a loop like any other: wherever the box goes, both hold it where they did.
+//! Promise: two hands on one box are a loop: both keep their grips wherever the box moves.
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
 use kinopt::task::{Pose, Posture};
 use kinopt::{Problem, Solver};
 
-/// From each tool to the box's middle, 0.4 m wide, held from both sides.
+/// From each tool to the centre of the box, 0.4 m wide, held from both sides.
 pub(crate) fn grips() -> [Placement<f64>; 2] {
     [1.0, -1.0].map(|side| {
         let turn = rotation_exp(Vector3::new(side * std::f64::consts::FRAC_PI_2, 0.0, 0.0));
@@ -25,8 +25,8 @@ pub(crate) fn robot() -> Robot {
         .unwrap()
 }
 
-/// Both hands' places of the box, one in the other: how far off the identity, metres and radians.
-fn apart(model: &Model, q: &[f64]) -> [f64; 2] {
+/// Relative placement of the box in both hands: distance from the identity, metres and radians.
+fn closure_error(model: &Model, q: &[f64]) -> [f64; 2] {
     let mut kinematics = ForwardKinematics::new(model);
     let placed = kinematics.place(q).unwrap();
     let [left, right] = ["left_tool", "right_tool"].map(|name| model.frame(name).unwrap());
@@ -39,7 +39,7 @@ fn apart(model: &Model, q: &[f64]) -> [f64; 2] {
 }
 
 #[test]
-fn the_box_goes_where_both_can_hold_it() {
+fn box_reaches_poses_that_both_hands_allow() {
     let robot = robot();
     let model = robot.model();
     let closure = LoopClosure::new(robot.parameters(), &model.moving_joints()[..1]).unwrap();
@@ -49,7 +49,7 @@ fn the_box_goes_where_both_can_hold_it() {
     let start = closure.random_configuration(1000).unwrap();
     for seed in 0..25 {
         let drawn = closure.random_configuration(seed).unwrap();
-        let off = apart(model, &drawn);
+        let off = closure_error(model, &drawn);
         assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
         let target = kinematics.place(&drawn).unwrap()[left.index()] * grips()[0];
         let mut problem = Problem::builder(model);
@@ -57,7 +57,7 @@ fn the_box_goes_where_both_can_hold_it() {
         problem.add(Posture::new(model, &start));
         let problem = problem.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
-        let off = apart(model, &solution.q);
+        let off = closure_error(model, &solution.q);
         if solution.reached {
             assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
             reached += 1;

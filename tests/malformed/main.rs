@@ -1,4 +1,4 @@
-//! Damaged files of every format, with the memory that reading them takes.
+//! Damaged files of every format, and the memory that reading them takes.
 
 mod mutated_files;
 mod referenced_files;

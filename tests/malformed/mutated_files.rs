@@ -1,8 +1,7 @@
-//! Promise: no file makes a reader panic, hang or take memory out of proportion to the file.
+//! Promise: no file makes a reader panic, hang or use memory out of proportion to its size.
 //!
-//! Thousands of good files are damaged by a fixed pseudo-random sequence: bits flipped, bytes
-//! removed, inserted or repeated, numbers swapped for absurd ones. Whatever still reads must hold
-//! what its type promises.
+//! Thousands of valid files are damaged by a fixed pseudo-random sequence: bits are flipped, bytes removed, inserted or
+//! repeated, numbers replaced by extreme ones. Whatever can still be read fulfils the promises of its type.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(unsafe_code)] // A counting allocator cannot be written without it.
 
@@ -17,7 +16,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::robot::{Robot, Srdf};
 use support::small_rig::SmallRig;
 
-/// Counts the bytes this thread holds and the most it held.
+/// Counts the bytes that this thread holds, and their maximum.
 struct Counting;
 
 thread_local! {
@@ -26,7 +25,7 @@ thread_local! {
 }
 
 fn count(change: isize) {
-    // A thread that is going away has nothing to count any more.
+    // A thread that is ending needs no count.
     let _ = HELD.try_with(|held| {
         held.set(held.get() + change);
         let _ = MOST.try_with(|most| most.set(most.get().max(held.get())));
@@ -48,7 +47,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The most bytes that were held at once while `work` ran, over what was held before.
+/// Largest number of bytes held at once while `work` runs, beyond those held before.
 fn peak<T>(work: impl FnOnce() -> T) -> (T, isize) {
     let before = HELD.get();
     MOST.set(before);
@@ -56,8 +55,8 @@ fn peak<T>(work: impl FnOnce() -> T) -> (T, isize) {
     (result, MOST.get() - before)
 }
 
-/// A file of some hundred bytes may take this much: the parser reserves up to 65 536 entries for a
-/// list before it finds the file too short.
+/// Memory allowed for a file of a few hundred bytes. The parser reserves up to 65 536 entries for a list before it
+/// notices that the file is too short.
 const MEMORY_LIMIT: isize = 4 << 20;
 
 #[test]
@@ -127,7 +126,7 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-/// Replaces the first number at or after `at` by an absurd one.
+/// Replaces the first number at or after `at` by an extreme one.
 fn swap_a_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     let digit = |b: &u8| b.is_ascii_digit();
     if let Some(start) = bytes[at..].iter().position(digit).map(|i| at + i) {
@@ -138,8 +137,8 @@ fn swap_a_number(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     }
 }
 
-/// Damages `good` many times over; `read` says whether it could be read all the same.
-fn bombard(seed: u64, rounds: usize, good: &[u8], read: impl Fn(&[u8]) -> bool) {
+/// Reads many damaged copies of `good`. `read` returns whether a copy could be read.
+fn check_damaged(seed: u64, rounds: usize, good: &[u8], read: impl Fn(&[u8]) -> bool) {
     assert!(read(good));
     let mut random = Random(seed);
     let mut refused = 0;
@@ -155,7 +154,7 @@ fn bombard(seed: u64, rounds: usize, good: &[u8], read: impl Fn(&[u8]) -> bool) 
         );
         refused += usize::from(!whole);
     }
-    // Otherwise the damage does not reach what it should.
+    // Otherwise the damage does not reach the relevant parts.
     assert!(
         refused > rounds / 4 && refused < rounds,
         "{refused} of {rounds} refused"
@@ -179,16 +178,16 @@ fn reads_ply(bytes: &[u8]) -> bool {
 }
 
 #[test]
-fn damaged_ply() {
+fn damaged_ply_is_an_error_or_a_valid_mesh() {
     let triangle = ply::from_bytes(support::small_rig::PLY.as_bytes(), "good").unwrap();
     let mesh = triangle.with_computed_normals();
-    bombard(1, 4000, support::small_rig::PLY.as_bytes(), reads_ply);
+    check_damaged(1, 4000, support::small_rig::PLY.as_bytes(), reads_ply);
     for (seed, encoding) in [
         (2, PlyEncoding::Ascii),
         (3, PlyEncoding::BinaryLittleEndian),
         (4, PlyEncoding::BinaryBigEndian),
     ] {
-        bombard(seed, 4000, &ply::to_bytes(&mesh, encoding), reads_ply);
+        check_damaged(seed, 4000, &ply::to_bytes(&mesh, encoding), reads_ply);
     }
 }
 
@@ -216,12 +215,12 @@ Frame Time: 0.04
 ";
 
 #[test]
-fn damaged_bvh() {
-    bombard(10, 8000, BVH.as_bytes(), |bytes| {
+fn damaged_bvh_is_an_error_or_can_be_rewritten() {
+    check_damaged(10, 8000, BVH.as_bytes(), |bytes| {
         let Ok(capture) = bvh::from_bytes(bytes, "damaged.bvh") else {
             return false;
         };
-        // What can be read can be written, and is the same bones when read again.
+        // What was read can be written, and has the same bones when read again.
         if (1..100).contains(&capture.frames) {
             let (armature, rate) = (&capture.armature, 1.0 / capture.frame_time);
             let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
@@ -240,10 +239,10 @@ fn damaged_bvh() {
 }
 
 #[test]
-fn damaged_dmat() {
+fn damaged_dmat_is_an_error_or_finite() {
     let table = dmat::from_bytes(support::small_rig::DMAT.as_bytes(), "good").unwrap();
     for (seed, encoding) in [(5, DmatEncoding::Text), (6, DmatEncoding::Binary)] {
-        bombard(
+        check_damaged(
             seed,
             4000,
             &dmat::to_bytes(&table, encoding),
@@ -291,20 +290,20 @@ fn reads_rig(rig: &SmallRig) -> bool {
 }
 
 #[test]
-fn damaged_rig() {
-    bombard(7, 8000, support::small_rig::JSON.as_bytes(), |json| {
+fn damaged_rig_is_an_error_or_can_be_rewritten() {
+    check_damaged(7, 8000, support::small_rig::JSON.as_bytes(), |json| {
         reads_rig(&SmallRig {
             json: json.to_vec(),
             ..SmallRig::with_json("")
         })
     });
-    bombard(8, 3000, support::small_rig::DMAT.as_bytes(), |dmat| {
+    check_damaged(8, 3000, support::small_rig::DMAT.as_bytes(), |dmat| {
         reads_rig(&SmallRig {
             dmat: Some(dmat.to_vec()),
             ..SmallRig::with_json(support::small_rig::JSON)
         })
     });
-    bombard(9, 3000, support::small_rig::PLY.as_bytes(), |ply| {
+    check_damaged(9, 3000, support::small_rig::PLY.as_bytes(), |ply| {
         reads_rig(&SmallRig {
             ply: Some(ply.to_vec()),
             ..SmallRig::with_json(support::small_rig::JSON)
@@ -312,7 +311,7 @@ fn damaged_rig() {
     });
 }
 
-/// Reads a scene, poses it in every way and writes it; whatever fails must say so.
+/// Reads a scene, poses it in several ways and writes it. Every failure must be an error.
 fn reads_gltf(bytes: &[u8]) -> bool {
     use kinopt::animation::{Cursor, Playback};
     use kinopt::io::gltf::{self, ScenePosing, WriteOptions};
@@ -347,15 +346,15 @@ fn reads_gltf(bytes: &[u8]) -> bool {
 }
 
 #[test]
-fn damaged_gltf() {
+fn damaged_gltf_is_an_error_or_can_be_rewritten() {
     let (numbers, rest) = support::gltf_text::small();
     let rounds = support::sample::cases(12_000, 4_000);
-    bombard(10, rounds, numbers.document(&rest).as_bytes(), reads_gltf);
-    bombard(11, rounds, &numbers.glb(&rest), reads_gltf);
+    check_damaged(10, rounds, numbers.document(&rest).as_bytes(), reads_gltf);
+    check_damaged(11, rounds, &numbers.glb(&rest), reads_gltf);
 }
 
 #[test]
-fn gltf_cut_off_anywhere() {
+fn truncated_gltf_is_an_error() {
     let (numbers, rest) = support::gltf_text::small();
     for file in [numbers.document(&rest).into_bytes(), numbers.glb(&rest)] {
         for length in 0..file.len() {
@@ -364,7 +363,7 @@ fn gltf_cut_off_anywhere() {
     }
 }
 
-/// What was read holds together: placements are rigid and finite wherever the robot may stand.
+/// What was read is consistent: placements are rigid and finite in every configuration.
 fn check_robot(robot: &Robot) {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
@@ -383,15 +382,15 @@ fn check_robot(robot: &Robot) {
 }
 
 #[test]
-fn damaged_mjcf() {
-    // What it includes is not there: the damage is in one document.
+fn damaged_mjcf_is_an_error_or_a_valid_robot() {
+    // Included files are absent: all damage is in one document.
     let walker = include_str!("../mjcf/files/walker.xml");
     let gripper = Robot::mjcf_reader().text_with_includes(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/mjcf/files/gripper.xml"
     ));
     for (seed, good) in [(11, walker), (12, &gripper.unwrap())] {
-        bombard(seed, 3000, good.as_bytes(), |bytes| {
+        check_damaged(seed, 3000, good.as_bytes(), |bytes| {
             let Ok(text) = std::str::from_utf8(bytes) else {
                 return false;
             };
@@ -416,11 +415,11 @@ const SRDF: &str = r#"<robot name="ur5e">
 </robot>"#;
 
 #[test]
-fn damaged_srdf() {
+fn damaged_srdf_is_an_error_or_finite() {
     let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/universal_ur5e.urdf");
     let robot = Robot::read(robot).unwrap();
     let q = robot.model().neutral();
-    bombard(13, 4000, SRDF.as_bytes(), |bytes| {
+    check_damaged(13, 4000, SRDF.as_bytes(), |bytes| {
         let Ok(text) = std::str::from_utf8(bytes) else {
             return false;
         };

@@ -1,8 +1,8 @@
-//! Promise: a file opens no other file outside of its own folder and of the folders that the caller lists, and no error quotes a file
-//! that another one names.
+//! Promise: a file opens no other file outside of its own folder and the folders listed by the caller. No error quotes
+//! the content of a referenced file.
 //!
-//! Thousands of references are made by a fixed pseudo-random sequence: absolute paths, `..`, percent encodings, URLs, backslashes,
-//! symbolic links. They lead to files outside, each valid and with a secret in it, or damaged.
+//! Thousands of references are made by a fixed pseudo-random sequence: absolute paths, `..`, percent encodings, URLs,
+//! backslashes and symbolic links. They lead to files outside, which are damaged, or valid and contain a secret.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -19,15 +19,15 @@ use support::folders::Folder;
 use support::random::Random;
 use support::small_rig;
 
-/// In every file outside. A multiple of three bytes, and as a vertex.
+/// Contained in every file outside, also as a vertex. Its length is a multiple of three bytes.
 const SECRET: &str = "SECRET7f3a91c05be2";
-/// The secret where it begins at a multiple of three bytes of a base64 text.
+/// The secret within a base64 text, where it begins at a multiple of three bytes.
 const SECRET_IN_BASE64: &str = "U0VDUkVUN2YzYTkxYzA1YmUy";
-/// A coordinate in the meshes outside.
+/// A coordinate of the meshes outside.
 const SECRET_NUMBER: &str = "48151.62";
 const REFERENCES: usize = 800;
 
-/// Files outside, by name.
+/// Files outside, with their names.
 fn outside_files() -> Vec<(String, Vec<u8>)> {
     let ply = small_rig::PLY.replace("1 0 0\n", &format!("{SECRET_NUMBER} 0 0\n"));
     let ply = ply.replace("ply\n", &format!("ply\ncomment {SECRET}\n"));
@@ -62,7 +62,7 @@ fn outside_files() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// A folder with files outside, and one beside with links to them.
+/// A folder with files outside, and one beside it with links to them.
 struct Scenery {
     folder: Folder,
     names: Vec<String>,
@@ -75,7 +75,7 @@ impl Scenery {
         std::fs::create_dir_all(inside.join("sub")).unwrap();
         std::fs::create_dir_all(folder.path("written")).unwrap();
         std::fs::create_dir_all(&outside).unwrap();
-        // A folder whose name begins as the allowed one's does.
+        // A folder whose name has that of the allowed folder as its prefix.
         std::fs::create_dir_all(folder.path("inside2")).unwrap();
         let mut names = Vec::new();
         for (file, bytes) in outside_files() {
@@ -146,7 +146,7 @@ impl Scenery {
     }
 }
 
-/// Some bytes as `%2e`.
+/// Replaces some bytes by percent encodings such as `%2e`.
 fn encoded(plain: &str, random: &mut Random) -> String {
     let bytes = plain.bytes().map(|byte| match random.below(3) {
         0 => format!("%{byte:02x}"),
@@ -156,9 +156,9 @@ fn encoded(plain: &str, random: &mut Random) -> String {
     bytes.collect()
 }
 
-/// No word of the secret.
+/// Asserts that the text contains no part of the secret.
 fn assert_silent(text: &str, reference: &str) {
-    // The reference itself may be repeated; it names no secret.
+    // The reference itself may be repeated; it contains no secret.
     for secret in [SECRET, SECRET_IN_BASE64, SECRET_NUMBER, "48151.6", "root:x"] {
         assert!(!text.contains(secret), "{reference}: {text}");
     }
@@ -206,7 +206,7 @@ fn buffer_document(reference: &str) -> String {
 }
 
 #[test]
-fn gltf_buffers_outside_the_folder_are_refused() {
+fn gltf_buffers_outside_the_folder_are_rejected() {
     for_references("refs-buffers", |scenery, reference| {
         let path = scenery.inside().join("scene.gltf");
         std::fs::write(&path, buffer_document(reference)).unwrap();
@@ -241,7 +241,7 @@ fn gltf_images_outside_the_folder_are_not_embedded() {
 }
 
 #[test]
-fn image_of_another_type_is_not_embedded() {
+fn gltf_images_of_unknown_type_are_not_embedded() {
     let scenery = Scenery::new("refs-types");
     let png = b"\x89PNG\r\n\x1a\nrest".as_slice();
     let jpeg = b"\xff\xd8\xff\xe0rest".as_slice();
@@ -300,7 +300,7 @@ fn scene_from_memory_opens_no_file_when_written() {
 }
 
 #[test]
-fn rig_files_outside_the_folder_are_refused() {
+fn rig_files_outside_the_folder_are_rejected() {
     for_references("refs-rigs", |scenery, reference| {
         let path = scenery.inside().join("rig.json");
         std::fs::write(scenery.inside().join("small.ply"), small_rig::PLY).unwrap();
@@ -317,7 +317,7 @@ fn rig_files_outside_the_folder_are_refused() {
 }
 
 #[test]
-fn world_meshes_outside_the_folder_are_refused() {
+fn world_meshes_outside_the_folder_are_rejected() {
     for_references("refs-worlds", |scenery, reference| {
         let path = scenery.inside().join("world.json");
         let text = format!(
@@ -359,11 +359,11 @@ fn confined_robot_opens_no_mesh_outside_its_folder() {
             };
             assert!(robot.is_confined());
             assert_refused(CollisionModel::of(&robot), &reference);
-            // Without its file it opens nothing at all.
+            // Without its file it opens nothing.
             let robot = Robot::reader().confined();
             let robot = robot.parse(&urdf(&reference), "robot.urdf").unwrap();
             assert_refused(CollisionModel::of(&robot), &reference);
-            // One that is not confined opens meshes elsewhere, and does not quote them.
+            // An unconfined robot opens meshes elsewhere, and does not quote them.
             if let Err(error) = CollisionModel::of(&Robot::read(&path).unwrap()) {
                 assert_error_is_silent(&error, &reference);
             }
@@ -406,6 +406,7 @@ fn confined_mjcf_includes_no_file_outside_its_folder() {
 }
 
 #[test]
+<<<<<<< HEAD
 fn confined_mjcf_opens_no_mesh_outside_its_folder() {
     for_references("refs-mjcf-meshes", |scenery, reference| {
         let path = scenery.inside().join("robot.xml");
@@ -486,6 +487,9 @@ fn confined_robot_reads_no_manifest_outside_its_folder() {
 
 #[test]
 fn callbacks_get_names_below_the_folder_alone() {
+=======
+fn callbacks_get_only_names_below_the_folder() {
+>>>>>>> t7renamed
     let mut opened = Vec::new();
     for_references("refs-callbacks", |_, reference| {
         let mut open = |file: &str| {
@@ -504,7 +508,7 @@ fn callbacks_get_names_below_the_folder_alone() {
     });
     assert!(opened.len() > REFERENCES / 10);
     for file in opened {
-        // As both kinds of systems read it.
+        // Separators of Unix and of Windows.
         let parts: Vec<&str> = file.split(['/', '\\']).collect();
         assert!(
             !file.starts_with(['/', '\\']) && file.as_bytes()[1] != b':',
@@ -520,7 +524,7 @@ fn callbacks_get_names_below_the_folder_alone() {
 }
 
 #[test]
-fn listed_folders_are_opened_and_links_within_followed() {
+fn listed_folders_and_links_within_are_opened() {
     let scenery = Scenery::new("refs-listed");
     let inside = scenery.inside();
     std::fs::write(inside.join("own.ply"), small_rig::PLY).unwrap();
@@ -552,7 +556,7 @@ fn listed_folders_are_opened_and_links_within_followed() {
         read(reference, &listed).unwrap();
         assert_refused(read(reference, &FileAccess::new()), reference);
     }
-    // Another folder than those listed, by a name that begins alike.
+    // Not listed, although its name has that of a listed folder as its prefix.
     assert_refused(read("../inside2/good.ply", &listed), "inside2");
     let error = read("../outside/good.ply", &FileAccess::new()).unwrap_err();
     let text = error.to_string();
@@ -568,7 +572,7 @@ fn files_above_the_size_limit_are_not_read() {
     let scenery = Scenery::new("refs-sizes");
     let path = scenery.inside().join("long.gltf");
     let file = std::fs::File::create(&path).unwrap();
-    // Sparse: nothing of it is on disk, and nothing may be read.
+    // A sparse file: nothing of it is on disk, and nothing may be read.
     file.set_len((1 << 30) + 1).unwrap();
     let is_too_long = |error: ReadError, limit: u64| matches!(error.problem, kinopt::io::ReadProblem::TooLong { limit: own } if own == limit);
     assert!(is_too_long(gltf::read(&path).unwrap_err(), 1 << 30));

@@ -1,11 +1,11 @@
-//! Promise: joints that a linear equality couples follow, whatever their `ref`s; others are left out with a note;
-//! loops are the model's unless they are inactive or to a mocap body.
+//! Promise: linear joint equalities give mimic joints, for any `ref`. Others are dropped with a note. Loops are read
+//! unless they are inactive or involve a mocap body.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::model::LoopKind;
 use kinopt::robot::Robot;
 
-/// Three hinges in a row and these equalities.
+/// Three revolute joints in a row with the given equalities.
 fn robot(equalities: &str) -> Robot {
     let text = format!(
         r#"<mujoco><compiler angle="radian"/><default><default class="off"><equality active="false"/></default></default>
@@ -17,7 +17,7 @@ fn robot(equalities: &str) -> Robot {
 }
 
 #[test]
-fn a_linear_relation_makes_a_follower() {
+fn linear_equality_gives_a_mimic_joint() {
     let robot = robot(r#"<joint joint1="b" joint2="a" polycoef="0.25 -2"/>"#);
     let [mimic] = robot.mimics() else {
         panic!("{:?}", robot.mimics())
@@ -30,9 +30,9 @@ fn a_linear_relation_makes_a_follower() {
     assert_eq!(robot.map().variables(), 2 + 3);
 }
 
-/// What follows a driven joint is driven with it, and not passive for want of a motor of its own.
+/// A mimic joint of a driven joint is driven and not passive.
 #[test]
-fn a_follower_needs_no_motor() {
+fn mimic_joint_needs_no_motor() {
     let coupled = r#"<joint joint1="b" joint2="a" polycoef="0.25 -2"/>"#;
     let motor = r#"</equality><actuator><motor joint="a"/></actuator><equality>"#;
     let passive = |equalities: &str| {
@@ -43,42 +43,42 @@ fn a_follower_needs_no_motor() {
     };
     assert_eq!(passive(motor), ["b", "c", "ball"]);
     assert_eq!(passive(&format!("{coupled}{motor}")), ["c", "ball"]);
-    // A ball's motor may be told in the parent's axes.
+    // A ball joint's motor may use the parent's axes.
     let turned = motor.replace("</actuator>", r#"<motor jointinparent="ball"/></actuator>"#);
     assert_eq!(passive(&turned), ["b", "c"]);
 }
 
 #[test]
-fn a_relation_without_coefficients_is_one_to_one() {
+fn equality_without_coefficients_is_one_to_one() {
     let robot = robot(r#"<joint joint1="c" joint2="a"/>"#);
     let mimic = robot.mimics()[0];
     assert_eq!((mimic.ratio, mimic.offset), (1.0, -0.5));
 }
 
 #[test]
-fn a_joint_alone_stands_where_it_is_told() {
+fn equality_of_one_joint_locks_it() {
     let robot = robot(r#"<joint joint1="a" polycoef="0.25"/>"#);
     let limits = robot.model().limits().next().unwrap();
     assert_eq!((limits.lower, limits.upper), (0.75, 0.75));
     assert_eq!(robot.map().variables(), 2 + 3);
 }
 
-/// The error has the relation's line, not the model's.
+/// The error has the equality's line.
 #[test]
-fn a_joint_that_should_stand_outside_its_range_is_told_with_its_relation() {
+fn locked_value_outside_its_range_is_named() {
     let text = r#"<mujoco><compiler angle="radian"/><worldbody>
         <body name="b"><joint name="a" range="-1 1"/></body></worldbody>
         <equality><joint name="held" joint1="a" polycoef="1.5"/></equality></mujoco>"#;
-    let told = Robot::parse_mjcf(text, "held.xml").unwrap_err().to_string();
-    assert!(told.starts_with("held.xml:3: joint `held`"), "{told}");
+    let message = Robot::parse_mjcf(text, "held.xml").unwrap_err().to_string();
+    assert!(message.starts_with("held.xml:3: joint `held`"), "{message}");
     assert!(
-        told.contains("`a` should stand at 1.5") && told.contains("from -1 to 1"),
-        "{told}"
+        message.contains("`a` should stand at 1.5") && message.contains("from -1 to 1"),
+        "{message}"
     );
 }
 
 #[test]
-fn what_is_not_linear_or_follows_two_is_left_out_with_a_note() {
+fn unsupported_equalities_are_noted() {
     for (equalities, note) in [
         (
             r#"<joint joint1="a" joint2="b" polycoef="0 1 0.5"/>"#,
@@ -109,7 +109,7 @@ fn what_is_not_linear_or_follows_two_is_left_out_with_a_note() {
 }
 
 #[test]
-fn loops_are_the_models_with_their_names_unless_they_are_inactive() {
+fn active_loops_are_read_with_names() {
     let robot = robot(
         r#"<connect name="bar" body1="a" body2="c" anchor="1 0 0"/><weld body1="c"/><weld body1="c" body2="a"/>
         <connect body1="a" body2="b" anchor="0 0 0" active="false"/><weld class="off" body1="a" body2="b"/>
@@ -126,9 +126,9 @@ fn loops_are_the_models_with_their_names_unless_they_are_inactive() {
     assert!(robot.mimics().is_empty() && robot.repairs().is_empty());
 }
 
-/// Also one that the file gives to a later loop.
+/// Also if the file gives that name to a later loop.
 #[test]
-fn a_loop_without_a_name_takes_none_of_another_s() {
+fn unnamed_loop_gets_an_unused_name() {
     let robot =
         robot(r#"<weld body1="c"/><connect name="c/weld" body1="a" body2="c" anchor="1 0 0"/>"#);
     let loops = robot.model().loops();
@@ -137,7 +137,7 @@ fn a_loop_without_a_name_takes_none_of_another_s() {
 }
 
 #[test]
-fn what_is_held_to_a_mocap_body_is_no_loop() {
+fn mocap_equality_is_no_loop() {
     let text = r#"<mujoco><worldbody><body name="hand"><freejoint/><site name="palm"/></body>
       <body name="mouse" mocap="true"><site name="pointer"/></body></worldbody>
       <equality><weld body1="mouse" body2="hand"/><connect site1="palm" site2="pointer"/></equality></mujoco>"#;
@@ -147,9 +147,9 @@ fn what_is_held_to_a_mocap_body_is_no_loop() {
     assert!(robot.repairs()[0].to_string().contains("mocap"));
 }
 
-/// A loop is closed as the file draws its bodies, also where one floats and is turned.
+/// A loop is closed in the file's reference pose, also with a rotated floating body.
 #[test]
-fn a_loop_on_a_turned_body_is_closed_as_it_is_drawn() {
+fn loop_is_closed_in_the_reference_pose() {
     use kinopt::ik::LoopClosure;
     let half = 0.5;
     for (quaternion, read) in [

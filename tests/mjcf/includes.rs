@@ -1,4 +1,4 @@
-//! Promise: what a file includes stands in its place and in its order, up to 32 files within each other.
+//! Promise: included content keeps its position and order, up to 32 nested files.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
@@ -6,7 +6,7 @@ use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 use crate::malformed::files;
 
 #[test]
-fn bodies_of_an_included_file_keep_their_order() {
+fn included_bodies_keep_their_order() {
     let body = |name: &str| format!("<body name=\"{name}\"><joint name=\"{name}\"/></body>");
     let whole = |bodies: &str| format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>");
     let main = format!(
@@ -35,7 +35,7 @@ fn bodies_of_an_included_file_keep_their_order() {
 }
 
 #[test]
-fn files_within_each_other_are_read_up_to_a_limit() {
+fn nested_includes_are_limited() {
     let chain = |length: usize| {
         let name = |k: usize| format!("chain_{k}.xml");
         let texts: Vec<_> = (0..=length)

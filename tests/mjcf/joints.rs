@@ -1,4 +1,4 @@
-//! Promise: ranges bind where MuJoCo has it so, in its units; a ball stays within the whole angle that it is limited to.
+//! Promise: ranges apply as in MuJoCo, in its units, and a ball joint stays within its total angle.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, JointKind, Limits};
@@ -17,7 +17,7 @@ fn limits(compiler: &str, attributes: &str) -> Limits {
 }
 
 #[test]
-fn a_range_binds_unless_it_is_said_not_to() {
+fn range_applies_unless_disabled() {
     let bound = Limits::new(-1.0, 2.0);
     let range = r#"range="-1 2""#;
     for (compiler, joint, expected) in [
@@ -61,7 +61,7 @@ fn a_range_binds_unless_it_is_said_not_to() {
 }
 
 #[test]
-fn a_ball_turns_by_no_more_than_its_range_about_any_axis() {
+fn ball_range_limits_the_total_angle() {
     for angle in [0.1, 1.0, 2.0, 3.1] {
         let robot = joint(
             r#"angle="radian""#,
@@ -96,7 +96,7 @@ fn a_ball_turns_by_no_more_than_its_range_about_any_axis() {
 }
 
 #[test]
-fn a_balls_range_beyond_half_a_turn_is_no_limit_and_is_told() {
+fn ball_range_above_half_a_turn_is_noted() {
     for (compiler, range, end) in [
         (r#"angle="radian""#, "0 4", 4.0),
         ("", "0 185", 185.0_f64.to_radians()),
@@ -112,7 +112,7 @@ fn a_balls_range_beyond_half_a_turn_is_no_limit_and_is_told() {
         );
         assert!(note.to_string().contains("no limit"), "{note}");
     }
-    // Half a turn, exactly and as it is rounded, is a way to say that there is none; `limited` another.
+    // Half a turn, exact or rounded, means unlimited; so does `limited`.
     for range in ["0 3.1416", "0 3.142", r#"0 4" limited="false"#] {
         let robot = joint(
             r#"angle="radian""#,
@@ -123,7 +123,7 @@ fn a_balls_range_beyond_half_a_turn_is_no_limit_and_is_told() {
 }
 
 #[test]
-fn a_joints_strongest_force_is_kept() {
+fn largest_joint_force_is_kept() {
     let robot = joint("", r#"actuatorfrcrange="-88 50""#);
     let id = robot.model().joint("j").unwrap();
     assert_eq!(robot.effort_limit(id), Some(88.0));
@@ -132,22 +132,25 @@ fn a_joints_strongest_force_is_kept() {
         r#"actuatorfrcrange="-88 50" actuatorfrclimited="false""#,
     );
     assert_eq!(robot.effort_limit(id), None);
-    // A free joint before it is several joints, which have none.
+    // A preceding free joint becomes several joints without limits.
     let text = r#"<mujoco><worldbody><body><freejoint name="base"/>
         <body><joint name="hip" actuatorfrcrange="-88 50"/><body><joint name="knee"/>
         <body><joint name="ankle" actuatorfrcrange="-7 7"/></body></body></body></body></worldbody></mujoco>"#;
     let robot = Robot::parse_mjcf(text, "joint.xml").unwrap();
     let ids = robot.model().joint_ids();
-    let told = ids.filter_map(|id| {
+    let reported = ids.filter_map(|id| {
         let name = robot.model().joints()[id.index()].name.as_str();
         Some((name, robot.effort_limit(id)?))
     });
-    assert_eq!(told.collect::<Vec<_>>(), [("hip", 88.0), ("ankle", 7.0)]);
+    assert_eq!(
+        reported.collect::<Vec<_>>(),
+        [("hip", 88.0), ("ankle", 7.0)]
+    );
 }
 
-/// Of an element that a class has twice the later one counts, attribute by attribute; an inner class's before an outer one's.
+/// Of repeated class defaults the later one applies, attribute by attribute; an inner class precedes an outer one.
 #[test]
-fn what_is_said_last_of_a_class_counts() {
+fn last_class_default_applies() {
     let text = r#"<mujoco><compiler angle="radian"/><default><joint range="-1 1" axis="1 0 0"/><joint range="-2 2"/>
         <default class="inner"><joint axis="0 1 0"/><joint axis="0 0 1"/></default></default>
         <worldbody><body><joint name="outer"/><body><joint name="inner" class="inner"/>

@@ -1,4 +1,4 @@
-//! Robots from MJCF.
+//! MJCF robots.
 
 mod couplings_and_loops;
 mod includes;

@@ -1,4 +1,4 @@
-//! Promise: whatever is wrong with an MJCF file is told with its line and name.
+//! Promise: errors of an MJCF file name the line and the element.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::PathBuf;
@@ -20,13 +20,13 @@ fn fault(text: &str) -> (u32, String, ParseIssue) {
     }
 }
 
-/// A document of a default section and what is in the world.
+/// A document with a default section and a world.
 fn world(defaults: &str, body: &str) -> String {
     format!("<mujoco>\n<default>{defaults}</default>\n<worldbody>{body}</worldbody></mujoco>")
 }
 
 #[test]
-fn a_class_within_itself_or_given_twice_is_named() {
+fn nested_or_repeated_class_is_named() {
     for defaults in [
         r#"<default class="a"><default class="b"><default class="a"/></default></default>"#,
         r#"<default class="a"/><default class="a"/>"#,
@@ -54,7 +54,7 @@ fn a_class_within_itself_or_given_twice_is_named() {
 }
 
 #[test]
-fn an_unknown_class_is_named_with_those_there_are() {
+fn unknown_class_lists_the_valid_ones() {
     let defaults = r#"<default class="leg"/>"#;
     for body in [
         r#"<body name="b" childclass="lek"/>"#,
@@ -73,7 +73,7 @@ fn an_unknown_class_is_named_with_those_there_are() {
     }
 }
 
-/// Texts within programs begin with an empty line.
+/// Texts within programs start with an empty line.
 #[test]
 fn lines_are_counted_from_the_first() {
     let zero = "<body quat=\"0 0 0 0\"/>";
@@ -97,7 +97,7 @@ fn lines_are_counted_from_the_first() {
 }
 
 #[test]
-fn each_fault_is_told_for_what_it_is() {
+fn each_fault_is_identified() {
     let zero = |attribute| ParseIssue::ZeroLength { attribute };
     let body = |inner: &str| world("", &format!("<body name=\"b\">{inner}</body>"));
     let bodies: Vec<(String, ParseIssue)> = vec![
@@ -168,14 +168,14 @@ fn each_fault_is_told_for_what_it_is() {
 }
 
 #[test]
-fn elements_without_end_are_refused_and_many_are_not() {
+fn nesting_depth_is_limited() {
     let nested = |levels: usize| {
         world(
             "",
             &format!("{}{}", "<body>".repeat(levels), "</body>".repeat(levels)),
         )
     };
-    // The document's element and the world's are above them.
+    // The root element and the world's element are above them.
     assert!(Robot::parse_mjcf(&nested(999), "deep.xml").is_ok());
     assert!(matches!(
         Robot::parse_mjcf(&nested(1000), "robot.xml"),
@@ -193,7 +193,7 @@ fn elements_without_end_are_refused_and_many_are_not() {
     ));
 }
 
-/// A folder of its own for the files of a test.
+/// Creates a folder with the files of a test.
 pub(crate) fn files(name: &str, files: &[(&str, &str)]) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).unwrap();
@@ -204,7 +204,7 @@ pub(crate) fn files(name: &str, files: &[(&str, &str)]) -> PathBuf {
 }
 
 #[test]
-fn a_fault_of_an_included_file_is_told_with_that_file() {
+fn fault_of_an_included_file_names_that_file() {
     let folder = files(
         "mjcf_included",
         &[
@@ -228,7 +228,7 @@ fn a_fault_of_an_included_file_is_told_with_that_file() {
 }
 
 #[test]
-fn files_that_include_themselves_or_are_not_there_are_named() {
+fn cyclic_and_missing_includes_are_named() {
     let folder = files(
         "mjcf_rings",
         &[

@@ -1,5 +1,5 @@
-//! Promise: bodies weigh what MuJoCo 4.0.0 has them weigh, or it is told by name that a mesh's file would have to be
-//! opened; nothing weighs nothing in silence.
+//! Promise: body masses equal those of MuJoCo 4.0.0, or a note names the mesh whose file is needed. No mass is dropped
+//! silently.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::MassError;
@@ -22,9 +22,9 @@ fn link(robot: &Robot) -> &Link {
     robot.link(robot.model().frame("a").unwrap()).unwrap()
 }
 
-/// Expected numbers are `body_mass` and the greatest of `body_inertia`.
+/// Expected numbers are `body_mass` and the largest of `body_inertia`.
 #[test]
-fn geoms_weigh_by_their_groups_and_the_whole_as_the_compiler_says() {
+fn masses_follow_groups_and_compiler_options() {
     let stand = 4.18879020478639;
     let both = 12.188790204786393;
     for (compiler, stated, mass, most) in [
@@ -56,27 +56,27 @@ fn geoms_weigh_by_their_groups_and_the_whole_as_the_compiler_says() {
         let robot = robot(compiler, &format!("{stated}{TWO}"));
         let inertial = link(&robot).inertial.unwrap();
         assert!((inertial.mass - mass).abs() < 1e-12, "{compiler}");
-        let own = (0..3).map(|k| inertial.moments[k][k]).fold(0.0, f64::max);
-        assert!((own - most).abs() < 1e-6, "{compiler}: {own}");
+        let moment = (0..3).map(|k| inertial.moments[k][k]).fold(0.0, f64::max);
+        assert!((moment - most).abs() < 1e-6, "{compiler}: {moment}");
         assert!((robot.masses().unwrap().total() - mass).abs() < 1e-12);
         assert_eq!(robot.repairs(), []);
     }
     for wrong in [r#"settotalmass="x""#, r#"inertiagrouprange="3""#] {
         let text = format!(r#"<mujoco><compiler {wrong}/><worldbody/></mujoco>"#);
-        let told = Robot::parse_mjcf(&text, "wrong.xml")
+        let message = Robot::parse_mjcf(&text, "wrong.xml")
             .unwrap_err()
             .to_string();
         let attribute = wrong.split('=').next().unwrap();
         assert!(
-            told.starts_with("wrong.xml:1:") && told.contains(attribute),
-            "{told}"
+            message.starts_with("wrong.xml:1:") && message.contains(attribute),
+            "{message}"
         );
     }
 }
 
-/// Collision geoms often have it from their class that they weigh nothing; by MuJoCo's reference a mass overrides a density.
+/// Collision geoms often have zero density by their class; by MuJoCo's reference a mass overrides a density.
 #[test]
-fn a_mass_overrides_the_density_of_a_class() {
+fn mass_overrides_the_density_of_a_class() {
     let geoms = r#"<geom size=".1" pos="1 0 0" mass="3"/><geom size=".2" pos="-1 0 0" mass="1"/>
         <geom size=".4" pos="0 5 0"/>"#;
     let text = format!(
@@ -93,12 +93,12 @@ fn a_mass_overrides_the_density_of_a_class() {
         (centre - Vector3::new(0.5, 0.0, 0.0)).norm() < 1e-15,
         "{centre:?}"
     );
-    // Balls of ⅖ m r², 0.5 and 1.5 beside the centre.
+    // Spheres of ⅖ m r², 0.5 and 1.5 from the centre.
     let along = 0.4 * (3.0 * 0.01 + 0.04);
     let across = along + 3.0 * 0.25 + 2.25;
     for (k, expected) in [along, across, across].into_iter().enumerate() {
-        let own = inertial.moments[k][k];
-        assert!((own - expected).abs() < 1e-12, "{k}: {own}");
+        let moment = inertial.moments[k][k];
+        assert!((moment - expected).abs() < 1e-12, "{k}: {moment}");
     }
     let of_mesh = robot.link(robot.model().frame("b").unwrap()).unwrap();
     assert_eq!(
@@ -108,7 +108,7 @@ fn a_mass_overrides_the_density_of_a_class() {
 }
 
 #[test]
-fn what_a_mesh_weighs_is_told_where_it_is_not_known() {
+fn unknown_mesh_masses_are_noted() {
     let mass = "mass is that of a mesh";
     let centre = "2 kg are a mesh's";
     let of_two = Some(MissingInertia::Centre { mass: 2.0 });
@@ -149,7 +149,7 @@ fn what_a_mesh_weighs_is_told_where_it_is_not_known() {
             Some(MissingInertia::Mass),
             mass,
         ),
-        // What a known mass weighs is scaled wherever it is.
+        // A known mass is scaled wherever it is.
         (
             r#"settotalmass="2.5""#,
             r#"<geom type="mesh" mesh="m" mass="16.7551608191456"/>"#,
@@ -158,24 +158,30 @@ fn what_a_mesh_weighs_is_told_where_it_is_not_known() {
         ),
     ] {
         let robot = robot(compiler, geoms);
-        let own = link(&robot);
-        assert_eq!(own.inertial, None);
-        match (own.left_to_meshes, left) {
+        let body = link(&robot);
+        assert_eq!(body.inertial, None);
+        match (body.left_to_meshes, left) {
             (
                 Some(MissingInertia::Centre { mass }),
                 Some(MissingInertia::Centre { mass: expected }),
             ) => {
                 assert!((mass - expected).abs() < 1e-12, "{mass}");
             }
-            (own, expected) => assert_eq!(own, expected, "{geoms}"),
+            (body, expected) => assert_eq!(body, expected, "{geoms}"),
         }
-        let told: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
-        let told = told.iter().find(|told| told.contains("body `a`")).unwrap();
-        assert!(told.starts_with("2: ") && told.contains(note), "{told}");
+        let reported: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
+        let reported = reported
+            .iter()
+            .find(|reported| reported.contains("body `a`"))
+            .unwrap();
+        assert!(
+            reported.starts_with("2: ") && reported.contains(note),
+            "{reported}"
+        );
         let refused = robot.masses().unwrap_err();
         assert!(matches!(&refused, MassError::MissingInertia { frame, .. } if frame == "a"));
         assert!(refused.to_string().contains("`a`"), "{refused}");
-        match own.left_to_meshes {
+        match body.left_to_meshes {
             Some(MissingInertia::Centre { mass }) => assert_eq!(robot.total_mass().unwrap(), mass),
             _ => assert_eq!(robot.total_mass().unwrap_err(), refused),
         }
@@ -183,9 +189,9 @@ fn what_a_mesh_weighs_is_told_where_it_is_not_known() {
     }
 }
 
-/// What is told counts where it matters alone: not for what weighs nothing, is stated, or stands in the world.
+/// Only relevant meshes are noted: not massless ones, those with a stated inertial, or static ones.
 #[test]
-fn a_mesh_that_adds_nothing_is_no_matter() {
+fn irrelevant_meshes_are_not_noted() {
     for (compiler, body) in [
         (
             "",

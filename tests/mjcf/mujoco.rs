@@ -1,6 +1,5 @@
-//! Promise: bodies and sites stand where MuJoCo places them, to 1e-12, at its own `qpos`; ranges, masses and loops
-//! are its own too. `mujoco_placements.json` is what MuJoCo 4.0.0 makes of the files beside it: see
-//! `mujoco_placements.py`.
+//! Promise: placements of bodies and sites equal MuJoCo's to 1e-12 at its `qpos`, and ranges, masses and loops are
+//! equal too. `mujoco_placements.json` has the results of MuJoCo 4.0.0 for these files: see `mujoco_placements.py`.
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
@@ -95,14 +94,14 @@ fn numbers(placement: &Placement<f64>) -> [f64; 12] {
 }
 
 #[test]
-fn bodies_and_sites_stand_where_mujoco_places_them() {
+fn placements_of_bodies_and_sites_equal_mujoco() {
     let mut compared = 0;
     for (robot, file) in reference() {
         let model = robot.model();
         let mut kinematics = ForwardKinematics::new(model);
         for Configuration { q, bodies, sites } in &file.configurations {
             let placed = kinematics.place(q).unwrap();
-            // Bodies come first, in MuJoCo's order, then sites, in that of their bodies.
+            // Bodies come first, in MuJoCo's order, then sites, in the order of their bodies.
             let expected = bodies.iter().chain(sites);
             assert_eq!(placed.len(), bodies.len() + sites.len());
             for ((frame, placement), (name, expected)) in
@@ -115,10 +114,10 @@ fn bodies_and_sites_stand_where_mujoco_places_them() {
                     "{} {name:?}",
                     frame.name
                 );
-                for (own, expected) in numbers(placement).iter().zip(expected) {
+                for (actual, expected) in numbers(placement).iter().zip(expected) {
                     assert!(
-                        (own - expected).abs() < WITHIN,
-                        "{}: {own} {expected}",
+                        (actual - expected).abs() < WITHIN,
+                        "{}: {actual} {expected}",
                         frame.name
                     );
                     compared += 1;
@@ -130,31 +129,40 @@ fn bodies_and_sites_stand_where_mujoco_places_them() {
 }
 
 #[test]
-fn joints_stand_in_a_configuration_as_in_qpos_and_have_its_ranges() {
+fn joint_order_and_ranges_equal_mujoco() {
     for (robot, file) in reference() {
-        // Without it the limits of a mimic joint contain all that its source joint gives it.
+        // Without it a mimic joint's limits contain all values of its source joint.
         let robot = robot.clone().with_mimic_limits().unwrap();
         let model = robot.model();
         assert_eq!(model.configuration_len(), file.configurations[0].q.len());
         for joint in file.joints {
             let id = model.moving_joints()[joint.address];
-            let own = &model.joints()[id.index()];
+            let actual = &model.joints()[id.index()];
             let name = joint.name.as_deref();
-            assert!(name.is_none_or(|name| own.name == name || own.name == format!("{name}/x")));
+            assert!(
+                name.is_none_or(|name| actual.name == name || actual.name == format!("{name}/x"))
+            );
             let kinds: &[JointKind] = match joint.kind.as_str() {
                 "free" | "slide" => &[JointKind::Prismatic],
                 "ball" => &[JointKind::Ball],
                 _ => &[JointKind::Revolute, JointKind::Continuous],
             };
-            assert!(kinds.contains(&own.kind), "{} {:?}", own.name, own.kind);
+            assert!(
+                kinds.contains(&actual.kind),
+                "{} {:?}",
+                actual.name,
+                actual.kind
+            );
             match joint.range {
-                // An equality holds it.
-                _ if own.limits.is_locked() => assert_eq!(own.name, "turn"),
-                _ if joint.kind == "ball" => assert!(own.ball.is_some()),
-                None => assert!(own.limits.lower.is_infinite() && own.limits.upper.is_infinite()),
+                // Locked by an equality.
+                _ if actual.limits.is_locked() => assert_eq!(actual.name, "turn"),
+                _ if joint.kind == "ball" => assert!(actual.ball.is_some()),
+                None => {
+                    assert!(actual.limits.lower.is_infinite() && actual.limits.upper.is_infinite())
+                }
                 Some([lower, upper]) => {
-                    assert!((own.limits.lower - lower).abs() < WITHIN);
-                    assert!((own.limits.upper - upper).abs() < WITHIN);
+                    assert!((actual.limits.lower - lower).abs() < WITHIN);
+                    assert!((actual.limits.upper - upper).abs() < WITHIN);
                 }
             }
         }
@@ -162,62 +170,65 @@ fn joints_stand_in_a_configuration_as_in_qpos_and_have_its_ranges() {
 }
 
 #[test]
-fn masses_are_those_of_inertials_and_else_of_geoms() {
+fn masses_equal_mujoco() {
     for (robot, file) in reference() {
         for (frame, expected) in robot.model().frame_ids().zip(&file.inertials) {
-            let own = robot.link(frame).unwrap().inertial;
-            assert_eq!(own.is_some(), expected.mass > 0.0);
+            let actual = robot.link(frame).unwrap().inertial;
+            assert_eq!(actual.is_some(), expected.mass > 0.0);
             let Some(Inertial {
                 mass,
                 link_from_inertia,
                 moments,
                 ..
-            }) = own
+            }) = actual
             else {
                 continue;
             };
             assert!((mass - expected.mass).abs() < WITHIN * mass);
             let centre = link_from_inertia.translation.to_array();
-            for (own, expected) in centre.iter().zip(expected.centre) {
-                assert!((own - expected).abs() < WITHIN);
+            for (actual, expected) in centre.iter().zip(expected.centre) {
+                assert!((actual - expected).abs() < WITHIN);
             }
-            // Principal moments: eigenvalues, in whatever axes.
+            // Principal moments: eigenvalues, in any axes.
             let matrix = Matrix3::from_fn(|row, column| moments[row][column]);
             let mut principal: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
             let mut expected = expected.moments;
             principal.sort_unstable_by(f64::total_cmp);
             expected.sort_unstable_by(f64::total_cmp);
-            for (own, expected) in principal.iter().zip(expected) {
-                assert!((own - expected).abs() < 1e-10 * mass, "{own} {expected}");
+            for (actual, expected) in principal.iter().zip(expected) {
+                assert!(
+                    (actual - expected).abs() < 1e-10 * mass,
+                    "{actual} {expected}"
+                );
             }
         }
     }
 }
 
 #[test]
-fn loops_join_the_places_that_mujoco_joins() {
+fn loop_anchors_equal_mujoco() {
     let mut compared = 0;
     for (robot, file) in reference() {
         assert_eq!(robot.model().loops().len(), file.loops.len());
-        for (own, expected) in robot.model().loops().iter().zip(&file.loops) {
-            assert_eq!(own.kind == LoopKind::Weld, expected.weld);
-            let [first, second] = own.frame_from_place;
+        for (actual, expected) in robot.model().loops().iter().zip(&file.loops) {
+            assert_eq!(actual.kind == LoopKind::Weld, expected.weld);
+            let [first, second] = actual.frame_from_place;
             let data = expected.data;
             let vector = |at: usize| Vector3::new(data[at], data[at + 1], data[at + 2]);
             let expected = match (expected.sites, expected.weld) {
                 (true, _) => [Placement::identity(); 2],
                 (false, false) => [vector(0), vector(3)].map(Placement::translation),
                 (false, true) => {
-                    // The second body's pose in the first, and a place on the second.
+                    // The second body's pose in the first, and a point on the second.
                     let (w, v) = (data[6], vector(7));
                     let turned = Placement::new(Quaternion { w, v }.to_matrix(), vector(3));
                     let anchor = Placement::translation(vector(0));
                     [turned * anchor, anchor]
                 }
             };
-            for (own, expected) in [first, second].iter().zip(&expected) {
-                for (own, expected) in numbers(own).iter().zip(numbers(expected)) {
-                    assert!((own - expected).abs() < WITHIN, "{own} {expected}");
+            for (actual, expected) in [first, second].iter().zip(&expected) {
+                for (actual, expected) in numbers(actual).iter().zip(numbers(expected)) {
+                    assert!((actual - expected).abs() < WITHIN, "{actual} {expected}");
                     compared += 1;
                 }
             }

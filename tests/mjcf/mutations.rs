@@ -1,5 +1,4 @@
-//! Promise: a document in which anything is changed is an error that names what is wrong and where, or a robot that holds
-//! its promises. Never a panic.
+//! Promise: a modified document is an error that names the fault and its location, or a valid robot. Never a panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -10,7 +9,7 @@ use support::random::Random;
 use support::robot_promises;
 use support::sample::cases;
 
-/// Something of everything, small enough that most changes matter.
+/// A bit of everything, small enough that most changes matter.
 const SMALL: &str = r#"<mujoco model="small">
   <compiler angle="radian" autolimits="true" eulerseq="XYZ"/>
   <default>
@@ -42,7 +41,7 @@ const SMALL: &str = r#"<mujoco model="small">
   <actuator><motor joint="shoulder"/><position tendon="pull"/><motor joint="left"/></actuator>
 </mujoco>"#;
 
-/// What became of a changed document.
+/// Outcome of reading a modified document.
 fn outcome(text: &str, seed: u64) -> String {
     match Robot::parse_mjcf(text, "changed.xml") {
         Ok(robot) => {
@@ -59,8 +58,8 @@ fn outcome(text: &str, seed: u64) -> String {
                         line > 0 && line as usize <= text.lines().count(),
                         "{message}"
                     );
-                    let told = format!("{fault:?}");
-                    told.split([' ', '(']).next().unwrap().to_owned()
+                    let reported = format!("{fault:?}");
+                    reported.split([' ', '(']).next().unwrap().to_owned()
                 }
                 RobotFileError::Model { .. } => "Model".to_owned(),
                 other => panic!("{other}"),
@@ -70,8 +69,13 @@ fn outcome(text: &str, seed: u64) -> String {
 }
 
 #[test]
+<<<<<<< HEAD
 fn a_changed_document_is_a_named_error_or_a_robot() {
     let gripper = Robot::mjcf_reader().text_with_includes(concat!(
+=======
+fn modified_document_is_an_error_or_a_robot() {
+    let gripper = mjcf_with_includes(concat!(
+>>>>>>> t7renamed
         env!("CARGO_MANIFEST_DIR"),
         "/mjcf/files/gripper.xml"
     ));
@@ -95,7 +99,7 @@ fn a_changed_document_is_a_named_error_or_a_robot() {
             *outcomes.entry(outcome(&changed.text(), copy)).or_default() += 1;
         }
     }
-    // Enough is still read, and much goes wrong in many ways.
+    // Enough documents are still readable, and many fail in different ways.
     let all: u64 = outcomes.values().sum();
     assert!(
         6 * outcomes["read"] > all && outcomes["read"] < all,
@@ -104,8 +108,8 @@ fn a_changed_document_is_a_named_error_or_a_robot() {
     assert!(outcomes.len() > 12, "{outcomes:?}");
 }
 
-/// Why a small document with something else in it is refused.
-fn refused(from: &str, to: &str) -> RobotFileError {
+/// Error of the small document with a replacement.
+fn rejected_error(from: &str, to: &str) -> RobotFileError {
     match small(from, to) {
         Err(error) => error,
         Ok(_) => panic!("{to} was taken"),
@@ -118,8 +122,8 @@ fn small(from: &str, to: &str) -> Result<Robot, RobotFileError> {
 }
 
 #[test]
-fn masses_of_zero_and_less() {
-    // What weighs nothing is no part; a robot that weighs nothing has no centre.
+fn zero_and_negative_masses_are_handled() {
+    // Massless bodies are dropped; a massless robot has no centre of mass.
     let light = small("mass=\"3\"", "mass=\"0\"").unwrap();
     let all = small("mass=\"3\"", "mass=\"3\"")
         .unwrap()
@@ -132,8 +136,11 @@ fn masses_of_zero_and_less() {
         .replace("mass=\"0.7\"", "mass=\"0\"")
         .replace("density=\"500\"", "density=\"0\"");
     let nothing = Robot::parse_mjcf(&nothing, "small.xml").unwrap();
-    let told = nothing.masses().unwrap_err().to_string();
-    assert!(told.contains("`small` has no centre of mass"), "{told}");
+    let message = nothing.masses().unwrap_err().to_string();
+    assert!(
+        message.contains("`small` has no centre of mass"),
+        "{message}"
+    );
     let q = nothing.model().neutral();
     assert!(nothing.centre_of_mass(&q).is_err() && nothing.centre_of_mass_jacobian(&q).is_err());
     let less = small("mass=\"3\"", "mass=\"-3\"")
@@ -141,24 +148,24 @@ fn masses_of_zero_and_less() {
         .masses()
         .unwrap_err();
     assert!(less.to_string().contains("`base` is -3 kg"), "{less}");
-    // A geom is only seen and weighed: it is left out, which is told.
+    // A geom with a negative mass is dropped with a note.
     for (from, to) in [
         ("mass=\"0.7\"", "mass=\"-0.7\""),
         ("density=\"500\"", "density=\"-1\""),
     ] {
         let lacks = small(from, to).unwrap();
-        let told = lacks.repairs()[0].to_string();
+        let message = lacks.repairs()[0].to_string();
         assert!(
-            told.contains("<geom>") && told.contains("at least 0"),
-            "{told}"
+            message.contains("<geom>") && message.contains("at least 0"),
+            "{message}"
         );
         assert!(lacks.masses().unwrap().total() < all);
     }
 }
 
 #[test]
-fn quaternions_of_no_length_and_loops_that_cannot_close() {
-    let error = refused("quat=\"0.8 0 0.6 0\"", "quat=\"0 0 0 0\"");
+fn zero_quaternions_and_open_loops_are_named() {
+    let error = rejected_error("quat=\"0.8 0 0.6 0\"", "quat=\"0 0 0 0\"");
     assert!(
         matches!(
             &error,
@@ -170,15 +177,15 @@ fn quaternions_of_no_length_and_loops_that_cannot_close() {
         "{error}"
     );
     for range in ["0 -1", "0.2 1", "0 nan"] {
-        let error = refused("range=\"0 1.2\"", &format!("range=\"{range}\"")).to_string();
+        let error = rejected_error("range=\"0 1.2\"", &format!("range=\"{range}\"")).to_string();
         assert!(
             error.contains("tail") || error.contains("range"),
             "{range}: {error}"
         );
     }
-    // More than a whole turn bounds nothing.
+    // More than a whole turn limits nothing.
     assert!(small("range=\"0 1.2\"", "range=\"0 400\"").is_ok());
-    let error = refused(
+    let error = rejected_error(
         "body1=\"rod\" body2=\"lower\" anchor=\"0.05 0 -0.1\"",
         "site1=\"far\" site2=\"left tip\"",
     )
@@ -188,7 +195,7 @@ fn quaternions_of_no_length_and_loops_that_cannot_close() {
         ("body2=\"lower\"", "body2=\"rod\""),
         ("site2=\"right tip\" active=\"false\"", "site2=\"left tip\""),
     ] {
-        let error = refused(from, to).to_string();
+        let error = rejected_error(from, to).to_string();
         assert!(
             error.contains("small.xml") && error.contains("to itself"),
             "{error}"

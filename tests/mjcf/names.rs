@@ -1,12 +1,12 @@
-//! Promise: what has no name gets one by its body, what has is called so; attributes come from classes; MJCF is told
-//! from URDF by its element.
+//! Promise: unnamed elements are named after their bodies, and attributes come from classes. The root element
+//! distinguishes MJCF from URDF.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{Geometry, MissingInertia, Robot};
 use kinopt::spatial::Vector3;
 
 #[test]
-fn what_has_no_name_is_called_after_its_body() {
+fn unnamed_elements_are_named_after_their_body() {
     let text = r#"<mujoco><worldbody>
         <body><freejoint/><body name="arm"><joint/><joint/><joint type="slide"/><site/><site/><site name="arm"/></body></body>
         <body name="body/1"/></worldbody></mujoco>"#;
@@ -42,7 +42,7 @@ fn what_has_no_name_is_called_after_its_body() {
 }
 
 #[test]
-fn any_reader_of_robots_reads_mjcf() {
+fn robot_readers_detect_mjcf() {
     let text =
         "<!-- by hand -->\n<mujoco model=\"m\"><worldbody><body name=\"b\"/></worldbody></mujoco>";
     let robot = Robot::parse(text, "robot.urdf").unwrap();
@@ -50,7 +50,7 @@ fn any_reader_of_robots_reads_mjcf() {
 }
 
 #[test]
-fn geoms_are_shapes_as_their_groups_and_contacts_have_it() {
+fn geoms_become_shapes_by_group_and_contact() {
     let text = r#"<mujoco><compiler meshdir="meshes/"/>
         <default><mesh scale="2 2 2"/><default class="seen"><geom contype="0" conaffinity="0" group="2"/></default>
         <default class="felt"><geom group="3"/></default></default>
@@ -66,7 +66,7 @@ fn geoms_are_shapes_as_their_groups_and_contacts_have_it() {
         scale: [2.0; 3],
     };
     assert_eq!(visuals, [&mesh, &Geometry::Sphere { radius: 0.5 }]);
-    // What the file has at 1, 0, 0 stands at the geom, scaled.
+    // The file's point (1, 0, 0) is at the geom, scaled.
     assert_eq!(
         link.visuals[0].link_from_shape.translation.to_array(),
         [-2.0, 1.0, 0.0]
@@ -81,16 +81,19 @@ fn geoms_are_shapes_as_their_groups_and_contacts_have_it() {
         collisions,
         [&Geometry::Box { size }, &Geometry::Sphere { radius: 0.5 }]
     );
-    let told: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
-    assert!(told.iter().any(|told| told.contains("hill")), "{told:?}");
-    // The mass of a mesh is in its file.
+    let messages: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
+    assert!(
+        messages.iter().any(|messages| messages.contains("hill")),
+        "{messages:?}"
+    );
+    // The mass of a mesh needs its file.
     assert_eq!(link.inertial, None);
     assert_eq!(link.left_to_meshes, Some(MissingInertia::Mass));
 }
 
-/// `meshdir` is for meshes, `assetdir` for all assets that have no folder of their own.
+/// `meshdir` applies to meshes, `assetdir` to all assets without a folder of their own.
 #[test]
-fn the_folder_of_meshes_comes_before_that_of_all_assets() {
+fn mesh_folder_precedes_the_asset_folder() {
     for (folders, expected) in [
         (r#"meshdir="meshes" assetdir="assets""#, "meshes/hull.obj"),
         (r#"assetdir="assets" meshdir="meshes""#, "meshes/hull.obj"),
@@ -117,9 +120,9 @@ fn the_folder_of_meshes_comes_before_that_of_all_assets() {
     }
 }
 
-/// A file's points are moved back by `refpos`, turned back by `refquat` and then scaled.
+/// A file's points are translated by −`refpos`, rotated by the inverse of `refquat` and then scaled.
 #[test]
-fn a_mesh_stands_as_its_reference_says() {
+fn mesh_reference_pose_is_applied() {
     let text = r#"<mujoco><asset><mesh file="hull.obj" refpos="1 0.5 0" refquat="0.6 0 0 0.8" scale="2 2 2"/></asset>
         <worldbody><body name="b"><geom type="mesh" mesh="hull" pos="0 1 0"/></body></worldbody></mujoco>"#;
     let robot = Robot::parse_mjcf(text, "turned.xml").unwrap();
@@ -129,7 +132,7 @@ fn a_mesh_stands_as_its_reference_says() {
     let reference = Vector3::new(1.0, 0.5, 0.0);
     let geom = Vector3::new(0.0, 1.0, 0.0);
     assert!((place(reference) - geom).norm() < 1e-15);
-    // By 2 atan(0.8 / 0.6) about z: cosine -0.28, sine 0.96. What is turned so in the file is straight.
+    // By 2 atan(0.8 / 0.6) about z: cosine -0.28, sine 0.96. A direction rotated so in the file becomes straight.
     let turned = Vector3::new(-0.28, 0.96, 0.0);
     let straight = place(reference + turned) - geom;
     assert!(
@@ -138,9 +141,10 @@ fn a_mesh_stands_as_its_reference_says() {
     );
 }
 
-/// Either bit lets a geom touch others; a box along a line is as thick as it is told to be, both ways by one number.
+/// Either contact bit enables collisions. A box along a line is as thick as stated, on both axes if one number is
+/// given.
 #[test]
-fn either_contact_bit_counts_and_boxes_lie_along_lines() {
+fn contact_bits_and_fromto_boxes_are_read() {
     let text = r#"<mujoco><worldbody><body name="b">
         <geom type="sphere" size="0.1" contype="0"/><geom type="sphere" size="0.2" conaffinity="0"/>
         <geom type="sphere" size="0.3" contype="0" conaffinity="0"/>
@@ -155,9 +159,9 @@ fn either_contact_bit_counts_and_boxes_lie_along_lines() {
     assert_eq!(collisions.collect::<Vec<_>>(), expected);
 }
 
-/// A document that is written with what it includes says the same, whatever signs its names have.
+/// A document written with its includes is equivalent, whatever characters its names have.
 #[test]
-fn names_with_signs_come_through_includes() {
+fn quoted_names_survive_includes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/mjcf/files/quoted.xml");
     let text = Robot::mjcf_reader().text_with_includes(path).unwrap();
     let [whole, read] = [

@@ -1,5 +1,6 @@
-//! Promise: balls and free bodies keep their cones, ranges of twist, angles and speeds in every frame of a motion, judged by
-//! their quaternions, and come to the minima that hinges and slides of the same limits come to.
+//! Promise: ball joints and free joints keep their cones, twist limits, total angles and velocity limits in every frame
+//! of a motion, according to their quaternions. They reach the same minima as revolute and prismatic joints with equal
+//! limits.
 
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder, ParameterMap};
 use kinopt::motion::trajectory::{
@@ -15,17 +16,17 @@ const FRAMES: usize = 40;
 /// w, x, y, z.
 type Quaternion = [f64; 4];
 
-/// The rotation that leads from one to another, in turned axes, with w at least 0.
+/// Rotation from one quaternion to the other in the rotated axes, with w ≥ 0.
 fn between(a: Quaternion, b: Quaternion) -> Quaternion {
     let [w, x, y, z] = [a[0], -a[1], -a[2], -a[3]];
     let [v, p, q, r] = b;
-    let own = [
+    let components = [
         w * v - x * p - y * q - z * r,
         w * p + x * v + y * r - z * q,
         w * q - x * r + y * v + z * p,
         w * r + x * q - y * p + z * v,
     ];
-    own.map(|part| if own[0] < 0.0 { -part } else { part })
+    components.map(|part| if components[0] < 0.0 { -part } else { part })
 }
 
 fn angle(turn: Quaternion) -> f64 {
@@ -37,7 +38,7 @@ fn quaternion(q: &[f64], at: usize) -> Quaternion {
     [0, 1, 2, 3].map(|k| q[at + k])
 }
 
-/// Swing about y and z, in radians, and the twist about x, of a rotation R = swing · twist.
+/// Swing about y and z in radians, and the twist about x, of a rotation R = swing · twist.
 fn parts(q: Quaternion) -> [f64; 3] {
     let [w, x, y, z] = if q[0] < 0.0 { q.map(|part| -part) } else { q };
     let twist = 2.0 * x.atan2(w);
@@ -53,8 +54,8 @@ fn parts(q: Quaternion) -> [f64; 3] {
     }
 }
 
-/// One joint with a frame a metre out along x and another across.
-fn jointed(add: impl Fn(&mut ModelBuilder) -> JointId) -> (Model, [FrameId; 2]) {
+/// One joint with one frame at a distance of a metre along x and another across.
+fn single_joint(add: impl Fn(&mut ModelBuilder) -> JointId) -> (Model, [FrameId; 2]) {
     let mut builder = Model::builder("one joint");
     let joint = add(&mut builder);
     let tip = builder.frame(
@@ -72,15 +73,15 @@ fn jointed(add: impl Fn(&mut ModelBuilder) -> JointId) -> (Model, [FrameId; 2]) 
 
 fn ball(limits: Option<BallLimits>) -> (Model, [FrameId; 2]) {
     let x = Vector3::UNITS[0];
-    jointed(move |builder| builder.ball("hip", None, Placement::identity(), x, limits))
+    single_joint(move |builder| builder.ball("hip", None, Placement::identity(), x, limits))
 }
 
 fn hinge(limits: Limits) -> (Model, [FrameId; 2]) {
     let z = Vector3::UNITS[2];
-    jointed(move |builder| builder.revolute("hip", None, Placement::identity(), z, limits))
+    single_joint(move |builder| builder.revolute("hip", None, Placement::identity(), z, limits))
 }
 
-/// Its frames follow a rotation, smoothly.
+/// A motion whose frames follow a rotation smoothly.
 fn following(
     (model, frames): &(Model, [FrameId; 2]),
     count: usize,
@@ -110,7 +111,7 @@ fn solved(motion: &MotionProblem, start: &[f64]) -> MotionSolution {
     solved
 }
 
-fn same_cost(a: &MotionSolution, b: &MotionSolution) {
+fn assert_equal_cost(a: &MotionSolution, b: &MotionSolution) {
     assert!(
         (a.cost() / b.cost() - 1.0).abs() < 1e-6,
         "{} and {}",
@@ -119,7 +120,7 @@ fn same_cost(a: &MotionSolution, b: &MotionSolution) {
     );
 }
 
-/// The largest turn from a frame to the next.
+/// Largest rotation between consecutive frames.
 fn fastest(solved: &MotionSolution, at: usize) -> f64 {
     let frames: Vec<_> = (0..solved.frames())
         .map(|frame| quaternion(solved.frame(frame).unwrap(), at))
@@ -135,14 +136,14 @@ fn turn_about_z(frame: usize) -> Vector3<f64> {
 }
 
 #[test]
-fn a_ball_is_no_faster_than_it_may_be_and_like_a_hinge_where_it_turns_as_one() {
+fn ball_joint_keeps_velocity_limits_like_a_revolute() {
     let fast = |motion: &mut MotionProblemBuilder| _ = motion.max_speed("hip", 2.5);
     let (ball, hinge) = (ball(None), hinge(Limits::new(-3.0, 3.0)));
     let of_ball = following(&ball, FRAMES, turn_about_z, fast).unwrap();
     let of_ball = solved(&of_ball, &ball.0.neutral());
     let of_hinge = following(&hinge, FRAMES, turn_about_z, fast).unwrap();
     let of_hinge = solved(&of_hinge, &[0.0]);
-    same_cost(&of_ball, &of_hinge);
+    assert_equal_cost(&of_ball, &of_hinge);
     let fastest = fastest(&of_ball, 0);
     assert!(fastest <= 2.5 * STEP && fastest > 2.49 * STEP, "{fastest}");
     let held = (0..FRAMES).flat_map(|frame| of_ball.active_limits(frame));
@@ -153,7 +154,7 @@ fn a_ball_is_no_faster_than_it_may_be_and_like_a_hinge_where_it_turns_as_one() {
     );
 }
 
-/// A free body that follows places and turns.
+/// A free joint that follows positions and orientations.
 fn free_body(
     place: impl Fn(usize) -> Placement<f64> + Send + Sync + 'static,
     limit: impl Fn(&mut MotionProblemBuilder),
@@ -172,13 +173,13 @@ fn free_body(
 }
 
 #[test]
-fn a_free_body_is_no_faster_than_it_may_be_in_any_direction() {
-    let leap = |frame: usize| {
+fn free_joint_keeps_velocity_limits_in_any_direction() {
+    let jump = |frame: usize| {
         let by = if frame < FRAMES / 2 { -1.0 } else { 1.0 };
         let turned = rotation_exp(Vector3::new(0.3, -0.5, 0.4) * by);
         Placement::new(turned, Vector3::new(0.4 * by, 0.3 * by, -0.1))
     };
-    let (model, motion) = free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 1.4));
+    let (model, motion) = free_body(jump, |motion| _ = motion.max_free_speed("base", 0.9, 1.4));
     for solver in [
         MotionSolver::default(),
         MotionSolver::default().with_windows(Some(Windows::new(15, 10))),
@@ -197,23 +198,32 @@ fn a_free_body_is_no_faster_than_it_may_be_in_any_direction() {
             "{fastest_slide}"
         );
         let held = |name| {
-            (0..FRAMES).any(|frame| solved.active_limits(frame).any(|own| own.joint == name))
+            (0..FRAMES).any(|frame| {
+                solved
+                    .active_limits(frame)
+                    .any(|active| active.joint == name)
+            })
         };
         assert!(held("base/x") && held("base/rotation"));
-        // Each once, though windows overlap.
+        // Each limit once, although windows overlap.
         for frame in 0..FRAMES {
-            let told = solved.active_limits(frame);
-            let told: Vec<_> = told.map(|own| (own.joint, own.bound, own.side)).collect();
-            for (k, own) in told.iter().enumerate() {
-                assert!(!told[..k].contains(own), "frame {frame}: {told:?}");
+            let reported = solved.active_limits(frame);
+            let reported: Vec<_> = reported
+                .map(|active| (active.joint, active.bound, active.side))
+                .collect();
+            for (k, active) in reported.iter().enumerate() {
+                assert!(
+                    !reported[..k].contains(active),
+                    "frame {frame}: {reported:?}"
+                );
             }
         }
     }
 }
 
-/// Of slides that follow one another the whole way counts: by one half of x along y it is √5 / 2 of that along x.
+/// For coupled prismatic joints the total displacement counts: with half of x along y it is √5 / 2 of that along x.
 #[test]
-fn a_body_on_a_slanting_way_is_no_faster_than_it_may_be() {
+fn coupled_free_joint_keeps_its_velocity_limit() {
     let mut builder = Model::builder("body");
     let base = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
     let frame = builder.frame("body", Some(base), Placement::identity());
@@ -240,8 +250,8 @@ fn a_body_on_a_slanting_way_is_no_faster_than_it_may_be() {
 }
 
 #[test]
-fn a_body_that_slides_one_way_comes_to_the_minimum_of_limits_by_axis() {
-    let leap = |frame: usize| {
+fn free_and_axis_velocity_limits_have_equal_minima() {
+    let jump = |frame: usize| {
         Placement::translation(Vector3::new(
             if frame < FRAMES / 2 { -0.5 } else { 0.5 },
             0.0,
@@ -249,33 +259,33 @@ fn a_body_that_slides_one_way_comes_to_the_minimum_of_limits_by_axis() {
         ))
     };
     let costs = [
-        free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 3.0)),
-        free_body(leap, |motion| _ = motion.max_speed("base/x", 0.9)),
+        free_body(jump, |motion| _ = motion.max_free_speed("base", 0.9, 3.0)),
+        free_body(jump, |motion| _ = motion.max_speed("base/x", 0.9)),
     ];
     let [one, other] = costs.map(|(model, motion)| solved(&motion, &model.neutral()));
-    same_cost(&one, &other);
+    assert_equal_cost(&one, &other);
     assert!(one.active_limits(FRAMES / 2).count() > 0);
 }
 
 #[test]
-fn a_ball_led_out_of_its_cone_stays_at_the_edge_and_like_a_hinge_where_it_swings_as_one() {
+fn ball_joint_stays_on_its_cone_like_a_revolute() {
     let cone = BallLimits::cone(0.7, Limits::new(-0.5, 0.5));
     let (ball, hinge) = (ball(Some(cone)), hinge(Limits::new(-0.7, 0.7)));
     let of_ball = following(&ball, FRAMES, turn_about_z, |_| ()).unwrap();
     let of_ball = solved(&of_ball, &ball.0.neutral());
     let of_hinge = following(&hinge, FRAMES, turn_about_z, |_| ()).unwrap();
-    same_cost(&of_ball, &solved(&of_hinge, &[0.0]));
+    assert_equal_cost(&of_ball, &solved(&of_hinge, &[0.0]));
     let last = parts(quaternion(of_ball.frame(FRAMES - 1).unwrap(), 0));
     assert!((last[1] - 0.7).abs() < 1e-4, "{last:?}");
     let held: Vec<_> = of_ball
         .active_limits(FRAMES - 1)
-        .map(|own| (own.joint, own.bound))
+        .map(|limit| (limit.joint, limit.bound))
         .collect();
     assert_eq!(held, [("hip swing", MotionBound::Position)]);
 }
 
 #[test]
-fn cones_ranges_angles_and_speeds_hold_together_wherever_targets_lead() {
+fn all_ball_joint_limits_hold_together() {
     let twist = Limits::new(-0.3, 0.6);
     let y = Vector3::UNITS[1];
     let limits = [
@@ -285,7 +295,7 @@ fn cones_ranges_angles_and_speeds_hold_together_wherever_targets_lead() {
         BallLimits::cone(0.8, twist).with_angle(0.9),
         BallLimits::within_angle(0.9),
     ];
-    // All about, far out of every limit, and a leap.
+    // Targets in all directions, far outside of all limits, and with a jump.
     let wild = |frame: usize| {
         let at = frame as f64 * 0.15 + if frame < 17 { 0.0 } else { 1.0 };
         Vector3::new(
@@ -337,17 +347,17 @@ fn cones_ranges_angles_and_speeds_hold_together_wherever_targets_lead() {
     }
 }
 
-/// A configuration of the ball.
-fn turned(by: [f64; 3]) -> Vec<f64> {
+/// A configuration of the ball joint.
+fn rotated(by: [f64; 3]) -> Vec<f64> {
     let angle = by.iter().map(|by| by * by).sum::<f64>().sqrt();
     let sin = (0.5 * angle).sin() / angle;
     vec![(0.5 * angle).cos(), by[0] * sin, by[1] * sin, by[2] * sin]
 }
 
 #[test]
-fn fixed_ends_are_met_as_fast_as_may_be_or_told_to_be_too_far() {
+fn fixed_ends_are_met_or_reported_as_too_far() {
     let ball = ball(Some(BallLimits::cone(1.0, Limits::new(-1.0, 1.0))));
-    let ends = [turned([0.0, 0.0, -0.9]), turned([0.0, 0.0, 0.9])];
+    let ends = [rotated([0.0, 0.0, -0.9]), rotated([0.0, 0.0, 0.9])];
     let between = |speed: f64, ends: &[Vec<f64>; 2]| {
         let motion = following(&ball, 13, turn_about_z, |motion| {
             motion
@@ -371,21 +381,21 @@ fn fixed_ends_are_met_as_fast_as_may_be_or_told_to_be_too_far() {
         }
         assert!(fastest(&solved, 0) <= speed * STEP);
     }
-    // Ends on an edge, in swing and in twist, from which the way leads inward.
-    let edge = [turned([1.0, 0.0, 0.0]), turned([0.0, 1.0, 0.0])];
+    // Both ends on a limit, of swing and of twist, with an inward motion between them.
+    let edge = [rotated([1.0, 0.0, 0.0]), rotated([0.0, 1.0, 0.0])];
     let solved = between(6.0, &edge).unwrap();
     assert!(solved.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
-    let told = |q: [f64; 3]| {
-        between(6.0, &[turned(q), ends[1].clone()])
+    let reported = |q: [f64; 3]| {
+        between(6.0, &[rotated(q), ends[1].clone()])
             .unwrap_err()
             .to_string()
     };
-    let swung = told([0.0, 1.2, 0.0]);
+    let swung = reported([0.0, 1.2, 0.0]);
     assert!(
         swung.contains("hip swing") && swung.contains("1.2"),
         "{swung}"
     );
-    let twisted = told([-1.3, 0.0, 0.0]);
+    let twisted = reported([-1.3, 0.0, 0.0]);
     assert!(
         twisted.contains("hip twist") && twisted.contains("[-1, 1]"),
         "{twisted}"
@@ -400,8 +410,8 @@ fn between_frames(solved: &MotionSolution, frame: usize, other: &[f64]) -> Quate
 }
 
 #[test]
-fn a_start_beyond_every_limit_is_drawn_within_them() {
-    // The second twist hardly has any room.
+fn start_beyond_all_limits_is_moved_within_them() {
+    // The second twist range is very narrow.
     for twist in [Limits::new(0.2, 0.5), Limits::new(0.2, 0.2002)] {
         let limits = BallLimits::cone(0.6, twist).with_angle(0.7);
         let ball = ball(Some(limits));
@@ -410,39 +420,39 @@ fn a_start_beyond_every_limit_is_drawn_within_them() {
         });
         let motion = motion.unwrap();
         let far: Vec<f64> = (0..FRAMES)
-            .flat_map(|frame| turned([1.3, if frame % 2 == 0 { -1.5 } else { 1.5 }, 0.8]))
+            .flat_map(|frame| rotated([1.3, if frame % 2 == 0 { -1.5 } else { 1.5 }, 0.8]))
             .collect();
         let near = MotionSolver::default().solve_near(&motion, &far).unwrap();
         assert_eq!(near.termination(), MotionTermination::Stationary);
-        same_cost(&near, &solved(&motion, &ball.0.neutral()));
+        assert_equal_cost(&near, &solved(&motion, &ball.0.neutral()));
         assert!(near.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
     }
 }
 
 #[test]
-fn free_joints_and_their_speeds_are_told_by_name() {
+fn free_joint_speed_errors_name_the_joint() {
     let mut builder = Model::builder("body");
     let base = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
     builder.frame("body", Some(base), Placement::identity());
     let model = builder.build().unwrap();
-    let told = |name: &str, linear: f64, angular: f64| {
+    let reported = |name: &str, linear: f64, angular: f64| {
         let mut motion = MotionProblem::builder(&model, 3, STEP);
         motion.max_free_speed(name, linear, angular);
         motion.build().unwrap_err().to_string()
     };
-    let unknown = told("bose", 1.0, 1.0);
+    let unknown = reported("bose", 1.0, 1.0);
     assert!(
         unknown.contains("bose") && unknown.contains("base"),
         "{unknown}"
     );
     for (linear, angular) in [(0.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0)] {
-        assert!(told("base", linear, angular).contains("max_free_speed"));
+        assert!(reported("base", linear, angular).contains("max_free_speed"));
     }
 }
 
-/// A twist without limits goes the shorter way round from one end that is held to the other.
+/// A twist without limits takes the shorter rotation from one fixed end to the other.
 #[test]
-fn an_endless_twist_is_drawn_the_shorter_way_round() {
+fn unlimited_twist_takes_the_shorter_rotation() {
     let model = {
         let mut builder = Model::builder("spinner");
         let x = Vector3::UNITS[0];
@@ -454,7 +464,7 @@ fn an_endless_twist_is_drawn_the_shorter_way_round() {
     let twisted = |angle: f64| [(0.5 * angle).cos(), (0.5 * angle).sin(), 0.0, 0.0];
     let mut motion = MotionProblem::builder(&model, 7, STEP);
     motion.add(Point::new(model.frame("tip").unwrap(), [1.0, 0.0, 0.0]));
-    // 0.28 rad the one way and 6 the other; 0.6 at most are there for them.
+    // 0.28 rad in one direction and 6 in the other; at most 0.6 are available.
     motion.first(&twisted(3.0)).last(&twisted(-3.0));
     motion.max_speed("hip", 0.1 / STEP);
     let motion = motion.build().unwrap();

@@ -1,4 +1,4 @@
-//! Promise: over a clip, feet that stand do not slide, wherever it travels and whatever else is asked of it.
+//! Promise: feet in contact do not slide during a clip, however it travels and whatever other targets it has.
 #![allow(clippy::unwrap_used)]
 
 use std::f32::consts::TAU;
@@ -12,12 +12,12 @@ use support::armatures::bone;
 /// Metres.
 pub(crate) const THIGH: f32 = 0.45;
 pub(crate) const SHIN: f32 = 0.45;
-/// How high the hips are.
+/// Height of the hips.
 pub(crate) const HIPS: f32 = 0.88;
-/// Metres a second.
+/// Metres per second.
 const SPEED: f32 = 1.2;
 
-/// Hips with two legs and an arm on a chest.
+/// Hips with two legs, and a chest with an arm.
 pub(crate) fn figure() -> Armature {
     let bones = vec![
         bone("hips", None, [0.0, HIPS, 0.0]),
@@ -36,7 +36,7 @@ pub(crate) fn figure() -> Armature {
     Armature::new(bones, Vec::new()).unwrap()
 }
 
-/// Bends a leg so that its foot is at a place from its hip: the law of cosines, the knee forward.
+/// Bends a leg so that its foot is at a position relative to its hip, by the law of cosines with the knee forward.
 pub(crate) fn bend(pose: &mut Pose, [thigh, shin, foot]: [BoneId; 3], at: Vec3) {
     let reach = at.length().min(THIGH + SHIN - 1e-4);
     let cosine =
@@ -52,7 +52,7 @@ pub(crate) fn bend(pose: &mut Pose, [thigh, shin, foot]: [BoneId; 3], at: Vec3) 
     pose.set_rotation(foot, level).unwrap();
 }
 
-/// A walk of two seconds along z, or on the spot, whose feet slip by centimetres while they stand.
+/// A walk of two seconds along z, or on the spot. Its feet slide by centimetres during contact.
 pub(crate) fn walk(armature: &Armature, travels: bool) -> Clip {
     let id = |name: &str| armature.bone(name).unwrap();
     let times: Vec<f32> = (0..=60).map(|k| k as f32 / 30.0).collect();
@@ -64,7 +64,7 @@ pub(crate) fn walk(armature: &Armature, travels: bool) -> Clip {
         pose.set_translation(id("hips"), hips.into()).unwrap();
         for (side, x, phase) in [("l", 0.1_f32, 0.0), ("r", -0.1, 0.5)] {
             let cycle = (time + phase).fract();
-            // Stands for six tenths of a second; its own slip is a wave of 1.5 cm.
+            // Contact for six tenths of a second, with a sliding motion of 1.5 cm.
             let (z, y) = if cycle < 0.6 {
                 (
                     0.36 - SPEED * cycle + 0.015 * (TAU * cycle / 0.6).sin(),
@@ -86,7 +86,7 @@ pub(crate) fn walk(armature: &Armature, travels: bool) -> Clip {
     Clip::through_poses("walk", armature, &times, &poses).unwrap()
 }
 
-/// Where a bone is in the model at a time.
+/// Position of a bone in the model at a time.
 pub(crate) fn at(armature: &Armature, clip: &Clip, bone: &str, time: f64) -> Vec3A {
     let pose = pose(armature, clip, time);
     let place = armature.model_from_bone(&pose, armature.bone(bone).unwrap());
@@ -115,7 +115,7 @@ fn planted_feet_slide_by_less_than_2_mm() {
         .with_keys_per_second(60.0)
         .solve(&walk)
         .unwrap();
-    // Two feet, two seconds, a step a second each.
+    // Two feet, two seconds, one step per second each.
     assert!(edited.stances.len() >= 4, "{:?}", edited.stances);
     let (mut before, mut after) = (0.0_f32, 0.0_f32);
     for stance in &edited.stances {
@@ -137,7 +137,7 @@ fn planted_feet_slide_by_less_than_2_mm() {
     }
     assert!(before > 0.01, "{before}");
     assert!(after < 0.002, "{after}");
-    // Nothing had to be stretched for it.
+    // The root did not have to move.
     assert_eq!(edited.root_moved, 0.0);
     for time in [0.0, 0.3, 1.1, 2.0] {
         let [old, new] = [&walk, &edited.clip].map(|clip| at(&armature, clip, "hips", time));
@@ -146,7 +146,7 @@ fn planted_feet_slide_by_less_than_2_mm() {
 }
 
 #[test]
-fn a_walk_on_the_spot_travels_as_its_feet_say() {
+fn walk_on_the_spot_travels_with_its_feet() {
     let armature = figure();
     let on_the_spot = walk(&armature, false);
     let feet = ["foot.l", "foot.r"].map(|name| armature.bone(name).unwrap());
@@ -170,9 +170,10 @@ fn a_walk_on_the_spot_travels_as_its_feet_say() {
     }
 }
 
-/// Lines turn joints from key to key and do not lead feet: keys are set closer where a foot would stray, and only there.
+/// Linear interpolation of joints between keys moves feet off their positions. More keys are set where a foot would
+/// deviate, and only there.
 #[test]
-fn between_few_keys_planted_feet_stray_by_a_thousandth_of_a_leg() {
+fn planted_feet_stay_put_between_sparse_keys() {
     let armature = figure();
     let leg = f64::from(THIGH + SHIN);
     for rate in [10.0, 15.0, 24.0, 30.0] {
@@ -191,25 +192,25 @@ fn between_few_keys_planted_feet_stray_by_a_thousandth_of_a_leg() {
             };
             let moments = (0..=2000).map(|k| from + (to - from) * f64::from(k) / 2000.0);
             let measured = moments.map(off).fold(0.0, f64::max);
-            let told = stance.slide.max(stance.stray);
+            let reported = stance.slide.max(stance.stray);
             assert!(measured < 1.2e-3 * leg, "{rate} a second: {measured}");
-            // Looked at three times between keys.
+            // The solver checks three times between keys.
             assert!(
-                (0.7 * measured - 1e-6..measured + 1e-6).contains(&told),
-                "{rate} a second: {told} told, {measured} measured"
+                (0.7 * measured - 1e-6..measured + 1e-6).contains(&reported),
+                "{rate} a second: {reported} told, {measured} measured"
             );
         }
         let shin = armature.bone("shin.l").unwrap();
         let channels = edited.clip.channels(&armature).unwrap();
-        let own = channels.iter().find(|(bone, _)| *bone == shin).unwrap();
-        let times = own.1.times();
+        let channel = channels.iter().find(|(bone, _)| *bone == shin).unwrap();
+        let times = channel.1.times();
         let in_stance = |time: f32| {
             let spans = edited.stances.iter().map(|stance| stance.span);
             spans
                 .into_iter()
                 .any(|[from, to]| (from - 1e-6..to + 1e-6).contains(&f64::from(time)))
         };
-        // In the air as many as were asked for.
+        // In the swing phase there are as many keys as requested.
         for pair in times.windows(2) {
             let close = f64::from(pair[1] - pair[0]) < 0.9 / rate;
             assert!(
@@ -226,13 +227,13 @@ fn between_few_keys_planted_feet_stray_by_a_thousandth_of_a_leg() {
     }
 }
 
-/// More keys bring no foot nearer that is too far from its place at them.
+/// A foot too far from its position at the keys gets no additional keys.
 #[test]
-fn what_cannot_be_held_gets_no_more_keys() {
+fn unreachable_contact_gets_no_additional_keys() {
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
     let clip = walk(&armature, true);
-    // The shin alone turns, on a thigh that goes its way: the foot stands where that leaves it.
+    // Only the shin may rotate; the thigh moves as in the clip, so the foot misses its position.
     let edited = ClipIk::new(&armature)
         .with_planted(id("foot.l"))
         .with_root(id("thigh.l"))
@@ -241,13 +242,13 @@ fn what_cannot_be_held_gets_no_more_keys() {
         .unwrap();
     assert!(edited.led[0].miss > 5e-3, "{:?}", edited.led);
     let channels = edited.clip.channels(&armature).unwrap();
-    let own = channels.iter().find(|(bone, _)| *bone == id("shin.l"));
-    let keys = own.unwrap().1.times().len();
+    let channel = channels.iter().find(|(bone, _)| *bone == id("shin.l"));
+    let keys = channel.unwrap().1.times().len();
     assert!((61..90).contains(&keys), "{keys} keys");
 }
 
 #[test]
-fn feet_stand_on_stairs() {
+fn planted_feet_follow_stairs() {
     let armature = figure();
     let stairs = |at: DVec3| 0.1 * ((at.z + 0.2) / 0.4).floor().max(0.0);
     let edited = planted(&armature)
@@ -260,7 +261,7 @@ fn feet_stand_on_stairs() {
         assert!(stance.place.distance(expected) < 1e-9);
         assert!(stance.slide < 5e-4, "{stance:?}");
     }
-    // No foot is in a step.
+    // No foot penetrates a step.
     for step in 0..=200 {
         let time = f64::from(step) / 100.0;
         for foot in ["foot.l", "foot.r"] {
@@ -274,7 +275,7 @@ fn feet_stand_on_stairs() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn invalid_clip_ik_is_named() {
     let armature = figure();
     let walk = walk(&armature, true);
     let id = |name: &str| armature.bone(name).unwrap();
@@ -315,9 +316,9 @@ fn what_is_wrong_is_named() {
     );
 }
 
-/// A foot that swings high over a low step is up early and comes down late.
+/// A foot rises early over a higher step, and descends late.
 #[test]
-fn a_foot_rises_early_and_falls_late() {
+fn foot_rises_early_and_descends_late() {
     let armature = figure();
     let walk = walk(&armature, true);
     let level = planted(&armature).solve(&walk).unwrap();
@@ -338,9 +339,9 @@ fn a_foot_rises_early_and_falls_late() {
             }
             let name = &armature.names()[from.bone.index()];
             let middle = 0.5 * (from.span[1] + to.span[0]);
-            let [own, before] = [&edited.clip, &level.clip]
+            let [after, before] = [&edited.clip, &level.clip]
                 .map(|clip| f64::from(at(&armature, clip, name, middle).y));
-            let gone = (own - before - first) / (last - first);
+            let gone = (after - before - first) / (last - first);
             match rise > 0.0 {
                 true => assert!((0.7..1.1).contains(&gone), "{gone} of the way up"),
                 false => assert!((-0.1..0.3).contains(&gone), "{gone} of the way down"),
@@ -351,9 +352,9 @@ fn a_foot_rises_early_and_falls_late() {
     }
 }
 
-/// Over steps that are so low that no leg is too short for them the root rises evenly, not as its feet do.
+/// The root rises evenly over steps too low for any leg to be too short.
 #[test]
-fn the_root_rises_evenly_over_low_steps() {
+fn root_rises_evenly_over_low_steps() {
     let armature = figure();
     let walk = walk(&armature, true);
     let stairs = |z: f32| 0.01 * ((z + 0.2) / 0.4).floor();
@@ -374,9 +375,9 @@ fn the_root_rises_evenly_over_low_steps() {
     assert!(most < 5e-4, "{most} m");
 }
 
-/// Feet stay where they stand while a hand is led elsewhere in the clip, and while nothing asks it of anything.
+/// Feet keep their contact positions while a hand is moved elsewhere in the clip, and while it is not.
 #[test]
-fn feet_stand_before_and_after_what_a_hand_does() {
+fn feet_stay_planted_around_a_hand_target() {
     let armature = figure();
     let walk = walk(&armature, true);
     let alone = planted(&armature).solve(&walk).unwrap();
@@ -385,14 +386,14 @@ fn feet_stand_before_and_after_what_a_hand_does() {
     let reach = reach.with_span(0.9..=1.3).with_fade(0.1);
     let edited = planted(&armature).with_reach(reach).solve(&walk).unwrap();
     assert_eq!(edited.stances.len(), alone.stances.len());
-    for (own, before) in edited.stances.iter().zip(&alone.stances) {
-        assert!(own.slide < before.slide + 1e-4, "{own:?} {before:?}");
-        let name = &armature.names()[own.bone.index()];
-        let [from, to] = own.span;
+    for (stance, before) in edited.stances.iter().zip(&alone.stances) {
+        assert!(stance.slide < before.slide + 1e-4, "{stance:?} {before:?}");
+        let name = &armature.names()[stance.bone.index()];
+        let [from, to] = stance.span;
         for k in 0..=10 {
             let time = from + (to - from) * f64::from(k) / 10.0;
             let off = at(&armature, &edited.clip, name, time).as_dvec3();
-            assert!(off.distance(own.place) < 2e-3, "{name} at {time}");
+            assert!(off.distance(stance.place) < 2e-3, "{name} at {time}");
         }
     }
 }

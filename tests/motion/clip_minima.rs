@@ -1,4 +1,5 @@
-//! Clips within limits of position and speed come to the costs that CasADi and IPOPT come to (notebooks-ref/motions.py).
+//! Promise: clips within position and velocity limits reach the costs found by CasADi and IPOPT
+//! (notebooks-ref/motions.py).
 
 use kinopt::model::Model;
 use kinopt::motion::trajectory::{MotionProblem, MotionSolver, MotionTermination, RateCost};
@@ -6,7 +7,7 @@ use kinopt::robot::Robot;
 use kinopt::task::Point;
 use serde::Deserialize;
 
-/// Costs this close are one, as a share.
+/// Relative difference at which two costs are equal.
 const SAME: f64 = 1e-7;
 
 #[derive(Deserialize)]
@@ -42,7 +43,7 @@ struct Clip {
 }
 
 impl Clip {
-    /// A configuration from variables.
+    /// Configuration from variables.
     fn configuration(&self, robot: &Robot, x: &[f64]) -> Vec<f64> {
         let mut q = vec![0.0; robot.model().configuration_len()];
         robot.map().expand(x, &mut q).unwrap();
@@ -82,7 +83,7 @@ impl Clip {
 }
 
 #[test]
-fn short_clips_cost_what_an_interior_method_with_exact_hessians_finds() {
+fn short_clips_reach_the_costs_of_ipopt() {
     let text = include_str!("../reference/motions.json");
     let reference: Reference = serde_json::from_str(text).unwrap();
     assert_eq!(reference.provenance.tool, "CasADi + IPOPT");
@@ -97,7 +98,7 @@ fn short_clips_cost_what_an_interior_method_with_exact_hessians_finds() {
         let near: Vec<f64> = near.flat_map(|x| clip.configuration(&robot, x)).collect();
         let solved = solver.solve_near(&motion, &near).unwrap();
         let off = solved.cost() / clip.cost - 1.0;
-        let told = || {
+        let message = || {
             format!(
                 "clip {number}: {} for {}, {off:e}",
                 solved.cost(),
@@ -108,16 +109,16 @@ fn short_clips_cost_what_an_interior_method_with_exact_hessians_finds() {
             solved.termination(),
             MotionTermination::Stationary,
             "{}",
-            told()
+            message()
         );
-        assert!(off.abs() <= SAME, "{}", told());
+        assert!(off.abs() <= SAME, "{}", message());
         bound += usize::from(clip.moves_at_their_limit > 0);
         check_limits(&robot, clip, solved.q());
     }
     assert!(bound >= 15, "limits of speed bind in {bound} clips");
 }
 
-/// Positions and speeds are within their limits to the bit, however a speed is reckoned.
+/// Positions and velocities exceed no limit by a single bit, however a velocity is computed.
 fn check_limits(robot: &Robot, clip: &Clip, q: &[f64]) {
     let model = robot.model();
     let n = model.configuration_len();

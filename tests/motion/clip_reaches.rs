@@ -1,5 +1,5 @@
-//! Promise: over a clip, hands reach over their spans without a jump, nothing outside of those changes, and the root moves no more than
-//! limbs are too short.
+//! Promise: during a clip, hands reach for targets within their time spans without a jump. Nothing outside of the spans
+//! changes, and the root moves no further than limbs are too short.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, DVec3, Quat, Vec3, Vec3A};
@@ -12,8 +12,8 @@ use kinopt::spatial::{Placement, Vector3};
 
 use crate::clip_ik::{HIPS, SHIN, THIGH, at, figure, pose, walk};
 
-/// The figure, its hand, and a clip of two seconds in which it stands at rest.
-fn standing() -> (Armature, BoneId, Clip) {
+/// The figure, its hand, and a clip of two seconds in the rest pose.
+fn rest_figure() -> (Armature, BoneId, Clip) {
     let armature = figure();
     let hand = armature.bone("hand").unwrap();
     let poses = vec![armature.rest().clone(); 2];
@@ -21,10 +21,10 @@ fn standing() -> (Armature, BoneId, Clip) {
     (armature, hand, stand)
 }
 
-/// Where nothing else is asked of it a figure travels all the same.
+/// Outside of the span the figure travels as usual.
 #[test]
-fn a_hand_that_reaches_for_a_while_travels_before_and_after() {
-    let (armature, hand, stand) = standing();
+fn reaching_figure_travels_before_and_after() {
+    let (armature, hand, stand) = rest_figure();
     let travel = Vec3::new(0.3, 0.0, 0.5);
     // Nearer to the shoulder, so that the root need not follow.
     let [own, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
@@ -48,7 +48,7 @@ fn a_hand_that_reaches_for_a_while_travels_before_and_after() {
 }
 
 #[test]
-fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
+fn hand_reaches_in_its_span_and_nothing_else_changes() {
     let armature = figure();
     let walk = walk(&armature, true);
     let hand = armature.bone("hand").unwrap();
@@ -81,7 +81,7 @@ fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
             }
         }
     }
-    // No jump: a hundredth of a second's way is never much longer than its neighbours'.
+    // No jump: the distance moved in a hundredth of a second is close to that of its neighbours.
     let place = |step: i32| at(&armature, &edited.clip, "hand", f64::from(step) / 100.0);
     let ways: Vec<f32> = (1..=200)
         .map(|step| place(step).distance(place(step - 1)))
@@ -92,7 +92,7 @@ fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
 }
 
 #[test]
-fn the_root_moves_by_what_limbs_are_too_short_for() {
+fn root_moves_only_as_far_as_limbs_are_too_short() {
     let armature = figure();
     let stand = Clip::through_poses(
         "stand",
@@ -102,7 +102,8 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
     )
     .unwrap();
     let foot = armature.bone("foot.l").unwrap();
-    // The leg hangs straight down: 5 cm lower is 5 cm too far, but for the 2 mm that it is not stretched by.
+    // The leg hangs straight down, so 5 cm lower is 5 cm too far. The 2 mm by which the leg is not fully stretched are
+    // within the tolerance.
     let hip = DVec3::new(0.1, f64::from(HIPS), 0.0);
     let straight = f64::from(THIGH + SHIN);
     let target = hip - DVec3::new(0.0, straight + 0.05, 0.0);
@@ -115,7 +116,7 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
     assert!(hips.distance(expected) < 1e-3, "{hips}");
     assert!((edited.root_moved - 0.05).abs() < 1e-3);
     assert!(edited.led[0].miss < 1e-4, "{:?}", edited.led);
-    // Within reach nothing moves it.
+    // Within reach the root does not move.
     let near = hip - DVec3::new(0.0, straight - 0.1, 0.1);
     let edited = ClipIk::new(&armature)
         .with_reach(Reach::to(foot, near).unwrap())
@@ -125,11 +126,11 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
     assert!(edited.led[0].miss < 1e-5);
 }
 
-/// Led there and back over its fade, unless that is said over a fifth of a second or half of a shorter span; where the clip itself
-/// begins or ends nothing is led.
+/// The hand moves to its target and back over the fade time. Its default is a fifth of a second, or half of a shorter
+/// span. At the start and end of the clip itself there is no fade.
 #[test]
-fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
-    let (armature, hand, stand) = standing();
+fn hand_fades_at_span_ends_within_the_clip() {
+    let (armature, hand, stand) = rest_figure();
     let target = DVec3::new(0.55, 1.3, 0.3);
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
@@ -169,14 +170,14 @@ fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
     }
 }
 
-/// What is asked for goes away to where the body must follow far, and comes back: it is missed most where it is farthest.
+/// The target moves out of reach of the arm and back. The largest error is where it is farthest.
 #[test]
-fn when_it_is_missed_most_is_told() {
-    let (armature, hand, stand) = standing();
+fn time_of_the_largest_error_is_reported() {
+    let (armature, hand, stand) = rest_figure();
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let far = own + DVec3::new(3.0, 0.0, 0.0);
-    let way = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
-    let reach = Reach::along(hand, way.clone());
+    let curve = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
+    let reach = Reach::along(hand, curve.clone());
     let edited = ClipIk::new(&armature)
         .with_reach(reach)
         .solve(&stand)
@@ -185,7 +186,7 @@ fn when_it_is_missed_most_is_told() {
     let off = |frame: u32| {
         let time = f64::from(frame) / 60.0;
         let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
-        found.distance(way.at(time))
+        found.distance(curve.at(time))
     };
     let worst = (0..=120)
         .max_by(|a, b| off(*a).total_cmp(&off(*b)))
@@ -201,11 +202,11 @@ fn when_it_is_missed_most_is_told() {
     assert!(led.at > 1.0);
 }
 
-/// The root that follows a hand too far for its arm is where the clip has it again when that lets go, and gets there without a jump;
-/// keys at the ends of a span take the place of their neighbours.
+/// The root that follows a hand beyond its arm's reach is back in the clip's pose when the hand is released, without a
+/// jump. Keys at the ends of a span replace neighbouring keys.
 #[test]
-fn a_root_comes_back_within_the_span_that_it_follows() {
-    let (armature, hand, stand) = standing();
+fn root_returns_within_the_span() {
+    let (armature, hand, stand) = rest_figure();
     let span = [0.501, 1.4005];
     let target = at(&armature, &stand, "hand", 0.0).as_dvec3() + DVec3::new(0.6, 0.0, 0.0);
     let reach = Reach::to(hand, target)
@@ -218,7 +219,7 @@ fn a_root_comes_back_within_the_span_that_it_follows() {
     assert!(edited.root_moved > 0.3, "{}", edited.root_moved);
     let hips = |time: f64| at(&armature, &edited.clip, "hips", time).as_dvec3();
     let own = DVec3::new(0.0, f64::from(HIPS), 0.0);
-    // A frame of a sixtieth about the span is as the clip has it.
+    // A sixtieth of a second outside the span the pose is the clip's.
     for time in [0.0, 0.4, span[0] - 0.017, span[1] + 0.017, 1.5, 2.0] {
         assert!(hips(time).distance(own) < 1e-5, "{time} s: {}", hips(time));
     }
@@ -233,9 +234,9 @@ fn a_root_comes_back_within_the_span_that_it_follows() {
     }
 }
 
-/// Of a rig the tip of a bone is led, from where the clip has it.
+/// The tip of a rig's bone moves from its position in the clip.
 #[test]
-fn a_rig_s_tip_is_led_from_where_it_is() {
+fn tip_of_a_rig_fades_from_its_clip_position() {
     let mut builder = Skeleton::builder("arm");
     let (mut parent, mut along) = (None, 0.0);
     for (name, length) in [("root", 0.1), ("upper", 0.5), ("lower", 0.4), ("hand", 0.2)] {

@@ -1,5 +1,5 @@
-//! Promise: a motion of a model with loops keeps them closed to 1e-9 in every frame, comes to the minimum of the mechanism
-//! without them where there is one, and says so where it cannot close them.
+//! Promise: a motion of a model with loops keeps them closed to 1e-9 in every frame. It reaches the minimum of the
+//! equivalent mechanism without loops, and reports loops that it cannot close.
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Loop, Model, ModelBuilder};
@@ -19,7 +19,7 @@ fn along(length: f64) -> Placement<f64> {
     Placement::translation(Vector3::new(length, 0.0, 0.0))
 }
 
-/// A crank and a rocker of one length, and between them a coupler as long as they are apart: it stays level.
+/// A crank and a rocker of equal length, joined by a coupler as long as their distance: the coupler stays level.
 fn parallelogram(weld: bool, limits: Limits) -> Model {
     let mut builder = Model::builder("parallelogram");
     add_parallelogram(&mut builder, "", weld, limits);
@@ -27,21 +27,21 @@ fn parallelogram(weld: bool, limits: Limits) -> Model {
 }
 
 fn add_parallelogram(builder: &mut ModelBuilder, whose: &str, weld: bool, limits: Limits) {
-    let own = |name: &str| format!("{whose}{name}");
+    let named = |name: &str| format!("{whose}{name}");
     let (z, any) = (Vector3::UNITS[2], Limits::new(-3.2, 3.2));
-    let crank = builder.revolute(own("crank"), None, Placement::identity(), z, limits);
-    let coupler = builder.revolute(own("coupler"), Some(crank), along(0.3), z, any);
-    let rocker = builder.revolute(own("rocker"), None, along(0.4), z, any);
-    let last = builder.revolute(own("wrist"), Some(rocker), along(0.3), z, any);
-    builder.frame(own("tip"), Some(crank), along(0.3));
-    let coupler_end = builder.frame(own("coupler end"), Some(coupler), along(0.4));
+    let crank = builder.revolute(named("crank"), None, Placement::identity(), z, limits);
+    let coupler = builder.revolute(named("coupler"), Some(crank), along(0.3), z, any);
+    let rocker = builder.revolute(named("rocker"), None, along(0.4), z, any);
+    let last = builder.revolute(named("wrist"), Some(rocker), along(0.3), z, any);
+    builder.frame(named("tip"), Some(crank), along(0.3));
+    let coupler_end = builder.frame(named("coupler end"), Some(coupler), along(0.4));
     let ends = [
-        builder.frame(own("rocker end"), Some(rocker), along(0.3)),
-        builder.frame(own("wrist"), Some(last), Placement::identity()),
+        builder.frame(named("rocker end"), Some(rocker), along(0.3)),
+        builder.frame(named("wrist"), Some(last), Placement::identity()),
     ];
     builder.close(match weld {
-        true => Loop::weld(own("pin"), [coupler_end, ends[1]]),
-        false => Loop::connect(own("pin"), [coupler_end, ends[0]]),
+        true => Loop::weld(named("pin"), [coupler_end, ends[1]]),
+        false => Loop::connect(named("pin"), [coupler_end, ends[0]]),
     });
 }
 
@@ -53,7 +53,7 @@ fn crank_alone(limits: Limits) -> Model {
     builder.build().unwrap()
 }
 
-/// The crank's tip follows a leap, no faster than it may.
+/// The crank's tip follows a jump within its velocity limit.
 fn following(model: &Model, rate: f64) -> MotionProblem {
     let mut motion = MotionProblem::builder(model, FRAMES, STEP);
     let point = motion.add(Point::new(model.frame("tip").unwrap(), [0.3, 0.0, 0.0]));
@@ -66,7 +66,7 @@ fn following(model: &Model, rate: f64) -> MotionProblem {
     motion.build().unwrap()
 }
 
-/// How far apart two frames are at most, and, of a weld, their axes.
+/// Largest distance between two frames and, for a weld, between their axes.
 fn gap(model: &Model, solved: &MotionSolution, [a, b]: [&str; 2]) -> f64 {
     let ends = [a, b].map(|end| model.frame(end).unwrap().index());
     let mut kinematics = ForwardKinematics::new(model);
@@ -83,10 +83,10 @@ fn gap(model: &Model, solved: &MotionSolution, [a, b]: [&str; 2]) -> f64 {
 }
 
 #[test]
-fn a_linkage_stays_closed_and_comes_to_the_minimum_of_its_crank() {
+fn linkage_stays_closed_at_the_minimum_of_its_crank() {
     let limits = Limits::new(0.5, 2.2);
     let crank = crank_alone(limits);
-    // Crank, coupler, rocker and wrist move alike, and what each of them moves costs.
+    // Crank, coupler, rocker and wrist move equally, and the motion of each adds to the cost.
     for (weld, end, moving) in [(false, "rocker end", 3.0_f64), (true, "wrist", 4.0)] {
         let alone = following(&crank, 1e-4 * moving.sqrt());
         let alone = MotionSolver::default().solve(&alone, &[0.8]).unwrap();
@@ -95,9 +95,9 @@ fn a_linkage_stays_closed_and_comes_to_the_minimum_of_its_crank() {
     }
 }
 
-/// Of several loops each is closed, and moves as it would alone.
+/// Each of several loops is closed, and moves as it would on its own.
 #[test]
-fn two_linkages_stay_closed_both() {
+fn two_linkages_both_stay_closed() {
     let limits = Limits::new(0.5, 2.2);
     let mut builder = Model::builder("two parallelograms");
     for whose in ["", "other "] {
@@ -158,12 +158,12 @@ fn check(model: &Model, motion: &MotionProblem, end: &str, cost: f64) {
 }
 
 #[test]
-fn a_loop_that_cannot_close_is_told() {
+fn loop_that_cannot_close_is_reported() {
     let mut builder = Model::builder("stiff");
     let z = Vector3::UNITS[2];
     let any = Limits::new(-0.3, 0.3);
     let one = builder.revolute("one", None, Placement::identity(), z, any);
-    // Long enough, but at angles beyond the limits.
+    // Long enough, but only at angles beyond the limits.
     let other = builder.revolute("other", None, along(0.8), z, any);
     let ends = [
         builder.frame("tip", Some(one), along(0.3)),
@@ -181,8 +181,8 @@ fn a_loop_that_cannot_close_is_told() {
     assert!((0..5).all(|frame| solved.missed(frame).any(|miss| miss.task == "loop `pin`")));
 }
 
-/// Both hands of a Baxter on one box that the left one lifts by 15 cm; `apart`, in metres, is where the right hand is
-/// asked to be beside the left one, which the box does not let it.
+/// Both hands of a Baxter hold a box, which the left hand lifts by 15 cm. `apart` is the requested distance of the
+/// right hand from the left one in metres, which the box does not allow.
 fn lift(rest: f64, apart: Option<f64>) -> (MotionSolution, Robot) {
     let robot = Robot::read("../models/rethink_baxter.urdf").unwrap();
     let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
@@ -219,8 +219,8 @@ fn lift(rest: f64, apart: Option<f64>) -> (MotionSolution, Robot) {
 }
 
 #[test]
-fn two_hands_hold_one_box_all_the_way() {
-    // Light preferences leave the hands a long way to go along the curve of what holds the box.
+fn two_hands_hold_a_box_in_every_frame() {
+    // With soft tasks of low weight the hands have to move far along the curve of the constraint.
     for (rest, apart) in [(0.01, None), (0.001, None), (0.1, None), (0.01, Some(0.8))] {
         let (solved, robot) = lift(rest, apart);
         assert_eq!(solved.termination(), MotionTermination::Stationary);
@@ -229,7 +229,7 @@ fn two_hands_hold_one_box_all_the_way() {
         let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
         for q in solved.q().chunks(robot.model().configuration_len()) {
             let placed = kinematics.place(q).unwrap();
-            // The box lies 20 cm along z of both tools, which face each other.
+            // The box extends 20 cm along z of both tools, which face each other.
             let [one, other] = tools.map(|tool| placed[tool.index()].translation);
             assert!(((one - other).norm() - 0.4).abs() < 1e-8);
             assert!(robot.model().is_within_limits(q));

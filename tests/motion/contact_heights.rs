@@ -1,4 +1,4 @@
-//! Promise: what hardly moves stands only as high over the ground as is asked for.
+//! Promise: a frame that hardly moves is in contact only below the configured height over the ground.
 
 use glam::Vec3;
 use kinopt::animation::{Armature, Clip};
@@ -9,7 +9,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use crate::clip_ik::{HIPS, bend, figure, planted};
 use crate::retargeted_feet::{MAP, RATE, legs};
 
-/// A person on the right foot, the left one held still this high for the middle second of three, metres.
+/// A subject on the right foot, with the left foot held still at this height in metres for the middle second of three.
 fn crane(lifted: f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for frame in 0..300 {
@@ -32,7 +32,7 @@ fn crane(lifted: f64) -> Vec<f64> {
 }
 
 #[test]
-fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
+fn still_foot_in_the_air_is_in_contact_below_height() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &crane(0.3), RATE).unwrap();
@@ -50,10 +50,13 @@ fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
         let stands = |frame: usize| found.contacts[frame * found.standing.len() + toe];
         assert!(stands(20) && stands(290) && !stands(75), "{height}");
         assert_eq!(stands(150), stands_aloft, "{height}");
-        // What it stands on is as high there as the person is up, and the ground elsewhere.
+        // Its support is as high as the subject is lifted; elsewhere it is the ground.
         let driven = retargeting.driven();
         let frame = robot.model().frame("left_toe").unwrap();
-        let place = driven.iter().position(|own| *own == frame).unwrap();
+        let place = driven
+            .iter()
+            .position(|candidate| *candidate == frame)
+            .unwrap();
         let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[place].z);
         let up = 0.3 * retargeting.stride();
         assert!(
@@ -64,9 +67,10 @@ fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
     }
 }
 
-/// How fast a foot may creep that stands goes by the length of a leg, not of all legs: 0.25 m/s on legs of 0.9 m.
+/// The allowed speed of a foot in contact is proportional to the length of one leg, not of all legs: 0.25 m/s for legs
+/// of 0.9 m.
 #[test]
-fn what_creeps_stands_by_the_length_of_a_leg() {
+fn slow_foot_is_in_contact_by_leg_length() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let person = |speed: f64| {
@@ -79,17 +83,17 @@ fn what_creeps_stands_by_the_length_of_a_leg() {
     };
     let options = RetargetOptions::default;
     let still = Retargeting::new(&robot, &map, &person(0.0), options()).unwrap();
-    // Metres a second of the model's, whose legs of 0.6 m stand below 0.17.
+    // Speed in the model's metres per second. Its legs of 0.6 m are in contact below 0.17 m/s.
     for (speed, stands) in [(0.12, true), (0.23, false)] {
-        let own = person(speed / still.stride());
-        let retargeting = Retargeting::new(&robot, &map, &own, options()).unwrap();
+        let moving = person(speed / still.stride());
+        let retargeting = Retargeting::new(&robot, &map, &moving, options()).unwrap();
         let found = retargeting.per_frame().unwrap();
         let all = found.contacts.iter().filter(|contact| **contact).count();
         assert_eq!(all > found.contacts.len() / 2, stands, "{speed}: {all}");
     }
 }
 
-/// Both feet on the ground, the left one lifted by this much for the middle second of three, metres.
+/// Both feet on the ground, with the left one lifted by this many metres for the middle second of three.
 fn lifted(armature: &Armature, lift: f32) -> Clip {
     let times: Vec<f32> = (0..=90).map(|k| k as f32 / 30.0).collect();
     let poses = times.iter().map(|&time| {
@@ -106,9 +110,9 @@ fn lifted(armature: &Armature, lift: f32) -> Clip {
     Clip::through_poses("crane", armature, &times, &poses).unwrap()
 }
 
-/// Over a clip the height is a share of the leg's length unless it is asked for.
+/// For a clip the default height is a fraction of the leg's length.
 #[test]
-fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
+fn still_foot_in_the_air_of_a_clip_has_no_contact() {
     let armature = figure();
     let foot = armature.bone("foot.l").unwrap();
     let stances = |lift: f32, detection: Option<ContactDetection>| {
@@ -130,9 +134,9 @@ fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
     assert_eq!(stances(0.4, up_to(f64::INFINITY)), 3);
 }
 
-/// What stands for as long as the shortest that counts is a stance, what stands for a frame less is none.
+/// A contact of the shortest duration counts; one that is a frame shorter does not.
 #[test]
-fn a_stance_counts_from_the_shortest_on() {
+fn contact_counts_from_the_shortest_duration() {
     let armature = figure();
     let foot = armature.bone("foot.l").unwrap();
     let clip = lifted(&armature, 0.4);
@@ -152,9 +156,9 @@ fn a_stance_counts_from_the_shortest_on() {
     }
 }
 
-/// Captures sink: what is below the ground in them is on it, frame by frame and live.
+/// Captures contain positions below the ground: retargeted feet stay above it, frame by frame and online.
 #[test]
-fn a_foot_that_sinks_in_the_capture_stays_over_the_ground() {
+fn foot_below_ground_in_the_capture_stays_above() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let mut numbers = crane(0.0);

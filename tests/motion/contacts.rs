@@ -1,4 +1,4 @@
-//! Promise: what a contact holds stands still over its span, wherever it stands, and moves before and after.
+//! Promise: a frame in contact is motionless during the contact, and moves before and after it.
 
 use std::ops::Range;
 
@@ -10,18 +10,18 @@ use crate::slide::slide;
 use crate::walker::{SOLE, Walker};
 
 #[test]
-fn a_held_foot_stands_still_though_its_target_wanders() {
+fn foot_in_contact_is_still_while_its_target_moves() {
     let walker = Walker::new();
     let (frames, span) = (40, 12..30);
     let motion = walker.swaying(frames, Some(span.clone()));
-    // As a whole, and in windows whose seams are within the span.
+    // As a whole, and in windows with seams during the contact.
     let windows = Windows::new(9, 9);
     for windows in [None, Some(windows)] {
         let solver = MotionSolver::default().with_windows(windows);
         let solved = solver.solve(&motion, &walker.stance).unwrap();
         assert!(solved.slip() < 1e-6, "{} m", solved.slip());
-        stands_still(&walker, &solved, span.clone());
-        // From where it began, and not from frame to frame.
+        assert_still(&walker, &solved, span.clone());
+        // Measured from the start of the contact, not from frame to frame.
         let slipped = slipped(&walker, &solved, span.clone());
         let off = solved.slip() - slipped;
         assert!(
@@ -32,15 +32,15 @@ fn a_held_foot_stands_still_though_its_target_wanders() {
     }
 }
 
-/// However much what pulls at it counts.
+/// However large the weight of the task is that pulls at it.
 #[test]
-fn a_held_tool_stands_still_however_hard_it_is_pulled() {
+fn tool_in_contact_is_still_for_any_weight() {
     let (model, tool) = slide();
     for weight in [1.0, 1e2, 1e4] {
         let mut motion = MotionProblem::builder(&model, 12, 0.1);
         let pull = motion.add(Task::new(Point::new(tool, [0.0; 3])).times(weight));
-        motion.follow(pull, |frame, own| {
-            own.set_target([0.1 * (frame as f64).sin(), 0.0, 0.0])
+        motion.follow(pull, |frame, point| {
+            point.set_target([0.1 * (frame as f64).sin(), 0.0, 0.0])
         });
         motion.contact(Contact::new(tool, 3..9).at([[0.0; 3]]));
         let motion = motion.build().unwrap();
@@ -54,7 +54,7 @@ fn a_held_tool_stands_still_however_hard_it_is_pulled() {
     }
 }
 
-/// The farthest that a point of the sole comes from where it was in the first frame of the span.
+/// Largest distance of a point of the sole from its position in the first frame of the contact.
 fn slipped(walker: &Walker, solved: &MotionSolution, span: Range<usize>) -> f64 {
     let mut kinematics = ForwardKinematics::new(walker.model());
     let mut points = |frame: usize| {
@@ -70,7 +70,7 @@ fn slipped(walker: &Walker, solved: &MotionSolution, span: Range<usize>) -> f64 
     off.fold(0.0, f64::max)
 }
 
-fn stands_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {
+fn assert_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {
     let mut kinematics = ForwardKinematics::new(walker.model());
     let mut at = |frame: usize| {
         let placed = kinematics.place(solved.frame(frame).unwrap()).unwrap();
@@ -90,10 +90,10 @@ fn stands_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {
     assert!(before > 1e-3, "it moves where nothing holds it: {before} m");
 }
 
-/// What a solver is told is what it does: a slip that is allowed is kept within and may be larger than none, bending frames take
-/// other steps to the same minimum, frames are counted as they are done, and their costs are the whole's.
+/// Solver options have their effect. A larger allowed slip needs fewer iterations. Curvature leads to the same minimum
+/// by other steps. Progress is reported, and costs of frames add up to the total.
 #[test]
-fn what_a_solver_is_told_is_heard() {
+fn solver_options_have_an_effect() {
     let walker = Walker::new();
     let frames = 10;
     let motion = walker.swaying(frames, Some(3..8));
@@ -133,9 +133,9 @@ fn what_a_solver_is_told_is_heard() {
     );
 }
 
-/// Frames bend as they do, which gradients tell, or by JᵀJ alone, to one minimum.
+/// With curvature from gradients or with JᵀJ alone, frames reach the same minimum.
 #[test]
-fn frames_bend_or_do_not_as_is_asked() {
+fn curvature_option_keeps_the_minimum() {
     let walker = Walker::new();
     let motion = walker.swaying(16, None);
     let [bent, straight] = [true, false].map(|curvature| {

@@ -1,14 +1,14 @@
-//! Promise: what is driven by a point of a frame goes where a frame at that point would go.
+//! Promise: a driven point of a frame moves as a frame at that point would.
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 
-/// A person's hips, beside the joints that the model's thighs turn about.
+/// Hips of the subject, at an offset from the joints of the model's thighs.
 const BESIDE: [f64; 3] = [0.03, 0.02, 0.06];
 
 #[test]
-fn hips_driven_beside_their_joints_go_as_frames_there_would() {
+fn driven_points_move_as_frames_at_these_points() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
@@ -25,7 +25,7 @@ fn hips_driven_beside_their_joints_go_as_frames_there_would() {
     let [points, frames] = [by_points, by_frames]
         .map(|map| Retargeting::new(&robot, &map, &capture, options.clone()).unwrap());
     let [by_points, by_frames] = [&points, &frames].map(|own| own.per_frame().unwrap());
-    // Errors are those of the points.
+    // Errors are measured at the points.
     let [errors, of_frames] = [(&points, &by_points), (&frames, &by_frames)]
         .map(|(retargeting, found)| retargeting.errors(found).unwrap());
     let off = errors.iter().zip(&of_frames).map(|(a, b)| (a - b).abs());

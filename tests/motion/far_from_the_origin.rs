@@ -1,13 +1,14 @@
-//! Promise: a body that is far from the origin follows as it does there.
+//! Promise: a robot far from the origin follows as accurately as near it.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 
 use crate::retargeted_feet::{MAP, RATE, legs, person};
 
-/// The normal equations are summed about the body: about the origin they would lose as many digits as the distance has, squared.
+/// The normal equations are summed relative to the robot. About the origin they would lose twice the digits of the
+/// distance.
 #[test]
-fn a_person_who_walks_far_away_is_followed_alike() {
+fn distant_subject_is_followed_equally() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let at = |off: f64| {
@@ -24,7 +25,7 @@ fn a_person_who_walks_far_away_is_followed_alike() {
     let far = at(off);
     let frames = near.q.chunks(near.configuration_len);
     for (near, far) in frames.zip(far.q.chunks(near.configuration_len)) {
-        // Behind the base's place, as a number of that size holds it.
+        // Except for the base position, which is rounded at its own size.
         let apart = near[3..].iter().zip(&far[3..]).map(|(a, b)| (a - b).abs());
         let apart = apart.fold(0.0, f64::max);
         assert!(apart < 1e-12 * off, "{apart}");

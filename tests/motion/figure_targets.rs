@@ -1,5 +1,5 @@
-//! Promise: a figure stands upright for what is brought onto it, whichever way up its file has it, and its clip has every bone where the
-//! configurations put it, in the axes of the file.
+//! Promise: a figure is upright for retargeting, whichever axis is up in its file. Its clip has every bone at the
+//! placement of the configurations, in the file's axes.
 
 use kinopt::animation::{Armature, Cursor, Playback};
 use kinopt::io::rig::Rig;
@@ -8,9 +8,9 @@ use kinopt::motion::retarget::{
     BodyMap, Capture, FigureTarget, RetargetError, RetargetOptions, Retargeting, UpAxis,
 };
 
-/// How far bones of the clip are at most from where forward kinematics has them, but for those that stand `still`, and the height of
-/// the figure.
-fn off(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64) {
+/// Largest distance of the clip's bones from forward kinematics, except for the bones in `still`, and the height of the
+/// figure.
+fn largest_distance(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64) {
     let model = figure.robot().model();
     let q: Vec<f64> = (0..12)
         .flat_map(|seed| model.random_configuration(seed))
@@ -39,8 +39,8 @@ fn off(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64)
                 UpAxis::Y => [x, z, -y],
                 UpAxis::Z => [x, y, z],
             };
-            for (own, expected) in at.to_array().into_iter().zip(expected) {
-                most = most.max((f64::from(own) - expected).abs());
+            for (actual, expected) in at.to_array().into_iter().zip(expected) {
+                most = most.max((f64::from(actual) - expected).abs());
                 tall = tall.max(expected.abs());
             }
         }
@@ -49,42 +49,42 @@ fn off(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64)
 }
 
 #[test]
-fn a_capture_whose_y_points_upward() {
+fn figure_of_a_capture_with_y_up_is_upright() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let turning = read.turning_bones();
     let figure = FigureTarget::of_armature(&read.armature, &turning, UpAxis::Y).unwrap();
-    // At rest its head is above its feet.
+    // In the rest pose its head is above its feet.
     let model = figure.robot().model();
     let mut kinematics = ForwardKinematics::new(model);
     let placed = kinematics.place(&model.neutral()).unwrap();
     let height = |name: &str| placed[model.frame(name).unwrap().index()].translation.z;
     assert!(height("Head") > height("LeftFoot") + 100.0);
-    let (most, tall) = off(&figure, &read.armature, &[]);
+    let (most, tall) = largest_distance(&figure, &read.armature, &[]);
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 
-/// Where the root does not turn, its children each move with the figure's base.
+/// Where the root does not rotate, each of its children moves with the figure's base.
 #[test]
-fn a_figure_of_several_topmost_bones() {
+fn figure_with_several_root_bones_is_placed() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let mut turning = read.turning_bones();
     assert!(turning.remove(&read.armature.bone("Hips").unwrap()));
     let figure = FigureTarget::of_armature(&read.armature, &turning, UpAxis::Y).unwrap();
-    let (most, tall) = off(&figure, &read.armature, &["Hips"]);
+    let (most, tall) = largest_distance(&figure, &read.armature, &["Hips"]);
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 
 #[test]
-fn a_rig_whose_z_points_upward() {
+fn figure_of_a_rig_with_z_up_is_upright() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
-    let (most, tall) = off(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
+    let (most, tall) = largest_distance(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 
-/// What the command warns by: a figure whose file is said to have another axis upward lies down.
+/// The command warns by this: a figure lies down if the wrong up axis is given for its file.
 #[test]
-fn the_way_that_a_figure_stands_is_told_from_its_feet() {
+fn up_axis_of_a_figure_is_found_from_its_feet() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
     for (said, stands) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
@@ -99,14 +99,14 @@ fn the_way_that_a_figure_stands_is_told_from_its_feet() {
             fitted.unwrap().model_stands_along()
         };
         assert_eq!(along(&map), Some(stands));
-        // On what would it stand?
+        // Without contacts there is nothing to decide by.
         map.contacts = Some(Vec::new());
         assert_eq!(along(&map), None);
     }
 }
 
 #[test]
-fn another_armature_is_refused() {
+fn clip_of_another_armature_is_rejected() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
@@ -116,7 +116,11 @@ fn another_armature_is_refused() {
         matches!(refused, RetargetError::OtherBone { .. }),
         "{refused}"
     );
-    let own = Armature::of_skeleton(&rig.skeleton);
-    assert!(figure.clip("moved", &own, &[], 10.0).is_err());
-    assert!(figure.clip("moved", &own, &q.repeat(2), f64::NAN).is_err());
+    let rig_armature = Armature::of_skeleton(&rig.skeleton);
+    assert!(figure.clip("moved", &rig_armature, &[], 10.0).is_err());
+    assert!(
+        figure
+            .clip("moved", &rig_armature, &q.repeat(2), f64::NAN)
+            .is_err()
+    );
 }

@@ -1,12 +1,12 @@
-//! Promise: the ground that passes under feet passes across the axis up, by the feet that are near it, however they rise and
-//! fall meanwhile.
+//! Promise: the speed of the ground under the feet is perpendicular to the up axis. It results from the feet near the
+//! ground, however they rise and descend.
 
 use glam::{Vec3, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
 use kinopt::motion::clip_ik::ground_speed;
 
-/// The speed of the ground under a foot that goes straight from key to key: (seconds, place).
+/// Speed of the ground under a foot that moves linearly between keys (seconds, position).
 fn speed(keys: &[(f32, Vec3)], up: Vec3) -> Vec3 {
     let bone = |name: &str, parent| ArmatureBone {
         name: name.into(),
@@ -19,16 +19,16 @@ fn speed(keys: &[(f32, Vec3)], up: Vec3) -> Vec3 {
     let (times, places) = (keys.iter())
         .map(|(at, place)| (*at, Vec3A::from(*place)))
         .unzip();
-    let way = KeyedCurve::linear(times, places).unwrap();
+    let curve = KeyedCurve::linear(times, places).unwrap();
     let mut clip = Clip::builder("step", &armature);
-    clip.channel(foot, Channel::Translation(way)).unwrap();
+    clip.channel(foot, Channel::Translation(curve)).unwrap();
     ground_speed(&armature, &clip.build(), &[foot], up, 100.0).unwrap()
 }
 
-/// A foot on a slope: what passes is level, the slope's rise is no way of the body.
+/// A foot on a slope: the result is level, because the slope's rise is no displacement of the subject.
 #[test]
-fn a_foot_that_rises_all_the_way_passes_over_level_ground() {
-    let way = Vec3::new(0.3, 0.2, -1.1);
+fn rising_foot_gives_a_level_ground_speed() {
+    let displacement = Vec3::new(0.3, 0.2, -1.1);
     for up in [
         Vec3::X,
         Vec3::Y,
@@ -38,16 +38,19 @@ fn a_foot_that_rises_all_the_way_passes_over_level_ground() {
         Vec3::new(1.0, -2.0, 2.0),
     ] {
         let axis = up.normalize();
-        let level = way - axis * way.dot(axis);
-        let passes = speed(&[(0.0, Vec3::ONE), (2.0, Vec3::ONE + way * 2.0)], up);
+        let level = displacement - axis * displacement.dot(axis);
+        let passes = speed(
+            &[(0.0, Vec3::ONE), (2.0, Vec3::ONE + displacement * 2.0)],
+            up,
+        );
         assert!(passes.distance(-level) < 1e-4, "up {up}: {passes}");
         assert!(passes.dot(axis).abs() < 1e-5, "up {up}: {passes}");
     }
 }
 
-/// What a foot does in the air is not asked, were it most of the time.
+/// The motion of a foot in the air has no influence, even if that is most of the time.
 #[test]
-fn a_foot_in_the_air_says_nothing() {
+fn foot_in_the_air_has_no_influence() {
     let z = |z: f32, y: f32| Vec3::new(0.0, y, z);
     let keys = [
         (0.0, z(0.4, 0.0)),

@@ -1,13 +1,15 @@
-//! Promise: known skeletons and bodies are told by their names whatever stands before them, others by what their names say; a
-//! guess says what it leaves out, is read again as it was written, and is refused where names tell of no body. A map without drives
-//! of a model is completed by names, and of one with drives the same is said of the joints that drive.
+//! Promise: body maps are guessed from names.
+//!
+//! - Known skeletons are recognised with any prefix before their joints' names, and others by the words in the names.
+//! - A guess lists what it omits, survives a round trip through JSON, and is an error if the names describe no body.
+//! - A map without drives of a model is completed by names. One with drives gets the same notes about its joints.
 
 use kinopt::Model;
 use kinopt::model::{JointId, Limits, ModelBuilder};
 use kinopt::motion::retarget::{BodyMap, BodyPart, Capture, KnownSkeleton, RetargetError, UpAxis};
 use kinopt::spatial::{Placement, Vector3};
 
-/// A model whose only sense is its frames' names.
+/// A model that consists of named frames only.
 fn model(frames: &[&str]) -> Model {
     let mut builder = ModelBuilder::new("body");
     let limits = Limits::new(-1.0, 1.0);
@@ -20,7 +22,7 @@ fn model(frames: &[&str]) -> Model {
     builder.build().unwrap()
 }
 
-/// A capture whose joints stand apart in one frame.
+/// A capture of a single frame with all joints at distinct positions.
 fn capture(joints: &[String]) -> Capture {
     let places: Vec<f64> = (0..3 * joints.len()).map(|k| 0.1 * k as f64).collect();
     Capture::new(joints.to_vec(), &places, 30.0).unwrap()
@@ -54,7 +56,7 @@ const HUMANOID: [&str; 17] = [
 ];
 
 #[test]
-fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
+fn known_skeletons_drive_the_whole_humanoid() {
     let humanoid = model(&HUMANOID);
     for name in KnownSkeleton::names() {
         let known = KnownSkeleton::named(name).unwrap();
@@ -103,7 +105,7 @@ fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
                 BodyMap::from_json(&guess.map.to_json(), "").unwrap(),
                 guess.map
             );
-            // Of each side what is of it.
+            // Joints of each side drive frames of the same side.
             for (joint, frame) in drives(&guess.map) {
                 for side in ["left", "right"] {
                     let own = joint.to_lowercase().contains(side);
@@ -114,9 +116,9 @@ fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
     }
 }
 
-/// Of several people in a file the first is followed.
+/// If a file has several subjects, the first one is used.
 #[test]
-fn of_two_people_the_first_one_drives() {
+fn first_of_two_subjects_is_used() {
     let humanoid = model(&HUMANOID);
     let one = KnownSkeleton::names().find_map(|name| {
         let joints = KnownSkeleton::named(name).ok()?.joints().to_vec();
@@ -133,10 +135,10 @@ fn of_two_people_the_first_one_drives() {
 }
 
 #[test]
-fn names_of_many_kinds_tell_of_the_same_parts() {
+fn naming_conventions_are_recognised() {
     let humanoid = model(&HUMANOID);
     let kinds: [[&str; 10]; 10] = [
-        // Exporters that know no colon leave it out.
+        // Exporters that do not allow a colon omit it.
         [
             "mixamorigHips",
             "mixamorigLeftUpLeg",
@@ -273,9 +275,9 @@ fn names_of_many_kinds_tell_of_the_same_parts() {
     for names in kinds {
         let joints = names.map(str::to_owned);
         let guess = BodyMap::guess(&capture(&joints), &humanoid).unwrap();
-        let told = drives(&guess.map);
+        let reported = drives(&guess.map);
         for (joint, frame) in names.iter().zip(driven) {
-            let found = told.iter().find(|(own, _)| own == joint);
+            let found = reported.iter().find(|(driving, _)| driving == joint);
             assert_eq!(
                 found.map(|(_, frame)| frame.as_str()),
                 Some(frame),
@@ -292,7 +294,7 @@ fn names_of_many_kinds_tell_of_the_same_parts() {
 }
 
 #[test]
-fn a_robot_s_links_are_told_by_name_where_it_is_not_known() {
+fn links_of_an_unknown_robot_are_recognised() {
     let links = [
         "base_link",
         "left_hip_roll_link",
@@ -307,7 +309,7 @@ fn a_robot_s_links_are_told_by_name_where_it_is_not_known() {
     let known = KnownSkeleton::named("lafan1").unwrap();
     let guess = BodyMap::guess(&capture(known.joints()), &model(&links)).unwrap();
     assert_eq!(guess.body, None);
-    let told = drives(&guess.map);
+    let reported = drives(&guess.map);
     for (joint, frame) in [
         ("Hips", "base_link"),
         ("LeftUpLeg", "left_hip_roll_link"),
@@ -319,8 +321,8 @@ fn a_robot_s_links_are_told_by_name_where_it_is_not_known() {
         ("Head", "head_link"),
     ] {
         assert!(
-            told.contains(&(joint.to_owned(), frame.to_owned())),
-            "{joint}: {told:?}"
+            reported.contains(&(joint.to_owned(), frame.to_owned())),
+            "{joint}: {reported:?}"
         );
     }
     assert_eq!(guess.map.contacts, Some(vec!["LeftFoot".to_owned()]));
@@ -332,7 +334,7 @@ fn a_robot_s_links_are_told_by_name_where_it_is_not_known() {
     );
 }
 
-/// Hips and both legs, down from them.
+/// Hips and both legs downwards from them.
 const LEGS: [&str; 7] = [
     "hips",
     "left_thigh",
@@ -348,7 +350,7 @@ fn legs(numbers: &[f64]) -> Capture {
 }
 
 #[test]
-fn limbs_of_no_bone_s_length_are_told_of() {
+fn limbs_of_implausible_length_are_noted() {
     let stands = [
         [0.0, 0.0, 1.0],
         [0.0, 0.1, 0.9],
@@ -363,19 +365,19 @@ fn limbs_of_no_bone_s_length_are_told_of() {
     second[5][2] = 0.8;
     numbers.extend(second.concat());
     let guess = BodyMap::guess(&legs(&numbers), &model(&HUMANOID)).unwrap();
-    let told = guess.notes.join("\n");
+    let message = guess.notes.join("\n");
     for words in [
         "the left shin has no length",
         "the right thigh is between 0.100 and 0.200",
         "the left thigh is 0.400 long",
     ] {
-        assert!(told.contains(words), "{words}: {told}");
+        assert!(message.contains(words), "{words}: {message}");
     }
 }
 
-/// Each of the four limbs on either side, in turn of no length, and half as long as the other side's.
+/// Each of the four limbs on both sides in turn, without length and with half the length of the other side.
 #[test]
-fn the_limb_that_is_short_is_told_with_its_side() {
+fn short_limb_is_noted_with_its_side() {
     let chains = [("thigh", "shin", "foot"), ("upper_arm", "forearm", "hand")];
     let mut joints = vec!["hips".to_owned()];
     for (side, (upper, lower, end)) in ["left", "right"]
@@ -385,8 +387,8 @@ fn the_limb_that_is_short_is_told_with_its_side() {
         joints.extend([upper, lower, end].map(|part| format!("{side}_{part}")));
     }
     let humanoid = model(&HUMANOID);
-    // Each chain goes down from beside the hips: its lengths are those of its two limbs.
-    let told = |lengths: &[[f64; 2]; 4]| {
+    // Each chain extends downwards next to the hips, with the lengths of its two limbs.
+    let reported = |lengths: &[[f64; 2]; 4]| {
         let mut places = vec![[0.0, 0.0, 1.0]];
         for (chain, [upper, lower]) in lengths.iter().enumerate() {
             let y = [0.1, 0.3, -0.1, -0.3][chain];
@@ -399,7 +401,7 @@ fn the_limb_that_is_short_is_told_with_its_side() {
         let limbs = notes.into_iter().filter(|note| note.starts_with("the "));
         limbs.collect()
     };
-    assert_eq!(of_limbs(told(&[[0.4, 0.3]; 4])), [""; 0]);
+    assert_eq!(of_limbs(reported(&[[0.4, 0.3]; 4])), [""; 0]);
     for (chain, side) in ["left", "left", "right", "right"].into_iter().enumerate() {
         for (limb, name) in [["thigh", "shin"], ["upper arm", "forearm"]][chain % 2]
             .into_iter()
@@ -408,20 +410,20 @@ fn the_limb_that_is_short_is_told_with_its_side() {
             let mut lengths = [[0.4, 0.3]; 4];
             lengths[chain][limb] = 0.0;
             let none = format!("the {side} {name} has no length: its ends are one place");
-            assert_eq!(of_limbs(told(&lengths)), [none]);
+            assert_eq!(of_limbs(reported(&lengths)), [none]);
             let whole = [0.4, 0.3][limb];
             lengths[chain][limb] = 0.5 * whole;
             let mut by_side = [whole; 2];
             by_side[chain / 2] = 0.5 * whole;
             let [left, right] = by_side;
             let short = format!("the left {name} is {left:.3} long and the right one {right:.3}");
-            assert_eq!(of_limbs(told(&lengths)), [short]);
+            assert_eq!(of_limbs(reported(&lengths)), [short]);
         }
     }
 }
 
 #[test]
-fn a_map_of_another_robot_is_completed_by_names_and_keeps_what_it_says() {
+fn map_of_another_robot_is_completed_by_names() {
     let humanoid = model(&HUMANOID);
     let lafan = KnownSkeleton::named("lafan1").unwrap();
     let capture = capture(lafan.joints());
@@ -439,28 +441,28 @@ fn a_map_of_another_robot_is_completed_by_names_and_keeps_what_it_says() {
         assert_eq!(completed.map.up, Some(UpAxis::Y));
         assert_eq!(drives(&completed.map), drives(&guess.map));
         assert_eq!(completed.map.contacts, guess.map.contacts);
-        // That it was is told first, and then what the guess tells.
+        // The completion is noted first, followed by the guess's notes.
         let lacking = "the map drives nothing of the target, so names tell what";
         assert_eq!(completed.notes[0], lacking);
         assert_eq!(completed.notes[1..], guess.notes[..]);
     }
-    // What it says of contacts stays.
+    // Contacts in the map are kept.
     let text = r#"{"contacts": ["LeftFoot"]}"#;
     let map = BodyMap::from_json(text, "body.urdf").unwrap();
     let completed = map.completed(&capture, &humanoid).unwrap().map;
     assert_eq!(completed.contacts, Some(vec!["LeftFoot".to_owned()]));
-    // Drives of its own stay as they are.
+    // Drives in the map are kept.
     let text =
         r#"{"drives": {"g1.urdf": {"Hips": "pelvis_link"}, "body.urdf": {"Hips": "pelvis"}}}"#;
     let map = BodyMap::from_json(text, "body.urdf").unwrap();
     let completed = map.completed(&capture, &humanoid).unwrap();
-    let own = [("Hips".to_owned(), "pelvis".to_owned())];
-    assert_eq!(drives(&completed.map), own);
+    let expected = [("Hips".to_owned(), "pelvis".to_owned())];
+    assert_eq!(drives(&completed.map), expected);
 }
 
 #[test]
-fn of_a_given_map_the_joints_that_drive_are_looked_at_and_no_others() {
-    // Lying along y, the left thigh without length.
+fn only_driving_joints_of_a_given_map_are_checked() {
+    // Lying along y, with a left thigh without length.
     let places = [
         [0.0, 1.0, 0.0],
         [0.1, 0.9, 0.0],
@@ -492,16 +494,16 @@ fn of_a_given_map_the_joints_that_drive_are_looked_at_and_no_others() {
     let right: Vec<&str> = drives
         .iter()
         .map(String::as_str)
-        .filter(|own| !own.contains("left"))
+        .filter(|drive| !drive.contains("left"))
         .collect();
     let right = looked_at(&format!("{{\"drives\": {{{}}}}}", right.join(", ")));
     assert_eq!(right.notes, Vec::<String>::new());
-    // Which way it lies is the capture's, whatever drives.
+    // The capture defines the up axis, whatever the drives are.
     assert_eq!(right.up, Some(UpAxis::Y));
 }
 
 #[test]
-fn names_of_nobody_are_refused_by_name() {
+fn names_without_a_body_are_rejected() {
     let humanoid = model(&HUMANOID);
     let strangers = ["a", "b", "c"].map(str::to_owned);
     let refused = BodyMap::guess(&capture(&strangers), &humanoid).unwrap_err();
@@ -526,9 +528,9 @@ fn names_of_nobody_are_refused_by_name() {
     assert_eq!(smpl.joints_of_array(53), None);
 }
 
-/// Every number of a map is in its text, and comes back from it.
+/// A map's JSON contains all its numbers.
 #[test]
-fn a_map_is_its_text() {
+fn map_survives_a_round_trip() {
     let text = r#"{"joints": ["Hips", "Hand"], "fps": 60, "up": "y", "contacts": ["Hips"], "drives": {
         "Hand": {"frame": "hand", "offset": [0.1, -0.2, 0.3], "weight": 2.5, "scale": 0.75},
         "Hips": "pelvis"}}"#;
@@ -547,7 +549,7 @@ fn a_map_is_its_text() {
     assert_eq!(BodyMap::from_json(&map.to_json(), "").unwrap(), map);
 }
 
-/// A motor of the ankle is fixed to the shank and comes first, as on the Unitree R1.
+/// A motor of the ankle is fixed to the shank and comes first, as in the Unitree R1.
 #[test]
 fn ankle_is_a_link_that_moves_on_the_shank() {
     let mut builder = ModelBuilder::new("biped");

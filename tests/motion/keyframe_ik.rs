@@ -1,5 +1,6 @@
-//! Promise: a hand follows a curve by its rig's own keys within the span and nothing else changes; limits hold between keys as
-//! well; and no small change of those keys within the limits does better.
+//! Promise: a hand follows a curve within a time span by its rig's own keys, and nothing else changes.
+//!
+//! Limits hold between keys as well. No small change of these keys within the limits has a lower cost.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::animation::curve::KeyedCurve;
@@ -17,7 +18,7 @@ fn rig() -> Rig {
     Rig::read("../models/humanoid/humanoid.json").unwrap()
 }
 
-/// Keys every 0.2 s on all that moves the right arm, through what the rig's own keys do.
+/// Keys every 0.2 s for all bones of the right arm, sampled from the rig's own keys.
 fn dense(rig: &Rig) -> EulerClip {
     let bones = [
         "right_clavicle",
@@ -51,7 +52,7 @@ fn tip(skeleton: &Skeleton, clip: &EulerClip, bone: BoneId, time: f64) -> DVec3 
     DVec3::from(placed.tip(skeleton, bone).unwrap().to_array())
 }
 
-/// A loop of 10 cm about where the hand is halfway.
+/// A loop of 10 cm about the hand's position at half time.
 fn curve(skeleton: &Skeleton, clip: &EulerClip, hand: BoneId) -> KeyedCurve<DVec3> {
     let middle = tip(skeleton, clip, hand, 2.1);
     let times: Vec<f64> = (0..=18).map(|k| SPAN[0] + 0.1 * f64::from(k)).collect();
@@ -67,9 +68,9 @@ fn all_times() -> impl Iterator<Item = f64> {
     (0..=3000).map(|k| f64::from(k) / 1000.0)
 }
 
-/// Unless another number is asked for.
+/// 60 sample times per second by default.
 #[test]
-fn sixty_moments_a_second_count() {
+fn default_is_sixty_samples_per_second() {
     let rig = rig();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
@@ -86,7 +87,7 @@ fn sixty_moments_a_second_count() {
 }
 
 #[test]
-fn the_hand_follows_by_the_rig_s_own_keys_alone() {
+fn hand_follows_by_keys_within_the_span_alone() {
     let rig = rig();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
@@ -98,7 +99,7 @@ fn the_hand_follows_by_the_rig_s_own_keys_alone() {
         .with_reach(reach)
         .solve(&clip)
         .unwrap();
-    // It follows, between keys as well; and did not before.
+    // The hand follows, between keys as well; it did not before.
     let off = |clip: &EulerClip| {
         let times = all_times().filter(|time| (1.5..=2.7).contains(time));
         let off = times.map(|time| tip(skeleton, clip, hand, time).distance(curve.at(time)));
@@ -111,7 +112,7 @@ fn the_hand_follows_by_the_rig_s_own_keys_alone() {
         "{:?} {after}",
         edited.led
     );
-    // Keys outside the span are what they were, to the bit; and so are times, bones and what nothing moves.
+    // Keys outside the span are exactly unchanged, and so are times, bones and angles that nothing moves.
     let mut changed = 0;
     assert_eq!(edited.clip.tracks().len(), clip.tracks().len());
     for (new, old) in edited.clip.tracks().iter().zip(clip.tracks()) {
@@ -126,7 +127,7 @@ fn the_hand_follows_by_the_rig_s_own_keys_alone() {
         }
     }
     assert_eq!(changed, edited.keys_changed);
-    // So two keys before the span nothing moves.
+    // Therefore nothing moves up to two keys before the span.
     for time in all_times().filter(|time| *time <= SPAN[0] - 0.4) {
         assert_eq!(
             angles(skeleton, &edited.clip, time),
@@ -136,11 +137,11 @@ fn the_hand_follows_by_the_rig_s_own_keys_alone() {
 }
 
 #[test]
-fn limits_hold_between_keys_where_targets_ask_for_more() {
+fn limits_hold_between_keys() {
     let rig = rig();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
-    // Behind the back and far away: shoulder and elbow come to their limits.
+    // Behind the back and far away: shoulder and elbow reach their limits.
     for target in [[-0.6, -0.1, 1.3], [0.1, 0.6, 1.5], [0.0, -0.2, 0.4]] {
         let reach = Reach::to(hand, target)
             .unwrap()
@@ -154,7 +155,7 @@ fn limits_hold_between_keys_where_targets_ask_for_more() {
             let [new, old] = [&edited.clip, &clip].map(|clip| angles(skeleton, clip, time));
             for (k, (new, old)) in new.iter().zip(&old).enumerate() {
                 let limits = skeleton.bones()[k / 3].limits[k % 3];
-                // Where the clip itself was beyond, no further.
+                // Where the clip itself exceeds a limit, it is exceeded no further.
                 let (lower, upper) = (limits.lower.min(*old), limits.upper.max(*old));
                 assert!(
                     lower - 1e-9 <= *new && *new <= upper + 1e-9,
@@ -168,7 +169,7 @@ fn limits_hold_between_keys_where_targets_ask_for_more() {
 }
 
 #[test]
-fn no_small_change_of_the_keys_does_better() {
+fn no_small_change_of_keys_lowers_the_cost() {
     let rig = rig();
     let (skeleton, clip) = (&rig.skeleton, dense(&rig));
     let hand = skeleton.bone(HAND).unwrap();
@@ -182,7 +183,8 @@ fn no_small_change_of_the_keys_does_better() {
         .with_reach(reach())
         .solve(&clip)
         .unwrap();
-    // Told anew: the sum of squares over 60 moments a second, and 0.001 of the rig's size for a radian of a key.
+    // Evaluated again: the sum of squares over 60 sample times per second, plus 0.001 of the rig's size for a radian of
+    // a key.
     let cost = |of: &EulerClip| {
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
         let off =
@@ -205,13 +207,13 @@ fn no_small_change_of_the_keys_does_better() {
         let key = 7 + random.below(8);
         let angle = random.below(3);
         let limits = skeleton.bones()[bone].limits[angle];
-        let own = &mut tracks[track].keys[key].angles[angle];
-        let new = *own + random.within(-0.02, 0.02);
-        // Well within, so that neither key nor spline is at a limit.
+        let changed = &mut tracks[track].keys[key].angles[angle];
+        let new = *changed + random.within(-0.02, 0.02);
+        // Well within the limits, so that neither key nor spline reaches one.
         if !(limits.lower + 0.1..=limits.upper - 0.1).contains(&new) {
             continue;
         }
-        *own = new;
+        *changed = new;
         tried += 1;
         let other = cost(&EulerClip::new(tracks).unwrap());
         assert!(
@@ -223,7 +225,7 @@ fn no_small_change_of_the_keys_does_better() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn invalid_keyframe_ik_is_named() {
     let rig = rig();
     let clip = dense(&rig);
     let hand = rig.skeleton.bone(HAND).unwrap();
@@ -256,7 +258,7 @@ fn what_is_wrong_is_named() {
 
 const BENT: &str = "right_forearm";
 
-/// The dense keys with the forearm's bend the same at all of them but where `at` says otherwise.
+/// The dense keys with a constant bend of the forearm, except where `at` gives another value.
 fn bent(rig: &Rig, still: f64, at: impl Fn(usize) -> Option<f64>) -> EulerClip {
     let forearm = rig.skeleton.bone(BENT).unwrap();
     let mut tracks = dense(rig).tracks().to_vec();
@@ -275,8 +277,8 @@ fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
     keys.iter().map(|key| key.angles[1]).collect()
 }
 
-/// How far a clip's hand is at most from where another's is.
-fn apart(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
+/// Largest distance between the hands of two clips.
+fn hand_distance(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
     let hand = rig.skeleton.bone(HAND).unwrap();
     let times = (0..=200).map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 200.0);
     let off = times.map(|time| {
@@ -286,8 +288,8 @@ fn apart(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// The way of a clip's hand.
-fn way(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
+/// A reach along the hand's curve in a clip.
+fn hand_curve(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
     let hand = rig.skeleton.bone(HAND).unwrap();
     let times: Vec<f64> = (0..=600)
         .map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 600.0)
@@ -302,35 +304,35 @@ fn way(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
 }
 
 #[test]
-fn a_whole_track_beyond_its_limit_comes_within_and_serves_the_goal() {
+fn track_beyond_its_limit_is_moved_within_it() {
     let rig = rig();
     let skeleton = &rig.skeleton;
     let forearm = skeleton.bone(BENT).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let beyond = bent(&rig, limits.upper + 0.2, |_| None);
-    // Where the hand is with the elbow well within.
+    // The hand's curve with the elbow well within its limits.
     let wanted = bent(&rig, limits.upper - 0.4, |_| None);
     let all = [0.0, 3.0];
-    assert!(apart(&rig, &beyond, &wanted, all) > 0.1);
+    assert!(hand_distance(&rig, &beyond, &wanted, all) > 0.1);
     let solve = |span| {
-        let ik = KeyframeIk::new(skeleton).with_reach(way(&rig, &wanted, span));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, span));
         ik.solve(&beyond).unwrap()
     };
-    // All keys are solved for: nothing stays beyond.
+    // All keys are solved for: no limit is exceeded.
     let edited = solve(all);
     assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
     for time in all_times() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let off = apart(&rig, &edited.clip, &wanted, all);
+    let off = hand_distance(&rig, &edited.clip, &wanted, all);
     assert!(
         off < 0.01 && edited.led[0].miss < 0.01,
         "{off} {:?}",
         edited.led
     );
 
-    // Keys outside the span stay, and where they keep the elbow beyond is told.
+    // Keys outside the span are kept, and reported where they keep the elbow beyond its limit.
     let edited = solve(SPAN);
     for (k, (new, old)) in bends(&rig, &edited.clip)
         .iter()
@@ -347,19 +349,19 @@ fn a_whole_track_beyond_its_limit_comes_within_and_serves_the_goal() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let [told] = &edited.beyond[..] else {
+    let [reported] = &edited.beyond[..] else {
         panic!("{:?}", edited.beyond)
     };
-    assert_eq!((told.bone, told.angle), (forearm, 1));
-    assert!(told.at < SPAN[0], "{told:?}");
+    assert_eq!((reported.bone, reported.angle), (forearm, 1));
+    assert!(reported.at < SPAN[0], "{reported:?}");
     let worst =
         all_times().map(|time| angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1]);
     let worst = worst.fold(0.0, f64::max) - limits.upper;
     assert!(
-        (told.by - worst).abs() < 0.01 && told.by >= worst - 1e-9,
-        "{told:?} {worst}"
+        (reported.by - worst).abs() < 0.01 && reported.by >= worst - 1e-9,
+        "{reported:?} {worst}"
     );
-    let off = apart(&rig, &edited.clip, &wanted, SPAN);
+    let off = hand_distance(&rig, &edited.clip, &wanted, SPAN);
     assert!(
         off < 0.02 && edited.led[0].miss < 0.02,
         "{off} {:?}",
@@ -368,7 +370,7 @@ fn a_whole_track_beyond_its_limit_comes_within_and_serves_the_goal() {
 }
 
 #[test]
-fn one_key_beyond_comes_to_its_limit_and_no_other_moves() {
+fn key_beyond_its_limit_is_clamped_without_others() {
     let rig = rig();
     let skeleton = &rig.skeleton;
     let forearm = skeleton.bone(BENT).unwrap();
@@ -380,7 +382,7 @@ fn one_key_beyond_comes_to_its_limit_and_no_other_moves() {
             })
         };
         let (beyond, wanted) = (only(limits.upper + over), only(limits.upper));
-        let ik = KeyframeIk::new(skeleton).with_reach(way(&rig, &wanted, SPAN));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, SPAN));
         let edited = ik.solve(&beyond).unwrap();
         assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
         let new = bends(&rig, &edited.clip);
@@ -403,7 +405,7 @@ fn one_key_beyond_comes_to_its_limit_and_no_other_moves() {
 }
 
 #[test]
-fn a_track_of_one_key_keeps_its_limit_and_the_others_know() {
+fn single_key_track_keeps_its_limit() {
     let rig = rig();
     let skeleton = &rig.skeleton;
     let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
@@ -418,7 +420,7 @@ fn a_track_of_one_key_keeps_its_limit_and_the_others_know() {
         track.keys[0].angles[1] = limits.lower - 0.5;
     }
     let beyond = EulerClip::new(tracks).unwrap();
-    // Where an elbow that bent backwards would bring the hand, which shoulder and clavicle do not help with.
+    // The hand's position with an elbow bent backwards, which shoulder and clavicle cannot achieve.
     let target = tip(skeleton, &beyond, hand, 2.1);
     let reach = Reach::to(hand, target.to_array())
         .unwrap()
@@ -440,7 +442,7 @@ fn a_track_of_one_key_keeps_its_limit_and_the_others_know() {
 }
 
 #[test]
-fn an_angle_that_is_locked_counts_as_the_clip_has_it() {
+fn locked_angle_keeps_its_value_in_the_clip() {
     let rig = rig();
     let skeleton = &rig.skeleton;
     let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
@@ -463,26 +465,29 @@ fn an_angle_that_is_locked_counts_as_the_clip_has_it() {
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
     let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
     let off = off.fold(0.0, f64::max);
-    let told = edited.led[0].miss;
-    assert!(off < 0.02 && (told - off).abs() < 1e-9, "{told} {off}");
+    let reported = edited.led[0].miss;
+    assert!(
+        off < 0.02 && (reported - off).abs() < 1e-9,
+        "{reported} {off}"
+    );
 }
 
-/// A last key that comes to its limit is known to, as any other is: the others do what is left to do.
+/// A last key that is clamped to its limit is taken into account: the other keys compensate.
 #[test]
-fn the_others_know_of_a_last_key_at_its_limit() {
+fn clamped_last_key_is_compensated_by_others() {
     let rig = rig();
     let skeleton = &rig.skeleton;
     let forearm = skeleton.bone(BENT).unwrap();
     let limits = skeleton.bones()[forearm.index()].limits[1];
     let clip = bent(&rig, limits.lower + 0.3, |_| None);
-    // The elbow would bend backwards at the end, where nothing above it helps.
+    // The elbow would have to bend backwards at the end, where no bone above it helps.
     let beyond = bent(&rig, limits.lower + 0.3, |k| {
         (k == 15).then_some(limits.lower - 0.5)
     });
     let root = skeleton.bone("right_upper_arm").unwrap();
     let ik = KeyframeIk::new(skeleton).with_root(root);
     let edited = ik
-        .with_reach(way(&rig, &beyond, SPAN))
+        .with_reach(hand_curve(&rig, &beyond, SPAN))
         .solve(&clip)
         .unwrap();
     assert!(bends(&rig, &edited.clip)[15] >= limits.lower);
@@ -490,8 +495,8 @@ fn the_others_know_of_a_last_key_at_its_limit() {
         let hand = skeleton.bone(HAND).unwrap();
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
         let off = moments.map(|time| {
-            let [own, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
-            own.distance_squared(wanted)
+            let [actual, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
+            actual.distance_squared(wanted)
         });
         off.sum::<f64>()
     };

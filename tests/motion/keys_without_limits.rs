@@ -1,4 +1,4 @@
-//! Promise: an angle without a limit, or with one on one side, is keyed as one whose limit is far away.
+//! Promise: an angle without limits, or with a single limit, is solved as one with a distant limit.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
@@ -23,7 +23,7 @@ fn arm(limits: Limits) -> Skeleton {
 }
 
 #[test]
-fn a_limit_that_there_is_not_is_one_far_away() {
+fn missing_limit_equals_a_distant_one() {
     let solved = |limits: Limits| {
         let skeleton = arm(limits);
         let tracks = skeleton.bone_ids().map(|bone| EulerTrack {
@@ -50,11 +50,14 @@ fn a_limit_that_there_is_not_is_one_far_away() {
         Limits::new(-1e3, f64::INFINITY),
         Limits::new(f64::NEG_INFINITY, 1e3),
     ] {
-        let own = solved(limits);
-        for (own, far) in own.tracks().iter().zip(far.tracks()) {
-            for (own, far) in own.keys.iter().zip(&far.keys) {
-                for (own, far) in own.angles.iter().zip(far.angles) {
-                    assert!((own - far).abs() < 1e-3, "{limits:?}: {own} {far}");
+        let unlimited = solved(limits);
+        for (unlimited, far) in unlimited.tracks().iter().zip(far.tracks()) {
+            for (unlimited, far) in unlimited.keys.iter().zip(&far.keys) {
+                for (unlimited, far) in unlimited.angles.iter().zip(far.angles) {
+                    assert!(
+                        (unlimited - far).abs() < 1e-3,
+                        "{limits:?}: {unlimited} {far}"
+                    );
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! Promise: a capture's skeleton is known by its joints' names: the exporters' own, with what they write before them, and none by
-//! names that several have.
+//! Promise: a capture's skeleton is recognised by its joints' names, with any prefix that exporters add, and by no
+//! names that several skeletons share.
 
 use kinopt::motion::retarget::KnownSkeleton;
 
@@ -8,7 +8,7 @@ fn known(names: impl IntoIterator<Item = String>) -> Option<&'static str> {
     KnownSkeleton::of_joints(&names).map(|known| known.name())
 }
 
-/// What Mixamo's characters and CMU's captures call alike.
+/// Names common to Mixamo's characters and CMU's captures.
 const SHARED: [&str; 21] = [
     "Hips",
     "Spine",
@@ -34,7 +34,7 @@ const SHARED: [&str; 21] = [
 ];
 
 #[test]
-fn a_skeleton_is_known_by_what_it_alone_has() {
+fn skeleton_is_recognised_by_its_unique_names() {
     let shared = || SHARED.into_iter();
     let mixamo = || shared().chain(["Spine2", "HeadTop_End", "LeftHandThumb1"]);
     assert_eq!(known(mixamo().map(str::to_owned)), Some("mixamo"));
@@ -44,7 +44,7 @@ fn a_skeleton_is_known_by_what_it_alone_has() {
     );
     let cmu = || shared().chain(["LowerBack", "LHipJoint", "RHipJoint", "Neck1"]);
     assert_eq!(known(cmu().map(str::to_owned)), Some("cmu"));
-    // All its parts, and nothing that is its own.
+    // All its parts, and no name of its own.
     assert_ne!(known(shared().map(str::to_owned)), Some("cmu"));
     // One part is missing.
     assert_eq!(
@@ -54,7 +54,7 @@ fn a_skeleton_is_known_by_what_it_alone_has() {
 }
 
 #[test]
-fn joints_of_arrays_are_their_skeletons_own() {
+fn joint_lists_are_recognised_as_their_skeletons() {
     for name in KnownSkeleton::names() {
         let skeleton = KnownSkeleton::named(name).unwrap();
         if !skeleton.joints().is_empty() {

@@ -1,5 +1,7 @@
-//! Promise: a live follower answers each frame by itself, within limits of position and speed, holds what stands once it is known
-//! to, keeps where it is while places are lost, and refuses other joints; limits and errors are told as they are.
+//! Promise: an online retargeter solves frame by frame within position and velocity limits.
+//!
+//! It locks contacts once they are detected, keeps its configuration while positions are missing, and rejects other
+//! joints. It reports active limits and errors correctly.
 
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
@@ -13,14 +15,14 @@ const MAP: &str = r#"{"joints": ["hips", "left", "right"], "contacts": ["left", 
     "drives": {"hips": "torso", "left": "left_sole", "right": "right_sole"}}"#;
 
 fn nao() -> Robot {
-    // Its file states no speeds.
+    // The file has no velocity limits.
     let text = std::fs::read_to_string("../models/aldebaran_nao.urdf").unwrap();
     let text = text.replace("velocity=\"0\"", "velocity=\"3\"");
     let nao = Robot::reader().parse(&text, "nao.urdf").unwrap();
     nao.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// A hip that sways over two feet; from some frame on it is further aside.
+/// Hips that sway over two feet, further sideways from frame `leap` on.
 fn sway(frames: usize, leap: usize) -> Capture {
     let places = (0..frames).flat_map(|frame| {
         let leapt = if frame < leap { 0.0 } else { 0.3 };
@@ -32,7 +34,7 @@ fn sway(frames: usize, leap: usize) -> Capture {
 }
 
 #[test]
-fn a_live_follower_stands_where_the_person_does() {
+fn online_retargeter_locks_contacts_of_the_subject() {
     let (robot, capture) = (nao(), sway(60, 60));
     let map = BodyMap::from_json(MAP, "").unwrap();
     let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
@@ -53,7 +55,7 @@ fn a_live_follower_stands_where_the_person_does() {
         }
         let placed = kinematics.place(&q).unwrap();
         let at = soles.map(|sole| placed[sole.index()].translation);
-        let own = placed[torso.index()].translation;
+        let actual = placed[torso.index()].translation;
         if frame >= 10 {
             let anchor = anchor.get_or_insert(at);
             assert!(
@@ -62,7 +64,7 @@ fn a_live_follower_stands_where_the_person_does() {
             );
             let q = &known.q[frame * known.configuration_len..][..known.configuration_len];
             let expected = kinematics.place(q).unwrap()[torso.index()].translation;
-            assert!((own - expected).norm() < 0.02, "frame {frame}");
+            assert!((actual - expected).norm() < 0.02, "frame {frame}");
         }
         before = Some(q);
     }
@@ -71,10 +73,10 @@ fn a_live_follower_stands_where_the_person_does() {
     assert!(live.step(&lost[..2]).is_err());
 }
 
-/// A frame in which a place is lost changes nothing, though a foot comes to stand in it or is let go: the next one is answered as
+/// A frame with missing positions changes nothing, even where a contact begins or ends. The next frame is solved as
 /// without it.
 #[test]
-fn a_follower_goes_on_from_before_lost_places() {
+fn frame_with_missing_positions_changes_nothing() {
     let (robot, capture) = (nao(), sway(16, 16));
     let map = BodyMap::from_json(MAP, "").unwrap();
     let options = RetargetOptions::default();
@@ -95,16 +97,16 @@ fn a_follower_goes_on_from_before_lost_places() {
             }
             let kept = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
             assert_eq!(kept.unwrap(), follower.q(), "frame {frame}");
-            let own = follower.advance(places, &stands).unwrap();
+            let uninterrupted = follower.advance(places, &stands).unwrap();
             let after = interrupted.advance(places, &stands).unwrap();
-            assert_eq!(own, after, "frame {frame}");
+            assert_eq!(uninterrupted, after, "frame {frame}");
         }
     }
 }
 
-/// How firmly a place stands is from 0 to 1: less is not at all, more is as firmly as can be.
+/// The firmness of a contact is clamped to the range from 0 to 1.
 #[test]
-fn firmness_beyond_its_ends_is_that_of_its_ends() {
+fn contact_firmness_is_clamped() {
     let (robot, capture) = (nao(), sway(20, 20));
     let map = BodyMap::from_json(MAP, "").unwrap();
     let options = RetargetOptions::default();
@@ -127,7 +129,7 @@ fn firmness_beyond_its_ends_is_that_of_its_ends() {
 }
 
 #[test]
-fn a_speed_of_a_ball_is_refused_by_name() {
+fn velocity_limit_of_a_ball_joint_is_rejected() {
     let limits =
         "joint_limits:\n  root_joint/rotation: {has_velocity_limits: true, max_velocity: 2.0}";
     let robot = nao()
@@ -140,7 +142,7 @@ fn a_speed_of_a_ball_is_refused_by_name() {
 }
 
 #[test]
-fn limits_and_errors_are_told_as_they_are() {
+fn limits_and_errors_are_reported_correctly() {
     let (robot, capture) = (nao(), sway(20, 10));
     let map = BodyMap::from_json(MAP, "").unwrap();
     let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
@@ -174,13 +176,13 @@ fn limits_and_errors_are_told_as_they_are() {
     }
 }
 
-/// What creeps on the ground stands, and what creeps in the air as slowly does not: there a foot is followed.
+/// A slow foot on the ground is in contact. An equally slow foot in the air is not, and follows its target.
 #[test]
-fn a_foot_stands_on_the_ground_and_not_in_the_air() {
+fn slow_foot_is_in_contact_only_on_the_ground() {
     let (robot, frames) = (nao(), 40);
     let map = BodyMap::from_json(MAP, "").unwrap();
-    // Both feet creep ahead at about half the speed that counts as still on legs of a third of a metre, the right one up in the
-    // air.
+    // Both feet move forward at about half the speed limit of contacts for legs of a third of a metre, the right one in
+    // the air.
     let places = (0..frames).flat_map(|frame| {
         let ahead = 0.005 * frame as f64;
         let hips = 0.3 * ahead;
@@ -208,7 +210,8 @@ fn a_foot_stands_on_the_ground_and_not_in_the_air() {
     assert!(moved(1) > 0.02, "the right foot moved by {}", moved(1));
 }
 
-/// A body with an arm that turns at its middle: by itself, or as another joint, which carries nothing, tells it to.
+/// A robot with an arm that rotates at its middle: by itself, or as a mimic joint of another joint that carries
+/// nothing.
 fn one_armed(ratio: Option<f64>) -> Robot {
     let turns = |name: &str, child: &str, end: f64, more: &str| {
         format!(
@@ -220,9 +223,9 @@ fn one_armed(ratio: Option<f64>) -> Robot {
     let arm = match ratio {
         None => turns("arm", "upper", 2.0, ""),
         Some(ratio) => {
-            let follows = format!("<mimic joint=\"lever\" multiplier=\"{ratio}\"/>");
+            let assert_follows = format!("<mimic joint=\"lever\" multiplier=\"{ratio}\"/>");
             let lever = turns("lever", "crank", 2.0 / ratio.abs(), "");
-            lever + &turns("arm", "upper", 2.0, &follows)
+            lever + &turns("arm", "upper", 2.0, &assert_follows)
         }
     };
     let text = format!(
@@ -234,8 +237,8 @@ fn one_armed(ratio: Option<f64>) -> Robot {
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// Asserts that a robot comes to where a person of its own size does.
-fn follows(robot: &Robot, map: &str, places: &[f64]) {
+/// Asserts that a robot reaches the positions of a subject of its own size.
+fn assert_follows(robot: &Robot, map: &str, places: &[f64]) {
     let map = BodyMap::from_json(map, "").unwrap();
     let capture = Capture::new(map.joints.clone(), places, 30.0).unwrap();
     let options = RetargetOptions::default();
@@ -245,9 +248,9 @@ fn follows(robot: &Robot, map: &str, places: &[f64]) {
     assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
 }
 
-/// An arm that hangs on a ball, which has no posture of its own, goes where it is led.
+/// An arm on a ball joint, which has no nominal posture, follows its target.
 #[test]
-fn a_limb_on_a_ball_is_led() {
+fn limb_on_a_ball_joint_follows_its_target() {
     let mut builder = Model::builder("ball armed");
     let [x, _, z] = Vector3::UNITS;
     builder.frame("torso", None, Placement::identity());
@@ -263,12 +266,12 @@ fn a_limb_on_a_ball_is_led() {
         let hand = Vector3::new(0.2, 0.3 * angle.cos(), 0.3 * angle.sin());
         [0.0, 0.0, 0.9, hand.x, hand.y, 0.9 + hand.z]
     });
-    follows(&robot, map, &places.collect::<Vec<f64>>());
+    assert_follows(&robot, map, &places.collect::<Vec<f64>>());
 }
 
-/// A limb that has no length on the robot ends where it begins, however long the person's is.
+/// A limb without length on the robot ends at its start, however long the subject's limb is.
 #[test]
-fn a_limb_of_no_length_pulls_at_nothing() {
+fn limb_without_length_pulls_at_nothing() {
     let mut builder = Model::builder("one armed");
     let [x, _, z] = Vector3::UNITS;
     builder.frame("torso", None, Placement::identity());
@@ -287,12 +290,12 @@ fn a_limb_of_no_length_pulls_at_nothing() {
         let at = |far: f64| [far * cos, far * sin, 0.9];
         [[0.0, 0.0, 0.9], at(0.5), at(0.7)].concat()
     });
-    follows(&robot, map, &places.collect::<Vec<f64>>());
+    assert_follows(&robot, map, &places.collect::<Vec<f64>>());
 }
 
-/// A joint that is turned by another, which moves nothing else that is followed, goes where it would by itself.
+/// A mimic joint whose source joint moves no other driven frame moves as it would by itself.
 #[test]
-fn a_limb_on_a_follower_goes_where_it_would_alone() {
+fn limb_on_a_mimic_joint_follows_equally() {
     let map = r#"{"joints": ["hips", "hand"], "drives": {"hips": "torso", "hand": "hand"}}"#;
     let map = BodyMap::from_json(map, "").unwrap();
     let places = (0..40).flat_map(|frame| {
@@ -316,16 +319,16 @@ fn a_limb_on_a_follower_goes_where_it_would_alone() {
     };
     let alone = hands(None);
     for ratio in [0.05, -0.5, 2.0, -20.0] {
-        for (frame, (own, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
-            let off = (*own - *alone).norm();
+        for (frame, (actual, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
+            let off = (*actual - *alone).norm();
             assert!(off < 2e-8, "{ratio}, frame {frame}: {off}");
         }
     }
 }
 
-/// The slip that is told is how far any foot that stands ever is from where it came to stand, not where it ends.
+/// The reported slip is the largest distance of any foot from the start of its contact, not the final one.
 #[test]
-fn the_slip_is_the_most_there_was() {
+fn reported_slip_is_the_largest() {
     let (robot, capture) = (nao(), sway(90, 45));
     let map = BodyMap::from_json(MAP, "").unwrap();
     let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
@@ -354,9 +357,9 @@ fn the_slip_is_the_most_there_was() {
     assert!((found.slip - most).abs() <= 1e-9, "{} {most}", found.slip);
 }
 
-/// Which joints drive which frames, and what stands up along y stands along z once it is turned.
+/// Driving joints and driven frames are reported, and y is rotated to z as the up axis.
 #[test]
-fn what_drives_what_and_which_way_is_up() {
+fn driving_joints_and_up_axis_are_reported() {
     use kinopt::motion::retarget::UpAxis;
     let (robot, capture) = (nao(), sway(20, 20));
     let map = BodyMap::from_json(MAP, "").unwrap();
@@ -383,9 +386,9 @@ fn what_drives_what_and_which_way_is_up() {
     assert_eq!(UpAxis::Z.turned_to_z() * y, y);
 }
 
-/// The more an acceleration costs the less there is of it in a whole movement.
+/// A higher cost of accelerations lowers them in a motion solved as a whole.
 #[test]
-fn an_acceleration_costs_what_is_said() {
+fn acceleration_cost_lowers_accelerations() {
     let (robot, capture) = (nao(), sway(16, 8));
     let map = BodyMap::from_json(MAP, "").unwrap();
     let bends = [1e-5, 1e-2].map(|cost| {
@@ -395,7 +398,7 @@ fn an_acceleration_costs_what_is_said() {
         let n = found.configuration_len;
         let rows: Vec<&[f64]> = found.q.chunks_exact(n).collect();
         let bend = rows.windows(3).flat_map(|rows| {
-            // A free base's place and quaternion come first.
+            // Position and quaternion of a free base come first.
             (7..n).map(|k| (rows[0][k] - 2.0 * rows[1][k] + rows[2][k]).powi(2))
         });
         bend.sum::<f64>()

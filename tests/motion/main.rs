@@ -1,9 +1,6 @@
-//! Whole motions: many frames solved as one, and Cartesian paths of arms.
+//! Motions: many frames solved together, and Cartesian paths of arms.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod asked_frames;
-mod bad_captures;
-mod bad_motions;
 mod ball_limits;
 mod clip_ik;
 mod clip_minima;
@@ -11,36 +8,42 @@ mod clip_reaches;
 mod closed_loops;
 mod contact_heights;
 mod contacts;
+mod cyclic_paths;
 mod driven_points;
 mod far_from_the_origin;
 mod figure_targets;
-mod fixed_robots;
+mod fixed_base_robots;
+mod frame_weights;
+mod free_body_rotations;
 mod ground_speeds;
 mod guessed_maps;
+<<<<<<< HEAD
 mod jointed_feet;
+=======
+mod invalid_motions;
+>>>>>>> t7renamed
 mod keyframe_ik;
 mod keys_without_limits;
 mod known_skeletons;
 mod length_units;
 mod live_followers;
+mod low_postures;
+mod mimic_joint_speeds;
 mod movement_folders;
 mod one_sided_limits;
 mod path_bounds;
+mod path_collisions;
 mod path_entries;
 mod path_files;
 mod path_from_start;
 mod path_long_steps;
 mod path_malformed;
-mod path_misses;
 mod path_reconfigurations;
-mod path_rings;
+mod path_reports;
 mod path_times;
-mod path_told;
 mod path_traversals;
-mod path_world;
+mod path_unreached_points;
 mod paths_of_joints;
-mod planted_swings;
-mod pressed_feet;
 mod rate_factors;
 mod retargeted_clear;
 mod retargeted_feet;
@@ -48,11 +51,15 @@ mod retargeted_soles;
 mod retargeting;
 mod shipped_capture;
 mod slide;
-mod speeds_of_followers;
 mod spliced_keys;
+mod swing_phases;
 mod trajectories;
+<<<<<<< HEAD
 mod turning_bodies;
 mod up_axis;
+=======
+mod unusual_captures;
+>>>>>>> t7renamed
 mod walker;
 mod window_seams;
 mod windows;

@@ -1,5 +1,5 @@
-//! Promise: folders of movements hold the answers to one question, whoever asked it first; what is done stays done, what is left
-//! unfinished goes, and what of a question is another is told.
+//! Promise: an output folder holds the results of one request, whichever program began it. Finished files are kept,
+//! unfinished ones are removed, and differences between requests are named.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use kinopt::motion::retarget::folder::{FolderError, FolderQuestion, MovementFold
 use kinopt::motion::retarget::{BodyMap, RetargetOptions, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
 
-/// Folders of a test, gone when it ends.
+/// Folders of a test, removed at its end.
 struct Folders(PathBuf);
 
 impl Folders {
@@ -47,7 +47,7 @@ fn nao() -> Robot {
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// What of a question is told to be another than the one that a folder was begun with.
+/// The reported differences between a request and the one with which the folder was begun.
 fn differs(folders: &Folders, begun: &FolderQuestion<'_>, asked: &FolderQuestion<'_>) -> String {
     folders.find().begin(begun, true).unwrap();
     match folders.find().begin(asked, false) {
@@ -58,21 +58,24 @@ fn differs(folders: &Folders, begun: &FolderQuestion<'_>, asked: &FolderQuestion
 }
 
 #[test]
-fn what_is_done_stays_done_and_what_is_unfinished_goes() {
+fn finished_files_are_kept_and_partial_ones_removed() {
     let folders = Folders::new("folder-done");
     let robot = nao();
     let asked = FolderQuestion::new(&robot, RetargetOptions::default());
     let begun = folders.find().begin(&asked, false).unwrap();
     let outs = begun
         .iter()
-        .map(|own| own.out.strip_prefix(folders.out()).unwrap());
+        .map(|movement| movement.out.strip_prefix(folders.out()).unwrap());
     assert!(outs.eq(["deeper/two.npz", "one.npz"].map(Path::new)));
-    assert!(begun.iter().all(|own| !own.done_before));
+    assert!(begun.iter().all(|movement| !movement.done_before));
     fs::write(&begun[0].out, "whole").unwrap();
     fs::write(unfinished(&begun[1].out), "half").unwrap();
     let done = |again: bool| {
         let begun = folders.find().begin(&asked, again).unwrap();
-        begun.iter().map(|own| own.done_before).collect::<Vec<_>>()
+        begun
+            .iter()
+            .map(|movement| movement.done_before)
+            .collect::<Vec<_>>()
     };
     assert_eq!(done(false), [true, false]);
     assert!(!unfinished(&begun[1].out).exists());
@@ -87,9 +90,9 @@ fn what_is_done_stays_done_and_what_is_unfinished_goes() {
     assert_eq!(done(false), [false, false]);
 }
 
-/// The same said by a map and beside it is one question.
+/// Options in a map equal the same options outside of it.
 #[test]
-fn a_question_is_what_it_asks_and_not_how() {
+fn equal_requests_are_equal_however_stated() {
     let folders = Folders::new("folder-question");
     let robot = nao();
     let drives = "{\"hips\": \"torso\", \"foot\": \"left_sole\"}";
@@ -108,7 +111,7 @@ fn a_question_is_what_it_asks_and_not_how() {
 }
 
 #[test]
-fn what_is_another_question_is_told() {
+fn differences_between_requests_are_named() {
     let folders = Folders::new("folder-another");
     let robot = nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
@@ -116,17 +119,23 @@ fn what_is_another_question_is_told() {
     for (name, change) in [
         (
             "whole",
-            (|own| own.whole = true) as fn(&mut FolderQuestion<'_>),
+            (|request| request.whole = true) as fn(&mut FolderQuestion<'_>),
         ),
-        ("clip", |own| own.clip = Some("Walk")),
-        ("skeleton", |own| own.skeleton = Some("cmu")),
-        ("keep_clear", |own| own.keep_clear = Some(0.01)),
-        ("world", |own| own.world = Some("{}".to_owned())),
-        ("acceleration", |own| own.options.acceleration = 1e-3),
-        ("contact_speed", |own| own.options.contacts.speed = 0.2),
-        ("contact_height", |own| own.options.contacts.height = 0.1),
-        ("windows", |own| own.options.windows.ahead = 20),
-        ("more", |own| own.more.push("header".to_owned())),
+        ("clip", |request| request.clip = Some("Walk")),
+        ("skeleton", |request| request.skeleton = Some("cmu")),
+        ("keep_clear", |request| request.keep_clear = Some(0.01)),
+        ("world", |request| request.world = Some("{}".to_owned())),
+        ("acceleration", |request| {
+            request.options.acceleration = 1e-3
+        }),
+        ("contact_speed", |request| {
+            request.options.contacts.speed = 0.2
+        }),
+        ("contact_height", |request| {
+            request.options.contacts.height = 0.1
+        }),
+        ("windows", |request| request.options.windows.ahead = 20),
+        ("more", |request| request.more.push("header".to_owned())),
     ] {
         let mut other = plain.clone();
         change(&mut other);
@@ -136,7 +145,7 @@ fn what_is_another_question_is_told() {
         assert_eq!(differs(&folders, &plain, other), *name);
         assert_eq!(differs(&folders, other, other), "", "{name}");
     }
-    // Robots whose head turns less or slower, or sits higher, and one with larger hands.
+    // Robots whose head rotates less or more slowly or is higher, and one with larger hands.
     let text = fs::read_to_string("../models/aldebaran_nao.urdf").unwrap();
     for (old, new) in [
         ("upper=\"2.0857\"", "upper=\"2\""),
@@ -153,9 +162,9 @@ fn what_is_another_question_is_told() {
     }
 }
 
-/// A folder whose question was lost, or is not one, is left as it is.
+/// A folder whose request is missing or invalid is left unchanged.
 #[test]
-fn a_folder_that_says_nothing_is_refused() {
+fn folder_without_a_valid_request_is_rejected() {
     let folders = Folders::new("folder-lost");
     let robot = nao();
     let asked = FolderQuestion::new(&robot, RetargetOptions::default());
@@ -174,7 +183,7 @@ fn a_folder_that_says_nothing_is_refused() {
 }
 
 #[test]
-fn what_is_written_is_never_read_as_a_movement() {
+fn written_files_are_never_read_as_motions() {
     let folders = Folders::new("folder-itself");
     let from = folders.source();
     let refused = MovementFolder::find(&from, &from, "bvh").unwrap_err();
@@ -183,7 +192,7 @@ fn what_is_written_is_never_read_as_a_movement() {
         "{refused}"
     );
     assert!(MovementFolder::find(&from, &from, "npz").is_ok());
-    // A folder in it: what stands there already is none of its movements.
+    // A subfolder: existing files in it are no motions of the folder.
     let into = from.join("deeper");
     let robot = nao();
     let asked = FolderQuestion::new(&robot, RetargetOptions::default());
@@ -193,21 +202,21 @@ fn what_is_written_is_never_read_as_a_movement() {
     assert_eq!(begun[0].out, into.join("one.bvh"));
 }
 
-/// What is said by a method is what is said by its field.
+/// Methods and fields set the same options.
 #[test]
-fn each_way_to_say_a_thing_is_heard() {
+fn builder_methods_set_their_fields() {
     let folders = Folders::new("folder-said");
     let robot = nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
-    let own = || plain.clone();
+    let request = || plain.clone();
     for (name, said) in [
-        ("clip", own().with_clip("Walk")),
-        ("skeleton", own().with_skeleton("cmu")),
-        ("keep_clear", own().with_keep_clear(0.01)),
-        ("world", own().with_world("{}".to_owned())),
-        ("whole", own().with_whole(true)),
-        ("fps", own().with_frame_rate(30.0)),
-        ("up", own().with_up(UpAxis::Y)),
+        ("clip", request().with_clip("Walk")),
+        ("skeleton", request().with_skeleton("cmu")),
+        ("keep_clear", request().with_keep_clear(0.01)),
+        ("world", request().with_world("{}".to_owned())),
+        ("whole", request().with_whole(true)),
+        ("fps", request().with_frame_rate(30.0)),
+        ("up", request().with_up(UpAxis::Y)),
     ] {
         assert_eq!(differs(&folders, &plain, &said), name);
     }

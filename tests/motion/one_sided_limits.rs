@@ -1,4 +1,5 @@
-//! Promise: a limit on one side alone is kept in every frame, from wherever the search starts, and told of where it holds alone.
+//! Promise: a single limit holds in every frame from any start of the search, and is reported exactly where it is
+//! active.
 
 use kinopt::model::{Limits, Model};
 use kinopt::motion::trajectory::{MotionProblem, MotionSolver, MotionTermination, RateCost};
@@ -8,7 +9,7 @@ use kinopt::task::Point;
 const FRAMES: usize = 30;
 
 #[test]
-fn a_slide_with_one_end_stops_at_it_alone() {
+fn prismatic_joint_stops_at_its_single_limit() {
     for side in [-1.0, 1.0] {
         let limits = match side < 0.0 {
             true => Limits::new(-0.5, f64::INFINITY),
@@ -21,7 +22,7 @@ fn a_slide_with_one_end_stops_at_it_alone() {
         let model = builder.build().unwrap();
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
         let point = motion.add(Point::new(tool, [0.0; 3]));
-        // As far beyond the end as it goes the other way.
+        // As far beyond the limit as in the other direction.
         let wanted = move |frame: usize| side * (frame as f64 / 10.0 - 2.0);
         motion.follow(point, move |frame, point| {
             point.set_target([wanted(frame), 0.0, 0.0]);
@@ -36,10 +37,10 @@ fn a_slide_with_one_end_stops_at_it_alone() {
                 let at = side * solved.frame(frame).unwrap()[0];
                 let expected = (side * wanted(frame)).min(0.5);
                 assert!(at <= 0.5 && (at - expected).abs() < 1e-3, "{frame}: {at}");
-                let told = solved.active_limits(frame).count();
-                // Where the end is just met either may be said.
+                let reported = solved.active_limits(frame).count();
+                // Where the limit is just reached, either report is accepted.
                 if (side * wanted(frame) - 0.5).abs() > 0.06 {
-                    assert_eq!(told, usize::from(side * wanted(frame) > 0.5), "{frame}");
+                    assert_eq!(reported, usize::from(side * wanted(frame) > 0.5), "{frame}");
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! Promise: the largest deviation is a bound: no place between two points is farther from the path, by kinematics of nalgebra's, and
-//! it is not much more than what is found there. A spline's bound holds against the curve itself.
+//! Promise: the reported largest deviation is an upper bound. According to nalgebra's kinematics no pose between two
+//! points is farther from the path, and the bound is close. A spline's bound refers to the curve itself.
 
 use kinopt::Arm;
 use kinopt::arm::{Axis, Goal};
@@ -10,7 +10,7 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use nalgebra::{Isometry3, Translation3};
 use support::arms::{Random, apart, base_from_tip, robot, within_limits};
 
-/// Straight pieces from pose to pose, of so many points.
+/// Straight segments between poses, with a number of points.
 fn path(arm: &Arm, random: &mut Random, points: usize) -> Vec<Placement<f64>> {
     let near = |q: &[f64], random: &mut Random| -> Vec<f64> {
         let moves = q.iter().zip(arm.limits());
@@ -35,7 +35,7 @@ fn path(arm: &Arm, random: &mut Random, points: usize) -> Vec<Placement<f64>> {
         .collect()
 }
 
-/// The farthest that is found between the rows, metres and radians.
+/// Largest deviation found between the rows, in metres and radians.
 fn sampled(
     name: &str,
     (base, tip): (&str, &str),
@@ -68,7 +68,7 @@ fn sampled(
 }
 
 #[test]
-fn nothing_between_the_points_is_farther_and_the_bound_is_close() {
+fn deviation_between_points_is_tightly_bounded() {
     let mut random = Random(5);
     for (name, base, tip) in [
         ("universal_ur5e", "base", "flange"),
@@ -94,20 +94,20 @@ fn nothing_between_the_points_is_farther_and_the_bound_is_close() {
                 continue;
             }
             let found = sampled(name, (base, tip), &arm, &path, &solution);
-            let told = solution.largest_deviation;
-            let text = format!("{name}, {points} points: {found:?}, {told:?}");
+            let reported = solution.largest_deviation;
+            let text = format!("{name}, {points} points: {found:?}, {reported:?}");
             assert!(
-                found.0 <= told.metres + 1e-9 && found.1 <= told.radians + 1e-7,
+                found.0 <= reported.metres + 1e-9 && found.1 <= reported.radians + 1e-7,
                 "{text}"
             );
-            assert!(told.metres <= 1.3 * found.0 + 1e-8, "{text}");
-            assert!(told.radians <= 1.6 * found.1 + 1e-6, "{text}");
+            assert!(reported.metres <= 1.3 * found.0 + 1e-8, "{text}");
+            assert!(reported.radians <= 1.6 * found.1 + 1e-6, "{text}");
         }
     }
 }
 
 #[test]
-fn what_the_goal_leaves_free_does_not_count() {
+fn free_directions_do_not_count_as_deviation() {
     let robot = robot("universal_ur5e");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let arm = arm.with_goal(Goal::free_about(Axis::Z)).unwrap();
@@ -126,14 +126,14 @@ fn what_the_goal_leaves_free_does_not_count() {
         let at = Isometry3::from(&exact.base_from_tool(q).unwrap());
         apart(&at, &Isometry3::from(point)).1
     });
-    // The tool turns about its axis by far more than it deviates.
+    // The tool rotates about its axis by far more than it deviates.
     assert!(turned.fold(0.0, f64::max) > 1e-3);
     assert!(solution.largest_deviation.radians < 1e-4);
     assert!(solution.largest_deviation.metres < 1e-4);
 }
 
 #[test]
-fn a_spline_is_bounded_against_its_curve() {
+fn spline_deviation_is_bounded_from_its_curve() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
@@ -168,14 +168,14 @@ fn a_spline_is_bounded_against_its_curve() {
         let at = arm.base_from_tool(&q).unwrap();
         farthest = farthest.max((at.translation - point.translation).norm());
     }
-    let told = solution.largest_deviation.metres;
+    let reported = solution.largest_deviation.metres;
     assert!(
-        farthest <= told + 1e-9 && told <= 4.0 * farthest,
-        "{farthest} {told}"
+        farthest <= reported + 1e-9 && reported <= 4.0 * farthest,
+        "{farthest} {reported}"
     );
 }
 
-/// Where a tool is, 0.1 m out on a hand that turns at the end of a slide on a turning joint.
+/// Placement of a tool at 0.1 m on a hand, which rotates at the end of a prismatic joint on a revolute joint.
 fn tool_of_polar(q: &[f64]) -> Placement<f64> {
     let ((sin, cos), out) = (q[0].sin_cos(), q[1]);
     let wrist = Vector3::new(out * cos, out * sin, 0.0);
@@ -184,7 +184,7 @@ fn tool_of_polar(q: &[f64]) -> Placement<f64> {
     Placement::new(rotation, wrist + Vector3::new(0.1 * cos, 0.1 * sin, 0.0))
 }
 
-/// The same as a robot.
+/// The same arm as a robot.
 fn polar() -> Robot {
     let mut builder = Model::builder("polar");
     let at = Placement::identity();
@@ -198,18 +198,18 @@ fn polar() -> Robot {
     Robot::new(builder.build().unwrap(), Vec::new()).unwrap()
 }
 
-/// A slide on a joint that turns leaves the straight way by how far it slides while that turns (Coriolis), by far the most of this
-/// path: its first step only turns, and what bounds that at first sight is more. Where that one turns further it leaves the way by
-/// three quarters as much.
+/// A prismatic joint on a revolute joint deviates from the straight segment by the Coriolis term, the largest of this
+/// path. The first step only rotates, and its initial bound is larger. With a larger rotation it deviates by three
+/// quarters of that.
 #[test]
-fn a_slide_on_a_turning_joint_counts_with_its_turn() {
+fn coriolis_deviation_of_a_prismatic_joint_counts() {
     for first in [0.1, 0.16] {
-        farthest_at_the_slide(first);
+        check_coriolis_deviation(first);
     }
 }
 
-/// Of a path whose first step turns so far, radians.
-fn farthest_at_the_slide(first: f64) {
+/// Checks a path whose first step rotates by this angle in radians.
+fn check_coriolis_deviation(first: f64) {
     let robot = polar();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     let arm = arm.build().unwrap();
@@ -230,32 +230,32 @@ fn farthest_at_the_slide(first: f64) {
         for k in 0..=40 {
             let share = f64::from(k) / 40.0;
             let q = [0, 1, 2].map(|i| rows[0][i] + share * (rows[1][i] - rows[0][i]));
-            let way = ends[1].translation - ends[0].translation;
-            let wanted = ends[0].translation + way * share;
+            let displacement = ends[1].translation - ends[0].translation;
+            let wanted = ends[0].translation + displacement * share;
             farthest = farthest.max((tool_of_polar(&q).translation - wanted).norm());
         }
     }
-    let told = solution.largest_deviation;
-    assert_eq!(told.metres_at, 2);
+    let reported = solution.largest_deviation;
+    assert_eq!(reported.metres_at, 2);
     assert!(
-        farthest > 2e-3 && farthest <= told.metres && told.metres < 1.2 * farthest,
-        "{farthest} {told:?}"
+        farthest > 2e-3 && farthest <= reported.metres && reported.metres < 1.2 * farthest,
+        "{farthest} {reported:?}"
     );
 }
 
-/// Room along the tool's own axis turns with the target: a tool that is within it at both ends of a step, on either side of the middle,
-/// goes straight and stands out between, by the turned line's distance from its own.
+/// Goal bounds along the tool's own axis rotate with the target. A tool within them at both ends of a step, on either
+/// side of the middle, moves straight. In between it exceeds the bounds by the distance from the rotated line.
 #[test]
-fn a_room_that_turns_with_the_target_is_left_between_its_points() {
+fn rotating_goal_bounds_are_exceeded_between_points() {
     let mut builder = Model::builder("table");
-    let here = Placement::identity();
+    let origin = Placement::identity();
     let [x, y, z] = Vector3::UNITS;
     let slide = Limits::new(-2.0, 2.0);
-    builder.frame("base", None, here);
-    let along = builder.prismatic("along", None, here, x, slide);
-    let across = builder.prismatic("across", Some(along), here, y, slide);
-    let hand = builder.revolute("hand", Some(across), here, z, Limits::new(-3.0, 3.0));
-    builder.frame("tool", Some(hand), here);
+    builder.frame("base", None, origin);
+    let along = builder.prismatic("along", None, origin, x, slide);
+    let across = builder.prismatic("across", Some(along), origin, y, slide);
+    let hand = builder.revolute("hand", Some(across), origin, z, Limits::new(-3.0, 3.0));
+    builder.frame("tool", Some(hand), origin);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let goal = Goal::within([0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
@@ -264,7 +264,7 @@ fn a_room_that_turns_with_the_target_is_left_between_its_points() {
         let (sin, cos) = turn.sin_cos();
         let (start, end) = ([0.4, 0.0, 0.0], [-0.4 * cos, -0.4 * sin, turn]);
         let turned = Matrix3::identity().rotated_about_z((sin, cos));
-        let points = vec![here, Placement::new(turned, Vector3::zero())];
+        let points = vec![origin, Placement::new(turned, Vector3::zero())];
         let path = CartesianPath::new(points).unwrap();
         let solver = PathSolver::new(&arm).with_max_step(10.0);
         let solver = solver.with_start(&start).with_end(&end);
@@ -278,10 +278,10 @@ fn a_room_that_turns_with_the_target_is_left_between_its_points() {
         };
         let most = (0..=1000).map(|k| off(f64::from(k) / 1000.0));
         let most = most.fold(0.0, f64::max);
-        let told = solution.largest_deviation.metres;
+        let reported = solution.largest_deviation.metres;
         assert!(
-            most > 0.01 && most <= told && told < 1.05 * most + 1e-6,
-            "{most} {told}"
+            most > 0.01 && most <= reported && reported < 1.05 * most + 1e-6,
+            "{most} {reported}"
         );
     }
 }

@@ -1,4 +1,5 @@
-//! Promise: of a curve that may be entered anywhere the step back to its entry is told as any other.
+//! Promise: on a closed curve that may be entered anywhere, the deviation of the step back to the entry is reported
+//! like any other.
 
 use std::f64::consts::TAU;
 
@@ -8,12 +9,12 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 
 #[test]
-fn the_step_to_the_entry_is_as_curved_as_in_the_middle() {
+fn step_back_to_the_entry_reports_its_deviation() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
-    // Twice round itself, which the last joint of a Panda does nowhere without a reconfiguration: it is entered at one. It goes
-    // aside there all at once and comes back little by little.
+    // Two full rotations, for which the last joint of a Panda needs a reconfiguration anywhere: the path is entered
+    // there. The path moves aside at once at the entry, and comes back gradually.
     let entry = 19;
     let turn = |k: usize| {
         let angle = 2.0 * TAU * k as f64 / 30.0;
@@ -34,7 +35,7 @@ fn the_step_to_the_entry_is_as_curved_as_in_the_middle() {
         solver.solve(&path).unwrap()
     });
     assert_eq!(curved.entry, entry);
-    let told = curved.largest_deviation;
-    assert_eq!(told.metres_at, 30);
-    assert!(told.metres > straight.largest_deviation.metres + 0.02);
+    let reported = curved.largest_deviation;
+    assert_eq!(reported.metres_at, 30);
+    assert!(reported.metres > straight.largest_deviation.metres + 0.02);
 }

@@ -1,5 +1,5 @@
-//! Promise: tables of points are read as their headers say, or by the number of their columns, and it is told how; what is wrong in one is
-//! an error with its line.
+//! Promise: tables of points are read by their headers or by the number of their columns, and the interpretation is
+//! reported. An error names its line.
 
 use kinopt::motion::path::{CartesianPath, CsvColumns, QuaternionOrder};
 
@@ -25,7 +25,7 @@ fn headers_name_the_columns() {
         assert_eq!(path.times().unwrap(), [0.0, 0.5]);
         let point = path.points()[1];
         assert_eq!(point.translation.to_array(), [1.0, 2.0, 3.0]);
-        // A turn about z: cos = 0.8² − 0.6².
+        // A rotation about z: cos = 0.8² − 0.6².
         assert!(
             (point.rotation.x.x - 0.28).abs() < 1e-15 && (point.rotation.x.y - 0.96).abs() < 1e-15
         );
@@ -37,23 +37,23 @@ fn headers_name_the_columns() {
 }
 
 #[test]
-fn a_column_says_which_tool_a_point_is_for() {
+fn tool_column_assigns_points_to_tools() {
     let (path, columns) = read("x,y,z,tool\n1,2,3,0\n1,2,4,2").unwrap();
     assert_eq!((columns.tool, path.tools()), (Some(3), Some(&[0, 2][..])));
-    let told = columns.to_string();
-    assert!(told.contains("tools from column 4"), "{told}");
+    let message = columns.to_string();
+    assert!(message.contains("tools from column 4"), "{message}");
     let (path, columns) = read("x,y,z\n1,2,3").unwrap();
     assert_eq!((columns.tool, path.tools()), (None, None));
 }
 
 #[test]
-fn without_names_the_number_of_columns_says() {
+fn tables_without_header_are_read_by_column_count() {
     let (path, columns) = read("1,2,3,1,0,0,0\n1,2,4,1,0,0,0").unwrap();
     assert_eq!(
         (path.points().len(), columns.quaternion),
         (2, Some([3, 4, 5, 6]))
     );
-    // Numbers of rows are no times.
+    // Row numbers are not times.
     let (path, columns) = read(",0,1,2,3,4,5,6\n0,1,2,3,1,0,0,0\n1,1,2,4,1,0,0,0").unwrap();
     assert_eq!(
         (path.times(), columns.time, columns.by_name),
@@ -69,7 +69,7 @@ fn without_names_the_number_of_columns_says() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn invalid_tables_are_reported_with_their_line() {
     for (text, says) in [
         ("", "path.csv: has no points"),
         ("x,y,z\n", "has no points"),

@@ -12,7 +12,7 @@ use support::path_steps::longest;
 use support::sample::cases;
 use support::shipped_arms::{SHIPPED_ARMS, matrix_placement, numbers, recorded};
 
-/// Points of a line, and the distance between two, metres.
+/// Points of a line, and the distance between consecutive ones in metres.
 const POINTS: u32 = 100;
 const STEP: f64 = 0.3 / 99.0;
 
@@ -32,7 +32,7 @@ fn random_line(arm: &Arm, random: &mut Random) -> (CartesianPath, Vec<f64>) {
     (line(first, direction, STEP, POINTS), start)
 }
 
-/// The targets that a track misses, and its jumps.
+/// Number of targets that a track misses, and of its jumps.
 fn rank(track: &Track) -> (usize, usize) {
     let missed = track.solutions.iter().filter(|solution| !solution.reached);
     (missed.count(), track.jumps.len())
@@ -66,14 +66,15 @@ fn recorded_lines_need_no_reconfiguration() {
     }
 }
 
-/// An arm, the path from a random start, and what track finds there.
+/// The path from a random start, the start, and the track from there.
 fn tracked(arm: &Arm, random: &mut Random) -> (CartesianPath, Vec<f64>, Track) {
     let (path, start) = random_line(arm, random);
     let track = arm.track(path.points(), &start).unwrap();
     (path, start, track)
 }
 
-/// The shipped arms. The limbs of the NAO are left out: their five or six joints follow hardly any line of 30 cm.
+/// Calls `visit` for each shipped arm. The limbs of the NAO are left out: their five or six joints follow hardly any
+/// line of 30 cm.
 fn each_arm(mut visit: impl FnMut(&Arm, &str)) {
     let arms = SHIPPED_ARMS.into_iter();
     for [model, base, tip] in arms.filter(|[model, ..]| *model != "aldebaran_nao") {
@@ -131,9 +132,9 @@ fn lines_out_of_reach_are_no_worse_than_tracked() {
     });
 }
 
-/// Out along a line and back again: a ring, and an open path with a given end.
+/// Along a line and back: as a closed path, and as an open path with a given end.
 #[test]
-fn rings_from_a_start_need_no_reconfiguration() {
+fn closed_paths_from_a_start_need_no_reconfiguration() {
     let wanted = cases(30, 4);
     each_arm(|arm, name| {
         let (mut random, mut followed) = (Random(58), 0);

@@ -1,5 +1,7 @@
-//! Promise: a straight way that an arm can go in one piece is solved without a reconfiguration by few points that are far apart too, and by
-//! its two ends alone, also round and round, but for one of two hundred; in a debug build a few of each arm, `KINOPT_CASES` asks for another number.
+//! Promise: a straight segment that an arm can follow without a reconfiguration is solved so with few distant points.
+//! Its two ends alone suffice, also as a closed path. At most one in two hundred may fail.
+//!
+//! Debug builds solve a few cases of each arm; `KINOPT_CASES` sets another number.
 
 use std::ops::Range;
 
@@ -10,7 +12,7 @@ use support::arms::{Random, robot};
 use support::path_steps::{is_led, longest};
 use support::sample::{cases, few};
 
-/// A straight way of 35 cm at most, turned by 1.5 rad at most, from a random place.
+/// A straight segment of at most 35 cm with a rotation of at most 1.5 rad, from a random pose.
 struct StraightWay {
     begin: Placement<f64>,
     by: Vector3<f64>,
@@ -46,7 +48,7 @@ impl StraightWay {
         PathSolver::new(arm).solve(&path).unwrap()
     }
 
-    /// Out and back again, round and round, in so many steps each way.
+    /// Out and back as a closed path, with `steps` steps each way.
     fn solved_as_ring(&self, arm: &Arm, steps: u32) -> PathSolution {
         let mut points = self.points(steps);
         let back: Vec<_> = points[1..points.len() - 1].iter().rev().copied().collect();
@@ -63,18 +65,18 @@ fn arm(name: &str) -> Arm {
     builder.with_atlas(false).build().unwrap()
 }
 
-/// The random ways of these numbers.
-fn ways(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightWay)> {
+/// The random segments with these numbers.
+fn segments(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightWay)> {
     let mut random = Random(12);
     let all = (0..cases.end).map(move |case| (case, StraightWay::random(arm, &mut random)));
     all.skip(cases.start)
 }
 
-/// How many of these ways that are within reach are left in no step by two hundred points, but in one of so few.
-fn left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
+/// Number of reachable segments with a reconfiguration for this many steps, but none for 210.
+fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
     let arm = arm(name);
     let (mut within_reach, mut left) = (0, 0);
-    for (case, way) in ways(&arm, cases) {
+    for (case, way) in segments(&arm, cases) {
         let few = way.solved(&arm, steps);
         if !few.missed.is_empty() {
             continue;
@@ -83,14 +85,17 @@ fn left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
         if !few.reconfigurations.is_empty() {
             left += usize::from(way.solved(&arm, 210).is_whole());
         }
-        // What is told as going on does.
+        // Every step without a reported reconfiguration is continuous.
         let (points, rows) = (way.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
-            let told = few.reconfigurations.iter().any(|told| told.index == row);
+            let reported = few
+                .reconfigurations
+                .iter()
+                .any(|reported| reported.index == row);
             let short = longest(steps[0], steps[1]) <= 0.2 + 1e-9;
             assert!(
-                told || short || is_led(&arm, [points[row - 1], points[row]], steps),
+                reported || short || is_led(&arm, [points[row - 1], points[row]], steps),
                 "{name} {case}: {row}"
             );
         }
@@ -99,8 +104,8 @@ fn left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
     left
 }
 
-/// All of them, or the few among which are those that a Panda left by their ends alone.
-fn asked() -> Range<usize> {
+/// All segments, or a few that include those for which a Panda had reconfigurations with the two ends alone.
+fn case_range() -> Range<usize> {
     match few() {
         true => 69..84,
         false => 0..cases(300, 0),
@@ -108,23 +113,23 @@ fn asked() -> Range<usize> {
 }
 
 #[test]
-fn few_points_leave_no_branch_that_many_do_not() {
-    let cases = asked();
+fn few_points_need_no_more_reconfigurations() {
+    let cases = case_range();
     for name in ["franka_panda", "kuka_iiwa14", "universal_ur5e"] {
         for steps in [7, 1] {
-            let left = left_by_few_steps(name, steps, &cases);
+            let left = count_left_by_few_steps(name, steps, &cases);
             assert!(left * 200 <= cases.len(), "{name} in {steps}: {left}");
         }
     }
 }
 
 #[test]
-fn rings_of_few_points_leave_no_branch_that_those_of_many_do_not() {
-    let cases = asked();
+fn closed_paths_of_few_points_stay_on_their_branch() {
+    let cases = case_range();
     for name in ["franka_panda", "universal_ur5e"] {
         let arm = arm(name);
         let mut left = 0;
-        for (_, way) in ways(&arm, &cases) {
+        for (_, way) in segments(&arm, &cases) {
             let few = way.solved_as_ring(&arm, 1);
             if few.missed.is_empty() && !few.reconfigurations.is_empty() {
                 left += usize::from(way.solved_as_ring(&arm, 105).is_whole());

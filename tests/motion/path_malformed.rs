@@ -1,4 +1,4 @@
-//! Promise: what is wrong with a path, or with what is asked of it, is an error that names it.
+//! Promise: an invalid path, or an invalid option of its solver, is an error that names the fault.
 
 use kinopt::Arm;
 use kinopt::motion::path::{CartesianPath, PathError, PathSolver, Traversal};
@@ -10,7 +10,7 @@ fn point(x: f64) -> Placement<f64> {
 }
 
 #[test]
-fn points_and_lists() {
+fn invalid_points_and_lists_are_named() {
     assert_eq!(CartesianPath::new(Vec::new()), Err(PathError::Empty));
     let bad = CartesianPath::new(vec![point(0.4), point(f64::NAN)]);
     assert!(matches!(bad, Err(PathError::Point { index: 1, .. })));
@@ -31,16 +31,16 @@ fn points_and_lists() {
 }
 
 #[test]
-fn curves() {
+fn invalid_curves_are_named() {
     let steps = CartesianPath::spline(vec![point(0.4), point(0.41)], None, 0);
     assert!(steps.unwrap_err().to_string().contains("steps"));
-    // Each number is finite, the way between them is not.
+    // Each number is finite, the distance between them is not.
     let far = CartesianPath::spline(vec![point(1.7e308), point(-1.7e308)], None, 2);
     assert!(matches!(far, Err(PathError::Curve(_))), "{far:?}");
 }
 
 #[test]
-fn options() {
+fn invalid_options_are_named() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let path = CartesianPath::new(vec![point(0.4), point(0.41)]).unwrap();
     let first = arm.joints().next().unwrap();
@@ -62,9 +62,9 @@ fn options() {
     assert!(matches!(with_start, Err(PathError::Conflict(_))));
 }
 
-/// A joint that is more turns on than it may be holds the tool where it should be, and is no end.
+/// A joint value whole turns beyond its limit gives the same tool pose, but is not a valid end.
 #[test]
-fn ends_beyond_a_limit() {
+fn ends_beyond_a_limit_are_rejected() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let within = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
     let path = CartesianPath::new(vec![arm.base_from_tool(&within).unwrap(); 2]).unwrap();

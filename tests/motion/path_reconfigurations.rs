@@ -1,4 +1,4 @@
-//! Promise: a path has as few reconfigurations as it must, at the places that are told, and is short.
+//! Promise: a path has the lowest possible number of reconfigurations, exactly where they are reported, and is short.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,7 +10,7 @@ use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{Random, distance, planar_with_hand, robot};
 
-/// The tool of a UR5e turns about itself on the spot.
+/// The tool of a UR5e rotates about its own axis without displacement.
 fn screw(arm: &Arm, turns: f64, points: u32) -> CartesianPath {
     let begin = arm
         .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
@@ -23,23 +23,24 @@ fn screw(arm: &Arm, turns: f64, points: u32) -> CartesianPath {
     CartesianPath::new((0..=points).map(point).collect::<Vec<_>>()).unwrap()
 }
 
-/// The last joint turns twice at most, from −2π to 2π: so many turns take a break for every two that are begun after the first.
+/// The last joint has a range of two turns, from −2π to 2π. Every two turns begun after the first need another
+/// reconfiguration.
 #[test]
-fn a_joint_that_is_wound_up_is_turned_back_as_seldom_as_it_can() {
+fn wound_joint_rewinds_as_rarely_as_possible() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     for (turns, breaks) in [(0.9, 0), (1.9, 0), (2.5, 1), (3.9, 1), (4.5, 2)] {
         let path = screw(&arm, turns, (turns * 80.0) as u32);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());
         assert_eq!(solution.reconfigurations.len(), breaks, "{turns} turns");
-        for told in &solution.reconfigurations {
-            assert!(told.distance > 0.2);
+        for reported in &solution.reconfigurations {
+            assert!(reported.distance > 0.2);
         }
     }
 }
 
 #[test]
-fn what_is_told_is_what_the_rows_are() {
+fn reported_length_and_jumps_equal_the_rows() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let weights = [2.0, 2.0, 1.5, 1.0, 1.0, 0.5];
     let path = screw(&arm, 2.5, 200);
@@ -53,18 +54,18 @@ fn what_is_told_is_what_the_rows_are() {
         length += squares.sum::<f64>().sqrt();
         let moves = rows[row].iter().zip(rows[row - 1]);
         let longest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let told = solution.reconfigurations.iter().find(|r| r.index == row);
-        match told {
-            Some(told) => assert_eq!(told.distance, longest),
+        let reported = solution.reconfigurations.iter().find(|r| r.index == row);
+        match reported {
+            Some(reported) => assert_eq!(reported.distance, longest),
             None => assert!(longest <= 0.2 + 1e-9),
         }
     }
     assert!((length - solution.length).abs() < 1e-9);
 }
 
-/// The same question has the same answer, bit for bit.
+/// The same path has bitwise the same solution.
 #[test]
-fn twice_the_same() {
+fn same_path_has_bitwise_the_same_solution() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
@@ -78,9 +79,10 @@ fn twice_the_same() {
     assert_eq!(solver.solve(&path).unwrap(), solver.solve(&path).unwrap());
 }
 
-/// A redundant arm's way is no longer than that of a follower from the same start, nor than its own from there.
+/// The path of a redundant arm is no longer than that of a follower from the same start, and no longer than its own
+/// from there.
 #[test]
-fn it_is_shorter_than_following() {
+fn path_is_shorter_than_that_of_a_follower() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
@@ -114,10 +116,10 @@ fn it_is_shorter_than_following() {
     assert!(from_anywhere.length <= from_there.length * (1.0 + 1e-6));
 }
 
-/// A rail of five centimetres under an arm is soon at its end: what else is free still shortens the way, which is at most as long as
-/// where the rail stands still.
+/// A rail of five centimetres soon reaches its limit. The null space that remains still shortens the path, which is at
+/// most as long as with a fixed rail.
 #[test]
-fn a_joint_at_its_limit_leaves_the_others_their_freedom() {
+fn joint_at_its_limit_leaves_the_null_space_usable() {
     let on_rail = |lower: f64, upper: f64| {
         let base = BaseJoint::Sliding {
             axis: Vector3::UNITS[2],
@@ -147,7 +149,7 @@ fn a_joint_at_its_limit_leaves_the_others_their_freedom() {
     }
 }
 
-/// Points that are far apart are looked at in parts: the arm does not change its branch between them.
+/// Segments between distant points are solved in parts: the arm does not change its branch within them.
 #[test]
 fn coarse_paths_stay_on_their_branch() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
@@ -168,14 +170,14 @@ fn coarse_paths_stay_on_their_branch() {
     let solution = PathSolver::new(&arm).solve(&path).unwrap();
     assert_eq!(solution.rows().len(), 4);
     assert!(solution.is_whole());
-    // The joints' own way from corner to corner is off the straight one by millimetres, and that is told.
+    // Interpolation of the joints between corners deviates from the straight segment by millimetres, which is reported.
     assert!(solution.largest_deviation.metres > 1e-3);
 }
 
-/// The tool turns about its axis beyond what the last joint's limits leave from where it would begin, so that this begins a turn back; and
-/// what comes after a change of tools goes on from where the joint then is, not from a turn away.
+/// The tool rotates further than the last joint's limits allow from the start, so this joint begins a turn earlier.
+/// After the change of tools it continues from its current value, not from a value a turn away.
 #[test]
-fn after_a_break_a_joint_goes_on_from_the_nearest_turn() {
+fn joint_continues_from_the_nearest_turn_after_jump() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let same = arm.with_tool(Placement::identity()).unwrap();
     let start = [0.3, -1.2, 1.4, -1.6, -1.5, -5.28];
@@ -188,7 +190,7 @@ fn after_a_break_a_joint_goes_on_from_the_nearest_turn() {
     let down = (1..=56).map(|k| 8.8 - 0.1 * f64::from(k));
     let angles: Vec<f64> = up.chain(down).collect();
     let mut points: Vec<_> = angles.iter().map(|angle| turned(*angle)).collect();
-    // The other tool begins where the arm has turned about its base.
+    // The second tool begins with the arm rotated about its base.
     let elsewhere = [1.5, -1.2, 1.4, -1.6, -1.5, -2.08];
     points.extend([arm.base_from_tool(&elsewhere).unwrap(); 10]);
     let changes = points.len() - 10;
@@ -218,10 +220,10 @@ fn after_a_break_a_joint_goes_on_from_the_nearest_turn() {
     assert!(rows[changes - 1][5] < -PI / 2.0);
 }
 
-/// After a change of tools the elbow may stay, which costs little, but the hand has to be wound back soon then; or it goes to
-/// the other side, which costs much, and nothing after it.
+/// After a change of tools there are two branches. Keeping the elbow is short, but soon needs the hand to rewind;
+/// changing it is long and needs nothing later.
 #[test]
-fn a_longer_way_with_one_break_comes_before_a_shorter_one_with_two() {
+fn fewer_reconfigurations_precede_shorter_length() {
     let mut builder = Model::builder("planar");
     let (here, [x, _, z]) = (Placement::identity(), Vector3::UNITS);
     let mut last = None;
@@ -249,22 +251,25 @@ fn a_longer_way_with_one_break_comes_before_a_shorter_one_with_two() {
     let solver = solver.with_joint_weights(&[1.0, 1.0, 0.01]);
     let solution = solver.solve(&path).unwrap();
     assert!(solution.missed.is_empty());
-    let breaks = solution.reconfigurations.iter().map(|told| told.index);
+    let breaks = solution
+        .reconfigurations
+        .iter()
+        .map(|reported| reported.index);
     assert_eq!(breaks.collect::<Vec<_>>(), [1]);
-    // The other way is a hundredth of two turns of the hand.
+    // The other choice has about a hundredth of the length of two turns of the hand.
     assert!(solution.length > 2.0);
 }
 
-/// Between two tools the path says nothing of the way: what one tool does before the change and the other after it is as it would be alone,
-/// and a joint that goes far there is told.
+/// Between two tools the path defines no motion. Each tool's points are solved as on their own, and a large joint
+/// motion at the change is reported.
 #[test]
-fn a_change_of_tools_is_not_led_over() {
+fn change_of_tools_is_not_interpolated() {
     let arm = planar_with_hand(Limits::new(-3.0, 3.0));
     let turned = rotation_exp(Vector3::new(0.0, 0.0, 0.3));
     let tool = Placement::new(turned, Vector3::new(0.1, 0.05, 0.0));
     let other = arm.with_tool(tool).unwrap();
     let mut random = Random(5);
-    let mut told = 0;
+    let mut reported = 0;
     for case in 0..30 {
         let ends = [(); 2].map(|()| random.configuration(&arm));
         let count = 12;
@@ -291,7 +296,10 @@ fn a_change_of_tools_is_not_led_over() {
             let missed = solution.missed.iter().any(|missed| missed.index == point);
             assert!(missed || off < 1e-5, "{case}, {point}: {off} m");
         }
-        let breaks = solution.reconfigurations.iter().map(|told| told.index);
+        let breaks = solution
+            .reconfigurations
+            .iter()
+            .map(|reported| reported.index);
         let breaks: Vec<usize> = breaks.collect();
         let goes_far = |row: &usize| {
             let moves = rows[*row].iter().zip(rows[row - 1]);
@@ -302,15 +310,15 @@ fn a_change_of_tools_is_not_led_over() {
             !solution.missed.is_empty() || far == breaks,
             "{case}: {far:?} {breaks:?}"
         );
-        told += usize::from(breaks.contains(&6));
+        reported += usize::from(breaks.contains(&6));
     }
-    assert!(told > 5, "{told}");
+    assert!(reported > 5, "{reported}");
 }
 
-/// Beside a place that the arm does not come to two of its branches are nearly one: where the points between those at which branches are
-/// compared do not lead from one to the other, it is chosen again, and no branch is left.
+/// Near an unreachable point two branches almost coincide. Where intermediate points do not connect them, the branch is
+/// chosen again, and no reconfiguration results.
 #[test]
-fn what_only_seems_to_be_one_branch_is_chosen_again() {
+fn nearly_equal_branches_are_chosen_again() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let (middle, way) = (
         Vector3::new(0.0312, 0.113, 0.1166),

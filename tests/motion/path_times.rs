@@ -1,11 +1,12 @@
-//! Promise: a path's times keep every joint within its limits of speed and acceleration, from rest to rest.
+//! Promise: a path's times keep all joints within their velocity and acceleration limits, from rest to rest.
 
 use kinopt::Arm;
 use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
-/// Largest excess of finite differences over a limit: rows carry the tolerance of their solver, which the trajectory smooths.
+/// Largest excess of finite differences over a limit. RowBlock have the error of their solver's tolerance, which the
+/// trajectory smooths.
 const ROW_NOISE: f64 = 0.01;
 
 fn solved() -> PathSolution {
@@ -23,7 +24,7 @@ fn solved() -> PathSolution {
 }
 
 #[test]
-fn speeds_and_accelerations_stay_within_their_limits() {
+fn velocities_and_accelerations_stay_within_limits() {
     let solution = solved();
     assert!(solution.is_whole());
     for (speed, acceleration) in [(1.0, 2.0), (0.2, 20.0), (f64::INFINITY, 0.5)] {
@@ -51,7 +52,7 @@ fn speeds_and_accelerations_stay_within_their_limits() {
 }
 
 #[test]
-fn limits_that_cannot_be_are_named() {
+fn invalid_limits_are_named() {
     let solution = solved();
     let few = solution.times(&[1.0; 5], &[1.0; 6]);
     assert!(matches!(
@@ -69,9 +70,10 @@ fn limits_that_cannot_be_are_named() {
     assert!(zero.contains("acceleration_limits"), "{zero}");
 }
 
-/// A step for which the path leaves no time is told where times are kept; no other is faster than a joint may be.
+/// With fixed times, a step that is too fast for the joints is reported. All other steps are within the velocity
+/// limits.
 #[test]
-fn a_step_that_must_be_too_fast_is_told() {
+fn step_too_fast_for_its_time_is_reported() {
     let robot = robot("franka_panda");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
@@ -82,7 +84,7 @@ fn a_step_that_must_be_too_fast_is_told() {
     };
     let points: Vec<_> = (0..=40).map(point).collect();
     for hasty in [7, 20, 21, 40] {
-        // A hundredth of what 5 mm take a joint, at least.
+        // At most a hundredth of the time that a joint needs for 5 mm.
         let mut time = 0.0;
         let times = (0..=40).map(|k| {
             time += if k == hasty { 2e-5 } else { 0.1 };
@@ -96,12 +98,12 @@ fn a_step_that_must_be_too_fast_is_told() {
         };
         assert!(solve(false).is_whole());
         let solution = solve(true);
-        let told: Vec<usize> = solution
+        let reported: Vec<usize> = solution
             .reconfigurations
             .iter()
-            .map(|told| told.index)
+            .map(|reported| reported.index)
             .collect();
-        assert_eq!(told, [hasty]);
+        assert_eq!(reported, [hasty]);
         let rows: Vec<&[f64]> = solution.rows().collect();
         for (step, pair) in rows
             .windows(2)
@@ -115,9 +117,9 @@ fn a_step_that_must_be_too_fast_is_told() {
     }
 }
 
-/// Times that leave every joint all the time it needs change nothing: what else bounds a step still does.
+/// Fixed times long enough for every joint change nothing: the other bounds of a step still apply.
 #[test]
-fn times_that_bind_nothing_change_nothing() {
+fn ample_times_change_nothing() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let mut random = support::arms::Random(7);
     let mut broken = 0;
@@ -146,9 +148,9 @@ fn times_that_bind_nothing_change_nothing() {
     assert!(broken > 3, "{broken}");
 }
 
-/// Where points are far apart, steps may be long as the tool goes far: but no faster for that.
+/// Between distant points long steps are allowed, but not beyond the velocity limits.
 #[test]
-fn a_step_between_far_points_that_is_too_fast_is_told() {
+fn too_fast_step_between_distant_points_is_reported() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let point = |k: u32| {
         let turned = 0.04 * f64::from(k);
@@ -162,8 +164,8 @@ fn a_step_between_far_points_that_is_too_fast_is_told() {
         let path = path.with_times(times).unwrap();
         let solver = PathSolver::new(&arm).with_times_kept(true);
         let solution = solver.solve(&path).unwrap();
-        let told: Vec<usize> = (solution.reconfigurations.iter())
-            .map(|told| told.index)
+        let reported: Vec<usize> = (solution.reconfigurations.iter())
+            .map(|reported| reported.index)
             .collect();
         let rows: Vec<&[f64]> = solution.rows().collect();
         let too_fast = (1..15).filter(|&row| {
@@ -171,15 +173,16 @@ fn a_step_between_far_points_that_is_too_fast_is_told() {
             let mut moves = moves.zip(arm.velocity_limits());
             moves.any(|((a, b), speed)| (a - b).abs() > step * speed * (1.0 + 1e-6))
         });
-        assert_eq!(told, too_fast.collect::<Vec<_>>(), "{step} s");
+        assert_eq!(reported, too_fast.collect::<Vec<_>>(), "{step} s");
         assert_eq!(solution.is_whole(), whole, "{step} s");
     }
 }
 
-/// What can be gone at half of the joints' speeds is whole where times are kept, and no step takes more than its time: also where many
-/// points are nearer than branches are compared at, and one step's time is too short from one such place to the next.
+/// A path that the joints can follow at half their velocity limits is whole with fixed times, and no step exceeds its
+/// time. Points may be denser than those at which branches are compared. The time of a single step may be too short for
+/// the distance of two compared points.
 #[test]
-fn a_fine_path_has_the_time_of_all_its_steps() {
+fn dense_path_may_use_the_time_of_all_its_steps() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
     let begin = arm.base_from_tool(&q).unwrap();
@@ -192,7 +195,7 @@ fn a_fine_path_has_the_time_of_all_its_steps() {
     let solver = PathSolver::new(&arm).with_start(&q);
     let plain = solver.solve(&path).unwrap();
     assert!(plain.is_whole());
-    // Shares of a joint's speed in steps of a second.
+    // Shares of a joint's velocity limit for steps of one second.
     let shares = |row: &[f64], next: &[f64]| {
         let moves = row.iter().zip(next).zip(arm.velocity_limits());
         moves.fold(0.0_f64, |most, ((a, b), speed)| {

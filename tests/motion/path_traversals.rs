@@ -1,5 +1,5 @@
-//! Promise: cyclic paths come back to the configuration that they begin with; paths that may be entered anywhere are entered where
-//! that saves a reconfiguration; ends that are given are kept bit for bit; points may be for different tools.
+//! Promise: cyclic paths return to their first configuration. Paths that may be entered anywhere are entered where that
+//! saves a reconfiguration. Given ends are kept bitwise. Points may have different tools.
 
 use std::f64::consts::TAU;
 
@@ -24,7 +24,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_cyclic_path_ends_where_it_begins() {
+fn cyclic_path_ends_where_it_begins() {
     for (name, q) in [
         ("franka_panda", vec![0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8]),
         ("universal_ur5e", vec![0.3, -1.2, 1.4, -1.6, -1.5, 0.0]),
@@ -50,9 +50,9 @@ fn a_cyclic_path_ends_where_it_begins() {
     }
 }
 
-/// A ring has no seam: wherever it is begun, an arm with a joint to spare goes round on as short a way.
+/// A closed path has no seam: a redundant arm follows it with the same length from any starting point.
 #[test]
-fn a_cyclic_path_is_as_long_from_any_of_its_points() {
+fn cyclic_path_has_equal_length_from_any_point() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let down = rotation_exp(Vector3::new(std::f64::consts::PI, 0.0, 0.0));
     let point = |k: u32| {
@@ -74,9 +74,9 @@ fn a_cyclic_path_is_as_long_from_any_of_its_points() {
     assert!(most < least * (1.0 + 1e-4), "{lengths:?}");
 }
 
-/// A tool that turns once round itself while it goes round comes back a turn on: an arm whose last joint has limits takes that back.
+/// The tool makes one full rotation along the path. A last joint with limits has to rewind it.
 #[test]
-fn a_turn_that_is_left_is_told() {
+fn rewound_turn_is_reported() {
     let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let begin = arm.base_from_tool(&q).unwrap();
@@ -96,12 +96,12 @@ fn a_turn_that_is_left_is_told() {
     assert_eq!(solution.rows().len(), 101);
 }
 
-/// From a quarter before to a turn and three quarters after and back again: begun at its first point the last joint is wound up too far
-/// in the middle, begun at the right place it is not.
+/// From a quarter turn before the start to a turn and three quarters after it, and back. From its first point the last
+/// joint reaches its limit; from a suitable entry it does not.
 #[test]
-fn a_closed_path_is_entered_where_that_is_best() {
+fn closed_path_is_entered_at_the_best_point() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
-    // The last joint of a Panda turns by 5.8 rad in all, and the tool round by 6.28.
+    // The last joint of a Panda has a range of 5.8 rad; the tool rotates by 6.28 rad.
     let begin = arm
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
         .unwrap();
@@ -124,9 +124,10 @@ fn a_closed_path_is_entered_where_that_is_best() {
     }
 }
 
-/// Twice round, which the last joint of a Panda does nowhere without a reconfiguration: of the entries that have as few, the shortest.
+/// Two full rotations, for which the last joint of a Panda needs a reconfiguration anywhere. Of all entries with the
+/// fewest, the shortest path is taken.
 #[test]
-fn of_entries_that_save_as_much_the_shortest_is_taken() {
+fn shortest_of_equally_good_entries_is_taken() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
@@ -144,14 +145,14 @@ fn of_entries_that_save_as_much_the_shortest_is_taken() {
         solver.solve(&path).unwrap()
     };
     let first = from(0);
-    let rank = |told: &PathSolution| {
-        assert!(told.missed.is_empty());
-        (told.reconfigurations.len(), told.length)
+    let rank = |reported: &PathSolution| {
+        assert!(reported.missed.is_empty());
+        (reported.reconfigurations.len(), reported.length)
     };
     let others = first
         .reconfigurations
         .iter()
-        .map(|told| rank(&from(told.index)));
+        .map(|reported| rank(&from(reported.index)));
     let (fewest, shortest) = others
         .chain([rank(&first)])
         .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
@@ -164,14 +165,14 @@ fn of_entries_that_save_as_much_the_shortest_is_taken() {
     assert_ne!(best.entry, 0);
 }
 
-/// How far a curve is from the straight way of a step belongs to that step, wherever the path is entered.
+/// The deviation of a curve from its chord belongs to its own step, wherever the path is entered.
 #[test]
-fn a_curve_is_told_of_its_own_step() {
+fn curve_deviation_belongs_to_its_own_step() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
         .unwrap();
-    // Twice round, as above, and aside at one key.
+    // Two full rotations as above, with a sideways offset at one key.
     for key in [5, 14, 23] {
         let turn = |k: u32| {
             let angle = 2.0 * TAU * f64::from(k) / 30.0;
@@ -183,12 +184,12 @@ fn a_curve_is_told_of_its_own_step() {
         let path = CartesianPath::spline(keys, None, 1).unwrap();
         let path = path.with_traversal(Traversal::AnyStart);
         let solver = PathSolver::new(&arm).with_samples(24).with_max_step(0.5);
-        let told = solver.solve(&path).unwrap();
-        assert_ne!(told.entry, 0);
-        let at = (told.entry + told.largest_deviation.metres_at) % 30;
+        let reported = solver.solve(&path).unwrap();
+        assert_ne!(reported.entry, 0);
+        let at = (reported.entry + reported.largest_deviation.metres_at) % 30;
         let near = at.abs_diff(key as usize);
-        assert!(near < 3, "entered at {}, {at} of {key}", told.entry);
-        assert!(told.largest_deviation.metres > 0.01);
+        assert!(near < 3, "entered at {}, {at} of {key}", reported.entry);
+        assert!(reported.largest_deviation.metres > 0.01);
     }
 }
 
@@ -213,9 +214,9 @@ fn given_ends_are_kept() {
     ));
 }
 
-/// The elbow goes round on the way, shared by all steps: none is longer than it may be.
+/// The elbow's rotation is distributed over all steps: none exceeds the maximum step.
 #[test]
-fn an_end_that_is_given_is_led_to() {
+fn motion_to_a_given_end_is_distributed() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let (start, end) = (
         [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8],
@@ -238,7 +239,7 @@ fn an_end_that_is_given_is_led_to() {
 }
 
 #[test]
-fn points_for_two_tools() {
+fn points_for_two_tools_are_reached() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let drill = arm
         .with_tool(Placement::translation(Vector3::new(0.0, 0.1, 0.05)))
@@ -272,7 +273,7 @@ fn points_for_two_tools() {
         let at = [&arm, &drill][*tool].base_from_tool(q).unwrap();
         assert!((at.translation - point.translation).norm() < 1.1e-6);
     }
-    // Where it is to end, its last point's tool counts.
+    // A given end is checked for the last point's tool.
     let end = solution.rows().last().unwrap().to_vec();
     let with_tools = PathSolver::new(&arm).with_tools([&drill]);
     let again = with_tools.clone().with_end(&end).solve(&path).unwrap();
@@ -285,13 +286,13 @@ fn points_for_two_tools() {
         solution
             .reconfigurations
             .iter()
-            .all(|told| told.index == 20)
+            .all(|reported| reported.index == 20)
     );
 }
 
-/// The same turn by an arm whose last joint has no limits: it goes on round, and nothing is taken back.
+/// The same rotation with a last joint without limits: it continues, and nothing is rewound.
 #[test]
-fn a_joint_without_limits_goes_round_and_round() {
+fn joint_without_limits_never_rewinds() {
     let robot = with_endless_joint("universal_ur5e", "joint6");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
@@ -307,16 +308,16 @@ fn a_joint_without_limits_goes_round_and_round() {
         let solution = solver.solve(&cyclic).unwrap();
         assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
         let rows: Vec<&[f64]> = solution.rows().collect();
-        // From the last point to the first there is one more step, as long as the others.
+        // The step from the last point to the first is as long as the others.
         let gone = rows[99][5] - rows[0][5];
         assert!((gone.abs() - 0.99 * TAU).abs() < 1e-3, "{gone}");
         assert!(longest(&rows[99][..5], &rows[0][..5]) < 1e-3);
     }
 }
 
-/// A spline along evenly spaced keys of a line is the line, evenly gone from its first to its last point.
+/// A spline along evenly spaced keys of a line is that line, with even spacing from its first to its last point.
 #[test]
-fn a_spline_of_a_line_is_even_to_its_ends() {
+fn spline_of_a_line_is_evenly_spaced() {
     for keys in [2, 3, 5] {
         let at = |x: f64| Placement::translation(Vector3::new(x, 2.0 * x, -x));
         let line: Vec<_> = (0..keys).map(|k| at(f64::from(k))).collect();
@@ -329,12 +330,14 @@ fn a_spline_of_a_line_is_even_to_its_ends() {
     }
 }
 
-/// One elbow comes to its limit just before the tool is changed, within less than branches are compared after; the other comes to one
-/// after that. So the first tool goes by the other elbow, and after the change of tools the elbow changes once.
+/// One elbow branch reaches its limit just before the change of tools, within less than the distance at which branches
+/// are compared. The other one reaches a limit after it. So the first tool uses the other branch, and the elbow changes
+/// once after the change of tools.
 #[test]
-fn what_the_first_tool_cannot_end_with_is_not_begun() {
+fn branch_ending_before_the_tool_change_is_avoided() {
     let wide = planar_with_hand(Limits::new(-3.0, 3.0));
-    // The wrist at 1.2 m, seen from the shoulder at an angle; the elbow bends to one side by twice what the shoulder is off.
+    // The wrist is 1.2 m from the shoulder in the direction of an angle. The elbow bends by twice the shoulder's offset
+    // from it, in the opposite direction.
     let off = 0.6_f64.acos();
     let up = |angle: f64| [angle + off, -2.0 * off, off - angle];
     let down = |angle: f64| [angle - off, 2.0 * off, -off - angle];

@@ -1,5 +1,7 @@
-//! Promise: a Cartesian path that a continuous motion of the joints gives is solved without a reconfiguration, told or untold, or a point
-//! that is missed, but for one of two hundred; in a debug build a few of each arm, `KINOPT_CASES` asks for another number.
+//! Promise: a Cartesian path that results from a continuous joint motion is solved without a reconfiguration, reported
+//! or not, and without an unreached point. At most one in two hundred may fail.
+//!
+//! Debug builds solve a few cases of each arm; `KINOPT_CASES` sets another number.
 
 use std::ops::Range;
 
@@ -13,7 +15,7 @@ use support::follower_chains::follower_chain;
 use support::path_steps::{is_led, longest};
 use support::sample::{cases, few};
 
-/// Smooth in the joints through a few random configurations, so many points from one to the next.
+/// A smooth joint motion through three random configurations, with `steps` points from one to the next.
 fn joints(arm: &Arm, random: &mut Random, steps: usize) -> Vec<Vec<f64>> {
     let ends = [(); 3].map(|()| random.configuration(arm));
     through(&ends, steps)
@@ -31,7 +33,7 @@ fn through(ends: &[Vec<f64>; 3], steps: usize) -> Vec<Vec<f64>> {
     rows
 }
 
-/// How many of these paths of an arm are solved with a jump, or not for all of their points.
+/// Number of an arm's paths that are solved with a jump, or not for all points.
 fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usize {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip)
@@ -41,12 +43,14 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
     let mut random = Random(11);
     let mut jumps = 0;
     for case in 0..cases.end {
-        let own = joints(&arm, &mut random, 150);
+        let joint_path = joints(&arm, &mut random, 150);
         if case < cases.start {
             continue;
         }
-        let points: Vec<Placement<f64>> =
-            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let points: Vec<Placement<f64>> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
         let path = CartesianPath::new(points.clone()).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         if !solution.missed.is_empty() {
@@ -54,34 +58,34 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             continue;
         }
         let rows: Vec<&[f64]> = solution.rows().collect();
-        assert_eq!(rows.len(), own.len());
-        for (q, own) in rows.iter().zip(&own) {
+        assert_eq!(rows.len(), joint_path.len());
+        for (q, expected) in rows.iter().zip(&joint_path) {
             assert!(within_limits(&arm, q));
             let [at, wanted] =
-                [q, own.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
+                [q, expected.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
             let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(wanted));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
-        let told: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
+        let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
-            let far = longest(from, to) > 0.2 + 1e-9 && !told.contains(&row);
+            let far = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
             far && !is_led(&arm, [points[row - 1], points[row]], [from, to])
         });
-        assert_eq!(untold, None, "{name} {case}: {told:?}");
-        // What is told is a step that is longer than a branch allows.
+        assert_eq!(untold, None, "{name} {case}: {reported:?}");
+        // A reported step exceeds the maximum step of a branch.
         let short = solution
             .reconfigurations
             .iter()
-            .find(|told| told.distance <= 0.2);
+            .find(|reported| reported.distance <= 0.2);
         assert_eq!(short, None, "{name} {case}");
-        jumps += usize::from(!told.is_empty());
+        jumps += usize::from(!reported.is_empty());
     }
     jumps
 }
 
 #[test]
-fn six_joints() {
+fn six_joint_motions_need_no_reconfiguration() {
     let count = cases(20, 1);
     for name in ["universal_ur5e", "universal_ur10e"] {
         assert!(
@@ -92,7 +96,7 @@ fn six_joints() {
 }
 
 #[test]
-fn seven_joints() {
+fn seven_joint_motions_need_no_reconfiguration() {
     let count = cases(20, 1);
     for name in ["franka_panda", "kuka_iiwa14"] {
         assert!(
@@ -103,22 +107,22 @@ fn seven_joints() {
     assert!(jumps(["rethink_baxter", "torso", "left_tool"], 0..count, !few()) * 200 <= count);
 }
 
-/// Once it was shortened off the tool's way, by more than a step may be long, and not told.
+/// Earlier this step was moved off the tool's path by the shortening, by more than the maximum step, without a report.
 #[test]
-fn a_step_that_needs_parts_is_not_moved_off_the_tools_way() {
+fn subdivided_step_stays_on_the_tool_path() {
     let iiwa = ["kuka_iiwa14", "base", "flange"];
     assert_eq!(jumps(iiwa, 187..188, true), 0);
 }
 
 #[test]
-fn four_joints_and_a_slide() {
+fn scara_motions_need_no_reconfiguration() {
     let count = cases(20, 1);
     assert!(jumps(["adept_cobra_s600", "base", "flange"], 0..count, !few()) * 200 <= count);
 }
 
-/// Of the paths above, some on which the joints wind round so far that of all configurations to begin in one need not turn back.
+/// Paths on which joints wind so far that only one start needs no rewinding.
 #[test]
-fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
+fn two_turn_joints_start_where_they_need_no_rewind() {
     for (name, cases) in [
         ("universal_ur5e", &[29, 94, 214, 245, 899][..]),
         ("adept_cobra_s600", &[99, 243, 299, 321]),
@@ -126,9 +130,11 @@ fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
         let arm = Arm::new(&robot(name), "base", "flange").unwrap();
         let mut random = Random(11);
         let all = (0..1000).map(|_| joints(&arm, &mut random, 150));
-        for (case, own) in all.enumerate().filter(|(case, _)| cases.contains(case)) {
-            let points: Vec<Placement<f64>> =
-                own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        for (case, joint_path) in all.enumerate().filter(|(case, _)| cases.contains(case)) {
+            let points: Vec<Placement<f64>> = joint_path
+                .iter()
+                .map(|q| arm.base_from_tool(q).unwrap())
+                .collect();
             let path = CartesianPath::new(points).unwrap();
             let solution = PathSolver::new(&arm).solve(&path).unwrap();
             assert!(solution.is_whole(), "{name} {case}");
@@ -138,9 +144,9 @@ fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
     }
 }
 
-/// Past places at which the arm is stretched out, where the branches known of one side and of the other are of one self-motion.
+/// Past stretched configurations, where the known branches of both sides belong to the same self-motion.
 #[test]
-fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
+fn jump_within_a_self_motion_is_distributed() {
     let robot = robot("kuka_iiwa14");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     for ends in [
@@ -155,14 +161,16 @@ fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
             [-2.72, 0.35, -0.69, 2.03, -1.31, 1.62, -2.86],
         ],
     ] {
-        let own = through(&ends.map(|q| q.to_vec()), 150);
-        let points: Vec<Placement<f64>> =
-            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let joint_path = through(&ends.map(|q| q.to_vec()), 150);
+        let points: Vec<Placement<f64>> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
         let path = CartesianPath::new(points).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());
         let left: Vec<_> = (solution.reconfigurations.iter())
-            .map(|told| (told.index, told.distance))
+            .map(|reported| (reported.index, reported.distance))
             .collect();
         assert_eq!(left, [], "{ends:?}");
         let rows: Vec<&[f64]> = solution.rows().collect();
@@ -173,9 +181,9 @@ fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
     }
 }
 
-/// What joints follow one another is led along a path as any arm is, though no lanes solve for it.
+/// Arms with mimic joints are solved as well, although the SIMD solver does not support them.
 #[test]
-fn chains_with_followers_are_led_too() {
+fn chains_with_mimic_joints_are_solved() {
     let (mut random, mut whole, mut tried) = (Random(91), 0, 0);
     for number in 0..12 {
         let (text, tip) = follower_chain(number);
@@ -193,15 +201,15 @@ fn chains_with_followers_are_led_too() {
         let points = (0..=12).map(|k| arm.base_from_tool(&between(f64::from(k) / 12.0)).unwrap());
         let points: Vec<_> = points.collect();
         let path = CartesianPath::new(points.clone()).unwrap();
-        let told = PathSolver::new(&arm)
+        let reported = PathSolver::new(&arm)
             .with_start(&from)
             .solve(&path)
             .unwrap();
         tried += 1;
-        whole += usize::from(told.is_whole() && told.missed.is_empty());
-        for (row, (q, point)) in told.rows().zip(&points).enumerate() {
+        whole += usize::from(reported.is_whole() && reported.missed.is_empty());
+        for (row, (q, point)) in reported.rows().zip(&points).enumerate() {
             assert!(within_limits(&arm, q), "{number}");
-            let missed = told.missed.iter().any(|missed| missed.index == row);
+            let missed = reported.missed.iter().any(|missed| missed.index == row);
             let off = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
             assert!(missed || off < 1.1e-6, "chain {number}, row {row}: {off} m");
         }

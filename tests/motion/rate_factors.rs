@@ -1,4 +1,4 @@
-//! Promise: the factor of a joint in a rate cost is of that joint alone, and counts as a weight does.
+//! Promise: a joint's factor in a rate cost affects only that joint, and counts like a weight.
 
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
@@ -7,7 +7,7 @@ use kinopt::task::Orientation;
 
 const FRAMES: usize = 12;
 
-/// A hinge and a ball that nothing joins, and what each carries.
+/// A revolute joint and a ball joint that are not connected, each with a frame.
 fn two_apart() -> (Model, [FrameId; 2]) {
     let mut builder = Model::builder("two apart");
     let z = Vector3::UNITS[2];
@@ -24,7 +24,7 @@ fn two_apart() -> (Model, [FrameId; 2]) {
     (builder.build().unwrap(), frames)
 }
 
-/// Where both end up that should turn to and fro under a cost of their rates, and what those cost.
+/// Final configurations and cost of joints that should rotate back and forth under a cost of rates.
 fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
     let (model, frames) = two_apart();
     let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
@@ -34,7 +34,7 @@ fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
             rotation_exp(Vector3::from(axis) * angle)
         };
         let task = motion.add(Orientation::new(frame, at(0)));
-        motion.follow(task, move |frame, own| own.set_target(at(frame)));
+        motion.follow(task, move |frame, point| point.set_target(at(frame)));
     }
     motion.rate_cost(cost);
     let motion = motion.build().unwrap();
@@ -44,33 +44,33 @@ fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
     (frames.collect(), solved.cost_of_rates())
 }
 
-/// The most that a coordinate of some is off in any frame.
-fn off(a: &[Vec<f64>], b: &[Vec<f64>], coordinates: std::ops::Range<usize>) -> f64 {
+/// Largest difference of some coordinates in any frame.
+fn largest_difference(a: &[Vec<f64>], b: &[Vec<f64>], coordinates: std::ops::Range<usize>) -> f64 {
     let rows = a.iter().zip(b);
     let pairs = rows.flat_map(|(a, b)| coordinates.clone().map(|k| (a[k] - b[k]).abs()));
     pairs.fold(0.0, f64::max)
 }
 
 #[test]
-fn a_factor_is_of_its_joint_alone() {
+fn factor_affects_only_its_joint() {
     let (hinge, ball) = (0..1, 1..5);
     let make: [fn(f64) -> RateCost; 3] =
         [RateCost::velocity, RateCost::acceleration, RateCost::jerk];
     for (make, weight) in make.into_iter().zip([0.05, 0.005, 0.0005]) {
         let [(plain, _), (strong, cost)] =
             [weight, 3.0 * weight].map(|weight| followed(make(weight)));
-        let apart = [&hinge, &ball].map(|own| off(&plain, &strong, own.clone()));
+        let apart = [&hinge, &ball].map(|own| largest_difference(&plain, &strong, own.clone()));
         assert!(apart.iter().all(|apart| *apart > 1e-2), "{apart:?}");
         for (name, own, other) in [("hinge", &hinge, &ball), ("ball", &ball, &hinge)] {
             let (mixed, _) = followed(make(weight).times(name, 3.0));
             let [own, other] = [
-                off(&mixed, &strong, own.clone()),
-                off(&mixed, &plain, other.clone()),
+                largest_difference(&mixed, &strong, own.clone()),
+                largest_difference(&mixed, &plain, other.clone()),
             ];
             assert!(own < 1e-6 && other < 1e-6, "{name}: {own} {other}");
         }
         let both = make(weight).times("hinge", 3.0).times("ball", 3.0);
-        let (_, told) = followed(both);
-        assert!((told - cost).abs() < 1e-6 * cost, "{told} {cost}");
+        let (_, reported) = followed(both);
+        assert!((reported - cost).abs() < 1e-6 * cost, "{reported} {cost}");
     }
 }

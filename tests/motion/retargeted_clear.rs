@@ -97,7 +97,7 @@ fn keeps_limits(robot: &Robot, found: &Retargeted) -> bool {
 }
 
 #[test]
-fn hands_that_are_pulled_into_the_chest_stay_out_of_it() {
+fn hands_pulled_into_the_chest_stay_collision_free() {
     let robot = nao();
     let checker = checker(&robot);
     let (plain, clear) = both_ways(&robot, &checker, 1.0);
@@ -121,7 +121,7 @@ fn hands_that_are_pulled_into_the_chest_stay_out_of_it() {
 }
 
 #[test]
-fn what_touches_nothing_moves_as_it_does_without() {
+fn collision_free_motion_is_unchanged() {
     let robot = nao();
     let checker = checker(&robot);
     let (plain, clear) = both_ways(&robot, &checker, -0.2);
@@ -131,7 +131,7 @@ fn what_touches_nothing_moves_as_it_does_without() {
 }
 
 #[test]
-fn what_touches_from_the_first_frame_is_told_of_or_let_go() {
+fn initial_contact_is_reported_or_resolved() {
     let robot = nao();
     let map = BodyMap::from_json(MAP, "").unwrap();
     let capture = clasp(&robot, 1.0);
@@ -152,7 +152,7 @@ fn what_touches_from_the_first_frame_is_told_of_or_let_go() {
 /// A smooth movement keeps clear from the first in the frames around those that came near to something frame by frame, so that what it is
 /// found to touch then is mended at once.
 #[test]
-fn a_smooth_movement_is_soon_clear() {
+fn smooth_motion_becomes_collision_free_quickly() {
     let robot = nao();
     let checker = checker(&robot);
     let map = BodyMap::from_json(MAP, "").unwrap();

@@ -149,7 +149,7 @@ pub(crate) fn check_limits(robot: &Robot, found: &Retargeted) {
 }
 
 #[test]
-fn ankles_and_toes_stand_together() {
+fn ankles_and_toes_are_in_contact_together() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
@@ -185,7 +185,7 @@ fn ankles_and_toes_stand_together() {
 
 /// An ankle's frame that is of the foot already is the model's own: it stands and is told by its name, as the toe beside it.
 #[test]
-fn an_ankle_on_the_foot_itself_stands_beside_its_toe() {
+fn ankle_frame_on_the_foot_is_in_contact() {
     let robot = legs("");
     let mut map = BodyMap::from_json(MAP, "legs").unwrap();
     for drive in &mut map.drives {
@@ -215,7 +215,7 @@ fn an_ankle_on_the_foot_itself_stands_beside_its_toe() {
 }
 
 #[test]
-fn limbs_of_targets_are_as_long_as_the_models() {
+fn target_limbs_have_the_model_lengths() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
@@ -251,7 +251,7 @@ fn limbs_of_targets_are_as_long_as_the_models() {
 
 /// A foot that was held while its target went on comes back to it smoothly, and does not leap.
 #[test]
-fn what_is_let_go_comes_back_smoothly() {
+fn released_foot_returns_smoothly() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();

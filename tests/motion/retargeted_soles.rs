@@ -52,7 +52,7 @@ fn leaning() -> Vec<f64> {
 }
 
 #[test]
-fn a_foot_stands_flat_and_no_part_of_it_is_in_the_ground() {
+fn foot_in_contact_is_flat_and_above_the_ground() {
     let (shaped, bare) = (legs(SOLE), legs(""));
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
@@ -102,7 +102,7 @@ const ANKLES: &str = r#"{
 
 /// A person who goes down further than the ankles bend: the heel would rise, and the toes go into the ground, as a whole by 9 mm.
 #[test]
-fn a_foot_whose_ankle_ends_is_not_tipped_into_the_ground() {
+fn foot_at_its_ankle_limit_stays_above_the_ground() {
     let robot = legs(SOLE);
     let map = BodyMap::from_json(ANKLES, "legs").unwrap();
     let mut numbers = person();
@@ -129,7 +129,7 @@ fn a_foot_whose_ankle_ends_is_not_tipped_into_the_ground() {
 
 /// A foot that had to be held firmly in one stance is held as any other where it lands next.
 #[test]
-fn what_a_foot_did_in_one_stance_is_over_in_the_next() {
+fn contacts_of_a_foot_are_independent() {
     let robot = legs(SOLE);
     let model = robot.model();
     let map = BodyMap::from_json(ANKLES, "legs").unwrap();
@@ -189,7 +189,7 @@ const PADS: [([f64; 3], f64); 8] = [
 ];
 
 #[test]
-fn round_soles_stand_on_their_surface_not_on_their_middles() {
+fn round_soles_are_in_contact_by_their_surface() {
     let pad = |([x, y, z], radius): ([f64; 3], f64)| {
         format!(
             r#"<collision><origin xyz="{x} {y} {z}"/><geometry><sphere radius="{radius}"/></geometry></collision>"#
@@ -217,7 +217,7 @@ fn round_soles_stand_on_their_surface_not_on_their_middles() {
 
 /// Balls under a foot are the same foot as balls about the points of a cloud.
 #[test]
-fn a_cloud_s_points_are_as_thick_as_they_are() {
+fn points_of_a_cloud_have_their_radius() {
     let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
@@ -264,7 +264,7 @@ fn a_cloud_s_points_are_as_thick_as_they_are() {
 /// What lands is held flat as firmly as it is held in place: with five times the weight a foot on a leg that leans is off level by
 /// far less where it comes to stand, and in the air by as much.
 #[test]
-fn a_foot_lands_the_flatter_the_more_that_counts() {
+fn heavier_weight_lands_a_foot_flatter() {
     let robot = legs(SOLE);
     let model = robot.model();
     let mut map = BodyMap::from_json(MAP, "legs").unwrap();
@@ -322,7 +322,7 @@ fn on_ellipsoids(geom: &str) -> Robot {
 
 /// An ellipsoid is the same foot as one whose first two axes have changed places, turned by a quarter.
 #[test]
-fn an_ellipsoid_is_as_wide_as_it_is() {
+fn ellipsoid_is_equal_under_swapped_axes() {
     let mut map = BodyMap::from_json(MAP, "legs").unwrap();
     map.drives.retain(|drive| !drive.frame.ends_with("_toe"));
     for drive in &mut map.drives {

@@ -91,7 +91,7 @@ fn jerk(found: &Retargeted) -> f64 {
 }
 
 #[test]
-fn a_giant_steps_as_a_small_humanoid_does() {
+fn large_subject_is_retargeted_to_a_small_humanoid() {
     let robot = nao();
     let map = BodyMap::from_json(MAP, "aldebaran_nao.urdf").unwrap();
     let capture = Capture::new(map.joints.clone(), &steps(&robot, 90), RATE).unwrap();
@@ -126,7 +126,7 @@ fn a_giant_steps_as_a_small_humanoid_does() {
 }
 
 #[test]
-fn what_is_wrong_with_maps_and_captures_is_named() {
+fn invalid_maps_and_captures_are_named() {
     let robot = nao();
     let told = |text: &str| {
         let map = BodyMap::from_json(text, "nao.urdf")?;
@@ -197,7 +197,7 @@ fn what_is_wrong_with_maps_and_captures_is_named() {
 }
 
 #[test]
-fn a_single_frame_and_limbs_of_no_length_are_retargeted() {
+fn single_frame_and_limbs_without_length_work() {
     let robot = nao();
     let map = BodyMap::from_json(MAP, "").unwrap();
     for frames in [1, 2, 3] {
@@ -216,7 +216,7 @@ fn a_single_frame_and_limbs_of_no_length_are_retargeted() {
 
 /// Numbers with which places or costs would not stay finite are errors, as of a map that is made by hand.
 #[test]
-fn map_numbers_out_of_range_are_refused() {
+fn map_numbers_out_of_range_are_rejected() {
     for (number, word) in [
         (r#""weight": 1e308"#, "weight"),
         (r#""weight": -1"#, "weight"),

@@ -1,16 +1,16 @@
-//! Promise: the capture of `models/` comes onto the NAO of `models/` by the known map, its feet flat where they stand, frame by
-//! frame and as a whole; a whole movement tells how far it is, window by window.
+//! Promise: the capture in `models/` is retargeted to the NAO in `models/` by the known map, with feet flat in contact,
+//! frame by frame and as a whole. Solving as a whole reports its progress by window.
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::ContactDetection;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
 use kinopt::robot::{BaseJoint, Robot};
 
-/// A NAO is a third as tall as a person, and as fast where it stands.
+/// A NAO is a third as tall as the subject, so its speed limit in contact is a third as well.
 const STANDS: f64 = 0.06;
 
 #[test]
-fn steps_come_onto_the_nao() {
+fn capture_of_steps_is_retargeted_to_the_nao() {
     let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
@@ -23,18 +23,18 @@ fn steps_come_onto_the_nao() {
         .with_up(UpAxis::Y)
         .with_contacts(ContactDetection::default().with_speed(STANDS));
     let retargeting = Retargeting::new(&robot, &guess.map, &capture, options).unwrap();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let whole = retargeting
-        .whole_with_progress(&mut |done| told.push(done))
+        .whole_with_progress(&mut |done| reported.push(done))
         .unwrap();
-    assert!(told.len() > 1 && told.is_sorted() && told.last() == Some(&181));
+    assert!(reported.len() > 1 && reported.is_sorted() && reported.last() == Some(&181));
     let model = robot.model();
     let feet = ["left_foot", "right_foot"].map(|foot| model.frame(foot).unwrap());
     let mut kinematics = ForwardKinematics::of_frames(model, &feet).unwrap();
     for found in [retargeting.per_frame().unwrap(), whole] {
         assert!(found.mean_error < 0.02, "{} m", found.mean_error);
         assert!(found.slip < 1e-3, "{} m", found.slip);
-        // A crouch with both feet on the ground, and the person at rest at the end: no toe points up or down.
+        // A crouch with both feet on the ground, and the subject at rest at the end: no toe points up or down.
         for frame in [110, 180] {
             let width = found.configuration_len;
             let q = &found.q[frame * width..(frame + 1) * width];
@@ -46,9 +46,9 @@ fn steps_come_onto_the_nao() {
     }
 }
 
-/// At a rate of which no memory would hold the frames, 6 s are refused: they ended the process.
+/// At these rates the frames of 6 s exceed any memory. Earlier they ended the process.
 #[test]
-fn more_frames_than_memory_holds_are_refused() {
+fn more_frames_than_memory_holds_are_rejected() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     for rate in [1e9, f64::MAX] {
         let refused = Capture::of_clip(&read.armature, &read.clip, rate).unwrap_err();

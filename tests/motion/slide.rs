@@ -1,14 +1,14 @@
-//! A tool on a slide, for motions whose answer is read from their question.
+//! A tool on a prismatic joint, for motions whose solution follows directly from the problem.
 
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 
-/// A slide along x, a metre either way, and the frame of its tool.
+/// A prismatic joint along x, with a range of a metre in both directions, and the frame of its tool.
 pub(crate) fn slide() -> (Model, FrameId) {
     rail(1.0)
 }
 
-/// The same so many metres either way.
+/// The same with a range of `half` metres in both directions.
 pub(crate) fn rail(half: f64) -> (Model, FrameId) {
     let mut builder = Model::builder("slide");
     let (at, room) = (Placement::identity(), Limits::new(-half, half));

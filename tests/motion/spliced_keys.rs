@@ -1,4 +1,4 @@
-//! Promise: new keys are in the stretches that were solved, and a clip's own elsewhere.
+//! Promise: new keys replace those in the solved spans, and a clip's own keys remain elsewhere.
 #![allow(clippy::unwrap_used)]
 
 use glam::{DVec3, Quat, Vec3A};
@@ -9,9 +9,9 @@ use kinopt::motion::clip_ik::{ClipIk, Reach};
 
 use crate::clip_ik::{figure, pose};
 
-/// A bone that one key holds, as exporters write what stands still, has no key but the new ones.
+/// A bone with a single key, as exporters write motionless bones, gets no keys but the new ones.
 #[test]
-fn what_one_key_holds_gets_keys_over_the_span_alone() {
+fn single_key_bones_get_keys_only_in_the_span() {
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
     let arm = ["chest", "arm", "forearm", "hand"];
@@ -25,7 +25,7 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
             let held = curve(vec![0.25], vec![Quat::from_rotation_z(0.2)]);
             builder.channel(id(bone), Channel::Rotation(held)).unwrap();
         }
-        // Which makes it last two seconds.
+        // It extends the clip to two seconds.
         let nods = [0.0, 0.3].map(Quat::from_rotation_x).to_vec();
         let nods = RotationCurve::slerp(vec![0.0, 2.0], nods).unwrap();
         builder
@@ -72,9 +72,9 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
     }
 }
 
-/// What is drawn by angles between few keys goes the same way where nothing is solved.
+/// A channel of Euler angles between few keys keeps its curve outside the solved spans.
 #[test]
-fn a_channel_of_angles_keeps_its_way() {
+fn euler_channel_keeps_its_curve() {
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
     let mut builder = Clip::builder("wave", &armature);
@@ -102,9 +102,9 @@ fn a_channel_of_angles_keeps_its_way() {
     }
 }
 
-/// Where a span ends within a fraction of a frame of the clip's end, the clip still ends as it did.
+/// Where a span ends within a fraction of a frame of the clip's end, the end of the clip is kept.
 #[test]
-fn the_last_moment_stays_wherever_a_span_ends_before_it() {
+fn end_of_the_clip_is_kept() {
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
     let mut builder = Clip::builder("swing", &armature);
@@ -132,9 +132,9 @@ fn the_last_moment_stays_wherever_a_span_ends_before_it() {
     }
 }
 
-/// Bones of a skeleton reach within its limits; without it they turn any way.
+/// Bones with the limits of a skeleton reach within them; without these they rotate freely.
 #[test]
-fn a_skeleton_s_limits_are_kept() {
+fn limits_of_a_skeleton_are_kept() {
     use kinopt::animation::{Armature, PoseAngles};
     use kinopt::model::Limits;
     use kinopt::skeleton::{Bone, Skeleton};
@@ -189,9 +189,9 @@ fn a_skeleton_s_limits_are_kept() {
     assert!(outside(&held.clip) < 2e-3, "{}", outside(&held.clip));
 }
 
-/// A rig whose root is turned in its clip reaches as it does unturned, seen from its root.
+/// A rig whose root is rotated in its clip reaches equally, relative to its root.
 #[test]
-fn a_rig_reaches_alike_however_its_root_is_turned() {
+fn rig_with_a_rotated_root_reaches_equally() {
     use kinopt::io::rig::Rig;
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let armature = Armature::of_skeleton(&rig.skeleton);

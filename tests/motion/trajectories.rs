@@ -440,7 +440,7 @@ fn limits_out_of_range_name_option_and_joint() {
     let joint = arm.joints().nth(2).unwrap();
     for bad in [0.0, -1.0, f64::NAN] {
         let bad = [1.0, 1.0, bad, 1.0, 1.0, 1.0];
-        for (told, option) in [
+        for (reported, option) in [
             (
                 error(limits.clone().with_velocity_limits(&bad)),
                 "velocity_limits",
@@ -451,11 +451,17 @@ fn limits_out_of_range_name_option_and_joint() {
             ),
             (error(limits.clone().with_jerk_limits(&bad)), "jerk_limits"),
         ] {
-            assert!(told.contains(option) && told.contains(joint), "{told}");
+            assert!(
+                reported.contains(option) && reported.contains(joint),
+                "{reported}"
+            );
         }
     }
-    let told = error(limits.clone().with_jerk_limits(&[1.0; 5]));
-    assert!(told.contains("jerk_limits") && told.contains('5'), "{told}");
+    let reported = error(limits.clone().with_jerk_limits(&[1.0; 5]));
+    assert!(
+        reported.contains("jerk_limits") && reported.contains('5'),
+        "{reported}"
+    );
     for (limits, option) in [
         (
             limits.clone().with_tool_linear_limits(0.0, 1.0),
@@ -471,8 +477,8 @@ fn limits_out_of_range_name_option_and_joint() {
         ),
         (limits.clone().with_grid_points(0), "grid_points"),
     ] {
-        let told = error(limits);
-        assert!(told.contains(option), "{told}");
+        let reported = error(limits);
+        assert!(reported.contains(option), "{reported}");
     }
     let without_arm = TimingLimits::new(&[1.0; 6], &[1.0; 6]).with_tool_linear_limits(1.0, 1.0);
     assert!(error(without_arm).contains("with_arm"));

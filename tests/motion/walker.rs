@@ -1,4 +1,4 @@
-//! A small humanoid on a free base that sways and steps, as a motion of so many frames.
+//! A small humanoid on a free base that sways and steps, as a motion of a number of frames.
 
 use kinopt::ik::bent_stance;
 use kinopt::kinematics::ForwardKinematics;
@@ -8,10 +8,10 @@ use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Task};
 
-/// Frames a second.
+/// Frames per second.
 pub(crate) const RATE: f64 = 60.0;
 
-/// What of the right foot a contact holds, in its frame.
+/// Points of the right foot that a contact locks, in its frame.
 pub(crate) const SOLE: [[f64; 3]; 3] = [[0.05, 0.02, 0.0], [0.05, -0.02, 0.0], [-0.05, 0.0, 0.0]];
 
 pub(crate) struct Walker {
@@ -39,7 +39,8 @@ impl Walker {
         self.robot.model()
     }
 
-    /// Its right hand goes on a wave, its left foot is where it stood, its right one wanders by 2 cm unless held.
+    /// The right hand follows a wave. The left foot has a fixed target; that of the right one moves by 2 cm unless it
+    /// is in contact.
     pub(crate) fn swaying(
         &self,
         frames: usize,

@@ -1,5 +1,5 @@
-//! Promise: a window of a clip moves on from the frames that the one before it keeps: what positions, velocities and
-//! accelerations cost over the seam counts in it, as the normal equations of its frames have it.
+//! Promise: a window of a clip continues from the frames kept of the previous one. Costs of positions, velocities and
+//! accelerations across the seam count in it, according to the normal equations of its frames.
 
 use kinopt::model::{Limits, Model};
 use kinopt::motion::trajectory::{
@@ -12,12 +12,12 @@ use nalgebra::{DMatrix, DVector};
 const FRAMES: usize = 40;
 const TIME_STEP_S: f64 = 0.1;
 
-/// Out for some frames and back for the rest, metres.
+/// Moved outwards for some frames and back for the rest, in metres.
 fn target(frame: usize) -> f64 {
     if (8..13).contains(&frame) { 0.8 } else { 0.0 }
 }
 
-/// A slide that follows it, and pays for the differences of an order.
+/// A prismatic joint that follows this target, with a cost of differences of an order.
 fn motion(order: usize, weight: f64) -> MotionProblem {
     let mut builder = Model::builder("slide");
     let limits = Limits::new(-5.0, 5.0);
@@ -38,7 +38,8 @@ fn motion(order: usize, weight: f64) -> MotionProblem {
     motion.build().unwrap()
 }
 
-/// Of ½ Σ (x − target)² + ½ Σ (w Δᵏx / Δtᵏ)² over the frames from `begin` to `end`, those before `begin` being given.
+/// Minimum of ½ Σ (x − target)² + ½ Σ (w Δᵏx / Δtᵏ)² over the frames from `begin` to `end`, with those before `begin`
+/// given.
 fn least(x: &[f64], begin: usize, end: usize, order: usize, weight: f64) -> DVector<f64> {
     let coefficients: &[f64] =
         [&[-1.0, 1.0][..], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]][order - 1];
@@ -68,7 +69,7 @@ fn least(x: &[f64], begin: usize, end: usize, order: usize, weight: f64) -> DVec
 }
 
 #[test]
-fn each_window_goes_on_from_what_is_kept_of_the_last() {
+fn windows_continue_from_the_kept_frames() {
     let (frames, ahead) = (10, 4);
     for (order, weight) in [(1, 0.3), (2, 0.05), (3, 0.01)] {
         let motion = motion(order, weight);
@@ -89,7 +90,7 @@ fn each_window_goes_on_from_what_is_kept_of_the_last() {
             expected[begin..end].copy_from_slice(window.as_slice());
             begin = if end == FRAMES { end } else { begin + frames };
         }
-        // Had the seams not pulled, it would be another motion.
+        // Without an effect of the seams it would be another motion.
         assert!(off(&expected, whole.q()) > 1e-3, "order {order}");
         let cut = solver.with_windows(Some(Windows::new(frames, ahead)));
         let cut = cut.solve(&motion, &[0.0]).unwrap();

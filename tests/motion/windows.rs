@@ -1,4 +1,4 @@
-//! Promise: a long clip costs as much per frame as a short one, and in windows it moves as it does as a whole.
+//! Promise: a long clip costs as much per frame as a short one, and its motion in windows is that of the whole.
 
 use crate::slide::slide;
 use kinopt::motion::trajectory::{
@@ -33,7 +33,7 @@ fn windows_agree_with_the_whole_and_at_their_seams() {
 }
 
 #[test]
-fn work_grows_with_the_frames_and_no_faster() {
+fn work_grows_linearly_with_the_frames() {
     let walker = Walker::new();
     let windows = Windows::new(20, 10);
     let solver = MotionSolver::default()
@@ -51,21 +51,21 @@ fn work_grows_with_the_frames_and_no_faster() {
     );
 }
 
-/// Of windows that end differently the one that did not come to rest counts, wherever it is.
+/// Among windows with different terminations, one that did not converge counts, wherever it is.
 #[test]
-fn one_window_that_is_cut_short_is_told() {
+fn unconverged_window_is_reported() {
     let (model, tool) = slide();
-    // To and fro beyond its limits at first, and then no more.
+    // Back and forth beyond the limits at first, then still.
     let to_and_fro = |frames: usize| {
         let mut motion = MotionProblem::builder(&model, frames, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));
-        motion.follow(task, |frame, own| {
+        motion.follow(task, |frame, point| {
             let x = if frame < 10 {
                 1.5 * (frame as f64 * 2.0).sin()
             } else {
                 0.0
             };
-            own.set_target([x, 0.0, 0.0]);
+            point.set_target([x, 0.0, 0.0]);
         });
         motion.rate_cost(RateCost::acceleration(1e-3));
         motion.build().unwrap()
@@ -77,10 +77,10 @@ fn one_window_that_is_cut_short_is_told() {
         let solver = MotionSolver::default().with_max_iterations(most);
         let alone = solver.solve(&first, &[0.0]).unwrap().termination();
         let solver = solver.with_windows(Some(windows));
-        let told = solver.solve(&all, &[0.0]).unwrap().termination();
+        let reported = solver.solve(&all, &[0.0]).unwrap().termination();
         if alone == MotionTermination::IterationLimit {
             cut += 1;
-            assert_eq!(told, MotionTermination::IterationLimit, "{most}");
+            assert_eq!(reported, MotionTermination::IterationLimit, "{most}");
         }
     }
     assert!(cut > 5, "{cut}");

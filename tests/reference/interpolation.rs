@@ -1,4 +1,4 @@
-//! Promise: interpolants, Euler angles and polar decompositions are SciPy's, number by number.
+//! Promise: interpolants, Euler angles and polar decompositions equal SciPy's.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
@@ -101,29 +101,32 @@ fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
     DMat3::from_cols_array_2d(&rows).transpose()
 }
 
-/// How far apart two unit quaternions are as rotations, in radians.
-fn apart(a: DQuat, b: DQuat) -> f64 {
+/// Angle between the rotations of two unit quaternions, in radians.
+fn angle_between(a: DQuat, b: DQuat) -> f64 {
     2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()
 }
 
 #[test]
-fn slerp_is_scipy_s() {
+fn slerp_equals_scipy() {
     for arc in reference().slerp {
         let (from, to) = (quaternion(arc.from).as_quat(), quaternion(arc.to).as_quat());
         for (&share, at) in arc.shares.iter().zip(arc.at) {
             let ours = slerp(from, to, share);
-            assert!(apart(ours.as_dquat(), quaternion(at)) < 2e-6, "{share}");
+            assert!(
+                angle_between(ours.as_dquat(), quaternion(at)) < 2e-6,
+                "{share}"
+            );
             assert!((ours.length() - 1.0).abs() < 1e-6);
-            // The faster one stays on the arc and meets it at the ends and in the middle.
+            // `nlerp` stays on the arc and equals `slerp` at the ends and in the middle.
             let close = [0.0, 0.5, 1.0].contains(&share);
-            let off = apart(nlerp(from, to, share).as_dquat(), quaternion(at));
+            let off = angle_between(nlerp(from, to, share).as_dquat(), quaternion(at));
             assert!(off < if close { 2e-6 } else { 0.2 }, "{share}: {off}");
         }
     }
 }
 
 #[test]
-fn hermite_splines_are_scipy_s() {
+fn hermite_splines_equal_scipy() {
     for spline in reference().hermite {
         let tangents = spline.rates.iter().map(|&rate| [rate.into(); 2]).collect();
         let values: Vec<DVec3> = spline.values.into_iter().map(DVec3::from).collect();
@@ -136,7 +139,7 @@ fn hermite_splines_are_scipy_s() {
 }
 
 #[test]
-fn bezier_curves_are_scipy_s() {
+fn bezier_curves_equal_scipy() {
     for bezier in reference().bezier {
         let curve = CubicBezier::new(bezier.points.map(DVec3::from));
         for ((&u, position), tangent) in bezier.at.iter().zip(bezier.position).zip(bezier.tangent) {
@@ -147,7 +150,7 @@ fn bezier_curves_are_scipy_s() {
 }
 
 #[test]
-fn rotation_hermites_about_one_axis_are_scipy_s_spline() {
+fn rotation_hermites_about_one_axis_equal_scipy() {
     for spline in reference().rotation_spline {
         let keys: Vec<Quat> = spline
             .rotations
@@ -161,20 +164,20 @@ fn rotation_hermites_about_one_axis_are_scipy_s_spline() {
             let rate = |key: usize| (DVec3::from(spline.rates[key]) * length).as_vec3();
             let segment = RotationHermite::new(keys[key], rate(key), keys[key + 1], rate(key + 1));
             let u = (at - spline.times[key]) / length;
-            let off = apart(segment.at(u as f32).as_dquat(), quaternion(rotation));
+            let off = angle_between(segment.at(u as f32).as_dquat(), quaternion(rotation));
             assert!(off < 3e-6, "{off}");
         }
     }
 }
 
 #[test]
-fn euler_angles_of_all_orders_are_scipy_s() {
+fn euler_angles_of_all_orders_equal_scipy() {
     let mut orders = std::collections::HashSet::new();
     for case in reference().euler {
         let theirs = quaternion(case.quaternion);
         orders.insert(case.order);
         let to = case.order.to_quaternion(case.angles);
-        assert!(apart(to, theirs) < 1e-14);
+        assert!(angle_between(to, theirs) < 1e-14);
         assert!(
             (case.order.to_matrix(case.angles) - matrix(case.matrix))
                 .abs_diff_eq(DMat3::ZERO, 1e-14)
@@ -195,7 +198,7 @@ fn euler_angles_of_all_orders_are_scipy_s() {
 }
 
 #[test]
-fn polar_decompositions_are_scipy_s() {
+fn polar_decompositions_equal_scipy() {
     for case in reference().polar {
         let translation = DVec3::new(1.0, -2.0, 3.0);
         let matrix3 = matrix(case.matrix);
@@ -212,7 +215,7 @@ fn polar_decompositions_are_scipy_s() {
 }
 
 #[test]
-fn single_precision_keyed_curves_agree_with_double() {
+fn single_precision_curves_equal_double_precision() {
     for spline in reference().hermite {
         let times = spline.times.iter().map(|&t| t as f32).collect();
         let values = spline

@@ -1,7 +1,12 @@
-//! Promise: Jacobians of robots equal Pinocchio's and those of rigs equal CasADi's automatic
-//! differentiation to 1e-10, on both exact routes; placements of rigs equal the source's recursion
-//! as CasADi evaluates it to 1e-12; gradient and second derivative of a five-tip cost agree too.
-//! (Placements of robots: `urdf_kinematics.rs`.) Written by `notebooks-ref/1-kinematics.ipynb`.
+//! Promise: kinematics equal those of independent programs.
+//!
+//! - Jacobians of robots equal Pinocchio's to 1e-10, and those of rigs equal CasADi's automatic differentiation, by
+//!   both exact derivative routes.
+//! - Placements of rigs equal the recursion of their source, evaluated by CasADi, to 1e-12.
+//! - Gradient and second derivative of a cost of five tips equal CasADi's.
+//!
+//! `tests/urdf/kinematics.rs` compares placements of robots. The references were written by
+//! `notebooks-ref/1-kinematics.ipynb`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -22,7 +27,7 @@ use serde::Deserialize;
 const PLACED_WITHIN: f64 = 1e-12;
 const JACOBIAN_WITHIN: f64 = 1e-10;
 
-/// Six rows, linear then angular, a number a variable each.
+/// Six rows, linear then angular, with one number for each variable.
 type RowBlock = Vec<Vec<f64>>;
 
 #[derive(Deserialize)]
@@ -39,7 +44,7 @@ struct ReferenceRobot {
 
 #[derive(Deserialize)]
 struct RobotCase {
-    /// All moving joints, followers included.
+    /// All moving joints, including mimic joints.
     q: Vec<f64>,
     jacobians: BTreeMap<String, RowBlock>,
 }
@@ -69,7 +74,7 @@ struct RigCase {
     hessian: Vec<Vec<f64>>,
 }
 
-/// The tips that the cost is about, in the order of their targets.
+/// Tips in the cost, in the order of their targets.
 fn tips(file: &str) -> &'static [&'static str] {
     match file {
         "models/humanoid/humanoid.json" => &[
@@ -109,8 +114,8 @@ fn variable_names(model: &Model, map: &ParameterMap) -> Vec<String> {
         .collect()
 }
 
-/// The twist of `frame` by the variables: a pose task at the very place where the frame stands, whose
-/// rotation vector has the identity for its derivative.
+/// Derivative of the twist of `frame` by the variables. A pose task whose target is the frame's own placement gives it:
+/// there the derivative of its rotation vector is the identity.
 fn twists(
     model: &Model,
     map: &ParameterMap,
@@ -150,7 +155,7 @@ fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
 }
 
 #[test]
-fn jacobians_of_robots_are_those_of_pinocchio() {
+fn jacobians_of_robots_equal_pinocchio() {
     let text = include_str!("urdf_jacobians.json");
     let robots = serde_json::from_str::<Robots>(text).unwrap().robots;
     assert_eq!(robots.len(), 8);
@@ -185,7 +190,7 @@ fn placement(numbers: &[f64; 12]) -> Placement<f64> {
 }
 
 #[test]
-fn frames_of_rigs_stand_where_the_recursion_puts_them() {
+fn placements_of_rigs_equal_the_recursion() {
     for (rig, model, map) in rigs() {
         for case in &rig.cases {
             assert_eq!(case.frames.len(), model.frames().len());
@@ -208,7 +213,7 @@ fn frames_of_rigs_stand_where_the_recursion_puts_them() {
 }
 
 #[test]
-fn jacobians_of_rigs_are_those_of_automatic_differentiation() {
+fn jacobians_of_rigs_equal_automatic_differentiation() {
     for (rig, model, map) in rigs() {
         for case in &rig.cases {
             assert_eq!(case.jacobians.len(), tips(&rig.file).len());
@@ -223,7 +228,7 @@ fn jacobians_of_rigs_are_those_of_automatic_differentiation() {
     }
 }
 
-/// ½ Σ ‖tip − target‖² of a rig's tips, and its gradient by the reverse sweep.
+/// Cost ½ Σ ‖tip − target‖² over a rig's tips, with its gradient by the reverse sweep.
 struct Reaching {
     problem: Problem,
 }
@@ -251,8 +256,8 @@ impl Reaching {
         (0.5 * r.iter().map(|v| v * v).sum::<f64>(), gradient)
     }
 
-    /// One column of the second derivative: central differences of the exact gradient, two steps
-    /// combined so that the error is of fourth order (Richardson).
+    /// One column of the second derivative, by central differences of the exact gradient. Two steps are combined so
+    /// that the error is of fourth order (Richardson extrapolation).
     fn hessian_column(&self, x: &[f64], column: usize) -> Vec<f64> {
         let central = |step: f64| -> Vec<f64> {
             let at = |shift: f64| {
@@ -271,7 +276,7 @@ impl Reaching {
 }
 
 #[test]
-fn the_cost_of_reaching_has_casadis_gradient_and_second_derivative() {
+fn cost_derivatives_of_rigs_equal_casadi() {
     for (rig, model, map) in rigs() {
         for case in &rig.cases {
             let reaching = Reaching::new(&model, &map, &rig.file, &case.targets);

@@ -1,4 +1,4 @@
-//! Numbers of programs that share no code with kinopt.
+//! Results of programs that share no code with kinopt.
 
 mod interpolation;
 mod kinematics;

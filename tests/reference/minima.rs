@@ -1,7 +1,8 @@
-//! Promise: on the bounded least-squares problems of `notebooks-ref/2-minima.ipynb`, the default
-//! solver, told to search until three attempts agree, ends no higher than the best of CasADi with
-//! IPOPT, NLopt and SciPy; where it ends in another minimum, that is stationary within the bounds, and
-//! named here.
+//! Promise: the default solver finds minima no higher than the best of CasADi with IPOPT, NLopt and SciPy.
+//!
+//! The problems are the bounded least-squares problems of `notebooks-ref/2-minima.ipynb`; the solver searches until
+//! three attempts agree. Where it ends in another minimum, that minimum is stationary within the bounds and listed
+//! here.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -21,13 +22,13 @@ use support::sample::part;
 
 /// Relative to the reference's cost.
 const NO_WORSE: f64 = 1e-9;
-/// What tolerances of 1e-9 m leave of a cost of zero, in m².
+/// Remainder of a zero cost at tolerances of 1e-9 m, in m².
 const NOTHING: f64 = 1e-16;
-/// The cosine between the residual and what any free variable can do about it.
+/// Cosine between the residual and its first-order change by any free variable.
 const STATIONARY: f64 = 1e-6;
-/// The problems are many: they are solved side by side.
+/// The problems are solved in parallel, because they are many.
 const THREADS: usize = 4;
-/// The problems that end in another minimum than the best known, which is stationary.
+/// Problems whose solution is a stationary minimum other than the best known.
 const IN_ANOTHER_MINIMUM: [&str; 22] = [
     "five tips with posture, humanoid 16",
     "five tips with posture, humanoid 3",
@@ -53,7 +54,7 @@ const IN_ANOTHER_MINIMUM: [&str; 22] = [
     "viewing ray, robot-arm 22",
 ];
 
-/// Cost, KKT residual and the cosine that our solvers judge by, measured afresh.
+/// Cost, KKT residual and the cosine by which our solvers stop, evaluated afresh.
 struct Measured {
     cost: f64,
     kkt: f64,
@@ -88,7 +89,7 @@ fn solve(statement: &Statement, problem: &Problem) -> Solution {
         .parameters()
         .expand(&statement.start, &mut start)
         .unwrap();
-    // By default a miss is not searched for the last per mille.
+    // By default the search would stop before the last per mille of an unreached cost.
     let restarts = Restarts::default().with_agreeing(3);
     let solver = Solver::default().with_restarts(restarts);
     solver.solve_once(problem, &start).unwrap()
@@ -101,7 +102,7 @@ fn variables(problem: &Problem, q: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn there_are_enough_of_enough_kinds() {
+fn reference_has_enough_problems_of_enough_kinds() {
     let (_, problems) = reference();
     let kinds: BTreeSet<&str> = problems.iter().map(|p| p.kind.as_str()).collect();
     let names: BTreeSet<&str> = problems.iter().map(|p| p.name.as_str()).collect();
@@ -110,20 +111,20 @@ fn there_are_enough_of_enough_kinds() {
 }
 
 #[test]
-fn both_sides_mean_the_same_problem() {
-    // Ours and CasADi's expression of every cost and KKT residual, at every tool's answer.
+fn costs_and_kkt_residuals_equal_the_references() {
+    // Our cost and KKT residual equal CasADi's at every tool's answer.
     let (models, problems) = reference();
     for statement in &problems {
         let problem = problem(statement, &models[&statement.model]);
-        for (tool, answer) in &statement.answers {
-            let here = measure(&problem, &answer.x);
-            let off = (here.cost - answer.cost).abs() / answer.cost.max(1e-6);
+        for (tool, result) in &statement.answers {
+            let here = measure(&problem, &result.x);
+            let off = (here.cost - result.cost).abs() / result.cost.max(1e-6);
             assert!(
                 off < 1e-12,
                 "{}, {tool}: cost off by {off:e}",
                 statement.name
             );
-            let off = (here.kkt - answer.kkt).abs() / answer.cost.sqrt().max(1e-3);
+            let off = (here.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
             assert!(
                 off < 1e-10,
                 "{}, {tool}: kkt off by {off:e}",
@@ -133,7 +134,7 @@ fn both_sides_mean_the_same_problem() {
     }
 }
 
-/// Why a problem's solution is no good, and where it is in another minimum.
+/// Why a problem's solution is wrong, and its excess where it is another minimum.
 struct Verdict<'a> {
     name: &'a str,
     not_stationary: Option<String>,
@@ -145,8 +146,8 @@ fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
     let solution = solve(statement, &problem);
     let here = measure(&problem, &variables(&problem, &solution.q));
     let best = statement.minima[statement.best].cost;
-    let told = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
-    assert!(told, "{}: {} told", statement.name, solution.cost);
+    let reported = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
+    assert!(reported, "{}: {} told", statement.name, solution.cost);
     let moving = !solution.reached && here.cosine > STATIONARY;
     let above = here.cost > best * (1.0 + NO_WORSE) + NOTHING;
     Verdict {
@@ -158,16 +159,20 @@ fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
 }
 
 #[test]
-fn the_default_solver_ends_no_higher_than_the_best_of_the_references() {
+fn default_solver_matches_the_best_known_minimum() {
     let (models, problems) = reference();
     let looked_at: Vec<_> = part(&problems, 5).collect();
     let verdicts: Vec<Verdict<'_>> = std::thread::scope(|scope| {
-        // By turns, so that every thread gets its share of the large ones.
+        // Interleaved, so that each thread gets a share of the large problems.
         let workers: Vec<_> = (0..THREADS)
             .map(|first| {
-                let own = looked_at.iter().skip(first).step_by(THREADS);
+                let share = looked_at.iter().skip(first).step_by(THREADS);
                 let models = &models;
-                scope.spawn(move || own.map(|p| judge(p, &models[&p.model])).collect::<Vec<_>>())
+                scope.spawn(move || {
+                    share
+                        .map(|p| judge(p, &models[&p.model]))
+                        .collect::<Vec<_>>()
+                })
             })
             .collect();
         workers
@@ -177,15 +182,15 @@ fn the_default_solver_ends_no_higher_than_the_best_of_the_references() {
     });
     assert_eq!(verdicts.len(), looked_at.len());
     let moving = verdicts.iter().filter_map(|verdict| {
-        let told = verdict.not_stationary.as_ref()?;
-        Some(format!("{}: {told}", verdict.name))
+        let reported = verdict.not_stationary.as_ref()?;
+        Some(format!("{}: {reported}", verdict.name))
     });
     assert_eq!(moving.collect::<Vec<_>>(), [""; 0]);
     let unexpected = verdicts.iter().filter_map(|verdict| {
-        let told = verdict.above_the_best.as_ref()?;
+        let reported = verdict.above_the_best.as_ref()?;
         let known = IN_ANOTHER_MINIMUM.contains(&verdict.name);
-        println!("{}: ends in another minimum: {told}", verdict.name);
-        (!known).then(|| format!("{}: {told}", verdict.name))
+        println!("{}: ends in another minimum: {reported}", verdict.name);
+        (!known).then(|| format!("{}: {reported}", verdict.name))
     });
     assert_eq!(unexpected.collect::<Vec<_>>(), [""; 0]);
 }

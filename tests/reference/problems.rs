@@ -1,4 +1,4 @@
-//! The problems of `minima.json`, and each of them stated through [`Problem`].
+//! The problems of `minima.json`, each stated as a [`Problem`].
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -63,7 +63,7 @@ struct Weights {
     ratio: Option<f64>,
 }
 
-/// One task as the fixture states it; rotations by rows.
+/// One task as the fixture states it, with rotations by rows.
 #[derive(Deserialize)]
 struct Asked {
     weights: Weights,
@@ -113,7 +113,7 @@ enum AskedResidual {
     Centring,
 }
 
-/// A model with the variables that the reference's x stands for.
+/// A model with the variables to which the reference's x refers.
 pub(super) struct Loaded {
     model: Model,
     map: ParameterMap,

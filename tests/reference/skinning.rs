@@ -1,5 +1,6 @@
-//! Promise: vertices of the shipped rigs, skinned by linear blend and by dual quaternions, agree
-//! with another implementation (NumPy and SciPy, in double precision) to 1e-5 of the model's size.
+//! Promise: skinned vertices of the shipped rigs equal another implementation to 1e-5 of the model's size.
+//!
+//! The methods are linear blend and dual quaternions; the reference is NumPy and SciPy in double precision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
@@ -33,8 +34,8 @@ fn transforms(rig: &Rig, pose: &Value) -> Vec<Affine3A> {
     transforms.map(|t| single_precision_transform(&t)).collect()
 }
 
-/// The furthest that a listed vertex is off.
-fn off(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
+/// Largest deviation of a listed vertex.
+fn largest_deviation(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
     let listed = entry["vertices"].as_array().unwrap().iter();
     let expected = numbers(&expected["positions"]);
     assert_eq!(expected.len(), 3 * listed.len());
@@ -48,7 +49,7 @@ fn off(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
 }
 
 #[test]
-fn any_number_of_influences() {
+fn posed_vertices_equal_the_reference() {
     for entry in reference()["rigs"].as_array().unwrap() {
         let rig = rig(entry);
         let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
@@ -57,14 +58,14 @@ fn any_number_of_influences() {
             for method in SkinningMethod::ALL {
                 let expected = &pose[method.name()];
                 let posed = method.mesh(mesh, weights, &transforms).unwrap();
-                let off = off(entry, expected, posed.positions());
+                let off = largest_deviation(entry, expected, posed.positions());
                 assert!(
                     off < 1e-5 * mesh.size(),
                     "{method} {}: off by {off}",
                     entry["file"]
                 );
 
-                // All the others by their mean and their spread about it.
+                // The remaining vertices are compared by their mean and their spread about it.
                 let all = || posed.positions().iter().map(|p| p.as_dvec3());
                 let count = posed.positions().len() as f64;
                 let centroid = all().sum::<DVec3>() / count;
@@ -82,9 +83,9 @@ fn any_number_of_influences() {
     }
 }
 
-/// The arm's vertices follow at most four bones.
+/// The arm's vertices have at most four bones each.
 #[test]
-fn four_packed_influences() {
+fn vertices_of_packed_weights_equal_the_reference() {
     let document = reference();
     let entries = document["rigs"].as_array().unwrap();
     let mut compared = 0;
@@ -102,7 +103,7 @@ fn four_packed_influences() {
             for (name, way) in ways {
                 let mut posed = mesh.positions().to_vec();
                 way.positions(mesh.positions(), &mut posed).unwrap();
-                let off = off(entry, &pose[name], &posed);
+                let off = largest_deviation(entry, &pose[name], &posed);
                 assert!(off < 1e-5 * mesh.size(), "{name}: off by {off}");
                 compared += 1;
             }

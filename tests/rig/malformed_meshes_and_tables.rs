@@ -1,4 +1,4 @@
-//! Promise: a malformed PLY or DMAT file is an error that names the file, the place and the problem.
+//! Promise: errors of malformed PLY or DMAT files name the file, the location and the problem.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::io::{ReadError, dmat, ply};
@@ -9,7 +9,7 @@ fn ply_error(bytes: impl AsRef<[u8]>) -> ReadError {
 }
 
 #[test]
-fn ply_files_that_are_malformed() {
+fn malformed_ply_is_named_with_its_location() {
     let edited = |from: &str, to: &str| {
         assert!(PLY.contains(from), "{from}");
         ply_error(PLY.replacen(from, to, 1)).to_string()
@@ -87,7 +87,7 @@ fn ply_files_that_are_malformed() {
 
 /// By the sizes of Turk's format.
 #[test]
-fn what_a_ply_header_announces_is_counted_in_bytes() {
+fn announced_ply_size_is_checked_in_bytes() {
     for (kinds, width) in [
         (["char", "uchar"], 1),
         (["short", "ushort"], 2),
@@ -107,7 +107,7 @@ fn what_a_ply_header_announces_is_counted_in_bytes() {
 }
 
 #[test]
-fn binary_ply_files_that_are_malformed() {
+fn malformed_binary_ply_is_named() {
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty double x\n\
         property double y\nproperty double z\nelement face 1\n\
         property list int int vertex_indices\nend_header\n";
@@ -138,7 +138,7 @@ fn binary_ply_files_that_are_malformed() {
 }
 
 #[test]
-fn dmat_files_that_are_malformed() {
+fn malformed_dmat_is_named_with_its_location() {
     let f64s = |values: &[f64]| {
         values
             .iter()

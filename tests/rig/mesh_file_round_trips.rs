@@ -1,4 +1,4 @@
-//! Promise: a mesh or a matrix that is written and read again is the same, bit for bit.
+//! Promise: meshes and matrices round trip through files bitwise.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Vec3;
@@ -8,7 +8,7 @@ use kinopt::io::ply::{self, PlyEncoding};
 use kinopt::mesh::TriangleMesh;
 use nalgebra::DMatrix;
 
-/// Numbers that lose bits when written carelessly.
+/// Numbers that lose bits if written carelessly.
 fn awkward_mesh(with_normals: bool) -> TriangleMesh {
     let positions = vec![
         Vec3::new(0.1, -1.0 / 3.0, 1e-30),
@@ -35,7 +35,7 @@ fn assert_same(a: &TriangleMesh, b: &TriangleMesh) {
 }
 
 #[test]
-fn ply_in_each_encoding_reads_back_the_same_bits() {
+fn ply_round_trips_in_each_encoding() {
     for with_normals in [false, true] {
         let mesh = awkward_mesh(with_normals);
         for encoding in [
@@ -53,7 +53,7 @@ fn ply_in_each_encoding_reads_back_the_same_bits() {
 }
 
 #[test]
-fn ply_files_survive_the_disk() {
+fn ply_round_trips_through_the_disk() {
     let path = std::env::temp_dir().join(format!("kinopt-{}.ply", std::process::id()));
     let mesh = awkward_mesh(true);
     ply::write(&mesh, PlyEncoding::BinaryLittleEndian, &path).unwrap();
@@ -63,8 +63,8 @@ fn ply_files_survive_the_disk() {
 }
 
 #[test]
-fn ply_written_by_others_is_understood() {
-    // Doubles, quads, an unknown property, an unknown element in front, 32-bit names of types.
+fn ply_variants_of_other_programs_are_read() {
+    // Doubles, quads, an unknown property, an unknown leading element, 32-bit type names.
     let text = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\n\
         property list uchar int order\nelement vertex 4\nproperty float64 x\nproperty double y\n\
         property float z\nproperty uchar red\nelement face 1\n\
@@ -75,7 +75,7 @@ fn ply_written_by_others_is_understood() {
     assert_eq!(mesh.positions()[2], Vec3::new(1.0, 1.0, 0.5));
     assert!(mesh.normals().is_empty());
 
-    // A double is rounded to the nearest f32, and extra binary data of a skipped list is passed over.
+    // Doubles are rounded to the nearest f32, and binary data of unknown lists is skipped.
     let mut bytes = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\n\
         property list uchar short extra\nproperty double y\nproperty double z\nelement face 1\n\
         property list ushort uchar vertex_indices\nend_header\n"
@@ -93,7 +93,7 @@ fn ply_written_by_others_is_understood() {
 }
 
 #[test]
-fn dmat_in_both_encodings_reads_back_the_same_bits() {
+fn dmat_round_trips_in_both_encodings() {
     let values = [
         0.1,
         -1.0 / 3.0,
@@ -127,7 +127,7 @@ fn dmat_in_both_encodings_reads_back_the_same_bits() {
 }
 
 #[test]
-fn dmat_text_is_columns_first() {
+fn dmat_is_column_major() {
     let matrix = dmat::from_bytes(b"2 3\r\n1\r\n2\r\n3\r\n4\r\n5\r\n6", "hand").unwrap();
     assert_eq!(matrix, nalgebra::dmatrix![1.0, 4.0; 2.0, 5.0; 3.0, 6.0]);
     let mut bytes = b"0 0\n2 1\n".to_vec();
@@ -138,7 +138,7 @@ fn dmat_text_is_columns_first() {
 }
 
 #[test]
-fn obj_reads_back_the_same_bits_with_indices_from_one() {
+fn obj_round_trips_with_indices_from_one() {
     for with_normals in [false, true] {
         let mesh = awkward_mesh(with_normals);
         let (mut positions, mut normals, mut triangles) = (vec![], vec![], vec![]);
@@ -171,9 +171,9 @@ fn obj_reads_back_the_same_bits_with_indices_from_one() {
     }
 }
 
-/// Only text may end in blanks.
+/// Only text files may end in blanks.
 #[test]
-fn what_follows_a_binary_mesh_is_refused() {
+fn trailing_bytes_of_a_binary_mesh_are_rejected() {
     let mesh = ply::from_bytes(support::small_rig::PLY.as_bytes(), "small.ply").unwrap();
     for (encoding, is_text) in [
         (PlyEncoding::Ascii, true),

@@ -1,4 +1,4 @@
-//! Promise: from joint angles to a posed mesh in one call, the same as step by step.
+//! Promise: one call from joint angles to a posed mesh equals the separate steps.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -15,7 +15,7 @@ fn humanoid() -> Rig {
 }
 
 #[test]
-fn a_solution_poses_the_mesh() {
+fn solution_poses_the_mesh() {
     let rig = humanoid();
     let skeleton = &rig.skeleton;
     let hand = skeleton.bone("left_hand").unwrap();
@@ -42,7 +42,7 @@ fn a_solution_poses_the_mesh() {
         assert_eq!(posed.triangles(), mesh.triangles());
         assert_ne!(posed.positions(), mesh.positions());
 
-        // A pose of the armature, and one posing for many.
+        // A pose of the armature, and one posing for many poses.
         let mut posing = rig.posing(method).unwrap();
         assert!(!posing.has_automatic_weights());
         let mut pose = Armature::of_skeleton(skeleton).rest().clone();
@@ -54,7 +54,7 @@ fn a_solution_poses_the_mesh() {
         assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(*b, 1e-5)));
         assert_eq!(posing.mesh(&solution.q).unwrap(), posed);
 
-        // Into memory of the caller's, by what owns the rig.
+        // Into the caller's memory, with an owned rig.
         let mut owned = RigPosing::new(Arc::new(rig.clone()), method).unwrap();
         let mut positions = vec![Vec3::ZERO; posed.positions().len()];
         let buffers = PosedVertices {
@@ -79,7 +79,7 @@ fn a_solution_poses_the_mesh() {
 }
 
 #[test]
-fn what_is_missing_is_told_or_made_up() {
+fn missing_parts_are_reported_or_computed() {
     let mut rig = humanoid();
     let rest = rig.skeleton.model().neutral();
     let method = SkinningMethod::LinearBlend;

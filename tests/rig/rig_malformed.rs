@@ -1,4 +1,4 @@
-//! Promise: a malformed rig is an error that names the file, the place in it and the problem.
+//! Promise: errors of malformed rigs name the file, the location and the problem.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::io::rig::{Rig, RigNote};
@@ -6,14 +6,14 @@ use kinopt::io::{Place, ReadProblem, dmat, ply};
 use serde_json::{Value, json};
 use support::small_rig::{DMAT, PLY, SmallRig};
 
-/// Changes the good rig's JSON by `edit`, and checks that the error has every one of `parts`.
-fn refused(case: &str, edit: impl FnOnce(&mut Value), parts: &[&str]) {
+/// Edits the valid rig's JSON and checks that the error contains all `parts`.
+fn assert_rejected(case: &str, edit: impl FnOnce(&mut Value), parts: &[&str]) {
     let mut json: Value = serde_json::from_str(support::small_rig::JSON).unwrap();
     edit(&mut json);
-    refused_with(case, &SmallRig::with_json(&json.to_string()), parts);
+    assert_rig_rejected(case, &SmallRig::with_json(&json.to_string()), parts);
 }
 
-fn refused_with(case: &str, rig: &SmallRig, parts: &[&str]) {
+fn assert_rig_rejected(case: &str, rig: &SmallRig, parts: &[&str]) {
     let message = match rig.parse() {
         Ok(_) => panic!("{case}: was read"),
         Err(error) => error.to_string(),
@@ -28,7 +28,7 @@ fn remove(value: &mut Value, key: &str) {
 }
 
 #[test]
-fn the_good_rig_is_read() {
+fn valid_rig_is_read() {
     let rig = SmallRig::with_json(support::small_rig::JSON)
         .parse()
         .unwrap();
@@ -39,70 +39,70 @@ fn the_good_rig_is_read() {
 }
 
 #[test]
-fn missing_keys_and_wrong_types() {
-    refused(
+fn missing_keys_and_wrong_types_are_named() {
+    assert_rejected(
         "no bones",
         |j| remove(j, "bones"),
         &["missing field `bones`"],
     );
-    refused(
+    assert_rejected(
         "empty",
         |j| j["bones"] = json!([]),
         &["bones: ", "no bones"],
     );
     for key in ["parent_id", "weight_id", "length", "rest_T"] {
         let expected = format!("missing field `{key}`");
-        refused(
+        assert_rejected(
             key,
             |j| remove(&mut j["bones"][1], key),
             &["bones[1]: ", &expected],
         );
         let path = format!("bones[2].{key}");
-        refused(key, |j| j["bones"][2][key] = Value::Null, &[&path, "null"]);
-        refused(key, |j| j["bones"][2][key] = json!("1"), &[&path, "string"]);
+        assert_rejected(key, |j| j["bones"][2][key] = Value::Null, &[&path, "null"]);
+        assert_rejected(key, |j| j["bones"][2][key] = json!("1"), &[&path, "string"]);
     }
-    refused(
+    assert_rejected(
         "fraction",
         |j| j["bones"][1]["parent_id"] = json!(0.5),
         &["bones[1].parent_id", "0.5"],
     );
-    refused(
+    assert_rejected(
         "limits",
         |j| j["bones"][1]["xzx_min"] = Value::Null,
         &["bones[1].xzx_min", "null"],
     );
-    refused(
+    assert_rejected(
         "limits",
         |j| j["bones"][1]["xzx_max"][2] = json!("x"),
         &["bones[1].xzx_max[2]", "string"],
     );
-    refused(
+    assert_rejected(
         "model",
         |j| remove(&mut j["model"], "file"),
         &["model: ", "missing field `file`"],
     );
-    refused("model", |j| j["model"] = Value::Null, &["model: ", "null"]);
-    refused(
+    assert_rejected("model", |j| j["model"] = Value::Null, &["model: ", "null"]);
+    assert_rejected(
         "keys",
         |j| remove(&mut j["fk_animation"][0], "keys"),
         &["fk_animation[0]: ", "`keys`"],
     );
-    refused(
+    assert_rejected(
         "key",
         |j| remove(&mut j["fk_animation"][0]["keys"][1], "t"),
         &["fk_animation[0].keys[1]: ", "`t`"],
     );
-    refused(
+    assert_rejected(
         "animation",
         |j| j["fk_animation"] = Value::Null,
         &["fk_animation: ", "null"],
     );
-    refused(
+    assert_rejected(
         "constraints",
         |j| j["ik_constraints"] = json!("2"),
         &["ik_constraints: ", "array"],
     );
-    refused(
+    assert_rejected(
         "constraints",
         |j| j["ik_constraints"] = json!([1.5]),
         &["ik_constraints[0]", "1.5"],
@@ -110,9 +110,9 @@ fn missing_keys_and_wrong_types() {
 }
 
 #[test]
-fn text_that_is_not_the_json_of_a_rig() {
+fn invalid_json_is_named() {
     let text = |case: &str, json: &str, parts: &[&str]| {
-        refused_with(case, &SmallRig::with_json(json), parts);
+        assert_rig_rejected(case, &SmallRig::with_json(json), parts);
     };
     text("nothing", "", &["EOF", "line 1"]);
     text("truncated", &support::small_rig::JSON[..200], &["EOF"]);
@@ -148,28 +148,28 @@ fn text_that_is_not_the_json_of_a_rig() {
 }
 
 #[test]
-fn wrong_sizes() {
-    refused(
+fn wrong_sizes_are_named() {
+    assert_rejected(
         "rows",
         |j| remove_last(&mut j["bones"][2]["rest_T"]),
         &["bones[2].rest_T: ", "3 rows"],
     );
-    refused(
+    assert_rejected(
         "columns",
         |j| remove_last(&mut j["bones"][2]["rest_T"][1]),
         &["bones[2].rest_T[1]: ", "3 numbers"],
     );
-    refused(
+    assert_rejected(
         "min",
         |j| j["bones"][1]["xzx_min"] = json!([0, 0]),
         &["bones[1].xzx_min: ", "2 numbers"],
     );
-    refused(
+    assert_rejected(
         "max",
         |j| j["bones"][1]["xzx_max"] = json!([0, 0, 0, 0]),
         &["bones[1].xzx_max: ", "4 numbers"],
     );
-    refused(
+    assert_rejected(
         "key",
         |j| j["fk_animation"][0]["keys"][1]["xzx"] = json!([]),
         &["fk_animation[0].keys[1].xzx: ", "0 numbers"],
@@ -181,16 +181,16 @@ fn remove_last(value: &mut Value) {
 }
 
 #[test]
-fn trees_that_are_none() {
+fn invalid_trees_are_named() {
     for parent in [1, 2, 3, -2, i64::MAX, i64::MIN] {
         let number = parent.to_string();
-        refused(
+        assert_rejected(
             "parent",
             |j| j["bones"][1]["parent_id"] = json!(parent),
             &["bones[1].parent_id: ", &number, "cycles"],
         );
     }
-    refused(
+    assert_rejected(
         "cycle",
         |j| {
             j["bones"][1]["parent_id"] = json!(2);
@@ -201,9 +201,9 @@ fn trees_that_are_none() {
 }
 
 #[test]
-fn names_that_are_none() {
+fn invalid_names_are_named() {
     let named = |case: &str, name: Value, parts: &[&str]| {
-        refused(case, |j| j["bones"][1]["name"] = name, parts);
+        assert_rejected(case, |j| j["bones"][1]["name"] = name, parts);
     };
     named("empty", json!(""), &["bones[1].name: ", "empty"]);
     named("null", Value::Null, &["bones[1].name", "null"]);
@@ -218,7 +218,7 @@ fn names_that_are_none() {
         json!("bone/2"),
         &["bones[1].name: ", "`bone/2`", "`bone/1`"],
     );
-    refused(
+    assert_rejected(
         "twice",
         |j| {
             j["bones"][0]["name"] = json!("arm");
@@ -229,23 +229,23 @@ fn names_that_are_none() {
 }
 
 #[test]
-fn numbers_out_of_range() {
-    refused(
+fn numbers_out_of_range_are_named() {
+    assert_rejected(
         "length",
         |j| j["bones"][2]["length"] = json!(-0.1),
         &["bones[2].length: ", "-0.1"],
     );
-    refused(
+    assert_rejected(
         "order",
         |j| j["bones"][1]["xzx_min"] = json!([0, 91, 0]),
         &["bones[1].xzx_min[1]: ", "91", "xzx_max[1]", "90"],
     );
-    refused(
+    assert_rejected(
         "lower end",
         |j| j["bones"][1]["xzx_min"] = json!([0, 0, 1e10]),
         &["bones[1].xzx_min[2]: ", "1e10"],
     );
-    refused(
+    assert_rejected(
         "upper end",
         |j| {
             j["bones"][1]["xzx_min"] = json!([-1e10, 0, 0]);
@@ -255,38 +255,38 @@ fn numbers_out_of_range() {
     );
     for bone in [3, -1, i64::MIN] {
         let number = bone.to_string();
-        refused(
+        assert_rejected(
             "track",
             |j| j["fk_animation"][0]["bone_id"] = json!(bone),
             &["fk_animation[0].bone_id: ", &number, "0 to 2"],
         );
-        refused(
+        assert_rejected(
             "one",
             |j| j["ik_constraints"] = json!(bone),
             &["ik_constraints: ", &number, "0 to 2"],
         );
-        refused(
+        assert_rejected(
             "many",
             |j| j["ik_constraints"] = json!([0, bone]),
             &["ik_constraints[1]: ", &number],
         );
     }
-    refused(
+    assert_rejected(
         "absurd",
         |j| j["ik_constraints"] = json!(u64::MAX),
         &["ik_constraints: "],
     );
-    refused(
+    assert_rejected(
         "unsorted",
         |j| j["fk_animation"][0]["keys"][1]["t"] = json!(-1),
         &["fk_animation[0].keys[1].t: ", "-1"],
     );
-    refused(
+    assert_rejected(
         "duplicate",
         |j| j["fk_animation"][0]["keys"][1]["t"] = json!(0.75),
         &["fk_animation[0].keys[1].t: ", "0.75"],
     );
-    refused(
+    assert_rejected(
         "two tracks",
         |j| {
             let track = j["fk_animation"][0].clone();
@@ -297,9 +297,9 @@ fn numbers_out_of_range() {
 }
 
 #[test]
-fn rest_placements_that_are_not_rigid() {
+fn non_rigid_rest_placements_are_named() {
     let rest = |case: &str, row: usize, column: usize, value: f64, parts: &[&str]| {
-        refused(
+        assert_rejected(
             case,
             |j| j["bones"][1]["rest_T"][row][column] = json!(value),
             parts,
@@ -342,21 +342,21 @@ fn rest_placements_that_are_not_rigid() {
 }
 
 #[test]
-fn weights_that_do_not_fit() {
+fn mismatched_weights_are_named() {
     for id in [2, -2, i64::MAX] {
         let number = id.to_string();
-        refused(
+        assert_rejected(
             "column",
             |j| j["bones"][1]["weight_id"] = json!(id),
             &["bones[1].weight_id: ", &number, "2 columns"],
         );
     }
-    refused(
+    assert_rejected(
         "claimed twice",
         |j| j["bones"][2]["weight_id"] = json!(0),
         &["bones[2].weight_id: ", "bone 1"],
     );
-    refused(
+    assert_rejected(
         "unclaimed",
         |j| j["bones"][2]["weight_id"] = json!(-1),
         &["weights.file: ", "column 1"],
@@ -367,7 +367,7 @@ fn weights_that_do_not_fit() {
             dmat: Some(dmat.into()),
             ..SmallRig::with_json(support::small_rig::JSON)
         };
-        refused_with(case, &rig, parts);
+        assert_rig_rejected(case, &rig, parts);
     };
     table(
         "sum",
@@ -395,7 +395,7 @@ fn weights_that_do_not_fit() {
         &["weights.file: ", "small.dmat", "line 1", "is damaged"],
     );
 
-    // A column that nobody claims may be there as long as it is zero.
+    // An unclaimed column is accepted if it is zero.
     let spare = format!("3 {}0 0 0\n", DMAT.strip_prefix("2 ").unwrap());
     let rig = SmallRig {
         dmat: Some(spare.into()),
@@ -405,12 +405,12 @@ fn weights_that_do_not_fit() {
 }
 
 #[test]
-fn named_files_that_cannot_be_read() {
+fn unreadable_part_files_are_named() {
     let rig = SmallRig {
         ply: None,
         ..SmallRig::with_json(support::small_rig::JSON)
     };
-    refused_with(
+    assert_rig_rejected(
         "absent mesh",
         &rig,
         &["model.file: ", "small.ply", "cannot be read"],
@@ -419,7 +419,7 @@ fn named_files_that_cannot_be_read() {
         ply: Some(PLY[..PLY.len() - 3].into()),
         ..SmallRig::with_json(support::small_rig::JSON)
     };
-    refused_with(
+    assert_rig_rejected(
         "truncated mesh",
         &rig,
         &["model.file: ", "small.ply", "line 13"],
@@ -428,7 +428,7 @@ fn named_files_that_cannot_be_read() {
 
 /// Bones and keyframes do not need the weights.
 #[test]
-fn weights_that_do_not_exist_are_noted() {
+fn missing_weights_file_is_noted() {
     let rig = SmallRig {
         dmat: None,
         ..SmallRig::with_json(support::small_rig::JSON)
@@ -452,7 +452,7 @@ fn weights_that_do_not_exist_are_noted() {
 }
 
 #[test]
-fn paths_that_cannot_be_read() {
+fn unreadable_paths_are_named() {
     let nowhere = Rig::read("no/such/rig.json").unwrap_err();
     assert_eq!(nowhere.place, Place::File);
     assert!(matches!(nowhere.problem, ReadProblem::Io(_)));
@@ -473,7 +473,7 @@ fn paths_that_cannot_be_read() {
             "{error}"
         );
     }
-    // The parts are looked for beside the rig.
+    // Parts are searched next to the rig file.
     let folder = std::env::temp_dir().join(format!("kinopt-malformed-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("rig.json"), support::small_rig::JSON).unwrap();
@@ -484,11 +484,11 @@ fn paths_that_cannot_be_read() {
     assert_eq!(error.place, Place::Json("model.file".into()));
 }
 
-/// Tension, continuity and bias are of one interpolation; another has none of them, and says so.
+/// Tension, continuity and bias belong to one interpolation and are rejected for others.
 #[test]
-fn controls_of_another_interpolation() {
+fn controls_of_another_interpolation_are_named() {
     for name in ["linear", "catmull-rom"] {
-        refused(
+        assert_rejected(
             name,
             |j| {
                 j["fk_animation"][0]["interpolation"] = json!(name);
@@ -496,16 +496,16 @@ fn controls_of_another_interpolation() {
                     j["fk_animation"][0]["keys"][key]["tcb"] = json!([0.1, 0.2, 0.3]);
                 }
             },
-            // The first that has any.
+            // The first key with controls is named.
             &["fk_animation[0].keys[0].tcb", "kochanek-bartels", name],
         );
     }
-    refused(
+    assert_rejected(
         "unknown",
         |j| j["fk_animation"][0]["interpolation"] = json!("cubic"),
         &["fk_animation[0].interpolation", "cubic"],
     );
-    refused(
+    assert_rejected(
         "too few",
         |j| {
             j["fk_animation"][0]["interpolation"] = json!("kochanek-bartels");

@@ -1,4 +1,4 @@
-//! Promise: a rig means what its format says, and one that is written and read again is the same.
+//! Promise: a rig is read as its format specifies, and round trips through files.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -22,7 +22,7 @@ fn indices(rig: &Rig) -> Vec<usize> {
 }
 
 #[test]
-fn the_numbers_mean_what_the_format_says() {
+fn numbers_are_read_as_specified() {
     let rig = SmallRig::with_json(support::small_rig::JSON)
         .parse()
         .unwrap();
@@ -35,7 +35,7 @@ fn the_numbers_mean_what_the_format_says() {
     assert_eq!(middle.parent.unwrap().index(), 0);
     assert_eq!(middle.limits[1].upper, FRAC_PI_2);
     assert!((middle.limits[0].lower + PI / 18.0).abs() < 1e-16);
-    // ±1e10 and absent limits are none.
+    // ±1e10 and missing limits mean unlimited.
     assert_eq!(middle.limits[2].lower, f64::NEG_INFINITY);
     assert_eq!(middle.limits[2].upper, f64::INFINITY);
     assert!(
@@ -48,7 +48,7 @@ fn the_numbers_mean_what_the_format_says() {
             .iter()
             .all(|limits| limits.upper == f64::INFINITY)
     );
-    // RowBlock: canonical x goes to model y, from (0.625, 0, 0.1).
+    // Row-major: canonical x maps to model y, from (0.625, 0, 0.1).
     assert_eq!(end.rest_tail().to_array(), [0.625, 0.0, 0.1]);
     assert_eq!(end.rest_tip().to_array(), [0.625, 0.25, 0.1]);
     assert_eq!(indices(&rig), [2]);
@@ -63,7 +63,7 @@ fn the_numbers_mean_what_the_format_says() {
     assert_eq!(rig.clip.keys(bone_1.bone), bone_1.keys);
     assert!(rig.clip.keys(rig.skeleton.bone_at(2).unwrap()).is_empty());
 
-    // Column 0 is bone 1's and column 1 bone 2's.
+    // Column 0 belongs to bone 1 and column 1 to bone 2.
     let weights = rig.weights.unwrap();
     let half = |bone| Influence { bone, weight: 0.5 };
     assert_eq!(weights.influences(1), [half(1), half(2)]);
@@ -74,14 +74,14 @@ fn the_numbers_mean_what_the_format_says() {
             weight: 1.0
         }]
     );
-    // A track that does not say how is a Catmull-Rom spline.
+    // The default interpolation of a track is a Catmull-Rom spline.
     let turned = rig.clip.tracks()[0].bone;
     let between = rig.clip.interpolation(turned).name();
     assert_eq!(between, "catmull-rom");
 }
 
 #[test]
-fn pinned_tips_may_be_a_list_a_number_or_absent() {
+fn constrained_tips_may_be_list_number_or_absent() {
     let with = |text: &str| {
         let json = support::small_rig::JSON.replace("\"ik_constraints\": [2],", text);
         indices(&SmallRig::with_json(&json).parse().unwrap())
@@ -93,8 +93,8 @@ fn pinned_tips_may_be_a_list_a_number_or_absent() {
 }
 
 #[test]
-fn names_are_optional_and_survive() {
-    // "bone/1" on bone 1 is its default name, spelt out.
+fn names_are_optional_and_round_trip() {
+    // "bone/1" on bone 1 is its explicit default name.
     let json = support::small_rig::JSON
         .replace("\"length\":0.5,", "\"length\":0.5,\"name\":\"bone/1\",")
         .replace(
@@ -113,13 +113,13 @@ fn names_are_optional_and_survive() {
     assert!(rig.skeleton.model().frame("Hand \"é\"/tip").is_ok());
 
     let written = rig.to_json("small.ply", "small.dmat");
-    // Default names are not written: files that had none get none.
+    // Default names are not written.
     assert_eq!(written.matches("\"name\"").count(), 1);
     assert_same(&rig, &SmallRig::with_json(&written).parse().unwrap());
 }
 
 #[test]
-fn names_that_could_not_be_read_are_not_written() {
+fn unreadable_names_are_not_written() {
     let mut rig = SmallRig::with_json(support::small_rig::JSON)
         .parse()
         .unwrap();
@@ -148,7 +148,7 @@ fn mesh_weights_and_keyframes_may_be_absent() {
 }
 
 #[test]
-fn a_rig_survives_the_disk() {
+fn rig_round_trips_through_the_disk() {
     let rig = SmallRig::with_json(support::small_rig::JSON)
         .parse()
         .unwrap();
@@ -177,7 +177,7 @@ fn a_rig_survives_the_disk() {
 }
 
 #[test]
-fn angles_given_in_degrees_come_back_to_the_bit() {
+fn angles_in_degrees_round_trip_exactly() {
     // Whole degrees, awkward fractions, and thousands of pseudo-random ones over many magnitudes.
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut angles: Vec<f64> = (-720..=720).map(f64::from).collect();

@@ -1,5 +1,5 @@
-//! Promise: the rigs that ship under `models/` are sound: closed skins, smooth weights that sum to
-//! one, keyframes within the limits, tips that any pose puts somewhere finite, small files.
+//! Promise: the rigs under `models/` are sound: closed skins, smooth weights that sum to 1, keyframes within limits,
+//! finite tips at any pose, and small files.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ fn unit(state: &mut u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Angles within the limits, all of which must be finite.
+/// Random angles within the limits, which must be finite.
 fn random_angles(rig: &Rig, state: &mut u64) -> Vec<f64> {
     let limits = rig.skeleton.bones().iter().flat_map(|bone| bone.limits);
     let draw = limits.map(|limits| {
@@ -37,7 +37,7 @@ fn random_angles(rig: &Rig, state: &mut u64) -> Vec<f64> {
 }
 
 #[test]
-fn each_rig_is_under_a_megabyte() {
+fn each_rig_is_smaller_than_a_megabyte() {
     for name in NAMES {
         let parts = ["json", "ply", "dmat"].map(|extension| {
             let path = folder(name).join(format!("{name}.{extension}"));
@@ -48,14 +48,14 @@ fn each_rig_is_under_a_megabyte() {
 }
 
 #[test]
-fn skins_are_closed_and_the_right_way_out() {
-    // Litres: an adult of 1.75 m has some 70, and this one is slim.
+fn skins_are_closed_and_face_outward() {
+    // Litres: an adult of 1.75 m has about 70, and this one is slim.
     for (name, litres) in [("robot-arm", 5.0..25.0), ("humanoid", 45.0..85.0)] {
         let mesh = read(name).mesh.unwrap();
         assert!(mesh.is_closed(), "{name}");
         let volume = 1000.0 * mesh.signed_volume();
         assert!(litres.contains(&volume), "{name}: {volume} litres");
-        // One piece: every vertex is reached from the first.
+        // One connected piece.
         let mut root: Vec<usize> = (0..mesh.positions().len()).collect();
         fn top(root: &mut [usize], mut v: usize) -> usize {
             while root[v] != v {
@@ -76,7 +76,7 @@ fn skins_are_closed_and_the_right_way_out() {
 }
 
 #[test]
-fn weights_are_smooth_shares() {
+fn weights_are_smooth_and_sum_to_one() {
     for name in NAMES {
         let rig = read(name);
         let (mesh, weights) = (rig.mesh.unwrap(), rig.weights.unwrap());
@@ -86,7 +86,7 @@ fn weights_are_smooth_shares() {
             assert!((sum - 1.0).abs() < 1e-12, "{name}: {sum}");
             assert!(row.iter().all(|influence| influence.weight > 0.0));
         }
-        // Every bone moves something, and no weight jumps from nothing to everything.
+        // Every bone moves some vertex, and no weight jumps from zero to one.
         let table = weights.to_table();
         for (bone, column) in table.column_iter().enumerate() {
             assert!(column.max() > 0.5, "{name}: bone {bone}");
@@ -131,7 +131,7 @@ fn keyframes_stay_within_the_limits() {
 }
 
 #[test]
-fn the_humanoid_has_five_tips_and_the_robot_arm_one() {
+fn rigs_have_the_documented_tips() {
     let names = |rig: &Rig| -> Vec<String> {
         let bones = rig.constrained.iter().map(|bone| bone.index());
         bones
@@ -146,7 +146,7 @@ fn the_humanoid_has_five_tips_and_the_robot_arm_one() {
 }
 
 #[test]
-fn tails_are_on_parents_tips_and_thighs_on_the_pelvis() {
+fn tails_coincide_with_parent_tips() {
     for name in NAMES {
         let rig = read(name);
         for bone in rig.skeleton.bones() {
@@ -164,7 +164,7 @@ fn tails_are_on_parents_tips_and_thighs_on_the_pelvis() {
 }
 
 #[test]
-fn hinges_cost_one_variable() {
+fn hinge_bones_have_one_variable() {
     let moving = |name: &str| {
         let rig = read(name);
         let limits =
@@ -185,11 +185,11 @@ fn hinges_cost_one_variable() {
 }
 
 #[test]
-fn the_right_side_mirrors_the_left() {
+fn right_side_mirrors_the_left() {
     let rig = read("humanoid");
     let bones = rig.skeleton.bones();
     let mirror = |p: kinopt::spatial::Vector3<f64>| [p.x, -p.y, p.z];
-    // The same angles with opposite twists give the mirror image of any pose.
+    // Equal angles with opposite twists give the mirror image of any pose.
     let mut state = 7;
     for _ in 0..20 {
         let q = random_angles(&rig, &mut state);
@@ -205,7 +205,7 @@ fn the_right_side_mirrors_the_left() {
                     mirrored[3 * right + k] = angle;
                 }
             } else if !bone.name.starts_with("right_") {
-                // Bones of the middle stay at rest: that is their own mirror image.
+                // Middle bones stay at rest, which is symmetric.
                 mirrored[3 * index..3 * index + 3].fill(0.0);
             }
         }
@@ -224,7 +224,7 @@ fn the_right_side_mirrors_the_left() {
 }
 
 #[test]
-fn any_pose_within_the_limits_puts_the_tips_within_reach() {
+fn tips_are_finite_at_any_pose() {
     for name in NAMES {
         let rig = read(name);
         let mut state = 1;

@@ -1,11 +1,11 @@
-//! Promise: a mesh's measures are those of the solid it bounds, and an invalid mesh cannot be made.
+//! Promise: a mesh's measures equal those of its solid, and an invalid mesh is rejected.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Vec3;
 use kinopt::mesh::{MeshError, TriangleMesh};
 use support::box_sides::box_triangles;
 
-/// A box from `low` to `low + edges`, counter-clockwise seen from outside.
+/// A box from `low` to `low + edges`, counter-clockwise from outside.
 fn cuboid(low: Vec3, edges: Vec3) -> TriangleMesh {
     let corner =
         |i: u32| low + edges * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
@@ -13,7 +13,7 @@ fn cuboid(low: Vec3, edges: Vec3) -> TriangleMesh {
 }
 
 #[test]
-fn a_box_has_its_volume_size_and_is_closed() {
+fn box_is_closed_with_its_volume_and_size() {
     let mesh = cuboid(Vec3::new(100.0, -50.0, 7.0), Vec3::new(1.0, 2.0, 2.0));
     assert!((mesh.signed_volume() - 4.0).abs() < 1e-12);
     assert!((mesh.size() - 3.0).abs() < 1e-12);
@@ -46,7 +46,7 @@ fn a_box_has_its_volume_size_and_is_closed() {
 
 #[test]
 fn vertex_normals_are_weighted_by_area() {
-    // A large floor and a small wall share an edge: the normal there leans to the floor's.
+    // A large floor and a small wall share an edge, whose normals are weighted by area.
     let positions = vec![
         Vec3::ZERO,
         Vec3::new(0.0, 1.0, 0.0),
@@ -64,7 +64,7 @@ fn vertex_normals_are_weighted_by_area() {
 }
 
 #[test]
-fn vertex_normals_have_no_nan_whatever_the_triangles() {
+fn vertex_normals_are_never_nan() {
     let huge = f32::MAX;
     let positions = vec![
         Vec3::ZERO,
@@ -93,7 +93,7 @@ fn vertex_normals_have_no_nan_whatever_the_triangles() {
 }
 
 #[test]
-fn invalid_parts_are_refused_by_name() {
+fn invalid_parts_are_rejected_by_name() {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
     let bad = |p: Vec<Vec3>, n, t| TriangleMesh::new(p, n, t).unwrap_err();
     assert_eq!(
@@ -106,7 +106,7 @@ fn invalid_parts_are_refused_by_name() {
     );
     let few = bad(positions.clone(), vec![Vec3::X], vec![]).to_string();
     assert_eq!(few, "1 normals where there must be 3");
-    // The first of several.
+    // The first of several is named.
     let nan = Vec3::new(0.0, f32::NAN, 0.0);
     let nans = vec![Vec3::X, nan, nan];
     assert_eq!(

@@ -1,5 +1,5 @@
-//! Promise: a file that is written again is the same file with other bytes: a link to it stays a link, who may read it stays, and
-//! nothing is left beside; what is no file, or longer than any such file, is not read.
+//! Promise: overwriting a file keeps its links and permissions and leaves no temporary file. Non-regular files and
+//! files beyond the size limit are not read.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -15,7 +15,7 @@ fn written(path: &Path, encoding: PlyEncoding) -> Vec<u8> {
 }
 
 #[test]
-fn a_file_is_written_again_and_nothing_is_left_beside() {
+fn overwriting_leaves_no_temporary_file() {
     let folder = Folder::new("written-again");
     let path = folder.path("mesh.ply");
     for encoding in [PlyEncoding::Ascii, PlyEncoding::BinaryBigEndian] {
@@ -33,7 +33,7 @@ fn a_file_is_written_again_and_nothing_is_left_beside() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_stays_a_link_and_rights_stay() {
+fn links_and_permissions_are_kept() {
     use std::os::unix::fs::{PermissionsExt, symlink};
     let folder = Folder::new("written-links");
     let (own, other) = (folder.path("own"), folder.path("other"));
@@ -51,7 +51,7 @@ fn a_link_stays_a_link_and_rights_stay() {
         std::fs::metadata(&file).unwrap().permissions().mode() & 0o777,
         0o640
     );
-    // A link to what is not there yet makes it.
+    // A link to a missing file creates it.
     let new = other.join("new.ply");
     symlink("../own/new.ply", &new).unwrap();
     let bytes = written(&new, PlyEncoding::Ascii);
@@ -63,7 +63,7 @@ fn a_link_stays_a_link_and_rights_stay() {
 }
 
 #[test]
-fn what_is_no_file_or_too_long_is_not_read() {
+fn non_regular_and_huge_files_are_not_read() {
     let folder = Folder::new("written-long");
     let of_folder = cones::read(folder.path("")).unwrap_err();
     assert_eq!(of_folder.place, Place::File);
@@ -81,9 +81,9 @@ fn what_is_no_file_or_too_long_is_not_read() {
     }
 }
 
-/// A rig whose JSON cannot be replaced leaves its mesh and its weights as they were.
+/// If the rig's JSON cannot be replaced, its mesh and weights are unchanged.
 #[test]
-fn files_of_one_rig_are_replaced_together() {
+fn files_of_a_rig_are_replaced_together() {
     let folder = Folder::new("written-rig");
     let mut rig = support::small_rig::SmallRig::with_json(support::small_rig::JSON)
         .parse()
@@ -103,7 +103,7 @@ fn files_of_one_rig_are_replaced_together() {
     assert_eq!(folder.names(), ["rig.dmat", "rig.json", "rig.ply"]);
 }
 
-/// Nobody who guesses the name of the temporary file can have it written elsewhere, and a new file appears when it is whole.
+/// A guessed temporary name cannot redirect the output, and a new file appears complete.
 #[cfg(unix)]
 #[test]
 fn temporary_file_follows_no_link() {
@@ -121,10 +121,10 @@ fn temporary_file_follows_no_link() {
     assert!(!std::fs::symlink_metadata(&path).unwrap().is_symlink());
 }
 
-/// A link to a device is written through, and stays.
+/// A link to a device is written through and kept.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_device_is_an_error() {
+fn full_device_is_an_error() {
     let folder = Folder::new("written-full");
     let path = folder.path("mesh.ply");
     std::os::unix::fs::symlink("/dev/full", &path).unwrap();
@@ -135,9 +135,9 @@ fn a_full_device_is_an_error() {
     assert_eq!(folder.names(), ["mesh.ply"]);
 }
 
-/// Each has a file of its own beside it until it is whole.
+/// Each has a separate temporary file until it is complete.
 #[test]
-fn files_of_one_folder_are_written_at_the_same_time() {
+fn concurrent_writes_to_a_folder_succeed() {
     let folder = Folder::new("written-together");
     let encodings = [PlyEncoding::Ascii, PlyEncoding::BinaryLittleEndian];
     let files = [0, 1].map(|own| folder.path(&format!("{own}.ply")));

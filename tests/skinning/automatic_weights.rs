@@ -1,5 +1,4 @@
-//! Promise: a mesh without weights gets some that follow the nearest bones, sum to 1, are smooth
-//! over its edges, and are the same every time.
+//! Promise: automatic weights follow the nearest bones, sum to 1, are smooth along edges and are reproducible.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
@@ -17,7 +16,7 @@ fn tube() -> (TriangleMesh, [[DVec3; 2]; 2]) {
 }
 
 #[test]
-fn they_are_the_documented_formula_before_smoothing() {
+fn unsmoothed_weights_follow_the_formula() {
     let (mesh, bones) = tube();
     let mut plain = AutomaticWeights::default();
     plain.smoothing_steps = 0;
@@ -36,13 +35,13 @@ fn they_are_the_documented_formula_before_smoothing() {
 }
 
 #[test]
-fn smoothing_evens_them_out_and_keeps_the_sums() {
+fn smoothing_reduces_steps_and_keeps_sums() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
-        let mut own = AutomaticWeights::default();
-        own.smoothing_steps = smoothing_steps;
-        own.falloff = 30.0;
-        own.for_segments(&mesh, &bones).unwrap()
+        let mut options = AutomaticWeights::default();
+        options.smoothing_steps = smoothing_steps;
+        options.falloff = 30.0;
+        options.for_segments(&mesh, &bones).unwrap()
     };
     let steps = [0, 10, 100].map(|smoothing| steepest(&mesh, &with(smoothing)));
     assert!(steps[0] > steps[1] && steps[1] > steps[2], "{steps:?}");
@@ -54,13 +53,13 @@ fn smoothing_evens_them_out_and_keeps_the_sums() {
 }
 
 #[test]
-fn one_smoothing_step_is_the_documented_mean() {
+fn smoothing_step_is_the_documented_mean() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
-        let mut own = AutomaticWeights::default();
-        own.smoothing_steps = smoothing_steps;
-        own.falloff = 12.0;
-        own.for_segments(&mesh, &bones).unwrap().to_table()
+        let mut options = AutomaticWeights::default();
+        options.smoothing_steps = smoothing_steps;
+        options.falloff = 12.0;
+        options.for_segments(&mesh, &bones).unwrap().to_table()
     };
     let [before, after] = [with(0), with(1)];
     let mut moved = 0;
@@ -68,16 +67,16 @@ fn one_smoothing_step_is_the_documented_mean() {
         let around = mesh.triangles().iter().filter(|t| t.contains(&vertex));
         let others: BTreeSet<u32> = around.flatten().copied().filter(|v| *v != vertex).collect();
         let sum: f64 = others.iter().map(|v| before[(*v as usize, 1)]).sum();
-        let own = before[(vertex as usize, 1)];
-        let expected = 0.5 * own + 0.5 * sum / others.len() as f64;
+        let weight = before[(vertex as usize, 1)];
+        let expected = 0.5 * weight + 0.5 * sum / others.len() as f64;
         assert!((after[(vertex as usize, 1)] - expected).abs() < 1e-12);
-        moved += usize::from((expected - own).abs() > 1e-6);
+        moved += usize::from((expected - weight).abs() > 1e-6);
     }
     assert!(moved > 5, "{moved}");
 }
 
 #[test]
-fn a_figure_s_limbs_follow_their_own_bones() {
+fn limbs_follow_their_own_bones() {
     let rig = Rig::read(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../models/humanoid/humanoid.json"
@@ -96,7 +95,7 @@ fn a_figure_s_limbs_follow_their_own_bones() {
             .unwrap()
             .bone as usize
     };
-    // Weights made by people and by distance agree on the bone, or on the next one of the chain.
+    // Authored weights and distance weights agree on the strongest bone, or on its neighbour in the chain.
     let parent = |bone: usize| rig.skeleton.bones()[bone].parent.map(|p| p.index());
     let agree = (0..given.vertex_count()).filter(|&vertex| {
         let (a, b) = (strongest(&given, vertex), strongest(&made, vertex));
@@ -106,7 +105,7 @@ fn a_figure_s_limbs_follow_their_own_bones() {
     assert!(share > 0.95, "{share}");
 }
 
-/// A palm with the bones of five fingers in it, where all of them are near.
+/// A palm with five finger bones, all near each other.
 fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
     let side = 80;
     let place = |k: u32| k as f32 / side as f32;
@@ -133,9 +132,9 @@ fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
     (mesh, bones)
 }
 
-/// Cut off plainly, the fifth influence takes all of its weight with it as it falls out.
+/// With plain pruning, the fifth influence loses its whole weight at once where it drops out.
 #[test]
-fn four_influences_tear_no_crease() {
+fn pruning_to_four_influences_is_smooth() {
     let (mesh, bones) = palm();
     let with = |most: usize| {
         let mut own = AutomaticWeights::default();
@@ -144,7 +143,7 @@ fn four_influences_tear_no_crease() {
     };
     let all = with(64);
     let (plain, _) = all.pruned(4).unwrap();
-    // What the cut adds to the steps along edges.
+    // Increase of steps along edges by pruning.
     let added = |own: &SkinWeights| {
         let change = own.to_table() - all.to_table();
         let edges = mesh.triangles().iter();
@@ -155,7 +154,7 @@ fn four_influences_tear_no_crease() {
     let four = with(4);
     let own = AutomaticWeights::default().for_segments(&mesh, &bones);
     let [plain, faded, own] = [&plain, &four, &own.unwrap()].map(added);
-    // Without evening out where they were cut they would add 0.57 of it.
+    // Without smoothing of the pruned weights the ratio would be 0.57.
     assert!(faded < 0.54 * plain, "{plain} {faded}");
     assert!(own < 1e-6, "{plain} {own}");
     for influences in four.iter() {
@@ -164,9 +163,9 @@ fn four_influences_tear_no_crease() {
     }
 }
 
-/// Of pulls 1, 1/4 and 1/9 the third falls out: w − t² / w of each that stays, by their sum.
+/// Of pulls 1, 1/4 and 1/9 the third is dropped: remaining weights are w − t² / w, normalised.
 #[test]
-fn the_weights_that_stay_fade_by_what_falls_out() {
+fn kept_weights_fade_by_the_dropped_one() {
     let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
     let at = |x: f64| [DVec3::X * x; 2];
     let mut two = AutomaticWeights::default();
@@ -175,41 +174,43 @@ fn the_weights_that_stay_fade_by_what_falls_out() {
     let kept = |bones: &[[DVec3; 2]]| -> Vec<(u32, f64)> {
         let weights = two.for_segments(&dot, bones).unwrap();
         let influences = weights.influences(0).iter();
-        influences.map(|own| (own.bone, own.weight)).collect()
+        influences
+            .map(|influence| (influence.bone, influence.weight))
+            .collect()
     };
     let [(0, first), (2, second)] = kept(&[at(1.0), at(3.0), at(-2.0)])[..] else {
         panic!("the nearest two");
     };
     let [a, b] = [36.0 - 16.0 / 36.0, 9.0 - 16.0 / 9.0];
     assert!((first - a / (a + b)).abs() < 1e-12 && (second - b / (a + b)).abs() < 1e-12);
-    // Where all are equal there is nothing to fade to.
+    // Equal weights have nothing to fade to.
     let equal = kept(&[at(1.0), at(-1.0), [DVec3::Y; 2]]);
     assert_eq!(equal, [(0, 0.5), (1, 0.5)]);
 }
 
 #[test]
-fn what_cannot_be_followed_is_refused() {
+fn invalid_bones_and_falloffs_are_rejected() {
     let (mesh, bones) = tube();
-    let own = AutomaticWeights::default();
+    let options = AutomaticWeights::default();
     assert_eq!(
-        own.for_segments(&mesh, &[]).unwrap_err(),
+        options.for_segments(&mesh, &[]).unwrap_err(),
         AutomaticWeightsError::NoBones
     );
     let mut broken = bones;
     broken[1][0].y = f64::NAN;
     assert_eq!(
-        own.for_segments(&mesh, &broken).unwrap_err(),
+        options.for_segments(&mesh, &broken).unwrap_err(),
         AutomaticWeightsError::NonFiniteBone { bone: 1 }
     );
     for falloff in [0.0, -1.0, f64::INFINITY] {
-        let mut own = own;
-        own.falloff = falloff;
-        let refused = own.for_segments(&mesh, &bones).unwrap_err();
+        let mut options = options;
+        options.falloff = falloff;
+        let refused = options.for_segments(&mesh, &bones).unwrap_err();
         assert_eq!(refused, AutomaticWeightsError::Falloff(falloff));
     }
-    // Points, and a mesh that is one point on a bone, are no special case.
+    // Points, and a mesh of one point on a bone, are no special case.
     let points = [[DVec3::ZERO; 2], [DVec3::X; 2]];
     let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
-    let weights = own.for_segments(&dot, &points).unwrap();
+    let weights = options.for_segments(&dot, &points).unwrap();
     assert_eq!(weights.influences(0)[0].bone, 0);
 }

@@ -1,5 +1,5 @@
-//! Promise: blend shapes are the weighted mean of whole poses; weights that do not sum to 1 are
-//! refused, and morph targets from one of the shapes give the same mesh.
+//! Promise: blend shapes give the weighted mean of whole poses. Weights that do not sum to 1 are rejected, and morph
+//! targets relative to one of the shapes give the same mesh.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Vec3, Vec4};
@@ -38,7 +38,7 @@ fn weights(random: &mut Random) -> [f32; SHAPES] {
 }
 
 #[test]
-fn a_mesh_is_the_weighted_mean_of_its_shapes() {
+fn mesh_is_the_weighted_mean_of_its_shapes() {
     let mut random = Random::new(1);
     for _ in 0..20 {
         let list: Vec<_> = (0..SHAPES).map(|_| shape(&mut random)).collect();
@@ -51,7 +51,7 @@ fn a_mesh_is_the_weighted_mean_of_its_shapes() {
                 .sum();
             assert!((got.as_dvec3() - exact).length() < 2e-6);
         }
-        // One full weight is that shape, to the bit.
+        // A single full weight gives that shape exactly.
         for j in 0..SHAPES {
             let mut full = [0.0; SHAPES];
             full[j] = 1.0;
@@ -62,8 +62,8 @@ fn a_mesh_is_the_weighted_mean_of_its_shapes() {
 }
 
 #[test]
-fn what_all_shapes_share_is_kept_because_the_weights_sum_to_one() {
-    // Moving every shape alike moves the mixture alike; a sum of 0.9 would move it by nine tenths.
+fn common_displacement_is_kept() {
+    // A common displacement of all shapes displaces the mean equally; a weight sum of 0.9 would scale it.
     let mut random = Random::new(2);
     let list: Vec<_> = (0..SHAPES).map(|_| shape(&mut random)).collect();
     let by = Vec3::new(10.0, -20.0, 5.0);
@@ -111,8 +111,8 @@ fn morph_targets_from_the_first_shape_agree() {
 }
 
 #[test]
-fn weights_that_sum_to_one_at_keys_do_so_between_them() {
-    // Every curve is linear in its values, and takes what is constant to itself.
+fn weight_sums_of_one_hold_between_keys() {
+    // Every interpolation is linear in its values and reproduces constants.
     let mut random = Random::new(4);
     let shapes = named(&(0..SHAPES).map(|_| shape(&mut random)).collect::<Vec<_>>());
     let times = vec![0.0, 0.4, 1.9, 2.0, 4.5];
@@ -141,7 +141,7 @@ fn weights_that_sum_to_one_at_keys_do_so_between_them() {
 }
 
 #[test]
-fn what_cannot_be_mixed_is_refused_by_name() {
+fn invalid_shapes_are_rejected_by_name() {
     let pair = |first: &str, second: &str, last: Vec3, count: usize| {
         BlendShapes::new(vec![
             (first.into(), vec![Vec3::ZERO; 2]),
@@ -178,6 +178,6 @@ fn what_cannot_be_mixed_is_refused_by_name() {
         &["3 positions", "must be 2"],
     );
     assert_eq!(out, [Vec3::ONE; 2]);
-    // A sum that only rounding keeps from 1 is fine.
+    // A sum of 1 within rounding is accepted.
     shapes.blend(&[0.3, 1.0 - 0.3 + 5e-7], &mut out).unwrap();
 }

@@ -1,5 +1,5 @@
-//! Promise: a closed mesh's volume is shared out to its bones by their weights, to a thousandth of the whole, and a
-//! rig's masses and its centre follow from that; what has no inside is refused.
+//! Promise: the volume of a closed mesh is distributed to its bones by weight, to a thousandth of the whole. A rig's
+//! masses and centre follow from it. Meshes without an inside are rejected.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
@@ -12,7 +12,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::model::MassError;
 use kinopt::skinning::{SkinWeights, TwistedTube, VolumeError, bone_volumes};
 
-/// A box between two corners, its eight vertices by bits x, y, z.
+/// Box between two corners, with its eight vertices indexed by bits x, y, z.
 fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {
     let corner = |bits: usize| {
         let side = |axis: usize| {
@@ -51,23 +51,23 @@ fn weights(of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
     builder.build().unwrap()
 }
 
-fn near(ours: f64, theirs: f64, within: f64) {
+fn assert_close(ours: f64, theirs: f64, within: f64) {
     assert!((ours - theirs).abs() < within, "{ours} {theirs}");
 }
 
 #[test]
-fn a_box_goes_with_its_bones() {
+fn box_volume_is_split_by_weights() {
     let mesh = cuboid([0.0, -1.0, 2.0], [4.0, 1.0, 3.0]);
     // One bone has all of it.
     let [all, none] = bone_volumes(&mesh, &weights(|_| [1.0, 0.0], 8)).unwrap()[..] else {
         panic!("two bones")
     };
-    near(all.volume, 8.0, 0.04);
+    assert_close(all.volume, 8.0, 0.04);
     for (ours, theirs) in all.centre.to_array().into_iter().zip([2.0, 0.0, 2.5]) {
-        near(ours, theirs, 0.02);
+        assert_close(ours, theirs, 0.02);
     }
     assert_eq!((none.volume, none.centre.to_array()), (0.0, [0.0; 3]));
-    // The weight goes over along x: ∫ x/4 = 1/2 each, centres a third from either end.
+    // The weight changes linearly along x: ∫ x/4 = 1/2 each, with centres a third from either end.
     let over = weights(
         |vertex| {
             if vertex & 1 == 1 {
@@ -80,11 +80,11 @@ fn a_box_goes_with_its_bones() {
     );
     let halves = bone_volumes(&mesh, &over).unwrap();
     for (half, x) in halves.iter().zip([4.0 / 3.0, 8.0 / 3.0]) {
-        near(half.volume, 4.0, 0.03);
-        near(half.centre.x, x, 0.02);
-        near(half.centre.y, 0.0, 0.02);
+        assert_close(half.volume, 4.0, 0.03);
+        assert_close(half.centre.x, x, 0.02);
+        assert_close(half.centre.y, 0.0, 0.02);
     }
-    // And along the columns themselves, z being narrowest.
+    // And along the integration columns, as z is the narrowest axis.
     let over = weights(
         |vertex| {
             if vertex & 4 == 4 {
@@ -97,29 +97,29 @@ fn a_box_goes_with_its_bones() {
     );
     let halves = bone_volumes(&mesh, &over).unwrap();
     for (half, z) in halves.iter().zip([7.0 / 3.0, 8.0 / 3.0]) {
-        near(half.volume, 4.0, 0.03);
-        near(half.centre.z, z, 0.02);
+        assert_close(half.volume, 4.0, 0.03);
+        assert_close(half.centre.z, z, 0.02);
     }
 }
 
 #[test]
-fn a_round_tube_is_whole() {
+fn tube_volumes_sum_to_the_whole() {
     let tube = TwistedTube::default();
     let mesh = tube.mesh().unwrap();
     let volumes = bone_volumes(&mesh, &tube.weights().unwrap()).unwrap();
     let whole = mesh.signed_volume();
-    near(
+    assert_close(
         volumes.iter().map(|part| part.volume).sum(),
         whole,
         2e-3 * whole,
     );
-    // Both ends are alike.
-    near(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
-    near(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
+    // Both ends are equal.
+    assert_close(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
+    assert_close(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
 }
 
 #[test]
-fn what_does_not_close_is_refused() {
+fn open_mesh_is_rejected() {
     let whole = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
     let (open, _) = whole.triangles().split_at(10);
     let open = TriangleMesh::new(whole.positions().to_vec(), Vec::new(), open.to_vec()).unwrap();
@@ -146,20 +146,23 @@ fn what_does_not_close_is_refused() {
 
 /// One column in a hundred may be open.
 #[test]
-fn a_small_hole_takes_no_more_than_is_in_it() {
+fn small_hole_loses_only_its_own_volume() {
     let whole = cuboid([0.0; 3], [4.0, 4.0, 1.0]);
     for (side, is_open) in [(0.25_f32, false), (1.0, true)] {
         // A corner of the top is cut off.
         let mut corners = whole.positions().to_vec();
         corners.extend([Vec3::new(side, 0.0, 1.0), Vec3::new(0.0, side, 1.0)]);
-        let rest = whole.triangles().iter().filter(|own| **own != [4, 5, 6]);
+        let rest = whole
+            .triangles()
+            .iter()
+            .filter(|triangle| **triangle != [4, 5, 6]);
         let mut triangles: Vec<_> = rest.copied().collect();
         triangles.extend([[8, 5, 6], [8, 6, 9]]);
         let holed = TriangleMesh::new(corners, Vec::new(), triangles).unwrap();
         let volumes = bone_volumes(&holed, &weights(|_| [1.0, 0.0], 10));
         match is_open {
             true => assert_eq!(volumes.unwrap_err(), VolumeError::Open),
-            false => near(
+            false => assert_close(
                 volumes.unwrap()[0].volume,
                 16.0 - f64::from(side * side / 2.0),
                 0.02,
@@ -169,12 +172,12 @@ fn a_small_hole_takes_no_more_than_is_in_it() {
 }
 
 #[test]
-fn a_rig_weighs_what_its_mesh_holds() {
+fn rig_mass_equals_mesh_volume() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/humanoid/humanoid.json");
     let rig = Rig::read(file).unwrap();
     let masses = rig.masses(1000.0).unwrap();
     let whole = rig.mesh.as_ref().unwrap().signed_volume();
-    near(masses.total() / 1000.0, whole, 5e-3 * whole);
+    assert_close(masses.total() / 1000.0, whole, 5e-3 * whole);
     // At rest the centre is that of the mesh, by the divergence theorem.
     let mesh = rig.mesh.as_ref().unwrap();
     let mut moment = glam::DVec3::ZERO;
@@ -189,7 +192,7 @@ fn a_rig_weighs_what_its_mesh_holds() {
         .into_iter()
         .zip((moment / whole).to_array())
     {
-        near(ours, theirs, 3e-3 * mesh.size());
+        assert_close(ours, theirs, 3e-3 * mesh.size());
     }
 
     let bad = rig.masses(-1.0).unwrap_err();

@@ -1,5 +1,5 @@
-//! Promise: mean-value coordinates reproduce points and linear functions, inside and outside, on
-//! corners, edges and faces, and change smoothly across them.
+//! Promise: mean value coordinates reproduce points and linear functions, inside, outside, and on vertices, edges and
+//! faces. They are continuous across the surface.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
@@ -27,7 +27,7 @@ fn cube() -> TriangleMesh {
     TriangleMesh::new(corners.collect(), vec![], triangles.collect()).unwrap()
 }
 
-/// The cube with its upper face pushed in to a pit: not convex.
+/// The cube with its upper face pushed in: not convex.
 fn pit() -> TriangleMesh {
     let mut positions = cube().positions().to_vec();
     positions.push(Vec3::new(0.1, -0.2, -0.4));
@@ -38,7 +38,7 @@ fn pit() -> TriangleMesh {
     TriangleMesh::new(positions, vec![], triangles).unwrap()
 }
 
-/// Points inside and outside, and on every kind of place on the surface.
+/// Points inside and outside, and on every kind of surface feature.
 fn points(cage: &TriangleMesh, random: &mut Random) -> Vec<Vec3> {
     let mut points: Vec<Vec3> = (0..400).map(|_| vector(random) * 1.4).collect();
     points.extend(cage.positions());
@@ -47,7 +47,7 @@ fn points(cage: &TriangleMesh, random: &mut Random) -> Vec<Vec3> {
         let onto = [0.5 * (a + b), 0.25 * a + 0.75 * c, (a + b + c) / 3.0];
         points.extend(onto);
         points.push(0.7 * a + 0.2 * b + 0.1 * c);
-        // Hardly off the face, and in its plane beside it.
+        // Just off the face, and in its plane outside it.
         points.push((a + b + c) / 3.0 + 1e-6 * (b - a).cross(c - a));
         points.push(a + 1.7 * (b - a) + 0.3 * (c - a));
     }
@@ -79,7 +79,7 @@ fn points_and_linear_functions_are_reproduced() {
         for (posed, rest) in posed.iter().zip(&points) {
             assert!((*posed - *rest).length() < 4e-6);
         }
-        // And with it every affine motion of the cage.
+        // And therefore every affine map of the cage.
         let motion = Affine3A {
             matrix3: Mat3A::from_quat(Quat::from_rotation_y(0.7))
                 * Mat3A::from_diagonal(Vec3::new(2.0, 0.5, 1.0)),
@@ -97,18 +97,19 @@ fn points_and_linear_functions_are_reproduced() {
     }
 }
 
-/// Whatever a cage is measured in.
+/// In any unit of length.
 #[test]
-fn coordinates_do_not_depend_on_the_unit_of_length() {
+fn coordinates_are_unit_invariant() {
     let (cage, points) = (pit(), points(&pit(), &mut Random::new(3)));
     let binding = CageBinding::new(&cage, &points).unwrap();
-    // Powers of two, so that positions are the same to the bit.
+    // Powers of two, so that positions are exact.
     for unit in [1e-9_f32, 1e9].map(|unit| unit.log2().round().exp2()) {
         let scaled = |places: &[Vec3]| places.iter().map(|place| *place * unit).collect();
-        let own: Vec<Vec3> = scaled(cage.positions());
-        let own = TriangleMesh::new(own, vec![], cage.triangles().to_vec()).unwrap();
+        let scaled_cage: Vec<Vec3> = scaled(cage.positions());
+        let scaled_cage =
+            TriangleMesh::new(scaled_cage, vec![], cage.triangles().to_vec()).unwrap();
         let points: Vec<Vec3> = scaled(&points);
-        let scaled = CageBinding::new(&own, &points).unwrap();
+        let scaled = CageBinding::new(&scaled_cage, &points).unwrap();
         for point in 0..points.len() {
             let [a, b] = [&binding, &scaled].map(|binding| binding.coordinates(point).unwrap());
             let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
@@ -121,7 +122,7 @@ fn coordinates_do_not_depend_on_the_unit_of_length() {
 }
 
 #[test]
-fn inside_a_convex_cage_no_coordinate_is_negative() {
+fn coordinates_in_a_convex_cage_are_nonnegative() {
     let mut random = Random::new(2);
     let points: Vec<Vec3> = (0..500).map(|_| vector(&mut random)).collect();
     let binding = CageBinding::new(&cube(), &points).unwrap();
@@ -132,9 +133,9 @@ fn inside_a_convex_cage_no_coordinate_is_negative() {
 }
 
 #[test]
-fn corners_edges_and_faces_have_only_their_own() {
+fn surface_points_use_only_their_own_vertices() {
     let cage = cube();
-    // Corner 6, the middle of edge 0-1, and a point of the face x = −1, triangle (0, 4, 6).
+    // Vertex 6, the middle of edge 0-1, and a point of the face x = −1, triangle (0, 4, 6).
     let points = [
         cage.positions()[6],
         Vec3::new(0.0, -1.0, -1.0),
@@ -167,7 +168,7 @@ fn corners_edges_and_faces_have_only_their_own() {
 }
 
 #[test]
-fn coordinates_are_continuous_where_the_surface_begins() {
+fn coordinates_are_continuous_at_the_surface() {
     let cage = pit();
     for &triangle in cage.triangles() {
         let [a, b, c] = triangle.map(|corner| cage.positions()[corner as usize]);
@@ -189,7 +190,7 @@ fn coordinates_are_continuous_where_the_surface_begins() {
 }
 
 #[test]
-fn wrong_cages_and_points_are_refused_by_name() {
+fn invalid_cages_and_points_are_rejected() {
     let cage = cube();
     let open = TriangleMesh::new(
         cage.positions().to_vec(),

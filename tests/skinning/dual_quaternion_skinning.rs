@@ -1,5 +1,5 @@
-//! Promise: dual-quaternion skinning moves rigid parts rigidly, blends along the short way, and
-//! refuses what no dual quaternion can say.
+//! Promise: dual quaternion skinning moves rigid parts rigidly, blends along the short arc, and rejects transforms that
+//! dual quaternions cannot represent.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f32::consts::PI;
@@ -10,7 +10,7 @@ use kinopt::skinning::{
     PackedWeights, SkinWeights, SkinningError, SkinningMethod,
 };
 
-/// One vertex per row of weights.
+/// One vertex for each row of weights.
 fn weights(rows: &[&[f64]]) -> SkinWeights {
     let mut builder = SkinWeights::builder(rows.len(), rows[0].len());
     for (vertex, row) in rows.iter().enumerate() {
@@ -35,7 +35,7 @@ fn posed(weights: &SkinWeights, transforms: &[Affine3A], rest: &[Vec3]) -> Vec<V
 }
 
 #[test]
-fn one_bone_moves_as_its_transform() {
+fn single_bone_moves_by_its_transform() {
     let weights = weights(&[&[1.0, 0.0], &[0.0, 1.0]]);
     let turn = Quat::from_axis_angle(Vec3::new(1.0, -2.0, 0.5).normalize(), 2.7);
     let transforms = [
@@ -52,10 +52,10 @@ fn one_bone_moves_as_its_transform() {
     }
 }
 
-/// Between two turns about one axis the blend turns about it too, by arctan of the mean of the
-/// half-angle's sines over that of the cosines, and keeps the distance from it.
+/// Between rotations about one axis the blend rotates about that axis and keeps the distance from it. The half angle is
+/// the arctangent of mean sine over mean cosine.
 #[test]
-fn blended_turns_about_an_axis_keep_the_distance_from_it() {
+fn blended_rotations_keep_the_axis_distance() {
     let pivot = Vec3::new(0.5, 1.0, 0.0);
     for share in [0.1, 0.25, 0.5, 0.8] {
         let weights = weights(&[&[1.0 - share, share]]);
@@ -74,8 +74,8 @@ fn blended_turns_about_an_axis_keep_the_distance_from_it() {
 }
 
 #[test]
-fn signs_of_quaternions_do_not_matter() {
-    // 200° one way is 160° the other.
+fn quaternion_signs_do_not_matter() {
+    // 200° in one direction is 160° in the other.
     let weights = weights(&[&[0.6, 0.4], &[0.4, 0.6]]);
     let turn = |degrees: f32| Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians()));
     let rest = [Vec3::X, Vec3::X];
@@ -83,13 +83,13 @@ fn signs_of_quaternions_do_not_matter() {
     let same = posed(&weights, &[turn(170.0), turn(190.0)], &rest);
     for (a, b) in one.iter().zip(same) {
         assert!((*a - b).length() < 1e-6);
-        // The short way between them passes 180°, not 0°.
+        // The short arc between them passes 180°, not 0°.
         assert!(a.x < -0.99);
     }
 }
 
 #[test]
-fn normals_and_tangents_turn_with_the_blend() {
+fn normals_and_tangents_rotate_with_the_blend() {
     let weights = weights(&[&[0.5, 0.5]]);
     let transforms = [
         Affine3A::IDENTITY,
@@ -108,9 +108,9 @@ fn normals_and_tangents_turn_with_the_blend() {
     assert!((tangent[0] - glam::Vec4::new(-s, s, 0.0, -1.0)).length() < 1e-6);
 }
 
-/// With one bone the two phases are its transform, whatever the pivot.
+/// With one bone the two phases equal its transform, for any pivot.
 #[test]
-fn a_stretch_is_done_at_rest() {
+fn stretch_is_applied_at_rest() {
     let weights = weights(&[&[1.0]]);
     let matrix = Mat3A::from_quat(Quat::from_rotation_x(1.2))
         * Mat3A::from_diagonal(Vec3::new(2.0, 0.5, 1.5));
@@ -130,7 +130,7 @@ fn a_stretch_is_done_at_rest() {
         let expected = matrix.inverse().transpose() * glam::Vec3A::new(0.6, 0.0, 0.8);
         assert!((normal[0] - Vec3::from(expected.normalize())).length() < 1e-6);
     }
-    // Where nothing turns, two phases are linear blend.
+    // Without rotation, two phases equal linear blend.
     let both = self::weights(&[&[0.3, 0.7]]);
     let scale = |by: f32, at: Vec3| {
         Affine3A::from_translation(at)
@@ -148,14 +148,14 @@ fn a_stretch_is_done_at_rest() {
 }
 
 #[test]
-fn what_is_not_rigid_is_refused_by_name() {
+fn non_rigid_transforms_are_rejected_by_name() {
     let weights = weights(&[&[0.5, 0.5]]);
     let with = |second: Affine3A| [Affine3A::IDENTITY, second];
     let scaled = with(Affine3A::from_scale(Vec3::new(1.0, 1.0, 1.01)));
     let refused = DualQuaternionBlend::new(&weights, &scaled).unwrap_err();
     assert_eq!(refused, SkinningError::NotRigid { bone: 1 });
     assert!(refused.to_string().contains("bone 1"));
-    // Of unit length each way, but two of them not at right angles.
+    // Unit columns, two of them not orthogonal.
     for (a, b) in [(0, 1), (1, 2), (2, 0)] {
         let mut sheared = Affine3A::IDENTITY;
         let column = |k: usize| glam::Vec3A::AXES[k];
@@ -207,23 +207,23 @@ fn what_is_not_rigid_is_refused_by_name() {
 }
 
 #[test]
-fn a_long_quaternion_is_the_rotation_of_its_direction() {
+fn long_quaternion_is_normalised() {
     let turn = Quat::from_rotation_z(1.0);
     let long = Quat::from_vec4(glam::Vec4::from(turn) * 7.0);
     let motion = DualQuaternion::from_rotation_translation(long, Vec3::Y).unwrap();
     let moved = motion.transform_point(Vec3::X);
     assert!((moved - (turn * Vec3::X + Vec3::Y)).length() < 1e-6);
-    // A direction is turned alone, also by a blend, whose length is not one.
+    // Directions are rotated only, also by a blend, whose norm is not 1.
     let blend = motion * 0.3 + motion * 0.4;
-    for own in [motion, blend] {
-        let turned = own.transform_vector(Vec3::new(0.2, -0.4, 0.7));
+    for part in [motion, blend] {
+        let turned = part.transform_vector(Vec3::new(0.2, -0.4, 0.7));
         assert!((turned - turn * Vec3::new(0.2, -0.4, 0.7)).length() < 1e-6);
     }
-    // It weighs no more than a short one where they are blended.
+    // Its weight in a blend equals that of a unit quaternion.
     assert!((motion.real.length() - 1.0).abs() < 1e-6);
     let still = DualQuaternion::from_rotation_translation(Quat::IDENTITY, Vec3::ZERO).unwrap();
     let short = DualQuaternion::from_rotation_translation(turn, Vec3::Y).unwrap();
-    let [a, b] = [motion, short].map(|own| (own + still).transform_point(Vec3::X));
+    let [a, b] = [motion, short].map(|part| (part + still).transform_point(Vec3::X));
     assert!((a - b).length() < 1e-6, "{a} {b}");
 }
 
@@ -236,11 +236,10 @@ fn methods_have_names() {
     assert!(unknown.to_string().contains("lbs") && unknown.to_string().contains("dqs"));
 }
 
-/// Half turns about (1, −0.99, 0) and about (−0.99, 1, 0) are nearly one rotation. A matrix gives the
-/// quaternion whose largest part is positive, so those of the two lie on opposite sides, and their
-/// plain sum is next to nothing.
+/// Half turns about (1, −0.99, 0) and (−0.99, 1, 0) are nearly one rotation. A matrix gives the quaternion with a
+/// positive largest component, so the two are in opposite hemispheres and their plain sum is nearly zero.
 #[test]
-fn quaternions_on_opposite_sides_are_blended_on_one() {
+fn quaternions_of_opposite_hemispheres_blend() {
     let weights = weights(&[&[0.5, 0.5]]);
     let packed = PackedWeights::new(&weights).unwrap();
     let turns = [[1.0, -0.99], [-0.99, 1.0]].map(|[x, y]| {
@@ -266,7 +265,7 @@ fn quaternions_on_opposite_sides_are_blended_on_one() {
     }
 }
 
-/// A scale or a mirror above all bones moves the blend as a whole.
+/// A scale or reflection common to all bones transforms the blend as a whole.
 #[test]
 fn shared_scale_and_mirror_scale_the_blend() {
     let weights = weights(&[&[0.5, 0.3, 0.2], &[0.1, 0.2, 0.7], &[0.0, 0.5, 0.5]]);
@@ -315,7 +314,8 @@ fn shared_scale_and_mirror_scale_the_blend() {
     }
 }
 
-/// A file in centimetres below a root of scale 0.01, bent by 30 degrees at (100, 0, 0): both bones take this point to (1, 0, 0).
+/// A file in centimetres below a root of scale 0.01, bent by 30° at (100, 0, 0): both bones take this point to (1, 0,
+/// 0).
 #[test]
 fn scaled_bones_keep_the_point_of_their_joint() {
     let weights = weights(&[&[1.0, 0.0], &[0.5, 0.5], &[0.0, 1.0]]);

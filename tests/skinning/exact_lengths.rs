@@ -1,5 +1,5 @@
-//! Promise: packed skinning brings normals and tangents to unit length by exact roots and divisions,
-//! so that every processor gives the same bits.
+//! Promise: packed skinning normalises normals and tangents with exact roots and divisions, so results are bitwise
+//! equal on all processors.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Vec3};
@@ -26,7 +26,7 @@ fn normals(blend: &impl Deformation, rest: &[Vec3]) -> Vec<Vec3> {
 }
 
 #[test]
-fn axes_of_any_length_come_out_as_unit_axes() {
+fn axes_of_any_length_become_unit_axes() {
     let mut random = Random::new(1);
     let rest: Vec<Vec3> = (0..COUNT)
         .map(|k| Vec3::AXES[k % 3] * random.within(1e-3, 1e3) as f32)
@@ -42,7 +42,7 @@ fn axes_of_any_length_come_out_as_unit_axes() {
     assert_eq!(normals(&dqs.portable(), &rest), expected);
 }
 
-/// x² + y² + z² in the two orders of rounding that the paths have, the root of it exact.
+/// x² + y² + z² in the two rounding orders of the code paths, with an exact root.
 #[test]
 fn directions_are_divided_by_the_exact_root() {
     let mut random = Random::new(2);
@@ -65,14 +65,14 @@ fn directions_are_divided_by_the_exact_root() {
         rest.iter().map(apart).collect(),
     ];
     assert_eq!(normals(&blend.clone().portable(), &rest), apart);
-    // Where the processor has no fused multiply-add, the portable path is the only one.
+    // Without fused multiply-add, the portable path is the only one.
     let posed = normals(&blend, &rest);
     assert!(posed == fused || posed == apart);
 }
 
-/// The squares of shorter ones keep no digits.
+/// Squares of shorter normals underflow.
 #[test]
-fn ever_shorter_normals_are_of_unit_length_or_nothing() {
+fn tiny_normals_become_unit_or_zero() {
     let mut rest = Vec::new();
     for exponent in -26..-10 {
         for k in 1..10 {

@@ -1,5 +1,5 @@
-//! Promise: weights by heat are those of their equations; they sum to 1, lie within 0 and 1, pass
-//! smoothly along the skin and not through the air, on damaged surfaces too, and are the same every time.
+//! Promise: bone heat weights solve their equations, sum to 1, are within 0 and 1 and vary smoothly along the skin, not
+//! through air. This includes damaged surfaces. Results are reproducible.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Vec3};
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use support::random::Random;
 use support::skins::{closed_tube, steepest};
 
-fn all() -> HeatWeights {
+fn all_influences() -> HeatWeights {
     let mut all = HeatWeights::default();
     all.heat = 1.0;
     all.most = usize::MAX;
@@ -39,10 +39,10 @@ fn row(weights: &SkinWeights, vertex: usize) -> DVector<f64> {
     row
 }
 
-/// The same equations written down otherwise: angles by arc cosine, a dense matrix, LU. On this tube all
-/// bones are seen, and no bound is touched.
+/// The same equations in another form: angles by arc cosine, a dense matrix, LU. On this tube all bones are visible and
+/// no bound is active.
 #[test]
-fn they_solve_their_equations() {
+fn weights_solve_their_equations() {
     let mesh = closed_tube(8.0, 0.6, 12, 10);
     let points: Vec<DVec3> = mesh.positions().iter().map(|p| p.as_dvec3()).collect();
     let count = points.len();
@@ -50,17 +50,17 @@ fn they_solve_their_equations() {
     let (mut system, mut areas) = (DMatrix::zeros(count, count), vec![0.0; count]);
     for triangle in mesh.triangles() {
         let [a, b, c] = triangle.map(|i| i as usize);
-        for [own, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
-            let (u, v) = (points[next] - points[own], points[last] - points[own]);
+        for [corner, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
+            let (u, v) = (points[next] - points[corner], points[last] - points[corner]);
             let half = 0.5 / u.angle_between(v).tan();
             for (i, j) in [(next, last), (last, next)] {
                 system[(i, j)] -= half;
                 system[(i, i)] += half;
             }
-            areas[own] += u.cross(v).length() / 6.0;
+            areas[corner] += u.cross(v).length() / 6.0;
         }
     }
-    // Its edges conduct enough, so nothing is bounded.
+    // Its edges conduct well, so no bound is active.
     assert!(system.iter().filter(|x| **x < 0.0).all(|x| *x < -1e-3));
     let mut given = DMatrix::zeros(count, bones.len());
     for (i, p) in points.iter().enumerate() {
@@ -82,9 +82,9 @@ fn they_solve_their_equations() {
         }
     }
     let expected = system.lu().solve(&given).unwrap();
-    let weights = all().for_segments(&mesh, &bones).unwrap();
+    let weights = all_influences().for_segments(&mesh, &bones).unwrap();
     check(&weights);
-    // Weights below 1e-4 fade, and the others lose nearly as little.
+    // Weights below 1e-4 fade out, and the others lose nearly as little.
     let mut mixed = 0;
     for vertex in 0..count {
         let apart = (row(&weights, vertex).transpose() - expected.row(vertex)).amax();
@@ -95,7 +95,7 @@ fn they_solve_their_equations() {
 }
 
 #[test]
-fn one_bone_moves_everything() {
+fn single_bone_has_all_weights() {
     let mesh = closed_tube(8.0, 0.6, 12, 10);
     let weights = HeatWeights::default()
         .for_segments(&mesh, &bones()[..1])
@@ -107,7 +107,7 @@ fn one_bone_moves_everything() {
 }
 
 #[test]
-fn a_mirrored_figure_has_mirrored_weights() {
+fn mirrored_mesh_has_mirrored_weights() {
     let mesh = closed_tube(8.0, 0.6, 12, 16);
     let x = |x: f64| DVec3::new(x, 0.0, 0.0);
     let bones = [[x(0.5), x(4.0)], [x(4.0), x(7.5)]];
@@ -126,9 +126,9 @@ fn a_mirrored_figure_has_mirrored_weights() {
     assert_eq!(pairs, mesh.positions().len());
 }
 
-/// Two fingers side by side, skin on skin: distance pulls across, heat goes along the skin.
+/// Two fingers side by side in contact: distance weights leak across, heat follows the skin.
 #[test]
-fn they_do_not_jump_over_gaps() {
+fn weights_do_not_cross_gaps() {
     let finger = closed_tube(4.0, 0.5, 12, 12);
     let beside = Vec3::new(0.0, 1.01, 0.0);
     let count = finger.positions().len() as u32;
@@ -153,7 +153,7 @@ fn they_do_not_jump_over_gaps() {
 
 /// A bone behind a wall heats nothing through it.
 #[test]
-fn bones_behind_skin_are_not_seen() {
+fn hidden_bones_do_not_heat() {
     let tube = closed_tube(8.0, 1.0, 16, 16);
     let inner = closed_tube(7.4, 0.7, 16, 16);
     let count = tube.positions().len() as u32;
@@ -163,7 +163,7 @@ fn bones_behind_skin_are_not_seen() {
     let triangles = triangles.chain(inner.triangles().iter().map(|t| t.map(|i| i + count)));
     let mesh = TriangleMesh::new(positions.collect(), vec![], triangles.collect()).unwrap();
     let x = |from: f64, to: f64| [DVec3::new(from, 0.0, 0.0), DVec3::new(to, 0.0, 0.0)];
-    // All bones are within the inner tube: the outer one sees none, and follows the nearest.
+    // All bones are within the inner tube: the outer one sees none and follows the nearest.
     let bones = [x(0.6, 4.0), x(4.0, 7.4)];
     let weights = HeatWeights::default().for_segments(&mesh, &bones).unwrap();
     check(&weights);
@@ -173,7 +173,7 @@ fn bones_behind_skin_are_not_seen() {
             assert!(row(&weights, vertex)[usize::from(x > 4.0)] > 0.9);
         }
     }
-    // With a bone between the two, the outer one sees that alone.
+    // With a bone between the two, the outer one sees that one only.
     let more = [
         bones[0],
         bones[1],
@@ -186,9 +186,9 @@ fn bones_behind_skin_are_not_seen() {
 }
 
 #[test]
-fn seams_stay_closed_and_pieces_apart() {
+fn seams_are_joined_and_pieces_separate() {
     let mesh = closed_tube(8.0, 0.6, 12, 10);
-    // Every triangle with corners of its own, and a point that no triangle has.
+    // Separate vertices for every triangle, and a vertex without a triangle.
     let corners = mesh.triangles().iter().flatten();
     let mut positions: Vec<Vec3> = corners.map(|i| mesh.positions()[*i as usize]).collect();
     let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
@@ -209,16 +209,16 @@ fn seams_stay_closed_and_pieces_apart() {
     assert!(row(&weights, alone)[2] > 1.0 - 1e-12);
 }
 
-/// Of halves made by mirroring one may have its seam at −0.
+/// Mirrored halves may meet at 0 and −0.
 #[test]
-fn halves_that_meet_at_zero_and_minus_zero_are_one_skin() {
+fn halves_at_zero_and_minus_zero_are_joined() {
     let tube = closed_tube(8.0, 0.6, 12, 10);
     let mut positions: Vec<Vec3> = tube.positions().to_vec();
     positions.iter_mut().for_each(|p| p.x -= 4.0);
     let whole = TriangleMesh::new(positions.clone(), vec![], tube.triangles().to_vec()).unwrap();
     let count = positions.len() as u32;
     let beyond = |t: &[u32; 3]| t.iter().any(|i| positions[*i as usize].x > 0.0);
-    // The half beyond has vertices of its own, so that the seam's stand there twice.
+    // The second half has separate vertices, so the seam's are duplicated.
     let own = |t: &[u32; 3]| if beyond(t) { t.map(|i| i + count) } else { *t };
     let triangles: Vec<[u32; 3]> = whole.triangles().iter().map(own).collect();
     let minus = |p: &Vec3| if p.x == 0.0 { p.with_x(-0.0) } else { *p };
@@ -243,14 +243,14 @@ fn halves_that_meet_at_zero_and_minus_zero_are_one_skin() {
 }
 
 #[test]
-fn needles_and_rubbish_do_no_harm() {
+fn degenerate_meshes_give_valid_weights() {
     let mut random = Random::new(5);
     let smooth = closed_tube(8.0, 0.6, 12, 20);
     for case in 0..6 {
         let mut positions = smooth.positions().to_vec();
         let mut triangles = smooth.triangles().to_vec();
         match case {
-            // Needles: the rings in pairs almost on each other.
+            // Needles: pairs of rings nearly coincide.
             0 => positions.iter_mut().for_each(|p| {
                 let ring = (p.x / 0.4).round();
                 p.x = if ring % 2.0 == 1.0 {
@@ -261,13 +261,13 @@ fn needles_and_rubbish_do_no_harm() {
             }),
             // Flat: all on one line.
             1 => positions.iter_mut().for_each(|p| (p.y, p.z) = (0.0, 0.0)),
-            // All at one place.
+            // All at one point.
             2 => positions.iter_mut().for_each(|p| *p = Vec3::ONE),
-            // Triangles between any points, and with two corners the same.
+            // Triangles between arbitrary vertices, some with two equal corners.
             3 => triangles
                 .iter_mut()
                 .for_each(|t| t[1] = random.below(positions.len()) as u32),
-            // Slivers without area, thrice the same.
+            // Degenerate triangles, repeated three times.
             4 => triangles.extend([[0, 1, 1], [0, 1, 2], [0, 1, 2], [0, 1, 2]]),
             _ => triangles.clear(),
         }
@@ -284,15 +284,15 @@ fn needles_and_rubbish_do_no_harm() {
     assert_eq!(weights.vertex_count(), 0);
 }
 
-/// Cotangents of obtuse corners are negative and would make heat flow uphill, out of what is not warm:
-/// on one piece of skin every bone that warms some of it is felt everywhere.
+/// Cotangents at obtuse corners are negative and would move heat from cold to warm. On one connected skin every bone
+/// that heats some of it has influence everywhere.
 #[test]
-fn heat_flows_over_obtuse_corners_too() {
+fn heat_flows_across_obtuse_corners() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.05, 0.0]].map(Vec3::from);
     let mesh = TriangleMesh::new(corners.to_vec(), vec![], vec![[0, 1, 2]]).unwrap();
     let above = |corner: &Vec3| [corner.as_dvec3() + 0.5 * DVec3::Z; 2];
     let bones: Vec<[DVec3; 2]> = corners.iter().map(above).collect();
-    let mut hot = all();
+    let mut hot = all_influences();
     hot.heat = 100.0;
     let weights = hot.for_segments(&mesh, &bones).unwrap();
     check(&weights);
@@ -301,12 +301,12 @@ fn heat_flows_over_obtuse_corners_too() {
     }
 }
 
-/// A corner that sinks onto the edge across from it: that edge conducts no more for it, as all the way down the corner is
-/// obtuse, and weights go over smoothly to those of a sliver without area.
+/// A corner that sinks onto its opposite edge: that edge stops conducting for it, since the corner is obtuse, and
+/// weights converge to those of a degenerate triangle.
 #[test]
-fn weights_go_over_smoothly_to_a_sliver_s() {
-    let mut hot = all();
-    // As much as what flows along the sliver's sides.
+fn weights_converge_at_a_degenerate_triangle() {
+    let mut hot = all_influences();
+    // As strong as the flow along the sides of the degenerate triangle.
     hot.heat = 300.0;
     let of_height = |height: f32| -> Vec<DVector<f64>> {
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, height], [0.5, -1.0]];
@@ -324,17 +324,17 @@ fn weights_go_over_smoothly_to_a_sliver_s() {
         height *= 0.98;
         let next = of_height(height);
         for (vertex, (last, next)) in last.iter().zip(&next).enumerate() {
-            let leap = (last - next).amax();
-            assert!(leap < 0.02, "vertex {vertex} at {height:e}: {leap}");
+            let jump = (last - next).amax();
+            assert!(jump < 0.02, "vertex {vertex} at {height:e}: {jump}");
         }
         last = next;
     }
-    // The ends of the edge keep to their own bones, as heat reaches the one from the other by the corner alone.
+    // The ends of the edge keep their own bones, since heat flows between them only by the corner.
     assert!(last[0][0] > 1.3 * last[0][1], "{}", last[0]);
 }
 
 #[test]
-fn the_unit_of_length_does_not_matter() {
+fn weights_are_unit_invariant() {
     let mesh = closed_tube(8.0, 0.6, 12, 10);
     let expected = HeatWeights::default()
         .for_segments(&mesh, &bones())
@@ -354,7 +354,7 @@ fn the_unit_of_length_does_not_matter() {
 
 /// The humanoid: limbs follow their own bones, and no weight jumps along an edge.
 #[test]
-fn a_figure_is_smooth_and_follows_its_own_bones() {
+fn humanoid_weights_are_smooth_and_local() {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../models/humanoid/humanoid.json"
@@ -379,23 +379,23 @@ fn a_figure_is_smooth_and_follows_its_own_bones() {
 }
 
 #[test]
-fn what_cannot_be_heated_is_refused() {
+fn invalid_bones_and_heat_are_rejected() {
     let mesh = closed_tube(8.0, 0.6, 12, 4);
-    let own = HeatWeights::default();
+    let options = HeatWeights::default();
     assert_eq!(
-        own.for_segments(&mesh, &[]).unwrap_err(),
+        options.for_segments(&mesh, &[]).unwrap_err(),
         AutomaticWeightsError::NoBones
     );
     let mut broken = bones();
     broken[2][1].z = f64::INFINITY;
     assert_eq!(
-        own.for_segments(&mesh, &broken).unwrap_err(),
+        options.for_segments(&mesh, &broken).unwrap_err(),
         AutomaticWeightsError::NonFiniteBone { bone: 2 }
     );
     for heat in [0.0, -1.0, f64::INFINITY] {
-        let mut own = own;
-        own.heat = heat;
-        let refused = own.for_segments(&mesh, &bones());
+        let mut options = options;
+        options.heat = heat;
+        let refused = options.for_segments(&mesh, &bones());
         assert_eq!(refused.unwrap_err(), AutomaticWeightsError::Heat(heat));
     }
 }

@@ -1,5 +1,5 @@
-//! Promise: linear blend skinning in single precision agrees with the formula evaluated in double
-//! precision to 1e-6 of the model's size.
+//! Promise: linear blend skinning in single precision equals the formula in double precision to 1e-6 of the model's
+//! size.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Vec3};
@@ -12,7 +12,7 @@ use kinopt::skinning::{
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra::{Matrix4, Rotation3, Translation3, Vector3 as N3, Vector4};
 
-/// Numbers within [−1, 1) that never change (Knuth's MMIX generator).
+/// Fixed sequence of numbers within [−1, 1) (Knuth's MMIX generator).
 struct Numbers(u64);
 
 impl Numbers {
@@ -67,7 +67,7 @@ fn mesh(numbers: &mut Numbers, vertices: usize, size: f64) -> TriangleMesh {
     let single = |v: N3<f64>| Vec3::new(v.x as f32, v.y as f32, v.z as f32);
     let positions = (0..vertices).map(|_| single(numbers.vector() * (0.5 * size)));
     let positions = positions.collect();
-    // Not of unit length, as meshes from files may have them; one is zero.
+    // Not normalised, as in mesh files; one is zero.
     let mut normals: Vec<Vec3> = (0..vertices)
         .map(|k| single(numbers.vector()) * 10_f32.powi(k as i32 % 40 - 20))
         .collect();
@@ -130,7 +130,7 @@ fn positions_and_normals_agree_with_double_precision() {
             let linear: nalgebra::Matrix3<f64> = m.fixed_view::<3, 3>(0, 0).into();
             let expected = (linear.try_inverse().unwrap().transpose() * n).normalize();
             assert!((normal.norm() - 1.0).abs() < 1e-6);
-            // A blend that nearly flattens space makes its inverse, and so the normal, uncertain.
+            // A nearly singular blend makes its inverse, and so the normal, inaccurate.
             let condition = linear.norm() * linear.try_inverse().unwrap().norm();
             let miss = (normal - expected).norm();
             assert!(
@@ -141,9 +141,9 @@ fn positions_and_normals_agree_with_double_precision() {
     }
 }
 
-/// The source's recursion T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹, word for word.
+/// The documented recursion T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹, written out.
 #[test]
-fn a_posed_chain_carries_its_skin() {
+fn skin_follows_a_posed_chain() {
     let mut numbers = Numbers(11);
     let count = 6;
     let mut bones: Vec<Bone> = Vec::new();
@@ -208,7 +208,7 @@ fn at_rest_nothing_moves() {
 }
 
 #[test]
-fn a_mirroring_blend_turns_normals_the_right_way() {
+fn reflection_flips_normals_correctly() {
     // diag(1, 1, −1) has the inverse transpose diag(1, 1, −1): (0, 0, 1) becomes (0, 0, −1).
     let mirror = [Affine3A::from_scale(Vec3::new(1.0, 1.0, -1.0))];
     let mut builder = SkinWeights::builder(1, 1);
@@ -218,7 +218,7 @@ fn a_mirroring_blend_turns_normals_the_right_way() {
     let blend = LinearBlend::new(&weights, &mirror).unwrap();
     blend.normals(&[Vec3::Z], &mut posed).unwrap();
     assert_eq!(posed, [Vec3::NEG_Z]);
-    // Flattened onto the xy plane, that plane's normal survives and others end on it.
+    // Flattened to the xy plane, its normal remains and others become parallel to it.
     let flat = [Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0))];
     let blend = LinearBlend::new(&weights, &flat).unwrap();
     blend
@@ -230,7 +230,7 @@ fn a_mirroring_blend_turns_normals_the_right_way() {
 }
 
 #[test]
-fn wrong_sizes_are_errors_that_say_which() {
+fn size_errors_name_the_buffer() {
     let mut numbers = Numbers(31);
     let weights = weights(&mut numbers, 9, 3, 2);
     let three = [Affine3A::IDENTITY; 3];

@@ -1,4 +1,4 @@
-//! Skins, morph targets, weights, cages.
+//! Skinning, morph targets, weights and cages.
 
 mod automatic_weights;
 mod blend_shapes;
@@ -10,10 +10,10 @@ mod heat_weights;
 mod linear_blend_skinning;
 mod morph_targets;
 mod packed_skinning;
+mod parallel_skinning;
 mod point_handles;
 mod portable_paths;
 mod skin_weights;
 mod skinned_bounds;
-mod skinning_same_bits;
 mod surface_frames;
 mod twisted_tube;

@@ -1,5 +1,5 @@
-//! Promise: morph targets mix shapes as the sources say, sparsely, before bones move them, and
-//! refuse what they cannot mix.
+//! Promise: morph targets blend shapes by the documented formula, sparsely and before skinning, and reject invalid
+//! input.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
@@ -16,8 +16,7 @@ fn triangle(corners: [[f32; 3]; 3]) -> TriangleMesh {
     TriangleMesh::new(corners, vec![], vec![[0, 1, 2]]).unwrap()
 }
 
-/// A mouth's corners and upper lip, its smile and its frown: the example of the lecture notes on
-/// skeletal animation.
+/// A mouth's corners and upper lip, its smile and its frown: the example of the lecture notes on skeletal animation.
 fn mouth() -> (TriangleMesh, MorphTargets) {
     let rest = triangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0]]);
     let smile = triangle([[-0.1, 0.2, 0.0], [1.1, 0.2, 0.0], [0.5, 0.6, 0.0]]);
@@ -30,7 +29,7 @@ fn mouth() -> (TriangleMesh, MorphTargets) {
 }
 
 #[test]
-fn half_a_smile_and_a_little_frown_are_a_smirk() {
+fn half_a_smile_and_some_frown_blend() {
     let (rest, targets) = mouth();
     let mut posed = rest.positions().to_vec();
     targets
@@ -43,7 +42,7 @@ fn half_a_smile_and_a_little_frown_are_a_smirk() {
             "{posed}"
         );
     }
-    // A full weight is the shape itself, none the rest.
+    // A full weight gives the shape, a zero weight the rest.
     let mut posed = rest.positions().to_vec();
     targets
         .apply(&[0.0, 0.0], &mut posed, &mut [], &mut [])
@@ -55,10 +54,10 @@ fn half_a_smile_and_a_little_frown_are_a_smirk() {
     assert!((posed[2] - Vec3::new(0.5, 0.3, 0.0)).length() < 1e-7);
 }
 
-/// Fourteen vertices, four expressions whose weights a clip moves: at every time the face is
-/// rest + Σ αₖ (shapeₖ − rest) with the weights of that time.
+/// Fourteen vertices and four expressions with animated weights: at all times the face is rest + Σ αₖ (shapeₖ − rest)
+/// with the weights of that time.
 #[test]
-fn a_clip_of_weights_moves_a_face() {
+fn clip_of_weights_animates_a_face() {
     let mut random = Random::new(23);
     let mut vertex = || Vec3::from_array(random.vector(1.0).map(|x| x as f32).into());
     let mut face = || -> Vec<Vec3> { (0..14).map(|_| vertex()).collect() };
@@ -77,7 +76,7 @@ fn a_clip_of_weights_moves_a_face() {
         let there_and_back = vec![0.0, 1.0, 0.0];
         KeyedCurve::eased(times.to_vec(), there_and_back, vec![Easing::CubicInOut; 3]).unwrap()
     };
-    // One after the other, overlapping; the frown has no channel and rests.
+    // Overlapping in sequence; the frown has no channel and stays at rest.
     for (name, times) in [("smile", [0.0, 1.0, 2.0]), ("surprise", [1.0, 2.0, 3.0])] {
         let target = armature.morph_target(name).unwrap();
         builder.morph_weight(target, eased(times)).unwrap();
@@ -114,7 +113,7 @@ fn a_clip_of_weights_moves_a_face() {
 }
 
 #[test]
-fn only_vertices_that_move_are_kept() {
+fn only_moving_vertices_are_stored() {
     let rest = triangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0]]);
     let shape = triangle([[0.0, 0.0, 0.0], [1.0, 0.25, 0.0], [0.5, 0.5, 0.001]]);
     let all = MorphTarget::between("s", &rest, &shape, 0.0).unwrap();
@@ -124,7 +123,7 @@ fn only_vertices_that_move_are_kept() {
 }
 
 #[test]
-fn normals_and_tangents_are_mixed_and_made_of_unit_length() {
+fn normals_and_tangents_are_blended_and_normalised() {
     let target = MorphTarget::new(
         "tilt",
         vec![1],
@@ -142,11 +141,11 @@ fn normals_and_tangents_are_mixed_and_made_of_unit_length() {
         .apply(&[1.0], &mut [], &mut normals, &mut tangents)
         .unwrap();
     let s = 0.5_f32.sqrt();
-    // The vertex that no target touches is left alone.
+    // A vertex without a target is unchanged.
     assert_eq!(normals[0], Vec3::new(0.0, 0.0, 5.0));
     assert!((normals[1] - Vec3::new(s, 0.0, s)).length() < 1e-6);
     assert!((tangents[1] - Vec4::new(s, 0.0, -s, -1.0)).length() < 1e-6);
-    // From meshes with normals the deltas of normals come too.
+    // Meshes with normals give deltas of normals.
     let flat = triangle([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).with_computed_normals();
     let tipped = triangle([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]).with_computed_normals();
     let tip = MorphTarget::between("tip", &flat, &tipped, 0.0).unwrap();
@@ -160,7 +159,7 @@ fn normals_and_tangents_are_mixed_and_made_of_unit_length() {
 }
 
 #[test]
-fn shapes_come_before_bones() {
+fn morphs_are_applied_before_skinning() {
     let (rest, targets) = mouth();
     let mut shaped = rest.positions().to_vec();
     targets
@@ -180,7 +179,7 @@ fn shapes_come_before_bones() {
 }
 
 #[test]
-fn what_cannot_be_mixed_is_refused_by_name() {
+fn invalid_targets_are_rejected_by_name() {
     let one = |vertices: &[u32], positions: &[Vec3], normals: &[Vec3]| {
         MorphTarget::new(
             "t",

@@ -1,5 +1,5 @@
-//! Promise: the fast path for four influences agrees with the one for any number to rounding, with
-//! and without AVX2, for any number of vertices.
+//! Promise: packed skinning of four influences equals the general path to rounding, with and without AVX2, for any
+//! number of vertices.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Vec3, Vec4};
@@ -12,8 +12,8 @@ use support::skins::{Vertices, rigid, stretching, weights};
 
 const BONES: usize = 13;
 
-/// Blends that nearly flatten space leave normals uncertain, so those are compared where the two
-/// sides of the blend are far from that: by the area that the unit normal's cofactors keep.
+/// Nearly singular blends make normals inaccurate, so normals are compared only if the blend is well conditioned, by
+/// the area scale of its cofactors.
 fn close(a: &Vertices, b: &Vertices) {
     for (vertex, (a, b)) in a.positions.iter().zip(&b.positions).enumerate() {
         assert!((*a - *b).length() < 3e-6, "position {vertex}: {a} {b}");
@@ -42,7 +42,7 @@ fn close(a: &Vertices, b: &Vertices) {
 }
 
 #[test]
-fn linear_blend() {
+fn packed_linear_blend_equals_the_general_path() {
     let mut random = Random::new(1);
     for count in [1, 7, 8, 9, 64, 1003] {
         let weights = weights(&mut random, count, BONES, 4);
@@ -59,7 +59,7 @@ fn linear_blend() {
 }
 
 #[test]
-fn dual_quaternions() {
+fn packed_dual_quaternions_equal_the_general_path() {
     let mut random = Random::new(2);
     for count in [1, 7, 8, 9, 64, 1003] {
         let weights = weights(&mut random, count, BONES, 4);
@@ -74,7 +74,7 @@ fn dual_quaternions() {
 }
 
 #[test]
-fn dual_quaternions_that_stretch() {
+fn packed_stretch_equals_the_general_path() {
     let mut random = Random::new(7);
     for count in [1, 9, 1003] {
         let weights = weights(&mut random, count, BONES, 4);
@@ -92,7 +92,7 @@ fn dual_quaternions_that_stretch() {
         close(&rest.deformed(&fast), &any);
         close(&rest.deformed(&fast.clone().portable()), &any);
 
-        // A pose that is refused changes nothing; one that turns only is as if nothing had stretched.
+        // A rejected pose changes nothing; a rigid one removes all earlier stretch.
         let mut mirror = transforms;
         mirror[3] = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
         let refused = fast.set_stretched(&mirror, &pivots).unwrap_err();
@@ -102,7 +102,7 @@ fn dual_quaternions_that_stretch() {
         fast.set_transforms(&turned).unwrap();
         let rigid = rest.deformed(&PackedDualQuaternionBlend::new(&packed, &turned).unwrap());
         assert_eq!(rest.deformed(&fast).positions, rigid.positions);
-        // Nor does a refusal leave anything stretched behind.
+        // A rejected pose leaves no stretch behind either.
         fast.set_stretched(&mirror, &pivots).unwrap_err();
         let rigid = PackedDualQuaternionBlend::new(&packed, &turned).unwrap();
         let rigid = rest.deformed(&rigid.portable()).positions;
@@ -111,7 +111,7 @@ fn dual_quaternions_that_stretch() {
 }
 
 #[test]
-fn buffers_that_are_not_there_are_left_out() {
+fn missing_buffers_are_skipped() {
     let mut random = Random::new(3);
     let weights = weights(&mut random, 21, BONES, 4);
     let packed = PackedWeights::new(&weights).unwrap();
@@ -151,7 +151,7 @@ fn normals_without_direction_become_zero() {
 }
 
 #[test]
-fn more_influences_than_places_and_wrong_poses_are_refused() {
+fn excess_influences_and_bad_poses_are_rejected() {
     let mut random = Random::new(4);
     let six = weights(&mut random, 12, BONES, 6);
     assert_eq!(
@@ -164,7 +164,7 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
     let packed = PackedWeights::new(&six.pruned(4).unwrap().0).unwrap();
     assert_eq!((packed.vertex_count(), packed.bone_count()), (12, BONES));
 
-    // The last bone that has a number of sixteen bits, and the first that has none.
+    // The largest bone index of 16 bits, and the next one.
     let mut builder = SkinWeights::builder(1, 65_536);
     builder.add(0, 65_535, 1.0).unwrap();
     let most = PackedWeights::new(&builder.build().unwrap()).unwrap();
@@ -188,7 +188,7 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
         blend.set_transforms(&broken).unwrap_err(),
         SkinningError::NonFiniteTransform { bone: 3 }
     );
-    // The pose before is kept.
+    // The previous pose is kept.
     let rest = Vertices::random(&mut random, 12);
     let posed = rest.deformed(&blend);
     for (posed, rest) in posed.positions.iter().zip(&rest.positions) {
@@ -210,7 +210,7 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
 }
 
 #[test]
-fn a_pose_set_anew_is_the_pose_built_anew() {
+fn changed_pose_equals_a_new_blend() {
     let mut random = Random::new(5);
     let weights = weights(&mut random, 50, BONES, 4);
     let packed = PackedWeights::new(&weights).unwrap();
@@ -219,15 +219,15 @@ fn a_pose_set_anew_is_the_pose_built_anew() {
         [(), ()].map(|()| -> Vec<Affine3A> { (0..BONES).map(|_| rigid(&mut random)).collect() });
     let mut lbs = PackedLinearBlend::new(&packed, &before).unwrap();
     lbs.set_transforms(&after).unwrap();
-    let anew = PackedLinearBlend::new(&packed, &after).unwrap();
-    assert!(rest.deformed(&lbs) == rest.deformed(&anew));
-    assert!(rest.deformed(&lbs.portable()) == rest.deformed(&anew.portable()));
+    let rebuilt = PackedLinearBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&lbs) == rest.deformed(&rebuilt));
+    assert!(rest.deformed(&lbs.portable()) == rest.deformed(&rebuilt.portable()));
     let mut dqs = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
     dqs.set_transforms(&after).unwrap();
-    let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
-    assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
-    // From one stretch to another, back to none, and to one again.
+    let rebuilt = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
+    assert!(rest.deformed(&dqs.portable()) == rest.deformed(&rebuilt.portable()));
+    // From one stretch to another, to none, and to one again.
     let stretched = [0.6, 1.7].map(|by| -> Vec<Affine3A> {
         let stretch = Affine3A::from_scale(Vec3::new(by, 1.0, 1.0 / by));
         after.iter().map(|turn| *turn * stretch).collect()
@@ -235,20 +235,20 @@ fn a_pose_set_anew_is_the_pose_built_anew() {
     let pivots = [vec![Vec3::X; BONES], vec![Vec3::new(0.3, -0.2, 0.1); BONES]];
     let mut dqs = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
     dqs.set_stretched(&stretched[1], &pivots[1]).unwrap();
-    let anew = PackedDualQuaternionBlend::stretched(&packed, &stretched[1], &pivots[1]).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let rebuilt = PackedDualQuaternionBlend::stretched(&packed, &stretched[1], &pivots[1]).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
     let portable = dqs.clone().portable();
-    assert!(rest.deformed(&portable) == rest.deformed(&anew.portable()));
+    assert!(rest.deformed(&portable) == rest.deformed(&rebuilt.portable()));
     dqs.set_transforms(&before).unwrap();
-    let anew = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let rebuilt = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
     dqs.set_stretched(&stretched[0], &pivots[0]).unwrap();
-    let anew = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let rebuilt = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
 }
 
 #[test]
-fn a_mesh_is_posed_alike_by_whichever_path_fits() {
+fn mesh_pose_does_not_depend_on_the_path() {
     let mut random = Random::new(41);
     let positions = Vertices::random(&mut random, 1001).positions;
     let mesh = kinopt::mesh::TriangleMesh::new(positions, vec![], vec![]).unwrap();
@@ -267,7 +267,7 @@ fn a_mesh_is_posed_alike_by_whichever_path_fits() {
             assert!(!plain.is_packed());
             assert_eq!(plain.mesh(method, &mesh, &transforms).unwrap(), expected);
         }
-        // Bones that scale need to be told about what.
+        // Stretched bones need pivots.
         let stretched: Vec<Affine3A> = transforms
             .iter()
             .map(|turn| *turn * Affine3A::from_scale(Vec3::new(1.0, 1.2, 0.9)))

@@ -1,11 +1,11 @@
-//! Promise: point handles move a mesh as bones do, each about its own place.
+//! Promise: point handles deform a mesh like bones, each about its own point.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform};
 use kinopt::skinning::{Deformation, LinearBlend, PointHandle, SkinWeights};
 
-/// A rod of eleven points between two handles with weights that change linearly along it.
+/// A rod of eleven points between two handles with linear weights.
 fn rod() -> (Vec<Vec3>, SkinWeights) {
     let mut builder = SkinWeights::builder(11, 2);
     for k in 0..11 {
@@ -29,7 +29,7 @@ fn posed(handles: &[PointHandle]) -> Vec<Vec3> {
 }
 
 #[test]
-fn dragging_moves_each_vertex_by_its_weight() {
+fn translation_is_scaled_by_the_weight() {
     let drag = Vec3::new(0.0, 2.0, -1.0);
     let handles = [
         PointHandle::at(Vec3::ZERO),
@@ -42,7 +42,7 @@ fn dragging_moves_each_vertex_by_its_weight() {
 }
 
 #[test]
-fn turning_and_stretching_leave_the_handle_where_it_is() {
+fn rotation_and_stretch_keep_the_handle_fixed() {
     let linear = Mat3A::from_quat(Quat::from_rotation_z(1.1)) * 3.0;
     let handles = [
         PointHandle::at(Vec3::ZERO),
@@ -50,13 +50,13 @@ fn turning_and_stretching_leave_the_handle_where_it_is() {
     ];
     let posed = posed(&handles);
     assert!((posed[10] - Vec3::X).length() < 1e-6);
-    // Halfway: the mean of where it was and where the turned handle takes it.
+    // Halfway: the mean of its rest position and its position under the rotated handle.
     let taken = Vec3::X + Vec3::from(linear * glam::Vec3A::new(-0.5, 0.0, 0.0));
     assert!((posed[5] - 0.5 * (Vec3::new(0.5, 0.0, 0.0) + taken)).length() < 1e-6);
 }
 
 #[test]
-fn a_motion_common_to_all_handles_is_exact() {
+fn common_motion_is_exact() {
     let linear = Mat3A::from_quat(Quat::from_rotation_x(0.4))
         * Mat3A::from_diagonal(Vec3::new(1.0, 2.0, 0.5));
     let shift = Vec3::new(1.0, 2.0, 3.0);
@@ -73,7 +73,7 @@ fn a_motion_common_to_all_handles_is_exact() {
 }
 
 #[test]
-fn a_bone_without_a_parent_is_a_handle_and_can_be_keyed_as_one() {
+fn root_bone_acts_as_a_handle() {
     let rests = [Vec3::new(0.5, -1.0, 2.0), Vec3::X];
     let standing = |place: Vec3| LocalTransform {
         translation: place.into(),

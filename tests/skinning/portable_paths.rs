@@ -1,4 +1,4 @@
-//! Promise: `KINOPT_PORTABLE` has a process take the paths of every processor, unless it is empty or 0.
+//! Promise: `KINOPT_PORTABLE` selects the portable code paths of a process, unless it is empty or 0.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::process::Command;
@@ -8,10 +8,10 @@ use kinopt::skinning::{PackedLinearBlend, PackedWeights};
 use support::random::Random;
 use support::skins::{Vertices, rigid, weights};
 
-/// Tells the test that it is the process that is asked.
+/// Variable that tells the test that it runs in the child process.
 const ASKED: &str = "KINOPT_TESTS_ASK_FOR_THE_PATH";
 
-/// Whether this process takes the portable path: a product and a sum are rounded once in the other.
+/// True if this process uses the portable path: the other one rounds a product and a sum once.
 fn is_portable() -> bool {
     let mut random = Random::new(9);
     let (count, bones) = (500, 5);
@@ -24,18 +24,18 @@ fn is_portable() -> bool {
 }
 
 #[test]
-fn only_what_asks_for_them_takes_them() {
+fn portable_paths_are_opt_in() {
     if std::env::var_os(ASKED).is_some() {
         println!("portable: {}", is_portable());
         return;
     }
     let takes_them = |value: Option<&str>| {
-        let mut own = Command::new(std::env::current_exe().unwrap());
-        let test = "portable_paths::only_what_asks_for_them_takes_them";
-        own.args(["--exact", test, "--nocapture"]);
-        own.env(ASKED, "1").env_remove("KINOPT_PORTABLE");
-        own.envs(value.map(|value| ("KINOPT_PORTABLE", value)));
-        let output = own.output().unwrap();
+        let mut command = Command::new(std::env::current_exe().unwrap());
+        let test = "portable_paths::portable_paths_are_opt_in";
+        command.args(["--exact", test, "--nocapture"]);
+        command.env(ASKED, "1").env_remove("KINOPT_PORTABLE");
+        command.envs(value.map(|value| ("KINOPT_PORTABLE", value)));
+        let output = command.output().unwrap();
         let text = String::from_utf8_lossy(&output.stdout);
         let [yes, no] = [true, false].map(|is| text.contains(&format!("portable: {is}")));
         assert!(output.status.success() && yes != no, "{text}");

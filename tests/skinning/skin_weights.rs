@@ -1,12 +1,12 @@
-//! Promise: skin weights are kept as given, in order; invalid ones are refused by name, or repaired
-//! and pruned with a report of what was changed.
+//! Promise: skin weights are kept as given, in order. Invalid ones are rejected by name, or repaired and pruned with a
+//! report.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::skinning::{Influence, Pruning, SkinWeights, WeightRepair, WeightsError};
 use nalgebra::dmatrix;
 
 #[test]
-fn a_table_is_kept_exactly_and_sparsely() {
+fn table_is_kept_exactly_and_sparsely() {
     // Slightly negative weights and sums off by rounding occur in real files.
     let table = dmatrix![
         0.25, 0.75 + 7.5e-5, -7.5e-5, 0.0;
@@ -51,7 +51,7 @@ fn triples_in_any_order_give_the_same_weights() {
 }
 
 #[test]
-fn invalid_weights_are_refused_by_name() {
+fn invalid_weights_are_rejected_by_name() {
     let mut builder = SkinWeights::builder(2, 3);
     assert_eq!(
         builder.add(1, 3, 0.5),
@@ -99,7 +99,7 @@ fn invalid_weights_are_refused_by_name() {
 }
 
 #[test]
-fn an_absurd_vertex_count_is_refused_without_allocating_for_it() {
+fn huge_vertex_count_allocates_nothing() {
     let mut builder = SkinWeights::builder(usize::MAX, 1);
     builder.add(0, 0, 1.0).unwrap();
     assert_eq!(
@@ -112,7 +112,7 @@ fn an_absurd_vertex_count_is_refused_without_allocating_for_it() {
 }
 
 #[test]
-fn a_negative_weight_is_refused_or_repaired() {
+fn negative_weight_is_rejected_or_repaired() {
     let mut builder = SkinWeights::builder(3, 2);
     builder.add(0, 0, 1.25).unwrap();
     builder.add(0, 1, -0.25).unwrap();
@@ -128,7 +128,7 @@ fn a_negative_weight_is_refused_or_repaired() {
         })
     );
     let (weights, repair) = builder.clone().build_repaired().unwrap();
-    // Of the sums 1.25 and 1.25 the first is the worst.
+    // Of the equal sums 1.25 the first is reported as worst.
     let expected = WeightRepair {
         negative: 1,
         rescaled: 2,
@@ -154,9 +154,9 @@ fn a_negative_weight_is_refused_or_repaired() {
     assert!(right.build_repaired().unwrap().1.is_empty());
 }
 
-/// The largest loss and the worst sum are those of all vertices, whichever comes first.
+/// The largest loss and the worst sum are over all vertices, in any order.
 #[test]
-fn what_is_told_of_the_worst_vertex() {
+fn worst_vertex_is_reported() {
     let weights = SkinWeights::from_table(&dmatrix![0.5, 0.25, 0.25; 0.7, 0.2, 0.1]).unwrap();
     assert!((weights.pruned(1).unwrap().1.largest_lost - 0.5).abs() < 1e-15);
     for sums in [[1.5, 0.2, 0.5], [0.2, 1.5, 0.5]] {
@@ -170,7 +170,7 @@ fn what_is_told_of_the_worst_vertex() {
 }
 
 #[test]
-fn pruning_keeps_the_largest_and_says_what_is_lost() {
+fn pruning_keeps_the_largest_and_reports_losses() {
     let table = dmatrix![
         0.1, 0.4, 0.2, 0.3;
         0.0, 0.5, 0.5, 0.0;
@@ -196,8 +196,8 @@ fn pruning_keeps_the_largest_and_says_what_is_lost() {
     assert_eq!((all, pruning), (weights, Pruning::default()));
 }
 
-/// Kept by weight, not by size, and divided by what is kept: with a negative weight the lost sum is not
-/// what is missing.
+/// Weights are pruned by value, not magnitude, and divided by the kept sum: with a negative weight the lost amount is
+/// not the missing sum.
 #[test]
 fn pruning_drops_negative_weights_first() {
     let weights = SkinWeights::from_table(&dmatrix![0.7, -0.008, 0.005, 0.303]).unwrap();

@@ -1,4 +1,4 @@
-//! Promise: the box made of bones' boxes holds every vertex that linear blend moves.
+//! Promise: the bounding box from bone boxes contains every vertex of linear blend skinning.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Vec3};
@@ -6,7 +6,7 @@ use kinopt::skinning::{BoneBoxes, Deformation, LinearBlend, SkinWeights, Skinnin
 use support::random::Random;
 use support::skins::{Vertices, rigid, stretching, weights};
 
-/// Some weights slightly below zero, as smooth ones may be.
+/// Some weights are slightly negative, as smooth ones may be.
 fn undershooting(random: &mut Random, vertices: usize, bones: usize) -> SkinWeights {
     let mut builder = SkinWeights::builder(vertices, bones);
     for vertex in 0..vertices {
@@ -29,7 +29,7 @@ fn inside(posed: &[Vec3], [low, high]: [Vec3; 2]) {
 }
 
 #[test]
-fn every_vertex_is_inside() {
+fn bounds_contain_every_vertex() {
     let mut random = Random::new(5);
     for round in 0..60 {
         let bones = 3 + round % 9;
@@ -49,10 +49,9 @@ fn every_vertex_is_inside() {
     }
 }
 
-/// With weights −0.009 and 1.009 a vertex goes beyond both of its bones, and the box with it, but by
-/// little more.
+/// With weights −0.009 and 1.009 a vertex moves beyond both bones; the box contains it and is only slightly larger.
 #[test]
-fn a_vertex_beyond_all_its_bones_is_inside() {
+fn bounds_contain_vertices_beyond_their_bones() {
     let mut builder = SkinWeights::builder(1, 2);
     builder.add(0, 0, -0.009).unwrap();
     builder.add(0, 1, 1.009).unwrap();
@@ -76,7 +75,7 @@ fn a_vertex_beyond_all_its_bones_is_inside() {
 }
 
 #[test]
-fn one_bone_at_rest_has_the_exact_box_but_for_rounding() {
+fn bounds_of_one_resting_bone_are_exact() {
     let mut random = Random::new(6);
     let weights = weights(&mut random, 100, 1, 1);
     let rest = Vertices::random(&mut random, 100).positions;
@@ -88,7 +87,7 @@ fn one_bone_at_rest_has_the_exact_box_but_for_rounding() {
 }
 
 #[test]
-fn nothing_has_no_box_and_wrong_sizes_are_errors() {
+fn empty_mesh_has_no_bounds() {
     let empty = SkinWeights::builder(0, 2).build().unwrap();
     let boxes = BoneBoxes::new(&empty, &[]).unwrap();
     assert_eq!(boxes.linear_blend(&[Affine3A::IDENTITY; 2]), Ok(None));
@@ -100,7 +99,7 @@ fn nothing_has_no_box_and_wrong_sizes_are_errors() {
         BoneBoxes::new(&empty, &[Vec3::ONE]),
         Err(SkinningError::Size(size)) if size.given == 1
     ));
-    // A box of NaN would hold nothing and hide that.
+    // A NaN box would contain nothing and hide the fault.
     let weights = weights(&mut Random::new(7), 2, 1, 1);
     let broken = BoneBoxes::new(&weights, &[Vec3::ONE, Vec3::NAN]).unwrap_err();
     assert_eq!(broken, SkinningError::NonFinitePosition { vertex: 1 });

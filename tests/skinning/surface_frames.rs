@@ -1,5 +1,5 @@
-//! Promise: normals stay at right angles to a skinned surface and tangents in it, also where bones
-//! stretch unevenly, shear or mirror, and where their blend does.
+//! Promise: normals stay orthogonal to a skinned surface and tangents stay in it, also for bones with uneven scale,
+//! shear or reflection, and for their blends.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec4};
@@ -12,7 +12,7 @@ fn direction(random: &mut Random) -> DVec3 {
     DVec3::from(<[f64; 3]>::from(*random.direction()))
 }
 
-/// A map that leaves no direction flat; every other one mirrors.
+/// A well-conditioned map; every other one is a reflection.
 fn map(random: &mut Random, mirrors: bool) -> DMat3 {
     loop {
         let columns = [0, 1, 2].map(|_| DVec3::from(<[f64; 3]>::from(random.vector(1.5))));
@@ -37,10 +37,10 @@ fn single(m: DMat3, random: &mut Random) -> Affine3A {
 }
 
 #[test]
-fn whatever_the_bones_do() {
+fn frames_stay_orthonormal_under_any_bones() {
     let mut random = Random::new(1);
     for case in 0..20 {
-        // Two maps near one another, so that their blend is not flat; the whole may mirror.
+        // Two similar maps, so that their blend is regular; both may be reflections.
         let first = map(&mut random, case % 2 == 1);
         let second =
             DMat3::from_rotation_y(0.3) * first * DMat3::from_diagonal(DVec3::new(1.2, 0.8, 1.0));
@@ -74,7 +74,7 @@ fn whatever_the_bones_do() {
                 turned[vertex].as_dvec3(),
                 moved[vertex].truncate().as_dvec3(),
             );
-            // The surface's own directions go where the map takes them.
+            // Directions of the surface follow the map.
             let bitangent = normal.cross(tangent) * sign;
             let [along, across] = [m * tangent, m * bitangent];
             assert!((t - along.normalize()).length() < 1e-4, "case {case}");
@@ -82,7 +82,7 @@ fn whatever_the_bones_do() {
                 assert!(n.dot(inside.normalize()).abs() < 1e-4, "case {case}");
             }
             assert!((n.length() - 1.0).abs() < 1e-6);
-            // Outside stays outside, and the bitangent is on its own side of the tangent.
+            // The outside stays outside, and the bitangent is on its side of the tangent.
             assert!(n.dot((m * normal).normalize()) > 0.0, "case {case}");
             let w = f64::from(moved[vertex].w);
             assert_eq!(w.abs(), 1.0);

@@ -1,5 +1,5 @@
-//! Promise: a twisted tube collapses under linear blend by the amount that theory says, down to
-//! nothing in the middle of a half turn, and keeps its shape under dual quaternions.
+//! Promise: a twisted tube collapses under linear blend by the theoretical amount, to a point in the middle of a half
+//! turn, and keeps its shape under dual quaternions.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
@@ -14,7 +14,7 @@ fn twisted(tube: &TwistedTube, method: SkinningMethod, twist: f64) -> TriangleMe
         .unwrap()
 }
 
-/// Where the tube is narrowest: its place along the axis and its radius.
+/// Position along the axis and radius of the narrowest ring.
 fn waist(tube: &TwistedTube, posed: &TriangleMesh) -> (f64, f64) {
     let rings = tube.ring_radii(posed);
     assert_eq!(rings.len(), tube.rings as usize);
@@ -25,7 +25,7 @@ fn waist(tube: &TwistedTube, posed: &TriangleMesh) -> (f64, f64) {
 }
 
 #[test]
-fn the_tube_is_closed_and_has_the_volume_of_a_prism() {
+fn tube_is_closed_with_the_volume_of_a_prism() {
     for tube in [
         TwistedTube::default(),
         TwistedTube {
@@ -49,13 +49,13 @@ fn the_tube_is_closed_and_has_the_volume_of_a_prism() {
 }
 
 #[test]
-fn linear_blend_is_a_candy_wrapper() {
+fn linear_blend_collapses_like_a_candy_wrapper() {
     let tube = TwistedTube::default();
     let whole = tube.mesh().unwrap().signed_volume();
     for degrees in [0.0_f64, 45.0, 90.0, 135.0, 180.0] {
         let twist = degrees.to_radians();
         let posed = twisted(&tube, SkinningMethod::LinearBlend, twist);
-        // The middle ring is a mean of two rings: |½ + ½ e^{iφ}| = cos(φ/2).
+        // The middle ring is the mean of two rings: |½ + ½ e^{iφ}| = cos(φ/2).
         let (place, radius) = waist(&tube, &posed);
         assert!(
             (radius - (twist / 2.0).cos()).abs() < 1e-6,
@@ -69,13 +69,13 @@ fn linear_blend_is_a_candy_wrapper() {
             "{degrees}°: {kept}, not {expected}"
         );
     }
-    // In a half turn it is gone.
+    // At half a turn it vanishes.
     let half_turn = twisted(&tube, SkinningMethod::LinearBlend, PI);
     assert!(waist(&tube, &half_turn).1 < 1e-6);
 }
 
 #[test]
-fn dual_quaternions_keep_every_ring() {
+fn dual_quaternions_keep_the_radius_of_every_ring() {
     let tube = TwistedTube::default();
     let whole = tube.mesh().unwrap().signed_volume();
     for degrees in [0.0_f64, 45.0, 90.0, 135.0, 180.0] {
@@ -88,7 +88,7 @@ fn dual_quaternions_keep_every_ring() {
                 "{degrees}°: {distance}"
             );
         }
-        // What is left is the flat triangles' share between rings that turn against each other.
+        // The rest is the loss of flat triangles between rings that rotate against each other.
         let kept = posed.signed_volume() / whole;
         assert!((0.995..1.0001).contains(&kept), "{degrees}°: {kept}");
     }

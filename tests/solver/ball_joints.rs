@@ -1,5 +1,5 @@
-//! Promise: bodies with free and ball joints are solved like any other: what is reachable is reached, derivatives
-//! agree by all routes, no cone, twist, room or hinge is ever left, and the limit in the way is named.
+//! Promise: models with free and ball joints are solved like all others. Reachable targets are reached, all derivative
+//! routes agree, and no cone, twist, base bound or joint limit is violated. The blocking limit is named.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
@@ -18,7 +18,7 @@ use support::placement;
 use support::random::Random;
 use support::sample::part;
 
-/// The last frame's pose and another one's place, where a random configuration puts them or up to two metres off.
+/// The last frame's pose and another frame's point at a random configuration, or up to `off` metres away.
 fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {
     let random = &mut Random::new(seed);
     let q = figure.model.random_configuration(seed + 1000);
@@ -28,13 +28,13 @@ fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {
     let mut target = at[last];
     target.translation.vector += random.vector(off);
     builder.add(Pose::new(figure.frames[last], placement(&target)));
-    let place = at[other].translation.vector + random.vector(off);
-    builder.add(Point::new(figure.frames[other], support::vector(place)));
+    let position = at[other].translation.vector + random.vector(off);
+    builder.add(Point::new(figure.frames[other], support::vector(position)));
     builder.build().unwrap()
 }
 
 #[test]
-fn what_a_configuration_has_is_reached() {
+fn targets_of_a_configuration_are_reached() {
     let mut workspace = Workspace::new();
     for seed in part(0..400_u64, 11) {
         let figure = Figure::new(seed % 20, 5 + (seed % 4) as usize);
@@ -58,13 +58,13 @@ fn what_a_configuration_has_is_reached() {
 }
 
 #[test]
-fn no_limit_is_ever_left() {
+fn no_solution_violates_a_limit() {
     let mut workspace = Workspace::new();
     for seed in part(0..300_u64, 13) {
         let figure = Figure::new(seed % 30, 4 + (seed % 5) as usize);
         let model = &figure.model;
         let problem = problem(&figure, seed, [0.0, 0.3, 2.0][(seed % 3) as usize]);
-        // From outside all limits: quaternions of any sort, hinges turned too far.
+        // Violates all limits: arbitrary quaternions and revolute joints out of range.
         let random = &mut Random::new(seed);
         let start: Vec<f64> = (0..model.configuration_len())
             .map(|_| random.within(-3.0, 3.0))
@@ -95,7 +95,7 @@ fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
 }
 
 #[test]
-fn derivatives_agree_at_the_identity_near_half_a_turn_and_on_the_edge_of_a_cone() {
+fn derivative_routes_agree_at_special_rotations() {
     for seed in 0..12 {
         let figure = Figure::new(seed, 8);
         let model = &figure.model;
@@ -117,7 +117,7 @@ fn derivatives_agree_at_the_identity_near_half_a_turn_and_on_the_edge_of_a_cone(
                 _ => model.random_configuration(seed + case),
             };
             if case == 2 {
-                // Half a turn but for a hair, about any axis.
+                // 1e-9 rad short of half a turn, about any axis.
                 let axis = random.direction();
                 let half = 0.5 * (PI - 1e-9);
                 q[3] = half.cos();
@@ -127,7 +127,7 @@ fn derivatives_agree_at_the_identity_near_half_a_turn_and_on_the_edge_of_a_cone(
             }
             map.reduce(&q, &mut x).unwrap();
             if case == 3 {
-                // Far out: what is beyond an edge is put on it.
+                // Far outside: projection puts it on the edges.
                 x.iter_mut().for_each(|value| *value *= 9.0);
                 kinopt::problem::ProblemInstance::from(&problem)
                     .space()
@@ -160,7 +160,7 @@ fn derivatives_agree_at_the_identity_near_half_a_turn_and_on_the_edge_of_a_cone(
     }
 }
 
-/// An upper arm of 1 m on a shoulder that swings by 1 rad at most about its own x axis's cone and twists by 0.5.
+/// Upper arm of 1 m on a shoulder with a cone of 1 rad about its x axis and a twist of ±0.5 rad.
 fn shoulder() -> (Model, kinopt::model::FrameId) {
     let mut builder = Model::builder("arm");
     let along = Vector3::new(1.0, 0.0, 0.0);
@@ -177,18 +177,18 @@ fn shoulder() -> (Model, kinopt::model::FrameId) {
 }
 
 #[test]
-fn the_nearest_place_on_the_cone_is_found_and_its_edge_named() {
+fn swing_beyond_cone_ends_at_its_edge() {
     let (model, hand) = shoulder();
     for angle in [0.0_f64, 0.7, 2.0, 4.0] {
         let mut builder = Problem::builder(&model);
-        // Across the cone's axis: what it can do is to swing there by 1 rad.
+        // Perpendicular to the cone's axis: the closest swing is 1 rad.
         builder.add(Point::new(hand, [0.0, angle.cos(), angle.sin()]));
         let problem = builder.build().unwrap();
         let solution = Solver::default()
             .solve_once(&problem, &model.neutral())
             .unwrap();
         assert!(!solution.reached);
-        // The chord over what is left of a right angle.
+        // Chord over the rest of the right angle.
         let missed = 2.0 * (0.5 * (0.5 * PI - 1.0)).sin();
         let error = solution.position_error().unwrap();
         assert!((error - missed).abs() < 1e-9, "{error} instead of {missed}");
@@ -203,7 +203,7 @@ fn the_nearest_place_on_the_cone_is_found_and_its_edge_named() {
 }
 
 #[test]
-fn a_twist_too_far_is_held_and_named() {
+fn twist_beyond_limit_is_clamped_and_named() {
     let (model, hand) = shoulder();
     let mut builder = Problem::builder(&model);
     let turned = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), -1.2);
@@ -224,13 +224,13 @@ fn a_twist_too_far_is_held_and_named() {
 }
 
 #[test]
-fn of_two_balls_the_one_that_is_held_is_named() {
+fn active_limit_names_the_right_ball_joint() {
     let mut builder = Model::builder("arms");
-    let (here, along) = (Placement::identity(), Vector3::UNITS[0]);
+    let (origin, along) = (Placement::identity(), Vector3::UNITS[0]);
     let limits = || Some(BallLimits::cone(1.0, Limits::new(-0.5, 0.5)));
     let hands = ["first", "second"].map(|name| {
-        let shoulder = builder.ball(name, None, here, along, limits());
-        builder.frame(format!("{name} hand"), Some(shoulder), here)
+        let shoulder = builder.ball(name, None, origin, along, limits());
+        builder.frame(format!("{name} hand"), Some(shoulder), origin)
     });
     let model = builder.build().unwrap();
     let turned = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), -1.2);
@@ -240,14 +240,14 @@ fn of_two_balls_the_one_that_is_held_is_named() {
         tasks.add(Orientation::new(hand, turned));
         let solution = Solver::default().solve_once(&tasks.build().unwrap(), &model.neutral());
         let solution = solution.unwrap();
-        let told = solution.active_limits().map(|limit| limit.joint.to_owned());
-        assert_eq!(told.collect::<Vec<_>>(), [named]);
+        let reported = solution.active_limits().map(|limit| limit.joint.to_owned());
+        assert_eq!(reported.collect::<Vec<_>>(), [named]);
     }
 }
 
-/// Twisted and swung too far at once: the twist and the whole angle are both in the way, each told by its own side and value.
+/// Excessive twist and total angle: both limits are active, each with its side and value.
 #[test]
-fn a_twist_and_a_whole_angle_in_the_way_are_named_together() {
+fn twist_and_total_angle_are_both_active() {
     let x = Vector3::UNITS[0];
     for (twist, side) in [(-2.4, Side::Lower), (2.4, Side::Upper)] {
         let mut builder = Model::builder("arm");
@@ -269,8 +269,8 @@ fn a_twist_and_a_whole_angle_in_the_way_are_named_together() {
         let solution = solution.unwrap();
         assert!(!solution.reached);
         let limits = solution.active_limits();
-        let told: Vec<_> = limits.map(|limit| (limit.joint, limit.side)).collect();
-        assert!(told.contains(&("shoulder twist", side)), "{told:?}");
+        let reported: Vec<_> = limits.map(|limit| (limit.joint, limit.side)).collect();
+        assert!(reported.contains(&("shoulder twist", side)), "{reported:?}");
         let limits = solution.active_limits();
         let mut values: Vec<_> = limits.map(|limit| limit.value.abs()).collect();
         values.sort_by(f64::total_cmp);
@@ -280,7 +280,7 @@ fn a_twist_and_a_whole_angle_in_the_way_are_named_together() {
 }
 
 #[test]
-fn a_ball_turns_no_further_in_a_frame_of_a_drag_than_it_may() {
+fn ball_rotation_in_a_drag_frame_is_bounded() {
     for seed in 0..10 {
         let figure = Figure::new(seed, 6);
         let model = &figure.model;
@@ -313,9 +313,9 @@ fn a_ball_turns_no_further_in_a_frame_of_a_drag_than_it_may() {
     }
 }
 
-/// A ball that may turn by less than quaternions tell is held; what it may turn by is said anew.
+/// A ball joint that a tiny bound locks rotates again after the bound grows.
 #[test]
-fn a_ball_that_was_held_still_turns_when_it_may_again() {
+fn ball_rotates_again_after_bound_grows() {
     let (model, hand) = shoulder();
     let mut builder = Problem::builder(&model);
     let goal = builder.add(Point::new(hand, [1.0, 0.0, 0.0]));
@@ -337,7 +337,7 @@ fn a_ball_that_was_held_still_turns_when_it_may_again() {
 }
 
 #[test]
-fn a_ball_locked_where_it_stands_stays() {
+fn locked_ball_joint_keeps_its_rotation() {
     let figure = Figure::new(1, 6);
     let model = &figure.model;
     let q = model.random_configuration(5);
@@ -360,14 +360,14 @@ fn a_ball_locked_where_it_stands_stays() {
     let solution = Solver::default()
         .solve_once(&builder.build().unwrap(), &q)
         .unwrap();
-    for (own, held) in solution.q[at..].iter().zip(held) {
-        assert!((own - held).abs() < 1e-15);
+    for (actual, held) in solution.q[at..].iter().zip(held) {
+        assert!((actual - held).abs() < 1e-15);
     }
 }
 
 #[test]
-fn a_limb_swung_right_round_stays_in_a_narrow_cone_and_is_read_back_as_it_stands() {
-    // Skew, so that rounding blurs which way it was swung.
+fn half_turn_swing_in_narrow_cone_is_stable() {
+    // An oblique axis, so that rounding blurs the direction of the swing.
     let axis = nalgebra::Vector3::new(1.0, 2.0, 3.0).normalize();
     let about = axis.cross(&nalgebra::Vector3::x()).normalize();
     let (along, up) = (support::vector(axis), support::vector(about));
@@ -379,7 +379,7 @@ fn a_limb_swung_right_round_stays_in_a_narrow_cone_and_is_read_back_as_it_stands
         let hand = builder.frame("hand", Some(shoulder), Placement::translation(along));
         let model = builder.build().unwrap();
         let mut tasks = Problem::builder(&model);
-        // A little further round than half a turn, which it comes to from one side.
+        // Slightly more than half a turn, approached from one side.
         let target = axis * 3.3_f64.cos() + about.cross(&axis) * 3.3_f64.sin();
         tasks.add(Point::new(hand, target));
         let problem = tasks.build().unwrap();

@@ -1,5 +1,5 @@
-//! Promise: when the tips of a body cannot all be where they should, the search ends at a stationary
-//! point, though the residual there is large, and does not creep until it is cut off.
+//! Promise: a search for targets that cannot be reached together ends at a stationary point. Large residuals do not
+//! slow it until a limit of iterations ends it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
@@ -11,7 +11,7 @@ use kinopt::task::Point;
 use support::random::Random;
 
 #[test]
-fn a_hand_drawn_too_far_while_the_other_tips_hold() {
+fn far_hand_with_pinned_tips_is_stationary() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let model = rig.skeleton.model();
     let rest = model.neutral();
@@ -48,7 +48,7 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
             solution.iterations
         );
 
-        // By the tips' places alone: no small move of any angle within its limits helps.
+        // From the tip positions alone: no small change of a joint within its limits lowers the cost.
         let cost = |q: &[f64]| -> f64 {
             let posed = rig.skeleton.pose(q).unwrap();
             let misses = tips.iter().map(|&(bone, at)| {
@@ -62,17 +62,17 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
             for h in [-1e-4, 1e-4] {
                 let mut q = solution.q.clone();
                 q[j] = (q[j] + h).clamp(limits.lower, limits.upper);
-                // A slope of 1e-5 a radian would show as 1e-9, ten times what rounding blurs.
+                // A gradient of 1e-5 per radian would show as 1e-9, ten times the rounding error.
                 assert!(cost(&q) >= best - 1e-10 * best.max(1.0), "{target:?}: {j}");
             }
         }
     }
 }
 
-/// The decrease that a step promises counts the curvature in use; without, the damping is wrong and the
-/// same twenty searches take 1 290 steps instead of 1 100.
+/// The predicted decrease of a step includes the curvature term. Without it, damping is wrong and the twenty searches
+/// take 17 % more steps.
 #[test]
-fn what_a_curved_step_promises_is_curved() {
+fn predicted_decrease_includes_curvature() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let model = rig.skeleton.model();
     let rest = model.neutral();

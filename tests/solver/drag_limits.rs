@@ -75,7 +75,7 @@ impl Body {
         (drag, hand, poses[2].translation)
     }
 
-    /// Largest distance of a foot from its place, metres.
+    /// Largest distance of a foot from its initial position, metres.
     fn slip(&self, q: &[f64]) -> f64 {
         let mut kinematics = ForwardKinematics::of_frames(self.model(), &self.feet).unwrap();
         let start = kinematics.place(&self.stance).unwrap().to_vec();
@@ -86,12 +86,12 @@ impl Body {
     }
 }
 
-/// Largest rates of a motion as shares of the limits, by finite differences.
+/// Largest rates of a motion as fractions of the limits, by finite differences.
 struct Rates<'a> {
     model: &'a Model,
     time_step: f64,
     last: Vec<f64>,
-    /// Velocity and acceleration of the last frame.
+    /// Velocity and acceleration of the previous frame.
     before: [Vec<f64>; 2],
     largest: [f64; 3],
 }
@@ -111,7 +111,7 @@ impl<'a> Rates<'a> {
     fn push(&mut self, q: &[f64]) {
         let mut step = vec![0.0; q.len() - 1];
         self.model.difference(&self.last, q, &mut step).unwrap();
-        // The base's position in the world.
+        // Position of the base in world coordinates.
         for k in 0..3 {
             step[k] = q[k] - self.last[k];
         }
@@ -146,7 +146,7 @@ fn limits_of_all_rates_hold_for_wild_targets() {
         let mut rates = Rates::of(body.model(), time_step, drag.q());
         let mut target = start;
         for frame in 0..300 {
-            // Jumps within reach and beyond, then noise.
+            // Jumps within and beyond the reach, then noise.
             if frame % 60 == 0 {
                 let mut by = || random.within(-0.25, 0.25);
                 target = start + Vector3::new(by(), by(), by());

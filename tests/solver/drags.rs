@@ -1,6 +1,6 @@
-//! Promise: a drag follows its targets on one branch: no joint leaps, neither where a target goes
-//! out of reach, nor into limits, nor back, unless a search was asked for, and then it is told; a
-//! frame that misses costs no more than a few that reach.
+//! Promise: a drag follows its targets on one branch. No joint jumps when a target becomes unreachable, enters limits
+//! or returns. Only a requested search may jump, and the jump is reported. A frame that misses costs no more than a few
+//! frames that reach.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Scalar;
@@ -15,12 +15,12 @@ use support::planar_arm;
 use support::random::Random;
 use support::tasks::{Curve, OfJoint};
 
-/// The most that a joint moves in a frame, and what rounding may add.
+/// Largest joint displacement in a frame, radians, with rounding.
 const MOST_MOVE: f64 = 0.15 + 1e-12;
-/// Evaluations of a frame at most: its steps, a nudge's, and what learning curvature takes.
+/// Largest number of evaluations in a frame: its steps, a perturbation's steps and the estimation of curvature.
 const EVALUATIONS: usize = 400;
 
-/// The second tip of a rig goes, the others stay.
+/// Drag of a rig's second tip with the other tips pinned.
 fn drag(rig: &RandomRig, start: &[f64]) -> (Drag, TaskId<Point>, Vector3<f64>) {
     let (skeleton, size) = (&rig.skeleton, rig.skeleton.size());
     let mut builder = Problem::builder(skeleton.model());
@@ -39,8 +39,8 @@ fn drag(rig: &RandomRig, start: &[f64]) -> (Drag, TaskId<Point>, Vector3<f64>) {
     (drag, tasks[1], from)
 }
 
-/// Every bend a little off zero.
-fn at_ease(skeleton: &Skeleton) -> Vec<f64> {
+/// Configuration with every bend slightly off zero.
+fn slightly_bent(skeleton: &Skeleton) -> Vec<f64> {
     let limits = skeleton.model().limits().enumerate();
     limits
         .map(|(k, l)| l.clamp(if k % 3 == 1 { 0.3 } else { 0.0 }))
@@ -52,14 +52,14 @@ fn furthest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// What is told to be a joint's limit is the model's, however a frame ended: the most that a joint may move in a
-/// frame is told apart.
+/// Active limits are the model's limits, whatever ended the frame. Bounds on the move of a frame are reported
+/// separately.
 #[test]
-fn a_frame_tells_limits_as_the_model_has_them() {
+fn frame_reports_limits_of_the_model() {
     let rig = RandomRig::new(3);
-    let start = at_ease(&rig.skeleton);
+    let start = slightly_bent(&rig.skeleton);
     let (drag, hand, from) = drag(&rig, &start);
-    // Frames of a single step end by their count.
+    // Frames of one step end by the iteration limit.
     let once = kinopt::solver::Stopping::default().with_max_iterations(1);
     let mut drag = drag.with_solver(kinopt::Solver::default(), once).unwrap();
     let far = from + Vector3::new(0.7, 0.5, -0.6) * rig.skeleton.size();
@@ -82,11 +82,11 @@ fn a_frame_tells_limits_as_the_model_has_them() {
 }
 
 #[test]
-fn out_of_reach_into_limits_and_back_without_a_leap() {
-    // KINOPT_CASES=… for more rigs.
+fn drag_beyond_reach_and_back_never_jumps() {
+    // KINOPT_CASES sets the number of rigs.
     for seed in 0..support::sample::cases(4, 1) as u64 {
         let rig = RandomRig::new(seed);
-        let start = at_ease(&rig.skeleton);
+        let start = slightly_bent(&rig.skeleton);
         let (mut drag, hand, from) = drag(&rig, &start);
         let size = rig.skeleton.size();
         let frames = 120;
@@ -116,7 +116,7 @@ fn out_of_reach_into_limits_and_back_without_a_leap() {
             assert_eq!(drag.q(), q);
         }
         assert!(missed > 30, "{seed}: only {missed} frames out of reach");
-        // Back where it was: the frames that follow catch up.
+        // Back at its initial position: the following frames catch up.
         let mut frames = 0;
         while !drag.advance().reached {
             frames += 1;
@@ -126,9 +126,9 @@ fn out_of_reach_into_limits_and_back_without_a_leap() {
 }
 
 #[test]
-fn a_target_that_rests_out_of_reach_brings_the_body_to_rest() {
+fn drag_rests_at_unreachable_target() {
     let rig = RandomRig::new(2);
-    let (mut drag, hand, from) = drag(&rig, &at_ease(&rig.skeleton));
+    let (mut drag, hand, from) = drag(&rig, &slightly_bent(&rig.skeleton));
     let far = from + Vector3::new(2.0, 1.0, 0.5) * rig.skeleton.size();
     drag.target_mut(hand).unwrap().set_target(far);
     for _ in 0..150 {
@@ -143,7 +143,7 @@ fn a_target_that_rests_out_of_reach_brings_the_body_to_rest() {
 }
 
 #[test]
-fn a_frame_on_its_way_is_told_in_few_words() {
+fn frame_in_progress_has_a_short_explanation() {
     let chain = planar_arm(&[0.5; 8], Some((-3.0, 3.0)));
     let mut builder = Problem::builder(&chain);
     builder.add(Point::new(chain.frame("tip").unwrap(), [-1.0, 2.0, 0.0]));
@@ -172,7 +172,7 @@ fn a_frame_on_its_way_is_told_in_few_words() {
 }
 
 #[test]
-fn a_target_that_leaps_is_followed_and_the_lag_is_told() {
+fn jumping_target_is_followed_with_reported_lag() {
     let model = planar_arm(&[1.0, 0.8], Some((-3.0, 3.0)));
     let mut builder = Problem::builder(&model);
     let hand = builder.add(Point::new(model.frame("tip").unwrap(), [1.2, 0.5, 0.0]));
@@ -193,15 +193,15 @@ fn a_target_that_leaps_is_followed_and_the_lag_is_told() {
 }
 
 #[test]
-fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
-    // Stretched out to the bit: no joint feels a target that comes straight back.
+fn stretched_arm_bends_for_a_returning_target() {
+    // Exactly stretched: the gradient of a target on the arm's line is zero.
     let mut builder = Model::builder("arm and another joint");
-    let (here, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
+    let (origin, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
     let link = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
     let limits = Limits::new(-2.8, 2.8);
-    let shoulder = builder.revolute("shoulder", None, here, z, limits);
+    let shoulder = builder.revolute("shoulder", None, origin, z, limits);
     let elbow = builder.revolute("elbow", Some(shoulder), link(1.0), z, limits);
-    builder.revolute("other", None, here, z, limits);
+    builder.revolute("other", None, origin, z, limits);
     let tip = builder.frame("tip", Some(elbow), link(0.8));
     let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);
@@ -214,7 +214,7 @@ fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
         drag.target_mut(hand).unwrap().set_target([x, 0.0, 0.0]);
         drag.advance();
         assert!(furthest(drag.q(), &q) <= MOST_MOVE);
-        // What no task feels stays.
+        // A joint without influence on any task keeps its value.
         assert_eq!(drag.q()[2], 0.7);
         q.copy_from_slice(drag.q());
     }
@@ -222,13 +222,13 @@ fn a_stretched_arm_comes_back_along_the_line_it_left_by() {
 }
 
 #[test]
-fn a_search_leaps_only_where_asked_for_and_is_told() {
-    // A stop keeps the elbow from the other side, where the target could be reached.
+fn drag_jumps_only_with_search_and_reports_it() {
+    // The elbow's limit blocks the branch on which the target is reachable.
     let model = planar_arm(&[1.0, 0.8], Some((-2.3, 2.3)));
     let tip = model.frame("tip").unwrap();
     let drag = || {
         let mut builder = Problem::builder(&model);
-        // Beyond the shoulder's upper stop with the elbow bent that way, not with the other.
+        // With this bend of the elbow the shoulder's upper limit blocks; with the opposite bend it does not.
         builder.add(Point::new(tip, [-1.2, 0.3, 0.0]));
         Drag::new(builder.build().unwrap(), &[-1.5, -0.5]).unwrap()
     };
@@ -238,26 +238,26 @@ fn a_search_leaps_only_where_asked_for_and_is_told() {
         assert_eq!(calm.leap(), None);
     }
     let mut keen = drag().with_search(Restarts::default()).unwrap();
-    let mut leaps = 0;
+    let mut jumps = 0;
     for _ in 0..60 {
         let before = keen.q().to_vec();
         keen.advance();
         let moved = furthest(keen.q(), &before);
         if moved > MOST_MOVE {
-            let leap = keen.leap().expect("a leap is told");
-            assert_eq!(leap.distance, moved);
-            leaps += 1;
+            let jump = keen.leap().expect("a leap is told");
+            assert_eq!(jump.distance, moved);
+            jumps += 1;
         } else {
             assert_eq!(keen.leap(), None);
         }
     }
-    assert!(leaps == 1 && keen.solution().reached, "{leaps}");
+    assert!(jumps == 1 && keen.solution().reached, "{jumps}");
 }
 
 #[test]
-fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
+fn drag_is_reproducible_and_validates_starts() {
     let rig = RandomRig::new(3);
-    let start = at_ease(&rig.skeleton);
+    let start = slightly_bent(&rig.skeleton);
     let run = || {
         let (mut drag, hand, from) = drag(&rig, &start);
         for frame in 0..20 {
@@ -271,7 +271,7 @@ fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
     let (mut drag, hand, _) = drag(&rig, &start);
     assert!(drag.stand_at(&[0.0]).is_err());
     assert!(drag.stand_at(&vec![f64::NAN; start.len()]).is_err());
-    // A target that is no number moves nothing.
+    // A NaN target moves no joint.
     drag.target_mut(hand)
         .unwrap()
         .set_target([f64::NAN, 0.0, 0.0]);
@@ -280,14 +280,14 @@ fn the_same_drag_twice_is_the_same_to_the_bit_and_starts_are_checked() {
     assert_eq!(drag.q(), before);
 }
 
-/// A slide goes as far in a frame as a joint would carry what is a quarter of the reach away.
+/// The bound of a prismatic joint: the displacement by which a rotation moves a point at a quarter of the reach.
 #[test]
-fn slides_move_by_their_own_measure() {
+fn prismatic_joint_moves_by_scaled_bound() {
     let mut builder = Model::builder("slide and arm");
     let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
-    let (here, link) = (Placement::identity(), Placement::translation(x));
-    let slide = builder.prismatic("slide", None, here, x, Limits::new(-50.0, 50.0));
-    let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-0.1, 0.1));
+    let (origin, link) = (Placement::identity(), Placement::translation(x));
+    let slide = builder.prismatic("slide", None, origin, x, Limits::new(-50.0, 50.0));
+    let arm = builder.revolute("arm", Some(slide), origin, z, Limits::new(-0.1, 0.1));
     let tip = builder.frame("tip", Some(arm), link);
     let model = builder.build().unwrap();
     assert_eq!(model.reach(), 1.0);
@@ -304,7 +304,7 @@ fn slides_move_by_their_own_measure() {
     }
 }
 
-/// Two valleys along a slide: one at −3 that misses by 0.6, one at 3 that does not.
+/// Two minima along a prismatic joint: at −3 with a residual of 0.6, and at 3 with none.
 #[derive(Clone)]
 struct Valleys;
 
@@ -316,14 +316,14 @@ impl Curve for Valleys {
     }
 }
 
-/// What is told of a leap: the joint, and its move in its own unit; none where a joint may go so far.
+/// A jump report names the joint and the displacement in its unit. A larger allowed displacement gives no report.
 #[test]
-fn a_leap_along_a_slide_is_told_in_metres() {
+fn jump_of_prismatic_joint_is_in_metres() {
     let mut builder = Model::builder("slide beside an arm");
     let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
-    let (here, link) = (Placement::identity(), Placement::translation(x));
-    let slide = builder.prismatic("slide", None, here, x, Limits::new(-4.0, 4.0));
-    let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-1.0, 1.0));
+    let (origin, link) = (Placement::identity(), Placement::translation(x));
+    let slide = builder.prismatic("slide", None, origin, x, Limits::new(-4.0, 4.0));
+    let arm = builder.revolute("arm", Some(slide), origin, z, Limits::new(-1.0, 1.0));
     builder.frame("tip", Some(arm), link);
     let model = builder.build().unwrap();
     let drag = |search: bool, most: f64| {
@@ -345,19 +345,19 @@ fn a_leap_along_a_slide_is_told_in_metres() {
             let before = drag.q()[0];
             drag.advance();
             most_attempts = most_attempts.max(drag.solution().attempts);
-            // No task feels the arm.
+            // The arm has no influence on any task.
             assert_eq!(drag.q()[1], 0.3);
-            if let Some(leap) = drag.leap() {
+            if let Some(jump) = drag.leap() {
                 let moved = (drag.q()[0] - before).abs();
-                assert!((leap.distance - moved).abs() < 1e-12 && leap.joint == "slide");
-                leaps.push(leap.distance);
+                assert!((jump.distance - moved).abs() < 1e-12 && jump.joint == "slide");
+                leaps.push(jump.distance);
             }
         }
         (drag.q()[0], leaps, most_attempts)
     };
     let (at, leaps, attempts) = frames(drag(false, 0.15));
     assert!((at + 2.99).abs() < 0.01 && leaps.is_empty());
-    // A frame and its nudge.
+    // A frame and its perturbation.
     assert_eq!(attempts, 2);
     let (at, leaps, attempts) = frames(drag(true, 0.15));
     assert!(
@@ -365,7 +365,7 @@ fn a_leap_along_a_slide_is_told_in_metres() {
         "{at} {leaps:?}"
     );
     assert!(attempts > 2, "{attempts}");
-    // 30 times a quarter of the reach is further than that.
+    // The bound of 30 times a quarter of the reach exceeds the jump.
     let (at, leaps, _) = frames(drag(true, 30.0));
     assert!(
         (at - 3.0).abs() < 1e-5 && leaps.is_empty(),
@@ -373,10 +373,10 @@ fn a_leap_along_a_slide_is_told_in_metres() {
     );
 }
 
-/// From another configuration a drag goes on as one that begins there, to the bit, however long it rested
-/// against its limits before.
+/// A drag that is set to another configuration continues bitwise like a new drag from there, however long it was at
+/// rest against limits.
 #[test]
-fn standing_elsewhere_is_beginning_there() {
+fn stand_at_equals_a_new_drag() {
     let model = planar_arm(&[1.0, 0.8], Some((-1.0, 1.0)));
     let tip = model.frame("tip").unwrap();
     let drag = |target: [f64; 3]| {
@@ -385,7 +385,7 @@ fn standing_elsewhere_is_beginning_there() {
         let drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
         (drag, hand)
     };
-    // Stretched out towards a target on its line.
+    // Stretched, with the target on its line.
     let near = [1.6, 0.0, 0.0];
     let run = |drag: &mut Drag| -> Vec<Vec<f64>> {
         let frame = |_| {
@@ -407,9 +407,9 @@ fn standing_elsewhere_is_beginning_there() {
 }
 
 #[test]
-fn a_body_settles_on_its_own_way() {
+fn settled_drag_continues_in_small_steps() {
     let rig = RandomRig::new(4);
-    let start = at_ease(&rig.skeleton);
+    let start = slightly_bent(&rig.skeleton);
     for far in [0.05, 0.6] {
         let (mut body, hand, from) = drag(&rig, &start);
         let target = from + Vector3::new(1.0, 0.5, 0.2) * (far * rig.skeleton.size());
@@ -418,7 +418,7 @@ fn a_body_settles_on_its_own_way() {
         assert_eq!(settled.reached, far < 0.1, "{}", settled.explain());
         assert!(body.rests() && !body.catching_up() && settled.iterations > 0);
         assert_eq!(body.leap(), None);
-        // What follows takes it from there, in small steps again.
+        // The following frames start from there, in small steps again.
         for _ in 0..8 {
             body.advance();
             assert!(furthest(body.q(), &settled.q) < 1e-5);
@@ -431,15 +431,15 @@ fn a_body_settles_on_its_own_way() {
     }
 }
 
-/// A body that settles ends where one of unbounded moves rests, or where one that is dragged a frame at a time does.
+/// `settle` ends where a drag with unbounded moves rests, or where a drag by frames rests.
 #[test]
-fn where_a_body_settles_a_drag_of_its_frames_rests() {
+fn settle_ends_where_frames_come_to_rest() {
     for (seed, by_strides) in [(0, true), (8, false)] {
         let rig = RandomRig::new(seed);
-        let start = at_ease(&rig.skeleton);
-        let way = Vector3::from(Random::new(seed).vector(rig.skeleton.size()));
+        let start = slightly_bent(&rig.skeleton);
+        let direction = Vector3::from(Random::new(seed).vector(rig.skeleton.size()));
         let (mut body, hand, from) = drag(&rig, &start);
-        body.target_mut(hand).unwrap().set_target(from + way);
+        body.target_mut(hand).unwrap().set_target(from + direction);
         let rest = |mut body: Drag| {
             let mut rests = || {
                 body.advance();
@@ -456,7 +456,7 @@ fn where_a_body_settles_a_drag_of_its_frames_rests() {
     }
 }
 
-/// A drag of no frames computes one, so that its solution is one.
+/// A drag of zero frames computes one frame, so that it has a solution.
 #[test]
 fn drag_of_no_frames_returns_a_solution() {
     let model = support::planar_arm(&[1.0, 1.0], Some((-2.0, 2.0)));

@@ -1,4 +1,5 @@
-//! Limbs that share no variable are restarted separately: a reachable target for each is reached as often as for one alone.
+//! Promise: limbs without a shared variable are restarted separately. Reachable targets of all limbs are reached as
+//! often as those of each limb alone.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
@@ -37,7 +38,7 @@ fn robot() -> Robot {
 }
 
 #[test]
-fn independent_limbs_reach_what_each_reaches() {
+fn independent_limbs_reach_as_often_as_alone() {
     let robot = robot();
     let model = robot.model();
     let tips = ARMS.map(|arm| model.frame(&format!("{arm}_flange")).unwrap());

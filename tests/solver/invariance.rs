@@ -1,5 +1,4 @@
-//! Promise: answers do not depend on the unit of length, nor on where the model stands in the
-//! world.
+//! Promise: results do not depend on the unit of length or on the model's placement in the world.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -18,8 +17,7 @@ use support::sample::part;
 use support::trees::configuration_of;
 use support::{placement, rigid};
 
-/// The fixed first step of the source documents is a number with a unit, so it cannot be among
-/// these.
+/// Fixed first steps have a unit, so they are excluded.
 fn solvers() -> Vec<Solver> {
     let once = |solver: Solver| solver.with_restarts(Restarts::none());
     vec![
@@ -35,8 +33,8 @@ fn solvers() -> Vec<Solver> {
     ]
 }
 
-/// Three tips to points, one bone to a pose and one to an orientation, taken from one pose, with
-/// default weights; every length in `unit`s.
+/// Point tasks for three tips, a pose and an orientation, all of one configuration, with default weights and lengths in
+/// `unit`.
 fn problem(rig: &RandomRig, unit: f64, seed: u64) -> Problem {
     let model = rig.skeleton.model();
     let pose = configuration_of(model, &mut Random::new(seed));
@@ -58,7 +56,7 @@ fn problem(rig: &RandomRig, unit: f64, seed: u64) -> Problem {
     builder.build().unwrap()
 }
 
-/// What a solve did: the answer, and every step on the way.
+/// Result of a solve, and the length of every step.
 fn run(solver: &Solver, rig: &RandomRig, problem: &Problem) -> (Vec<f64>, bool, Vec<f64>) {
     let mut steps = Vec::new();
     let mut watch = |seen: &Iteration<'_>| {
@@ -74,7 +72,7 @@ fn run(solver: &Solver, rig: &RandomRig, problem: &Problem) -> (Vec<f64>, bool, 
 }
 
 fn agree(label: &str, a: &(Vec<f64>, bool, Vec<f64>), b: &(Vec<f64>, bool, Vec<f64>)) {
-    // Rounding differs from the first step on and grows slowly; the first ten steps are compared.
+    // Rounding differs from the first step and grows slowly; the first ten steps are compared.
     for (k, (one, other)) in a.2.iter().zip(&b.2).take(10).enumerate() {
         let close = (one - other).abs() <= 1e-7 * (1.0 + one.abs());
         assert!(close, "{label}: step {k} is {one} and {other}");
@@ -83,7 +81,7 @@ fn agree(label: &str, a: &(Vec<f64>, bool, Vec<f64>), b: &(Vec<f64>, bool, Vec<f
 }
 
 #[test]
-fn metres_and_millimetres() {
+fn units_of_length_give_equal_steps() {
     for seed in 0..4 {
         let metres = RandomRig::new(seed);
         let in_metres = problem(&metres, 1.0, seed);
@@ -91,7 +89,7 @@ fn metres_and_millimetres() {
             let other = RandomRig::scaled(seed, unit);
             let in_other = problem(&other, unit, seed);
             for solver in solvers() {
-                // Ten steps from the singular rest pose, before rounding decides anything.
+                // Ten steps from the singular rest pose, where rounding is still small.
                 let solver = solver.with_stopping(Stopping::default().with_max_iterations(10));
                 let solver = solver.with_restarts(Restarts::none());
                 let a = run(&solver, &metres, &in_metres);
@@ -107,16 +105,16 @@ fn metres_and_millimetres() {
 }
 
 #[test]
-fn a_power_of_two_changes_no_bit() {
-    // Scaling by a power of two is exact, and so must be everything that follows from it.
+fn scaling_by_a_power_of_two_is_exact() {
+    // Scaling by a power of two is exact, so all results are as well.
     for seed in part(0..4, 2) {
-        let own = RandomRig::new(seed);
-        let in_metres = problem(&own, 1.0, seed);
+        let rig = RandomRig::new(seed);
+        let in_metres = problem(&rig, 1.0, seed);
         for unit in [1024.0, 1.0 / 64.0] {
             let other = RandomRig::scaled(seed, unit);
             let in_other = problem(&other, unit, seed);
             for solver in solvers() {
-                let a = run(&solver, &own, &in_metres);
+                let a = run(&solver, &rig, &in_metres);
                 let b = run(&solver, &other, &in_other);
                 assert_eq!(a, b, "rig {seed}, unit {unit}, {}", solver.method());
             }
@@ -125,7 +123,7 @@ fn a_power_of_two_changes_no_bit() {
 }
 
 #[test]
-fn a_model_that_stands_elsewhere() {
+fn placed_model_gives_equal_steps() {
     for seed in 0..4 {
         let mut random = Random::new(seed);
         let away = rigid(random.rotation(), random.vector(2.0));
@@ -148,14 +146,14 @@ fn a_model_that_stands_elsewhere() {
 }
 
 #[test]
-fn well_conditioned_answers_agree_to_nine_digits() {
-    // A tip dragged a little, from a bent pose: the answer is where the steps end.
+fn well_conditioned_results_agree_to_nine_digits() {
+    // A small drag from a bent pose, which converges to a unique solution.
     for seed in 0..6 {
         let q = configuration_of(
             RandomRig::new(seed).skeleton.model(),
             &mut Random::new(seed),
         );
-        let mut answers = Vec::new();
+        let mut results = Vec::new();
         for unit in [1.0, 1000.0] {
             let rig = RandomRig::scaled(seed, unit);
             let model = rig.skeleton.model();
@@ -170,9 +168,9 @@ fn well_conditioned_answers_agree_to_nine_digits() {
             let problem = builder.build().unwrap();
             let solver = Solver::default().with_restarts(Restarts::none());
             let solution = solver.solve_once(&problem, &q).unwrap();
-            answers.push((solution.q, solution.iterations, solution.reached));
+            results.push((solution.q, solution.iterations, solution.reached));
         }
-        let [a, b] = [&answers[0], &answers[1]];
+        let [a, b] = [&results[0], &results[1]];
         assert_eq!((a.1, a.2), (b.1, b.2), "rig {seed}");
         for (one, same) in a.0.iter().zip(&b.0) {
             assert!((one - same).abs() < 1e-9, "rig {seed}: {one} and {same}");
@@ -181,7 +179,7 @@ fn well_conditioned_answers_agree_to_nine_digits() {
 }
 
 #[test]
-fn a_rig_of_any_size_is_solved() {
+fn rig_of_any_size_is_solved() {
     for unit in [1e-6, 1e-3, 1e3, 1e6, 1e9] {
         let mut reached = 0;
         for seed in 0..10 {

@@ -1,4 +1,4 @@
-//! Promise: every method finds the known minima of one shared battery of least-squares problems.
+//! Promise: every method finds the known minima of one battery of least-squares problems.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -17,7 +17,7 @@ use support::random::Random;
 
 const BEYOND: f64 = f64::INFINITY;
 
-/// Gradient descent needs its time; nothing else does.
+/// Gradient descent needs 20 times as many iterations as the other methods.
 fn patience(method: &dyn AnyMethod) -> Stopping {
     let iterations = if method.needs_jacobian() {
         1_000
@@ -54,8 +54,8 @@ fn search<F: Function>(
     (memory, outcome)
 }
 
-/// Every method from `start` must come to within `share` of the minimum's cost; gradient descent
-/// to within 10⁴ times that, for it converges at the rate of the condition number.
+/// Asserts that every method from `start` converges to the minimum's cost. Gradient descent has 10⁴ times the
+/// tolerance, because it converges at the rate of the condition number.
 fn finds<F: Function>(
     name: &str,
     mut problem: Bounded<F>,
@@ -82,8 +82,8 @@ fn finds<F: Function>(
     }
 }
 
-/// A random linear problem whose constrained minimiser is known: r* is made so that Aᵀr* is zero
-/// for the free variables and pushes the held ones outward.
+/// Random linear problem with a known constrained minimiser: Aᵀr* is zero for free variables and points outward for
+/// fixed ones.
 fn linear_with_known_answer(
     seed: u64,
     rows: usize,
@@ -102,14 +102,14 @@ fn linear_with_known_answer(
 }
 
 #[test]
-fn bounded_linear_least_squares_with_a_known_active_set() {
+fn linear_problem_finds_the_known_active_set() {
     for seed in 0..5 {
-        // The second is held at its upper bound, the fourth at its lower.
-        let answer = [0.3, 1.0, -0.2, -1.0];
+        // The second variable is on its upper bound, the fourth on its lower.
+        let result = [0.3, 1.0, -0.2, -1.0];
         let pushes = [0.0, -0.7, 0.0, 0.4];
-        let (linear, cost) = linear_with_known_answer(seed, 7, &answer, &pushes);
+        let (linear, cost) = linear_with_known_answer(seed, 7, &result, &pushes);
         let problem = Bounded::within(linear, &[-1.0; 4], &[1.0; 4]);
-        finds("linear", problem, &[0.0; 4], cost, Some((&answer, 1e-8)));
+        finds("linear", problem, &[0.0; 4], cost, Some((&result, 1e-8)));
     }
 }
 
@@ -123,7 +123,7 @@ fn rosenbrock_free_and_bounded() {
         0.0,
         Some((&[1.0, 1.0], 1e-6)),
     );
-    // x ≤ ½ holds the minimum at (½, ¼): ½ (1 − ½)².
+    // With x ≤ ½ the minimum is at (½, ¼): ½ (1 − ½)².
     let bounded = Bounded::within(Rosenbrock, &[-2.0, -2.0], &[0.5, 2.0]);
     finds(
         "bounded rosenbrock",
@@ -132,7 +132,7 @@ fn rosenbrock_free_and_bounded() {
         0.125,
         Some((&[0.5, 0.25], 1e-7)),
     );
-    // y ≤ ½: stationary where d/dx [50 (½ − x²)² + ½ (1 − x)²] = 0.
+    // With y ≤ ½, stationary where d/dx [50 (½ − x²)² + ½ (1 − x)²] = 0.
     let bounded = Bounded::within(Rosenbrock, &[-0.5, -2.0], &[2.0, 0.5]);
     let mut x = 0.7_f64;
     for _ in 0..50 {
@@ -204,7 +204,7 @@ fn bard() {
 }
 
 #[test]
-fn one_variable() {
+fn cubic_of_one_variable() {
     finds(
         "cubic",
         Bounded::free(Cubic),
@@ -232,7 +232,7 @@ fn fewer_rows_than_variables() {
 }
 
 #[test]
-fn a_start_at_the_optimum_stays_there() {
+fn start_at_the_optimum_takes_no_step() {
     for method in methods() {
         let mut problem = Bounded::free(Rosenbrock);
         let (memory, outcome) = search(&mut problem, &*method, &[1.0, 1.0]);
@@ -249,7 +249,7 @@ fn a_start_at_the_optimum_stays_there() {
 }
 
 #[test]
-fn starts_on_bounds_and_outside_them() {
+fn starts_on_and_outside_bounds_converge() {
     let corners = [
         [-2.0, -2.0],
         [0.5, 2.0],
@@ -270,7 +270,7 @@ fn starts_on_bounds_and_outside_them() {
 }
 
 #[test]
-fn variables_without_room_stay() {
+fn variables_without_range_stay_fixed() {
     let fixed = Bounded::within(Rosenbrock, &[0.3, -BEYOND], &[0.3, BEYOND]);
     let cost = 0.5 * 0.49;
     finds(
@@ -283,7 +283,7 @@ fn variables_without_room_stay() {
 }
 
 #[test]
-fn gauss_newton_takes_the_shortest_step_of_a_rank_deficient_problem() {
+fn gauss_newton_step_has_minimum_norm() {
     for (seed, rows, columns, rank) in [(1, 5, 3, 2), (2, 3, 6, 2), (3, 6, 6, 3), (4, 8, 5, 1)] {
         let mut random = Random::new(seed);
         let mut part = |r, c| DMatrix::from_fn(r, c, |_, _| random.within(-1.0, 1.0));
@@ -314,7 +314,7 @@ fn gauss_newton_takes_the_shortest_step_of_a_rank_deficient_problem() {
 }
 
 #[test]
-fn the_outcome_tells_the_projected_gradient() {
+fn outcome_reports_the_projected_gradient() {
     let mut problem = Bounded::within(Rosenbrock, &[-2.0, -2.0], &[0.5, 2.0]);
     for method in methods() {
         let (memory, outcome) = search(&mut problem, &*method, &[-1.2, 1.0]);
@@ -326,10 +326,10 @@ fn the_outcome_tells_the_projected_gradient() {
             let projected = (x - g).clamp(problem.lower[k], problem.upper[k]);
             most.max((projected - x).abs())
         });
-        let told = outcome.projected_gradient.unwrap();
+        let reported = outcome.projected_gradient.unwrap();
         assert!(
-            (told - norm).abs() <= 1e-12 + 1e-9 * norm,
-            "{told} is not {norm}"
+            (reported - norm).abs() <= 1e-12 + 1e-9 * norm,
+            "{reported} is not {norm}"
         );
     }
 }

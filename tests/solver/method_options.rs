@@ -1,5 +1,5 @@
-//! Promise: what a method is told is what it does: more damping makes a shorter first step, and a tolerance of ranks says how
-//! nearly alike columns are one.
+//! Promise: options of methods have their documented effect. More damping shortens the first step. The rank tolerance
+//! decides whether similar columns count as one.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
@@ -11,7 +11,7 @@ use kinopt::task::Point;
 use kinopt::{Solution, Solver};
 use support::planar_arm;
 
-/// One iteration from the start, and no more.
+/// Result of a single iteration.
 fn one_step(method: impl Method, problem: &Problem, start: &[f64]) -> Solution {
     let solver = Solver::new(method)
         .with_stopping(Stopping::default().with_max_iterations(1))
@@ -25,7 +25,7 @@ fn moved(solution: &Solution, start: &[f64]) -> f64 {
 }
 
 #[test]
-fn the_more_damping_at_first_the_shorter_the_first_step() {
+fn initial_damping_shortens_the_first_step() {
     let model = planar_arm(&[1.0, 0.8, 0.5], None);
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
@@ -43,9 +43,10 @@ fn the_more_damping_at_first_the_shorter_the_first_step() {
     }
 }
 
-/// Two slides a thousandth apart: as two they meet any place at once, as one they share what is along both.
+/// Two prismatic joints at an angle of 1e-3 rad. As two columns they reach any point; as one they share the motion
+/// along both.
 #[test]
-fn columns_that_are_nearly_alike_are_one_or_two() {
+fn rank_tolerance_merges_similar_columns() {
     const APART: f64 = 1e-3;
     let mut builder = Model::builder("slides");
     let at = Placement::identity();

@@ -1,4 +1,5 @@
-//! Promise: near targets of a whole body are reached by the attempt from the start wherever that reaches them, also from joint limits.
+//! Promise: near targets of a whole robot are solved by the attempt from the start whenever it reaches them, also from
+//! joint limits.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
@@ -15,7 +16,7 @@ use support::sample::cases;
 /// Largest joint displacement that a target is taken from, radians.
 const JOINT_STEP: f64 = 0.1;
 
-/// A random configuration with every third joint on one of its limits, and one beside it.
+/// Random configuration with every third joint on a limit, and one near it.
 fn on_limits(model: &Model, random: &mut Random) -> [Vec<f64>; 2] {
     let mut start = model.random_configuration(random.bits());
     let mut beside = start.clone();
@@ -35,7 +36,7 @@ fn on_limits(model: &Model, random: &mut Random) -> [Vec<f64>; 2] {
     [start, beside]
 }
 
-/// Feet at poses and hands at points of a configuration.
+/// Poses of the feet and points of the hands at a configuration.
 fn problem(model: &Model, there: &[f64]) -> Problem {
     let mut kinematics = ForwardKinematics::new(model);
     let places = kinematics.place(there).unwrap();
@@ -52,7 +53,7 @@ fn problem(model: &Model, there: &[f64]) -> Problem {
 }
 
 #[test]
-fn near_body_targets_keep_the_first_attempt() {
+fn near_targets_keep_the_first_attempt() {
     let cases = cases(400, 100);
     for free in [false, true] {
         let mut robot = robot("aldebaran_nao");

@@ -1,6 +1,5 @@
-//! Promise: a target beyond a stretched arm, where Gauss-Newton's raw steps grow without end, is
-//! pointed at by every method: damped between gradient descent and Gauss-Newton, or held by the line
-//! search.
+//! Promise: every method points a stretched arm at a target beyond it. Raw Gauss-Newton steps diverge there; damping or
+//! the line search bounds them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
@@ -12,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use support::{planar_arm, planar_tip};
 
 const LINKS: [f64; 2] = [1.0, 0.8];
-/// 0.7 beyond the stretched arm.
+/// 0.7 m beyond the stretched arm.
 const FAR: f64 = 2.5;
 
 fn problem() -> Problem {
@@ -22,8 +21,7 @@ fn problem() -> Problem {
     builder.build().unwrap()
 }
 
-/// a ← a − (JᵀJ + λI)⁻¹ Jᵀr, over and over, as the formula has it. Returns the longest step of the
-/// last half and the last miss.
+/// Iterates a ← a − (JᵀJ + λI)⁻¹ Jᵀr. Returns the longest step of the last half and the last distance.
 fn raw(damping: f64, steps: usize) -> (f64, f64) {
     let problem = problem();
     let mut scratch = problem.scratch();
@@ -50,7 +48,7 @@ fn raw(damping: f64, steps: usize) -> (f64, f64) {
 }
 
 #[test]
-fn raw_gauss_newton_steps_do_not_settle_and_damped_ones_do() {
+fn only_damped_gauss_newton_steps_converge() {
     let best = FAR - 1.8;
     let (longest, _) = raw(0.0, 100);
     assert!(
@@ -62,7 +60,7 @@ fn raw_gauss_newton_steps_do_not_settle_and_damped_ones_do() {
 }
 
 #[test]
-fn every_method_stretches_towards_it_and_stays() {
+fn every_method_stretches_towards_the_target() {
     let problem = problem();
     let best = FAR - 1.8;
     for solver in [

@@ -11,14 +11,14 @@ use kinopt::task::{Point, Pose, Posture, Task};
 /// Smallest steps of two consecutive frames that count as a reversal, radians.
 const REVERSAL: f64 = 0.01;
 
-/// Course of a hand on a circle of the y-z plane that starts with a straight line along x.
+/// Trajectory of a hand on a circle in the y-z plane, after a straight segment along x.
 struct Course {
     hand: &'static str,
     /// Metres.
     ahead: f64,
     /// Metres.
     radius: f64,
-    /// Angle of the circle in a frame, radians.
+    /// Angle per frame, radians.
     angle: f64,
     upright: bool,
 }
@@ -34,7 +34,7 @@ impl Course {
         )
     }
 
-    /// Frames in which a joint of a NAO on its feet reverses, and frames whose targets are missed.
+    /// Number of frames in which a joint of a standing NAO reverses, and number of missed frames.
     fn reversals(&self) -> (usize, usize) {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
         let robot = Robot::read(file).unwrap();

@@ -1,5 +1,5 @@
-//! Promise: a solution tells the truth about the q that it returns: errors, cost, what is reached,
-//! and which limits block it, recomputed here from q alone.
+//! Promise: errors, cost, reached flags and blocking limits of a solution match the returned q. The tests recompute
+//! them from q alone.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, Side};
@@ -29,8 +29,8 @@ struct Asked {
     slots: [usize; 2],
 }
 
-/// A pose for one frame, a point for another and a pull on the joints.
-fn ask(seed: u64, reachable: bool) -> Asked {
+/// Pose of one frame, point of another and a posture.
+fn random_case(seed: u64, reachable: bool) -> Asked {
     let tree = RandomTree::new(seed, 14);
     let mut random = Random::new(seed);
     let slots = [13, 12];
@@ -59,7 +59,7 @@ fn ask(seed: u64, reachable: bool) -> Asked {
         let rest = vec![0.0; q.len()];
         let pull = Posture::new(&tree.model, &rest);
         builder.add(Task::new(pull).weight(Quantity::JointUnits, PULL));
-        // The limits that block are those of the sum.
+        // The blocking limits are those of the weighted sum.
         builder.preferences(Preferences::Traded);
     }
     let problem = builder.build().unwrap();
@@ -72,7 +72,7 @@ fn ask(seed: u64, reachable: bool) -> Asked {
     }
 }
 
-/// Position error, orientation error, point error, posture error.
+/// Position, orientation, point and posture error.
 fn errors(asked: &Asked, q: &[f64]) -> [f64; 4] {
     let at = asked.tree.frames_at(q);
     let [a, b] = asked.slots.map(|s| at[s]);
@@ -127,8 +127,7 @@ fn check(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
     check_limits(label, asked, solution, posture);
 }
 
-/// Each named limit is stood on and the cost falls beyond it; no joint that stands on a limit and
-/// is pushed against it goes unnamed.
+/// Every named limit is active and the cost falls beyond it. No blocking joint is left unnamed.
 fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) {
     let model = &asked.tree.model;
     let step = 1e-5;
@@ -184,12 +183,12 @@ fn check_limits(label: &str, asked: &Asked, solution: &Solution, posture: bool) 
 }
 
 #[test]
-fn solutions_tell_the_truth() {
+fn reports_match_the_returned_configuration() {
     let mut seen = [0; 2];
     let mut workspace = Workspace::new();
     for seed in part(0..12, 2) {
         for reachable in [true, false] {
-            let asked = ask(seed, reachable);
+            let asked = random_case(seed, reachable);
             let start = asked.tree.configuration(&mut Random::new(seed + 100));
             for solver in solvers() {
                 for iterations in [0, 3, 100] {
@@ -214,7 +213,7 @@ fn solutions_tell_the_truth() {
 }
 
 #[test]
-fn lengths_are_told_in_the_models_own_unit() {
+fn lengths_are_reported_in_the_models_unit() {
     let rig = kinopt::io::rig::Rig::read("../models/humanoid/humanoid.json").unwrap();
     let hand = rig.skeleton.tip(rig.skeleton.bone("left_hand").unwrap());
     let mut builder = Problem::builder(rig.skeleton.model());
@@ -225,7 +224,7 @@ fn lengths_are_told_in_the_models_own_unit() {
     let text = text.unwrap().explain();
     assert!(text.contains(" units.") && !text.contains(" m."), "{text}");
 
-    let asked = ask(1, false);
+    let asked = random_case(1, false);
     let start = asked.tree.model.neutral();
     let text = kinopt::Solver::default().solve_once(&asked.problem, &start);
     let text = text.unwrap().explain();

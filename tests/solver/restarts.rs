@@ -1,5 +1,5 @@
-//! Promise: restarts are numbered and seeded: the first attempt is the caller's start, every other
-//! lies within the bounds and depends on the seed and its number alone, the lowest success wins.
+//! Promise: restarts are numbered and seeded. The first attempt is the caller's start. All others are within bounds and
+//! depend on the seed and their number only. The lowest success is returned.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
@@ -14,7 +14,7 @@ use kinopt::{Solver, Workspace};
 use support::random::Random;
 use support::trees::RandomTree;
 
-/// Where every attempt starts, for a target that none of them reaches.
+/// Starts of all attempts for an unreachable target.
 fn attempts(model: &Model, seed: u64, attempts: usize, start: &[f64]) -> Vec<Vec<f64>> {
     let mut builder = Problem::builder(model);
     for frame in model.frame_ids() {
@@ -40,7 +40,7 @@ fn attempts(model: &Model, seed: u64, attempts: usize, start: &[f64]) -> Vec<Vec
 }
 
 #[test]
-fn starts_lie_within_bounds_and_unbounded_joints_near_the_start() {
+fn starts_lie_within_bounds() {
     for seed in 0..5 {
         let tree = RandomTree::new(seed, 12);
         let start = tree.configuration(&mut Random::new(seed));
@@ -49,12 +49,12 @@ fn starts_lie_within_bounds_and_unbounded_joints_near_the_start() {
         for x in &all {
             for ((value, from), limits) in x.iter().zip(&start).zip(tree.model.limits()) {
                 assert!(limits.contains(*value));
-                // A continuous joint is drawn over two turns, not over infinity.
+                // Continuous joints are sampled over two turns.
                 let finite = limits.lower.is_finite();
                 assert!(finite || (value - from).abs() <= 2.0 * PI + 1e-12);
             }
         }
-        // Whole ranges are drawn from, not their middles.
+        // The whole range is sampled.
         let joint = tree
             .model
             .limits()
@@ -72,7 +72,7 @@ fn starts_lie_within_bounds_and_unbounded_joints_near_the_start() {
 }
 
 #[test]
-fn starts_depend_on_seed_and_number_alone() {
+fn starts_depend_on_seed_and_number_only() {
     let tree = RandomTree::new(3, 10);
     let start = tree.configuration(&mut Random::new(3));
     let few = attempts(&tree.model, 7, 5, &start);
@@ -84,7 +84,7 @@ fn starts_depend_on_seed_and_number_alone() {
         assert_ne!(few[k], other[k]);
         assert_ne!(many[k], many[k + 1]);
     }
-    // Even attempts are drawn over the whole box, wherever the caller's start is.
+    // Even attempts are sampled from the whole box, independent of the caller's start.
     let elsewhere = tree.configuration(&mut Random::new(99));
     let moved = attempts(&tree.model, 7, 5, &elsewhere);
     let bounded: Vec<usize> = (0..start.len())
@@ -98,8 +98,8 @@ fn starts_depend_on_seed_and_number_alone() {
 }
 
 #[test]
-fn the_lowest_success_wins() {
-    // Two elbow poses reach the target; which one depends on where an attempt starts.
+fn lowest_success_is_returned() {
+    // Two branches reach the target; the start of an attempt selects one.
     let links = [1.0, 1.0];
     let model = support::planar_arm(&links, Some((-3.0, 3.0)));
     let tip = model.frame("tip").unwrap();
@@ -118,7 +118,7 @@ fn the_lowest_success_wins() {
         };
         let full = with(32);
         assert!(full.reached && full.attempts > 1);
-        // Nothing after the first success, and nothing before it succeeds.
+        // No attempt follows the first success, and none before it succeeds.
         let exact = with(full.attempts);
         assert_eq!(exact.q, full.q);
         assert_eq!(exact.attempts, full.attempts);
@@ -133,7 +133,7 @@ fn the_lowest_success_wins() {
 }
 
 #[test]
-fn the_best_miss_is_returned() {
+fn best_miss_is_returned() {
     let tree = RandomTree::new(5, 10);
     let start = tree.configuration(&mut Random::new(5));
     let mut builder = Problem::builder(&tree.model);
@@ -157,7 +157,7 @@ fn the_best_miss_is_returned() {
 }
 
 #[test]
-fn attempts_that_agree_on_a_miss_end_the_search() {
+fn agreeing_misses_end_the_search() {
     let model = support::planar_arm(&[1.0, 1.0], Some((-1.0, 1.0)));
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
@@ -167,7 +167,7 @@ fn attempts_that_agree_on_a_miss_end_the_search() {
     for agreeing in [1, 2, 5] {
         let solver = Solver::default().with_restarts(Restarts::default().with_agreeing(agreeing));
         let solution = solver.solve_once(&problem, &[0.3, 0.2]).unwrap();
-        // Quick attempts that stall say nothing; those that end do, and more are asked for.
+        // Attempts that stall are not counted; converged ones are, so more attempts are made.
         assert!(solution.attempts >= last && solution.attempts < 32);
         assert!((solution.q[0].hypot(solution.q[1])) < 1e-6, "stretched out");
         last = solution.attempts;
@@ -177,8 +177,8 @@ fn attempts_that_agree_on_a_miss_end_the_search() {
 }
 
 #[test]
-fn what_no_task_feels_stays() {
-    // Two arms on one base; only the right one has a target, and one out of reach.
+fn joints_without_influence_keep_their_values() {
+    // Two arms on one base: only the right one has a target, which is unreachable.
     let rig = support::bones::RandomRig::new(11);
     let model = rig.skeleton.model();
     let tip = rig.tips[2];
@@ -201,8 +201,8 @@ fn what_no_task_feels_stays() {
 }
 
 #[test]
-fn as_many_attempts_are_made_as_asked_for() {
-    // Out of reach: nothing but the option ends the search.
+fn requested_number_of_attempts_is_made() {
+    // The target is unreachable, so only the option ends the search.
     let rig = support::bones::RandomRig::new(6);
     let model = rig.skeleton.model();
     let problem = rig.drawn_to(|| [9.0, -8.0, 7.0]);
@@ -215,8 +215,8 @@ fn as_many_attempts_are_made_as_asked_for() {
 }
 
 #[test]
-fn a_miss_costs_no_more_than_a_few_attempts() {
-    // 32 attempts, but only the best and the start's own go to their ends.
+fn miss_costs_as_much_as_a_few_attempts() {
+    // Of 32 attempts only the best and the first converge fully.
     for seed in [3, 6, 8] {
         let rig = support::bones::RandomRig::new(seed);
         let model = rig.skeleton.model();
@@ -246,14 +246,14 @@ fn a_miss_costs_no_more_than_a_few_attempts() {
 }
 
 #[test]
-fn a_restart_that_is_hardly_better_does_not_win() {
-    // Two arms from one trunk that reach in vain to the left and to the right: mirror images.
+fn marginally_better_restart_is_ignored() {
+    // Two arms on one trunk with unreachable targets to the left and right: mirror images.
     use kinopt::spatial::{Placement, Vector3};
     let mut builder = Model::builder("two arms");
     let [x, y, z] = Vector3::UNITS;
     let limits = kinopt::model::Limits::new(-1.5, 1.5);
-    let here = Placement::identity();
-    let trunk = builder.revolute("trunk", None, here, z, limits);
+    let origin = Placement::identity();
+    let trunk = builder.revolute("trunk", None, origin, z, limits);
     let chest = builder.revolute("chest", Some(trunk), Placement::translation(y), z, limits);
     let mut tips = Vec::new();
     for (side, out) in [("left", -x), ("right", x)] {
@@ -286,9 +286,9 @@ fn a_restart_that_is_hardly_better_does_not_win() {
     }
 }
 
-/// Both elbows come equally near to a target off the plane: the one on the start's side stays.
+/// Both elbow branches are equally near an out-of-plane target; the start's branch is kept.
 #[test]
-fn of_attempts_that_miss_alike_the_earliest_stays() {
+fn earliest_of_equal_misses_is_kept() {
     let model = support::planar_arm(&[1.0, 0.8], None);
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(model.frame("tip").unwrap(), [0.9, 0.7, 0.5]));
@@ -315,8 +315,7 @@ fn of_attempts_that_miss_alike_the_earliest_stays() {
     }
 }
 
-/// One joint that cannot turn round to a target behind it: stops at −1 and a little beyond 1, the second
-/// nearer to the target by that little.
+/// One joint whose target is behind it: limits at −1 and slightly beyond 1, the latter nearer by the difference.
 fn behind(upper: f64) -> Problem {
     let mut builder = kinopt::Model::builder("one joint");
     let axis = kinopt::spatial::Vector3::new(0.0, 0.0, 1.0);
@@ -331,10 +330,10 @@ fn behind(upper: f64) -> Problem {
     builder.build().unwrap()
 }
 
-/// What was not asked for does not happen for a hair's breadth: where another attempt misses by less than a
-/// thousandth of the cost less, the start's own end is the answer, also where it took long to get there.
+/// Another attempt replaces the start's own end only if it lowers the cost by a thousandth, also if the start converged
+/// slowly.
 #[test]
-fn the_start_s_own_miss_stays_unless_another_is_better() {
+fn start_miss_is_kept_unless_another_is_better() {
     for start in [-0.5, -1e-4] {
         let solve = |upper: f64| {
             let problem = behind(upper);
@@ -349,7 +348,7 @@ fn the_start_s_own_miss_stays_unless_another_is_better() {
 
 /// Misses within a thousandth of the cost agree.
 #[test]
-fn attempts_that_miss_by_nearly_the_same_agree() {
+fn nearly_equal_misses_agree() {
     for (upper, all) in [(1.0005, true), (1.01, false)] {
         let problem = behind(upper);
         let solution = Solver::default().solve_once(&problem, &[0.5]).unwrap();
@@ -359,9 +358,9 @@ fn attempts_that_miss_by_nearly_the_same_agree() {
     }
 }
 
-/// The tolerance that ends a search is that of the number that a solution reports.
+/// The tolerance of agreement that ends a search is that of the reported number.
 #[test]
-fn agreeing_ends_at_the_reported_number() {
+fn agreement_ends_at_the_reported_number() {
     let problem = behind(1.0005);
     let restarts = Restarts::default().with_attempts(256).with_agreeing(9);
     let solver = Solver::default().with_restarts(restarts);
@@ -371,9 +370,9 @@ fn agreeing_ends_at_the_reported_number() {
     assert!(solution.attempts <= 18, "{} attempts", solution.attempts);
 }
 
-/// After so many steps only one further attempt is made, from where the best one stands.
+/// After the given number of steps one more attempt is made, from the best one's end.
 #[test]
-fn steps_of_all_attempts_may_be_bounded() {
+fn total_steps_of_attempts_are_bounded() {
     let rig = support::bones::RandomRig::new(6);
     let problem = rig.drawn_to(|| [9.0, -8.0, 7.0]);
     let start = rig.skeleton.model().neutral();
@@ -385,9 +384,9 @@ fn steps_of_all_attempts_may_be_bounded() {
     }
 }
 
-/// Nudged starts fall into the hole that the start is in, and that they agree says nothing.
+/// Perturbed starts fall into the minimum of the start, so their agreement is not counted.
 #[test]
-fn only_starts_from_elsewhere_agree() {
+fn only_independent_starts_agree() {
     for seed in 0..12 {
         let problem = behind(1.2);
         let restarts = Restarts::default().with_agreeing(2).with_seed(seed);
@@ -397,9 +396,9 @@ fn only_starts_from_elsewhere_agree() {
     }
 }
 
-/// Joints without limits start within half a turn of where they stand, however far round that is.
+/// Continuous joints start within half a turn of the caller's start, at any number of turns.
 #[test]
-fn endless_joints_are_drawn_about_the_start() {
+fn continuous_joints_start_near_the_given_start() {
     let model = support::planar_arm(&[1.0, 0.5], None);
     let start = [100.0, -50.0];
     let all = attempts(&model, 3, 9, &start);
@@ -412,7 +411,7 @@ fn endless_joints_are_drawn_about_the_start() {
     assert!(furthest.fold(0.0, f64::max) > 0.5);
 }
 
-/// What all attempts took is told: no step without a residual.
+/// Counts include all attempts: no step without a residual.
 #[test]
 fn evaluations_of_all_attempts_are_counted() {
     let problem = behind(1.2);
@@ -427,10 +426,10 @@ fn evaluations_of_all_attempts_are_counted() {
     }
 }
 
-/// The best attempt agrees with itself, so that fewer are refused: the search goes on until one has come
-/// to an end.
+/// The best attempt agrees with itself, so `agreeing` below 1 is rejected. The search continues until one attempt has
+/// converged.
 #[test]
-fn at_least_one_attempt_comes_to_an_end() {
+fn at_least_one_attempt_converges() {
     let model = support::planar_arm(&[1.0, 0.7, 0.4], Some((-1.0, 1.0)));
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(model.frame("tip").unwrap(), [1.5, 3.0, 0.0]));

@@ -1,5 +1,5 @@
-//! Promise: a workspace that has answered other questions answers the next one as a new one does, to the bit: nothing that was
-//! held, fixed or found before counts, whether the questions before were within reach or not.
+//! Promise: a workspace that solved other problems gives the result of a new one, bitwise. No earlier limit, lock or
+//! solution has an influence, whether earlier targets were reachable or not.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::{DerivativeWorkspace, Drag, SolutionDerivative};
@@ -13,11 +13,11 @@ use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
 
-use crate::pulls::placement_of;
+use crate::soft_task_fixtures::placement_of;
 
 const ELBOW: &str = "link4";
 
-/// A tool's pose, and what else `more` asks; the same problem each time.
+/// Pose of the tool, and the tasks that `more` adds.
 fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, TaskId<Pose>) {
     let (robot, _, tool) = panda();
     let mut builder = Problem::builder(robot.model());
@@ -28,12 +28,12 @@ fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, Task
     (builder.build().unwrap(), pose)
 }
 
-/// Asks for random places, every other one far outside, of one workspace and of new ones.
-fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
+/// Solves random targets, every other one far away, with a reused workspace and with new ones.
+fn assert_reuse_equals_new(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let (mut random, solver) = (Random::new(seed), Solver::default());
-    let (mut kept, mut told) = (Workspace::new(), [0; 2]);
+    let (mut kept, mut reported) = (Workspace::new(), [0; 2]);
     for turn in 0..cases(60, 12) {
         let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut target = placement_of(model, tool, &there);
@@ -46,9 +46,9 @@ fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
         let fresh = solver.solve_once(asked(), &start).unwrap();
         let again = solver.solve(asked(), &start, &mut kept).unwrap();
         assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "{turn}");
-        told[usize::from(fresh.reached)] += 1;
+        reported[usize::from(fresh.reached)] += 1;
     }
-    assert!(told[0] > 0, "{told:?}");
+    assert!(reported[0] > 0, "{reported:?}");
 }
 
 fn frame(name: &str) -> FrameId {
@@ -56,7 +56,7 @@ fn frame(name: &str) -> FrameId {
 }
 
 #[test]
-fn of_preferences_within_what_is_left() {
+fn reused_workspace_with_soft_tasks() {
     let (robot, ..) = panda();
     let model = robot.model();
     let rest = configuration_of(model, &mut Random::new(9));
@@ -64,9 +64,9 @@ fn of_preferences_within_what_is_left() {
         builder.add(Posture::new(model, &rest));
         builder.add(LimitCentring::new(model));
     };
-    same(1, problem(Goal::pose(), pulls));
-    same(2, problem(Goal::position(), pulls));
-    same(
+    assert_reuse_equals_new(1, problem(Goal::pose(), pulls));
+    assert_reuse_equals_new(2, problem(Goal::position(), pulls));
+    assert_reuse_equals_new(
         3,
         problem(Goal::position(), |builder| {
             let tool = model.frame(panda().2).unwrap();
@@ -76,7 +76,7 @@ fn of_preferences_within_what_is_left() {
 }
 
 #[test]
-fn of_levels_that_give_way() {
+fn reused_workspace_with_relaxed_levels() {
     let (robot, ..) = panda();
     let model = robot.model();
     let rest = configuration_of(model, &mut Random::new(10));
@@ -85,12 +85,12 @@ fn of_levels_that_give_way() {
         builder.add(Task::new(Point::new(frame(ELBOW), elbow)).at_level(1));
         builder.add(Posture::new(model, &rest));
     };
-    same(4, problem(Goal::pose(), low));
-    same(
+    assert_reuse_equals_new(4, problem(Goal::pose(), low));
+    assert_reuse_equals_new(
         5,
         problem(Goal::within([0.05, 0.05, 0.05, 0.5, 0.5, 0.5]), low),
     );
-    same(
+    assert_reuse_equals_new(
         6,
         problem(Goal::position(), |builder| {
             let forward = Vector3::new(1.0, 0.2, 0.5);
@@ -102,9 +102,9 @@ fn of_levels_that_give_way() {
     );
 }
 
-/// A drag that is put somewhere goes on from there as one that has never been elsewhere.
+/// A drag that is set to another configuration continues as a new drag from there.
 #[test]
-fn of_drags_that_are_put_elsewhere() {
+fn relocated_drag_equals_a_new_drag() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let rest = configuration_of(model, &mut Random::new(11));
@@ -139,20 +139,20 @@ fn of_drags_that_are_put_elsewhere() {
                 drag.target_mut(pose).unwrap().set_target(there);
             }
             for step in 0..12 {
-                let told = [&mut used, &mut fresh].map(|drag| match step {
+                let message = [&mut used, &mut fresh].map(|drag| match step {
                     11 => format!("{:?}", drag.settle(60)),
                     _ => format!("{:?}", drag.advance()),
                 });
-                assert_eq!(told[0], told[1], "{k}, {turn}: frame {step}");
+                assert_eq!(message[0], message[1], "{k}, {turn}: frame {step}");
                 assert_eq!(used.leap(), fresh.leap());
             }
         }
     }
 }
 
-/// The derivative of a solution is the same in memory that has held others', of this problem or another.
+/// The derivative of a solution does not depend on earlier derivatives in its workspace.
 #[test]
-fn of_derivatives() {
+fn reused_derivative_workspace() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let mut random = Random::new(31);
@@ -176,18 +176,18 @@ fn of_derivatives() {
         let asked = problem.with_targets(&targets).unwrap();
         let solution = Solver::default().solve_once(asked, &q).unwrap();
         let mut new = DerivativeWorkspace::default();
-        let told = [&mut kept, &mut new].map(|memory| {
+        let reported = [&mut kept, &mut new].map(|memory| {
             let mut derivative = SolutionDerivative::new(asked, &solution.q, memory).unwrap();
             let by_target = derivative.by_target(0).unwrap();
             (derivative.existence().clone(), by_target)
         });
-        assert_eq!(told[0], told[1], "{turn}");
+        assert_eq!(reported[0], reported[1], "{turn}");
     }
 }
 
-/// A derivative that is gone on with has the products of the one that was factored, and there is none of another problem.
+/// A resumed derivative gives the products of the factorised one; resuming with another problem fails.
 #[test]
-fn of_derivatives_that_are_gone_on_with() {
+fn resumed_derivative_equals_the_factorised() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let q = configuration_of(model, &mut Random::new(32));

@@ -1,8 +1,8 @@
-//! Promise: a target that a singular rest pose hides is reached from rest: where both twists of a
-//! bone coincide, where a twist moves nothing yet, and where a chain is stretched straight.
+//! Promise: targets hidden by a singular rest pose are reached from rest. Cases: coinciding twist axes of a bone, a
+//! twist without effect, and a straight chain.
 //!
-//! Random targets show how often the default settings give up on a local minimum that the limits
-//! make; more patience before a target is called unreachable (`with_agreeing`) gets all of them.
+//! With the default settings some random targets end in local minima of the limits. More agreeing attempts
+//! (`with_agreeing`) reach all of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
@@ -17,7 +17,7 @@ use support::random::Random;
 use support::trees::configuration_of;
 use support::{placement, planar_arm, planar_tip, rigid};
 
-/// Straight bones along x, each of length 1, with the given limits.
+/// Straight bones of length 1 along x, with the given limits.
 fn straight(limits: &[[(f64, f64); 3]]) -> Skeleton {
     let mut bones: Vec<Bone> = Vec::new();
     for (k, limits) in limits.iter().enumerate() {
@@ -37,7 +37,7 @@ fn straight(limits: &[[(f64, f64); 3]]) -> Skeleton {
     Skeleton::new("straight", bones).unwrap()
 }
 
-/// The last tip by the plain formula: every bone turns its canonical frame, then steps along x.
+/// Position of the last tip by the plain formula: each bone rotates its canonical frame, then steps along x.
 fn last_tip(bones: usize, q: &[f64]) -> na::Vector3<f64> {
     let (x, z) = (na::Vector3::x_axis(), na::Vector3::z_axis());
     let mut turned = na::Rotation3::identity();
@@ -53,14 +53,14 @@ fn last_tip(bones: usize, q: &[f64]) -> na::Vector3<f64> {
     at
 }
 
-/// The methods that use curvature, patient enough not to take a shared miss for the best there is.
+/// Methods with curvature, with enough agreeing attempts to pass a shared local minimum.
 fn patient_solvers() -> impl Iterator<Item = Solver> {
     let patient = Restarts::default().with_agreeing(8);
     let some = solvers().into_iter().take(3);
     some.map(move |solver| solver.with_restarts(patient))
 }
 
-fn reaches(label: &str, solver: &Solver, skeleton: &Skeleton, target: na::Vector3<f64>) {
+fn assert_reached(label: &str, solver: &Solver, skeleton: &Skeleton, target: na::Vector3<f64>) {
     let bones = skeleton.bones().len();
     let tip = skeleton.tip(skeleton.bone_at(bones - 1).unwrap());
     let mut builder = Problem::builder(skeleton.model());
@@ -80,8 +80,8 @@ fn reaches(label: &str, solver: &Solver, skeleton: &Skeleton, target: na::Vector
 }
 
 #[test]
-fn a_bend_that_needs_its_twist_first() {
-    // The bend goes one way only, in the xy plane at rest; every target lies elsewhere.
+fn bend_that_needs_a_twist_first_is_reached() {
+    // The bend has one direction, in the xy plane at rest; all targets are off that plane.
     let free = [(-3.1, 3.1), (0.0, 2.5), (-3.1, 3.1)];
     let hinge = [(0.0, 0.0), (0.0, 2.5), (0.0, 0.0)];
     let skeletons = [
@@ -100,26 +100,26 @@ fn a_bend_that_needs_its_twist_first() {
             let target = last_tip(bones, &q);
             for solver in patient_solvers() {
                 let label = format!("{bones} bones, twist {twist}, {}", solver.method());
-                reaches(&label, &solver, skeleton, target);
+                assert_reached(&label, &solver, skeleton, target);
             }
         }
     }
 }
 
 #[test]
-fn by_default_random_targets_are_reached_from_rest() {
+fn random_targets_are_reached_from_rest() {
     let free = [(-3.1, 3.1), (0.0, 2.5), (-3.1, 3.1)];
     let hinge = [(0.0, 0.0), (0.0, 2.5), (0.0, 0.0)];
     let skeleton = straight(&[free, hinge, free]);
     let mut random = Random::new(1);
     for _ in 0..100 {
         let q = configuration_of(skeleton.model(), &mut random);
-        reaches("default", &Solver::default(), &skeleton, last_tip(3, &q));
+        assert_reached("default", &Solver::default(), &skeleton, last_tip(3, &q));
     }
 }
 
 #[test]
-fn a_target_straight_behind() {
+fn target_straight_behind_is_reached() {
     // Every gradient is zero: the arm is stretched away from the target.
     let links = [1.0, 0.9, 0.8];
     let model = planar_arm(&links, Some((-3.0, 3.0)));
@@ -143,13 +143,12 @@ fn a_target_straight_behind() {
 }
 
 #[test]
-fn a_target_nearer_on_the_line_of_a_straight_chain() {
+fn nearer_target_on_the_chains_line_is_reached() {
     let hinge = [(0.0, 0.0), (0.0, 2.8), (0.0, 0.0)];
     let skeleton = straight(&[hinge, hinge, hinge]);
-    // A triangle-like fold: two bends of 1.2 rad swing the chain off its line, the limits allow
-    // one side only.
+    // Two bends of 1.2 and 0.9 rad fold the chain off its line; limits allow one side only.
     let target = last_tip(3, &[0.0, 0.3, 0.0, 0.0, 1.2, 0.0, 0.0, 0.9, 0.0]);
     for solver in patient_solvers() {
-        reaches(solver.method(), &solver, &skeleton, target);
+        assert_reached(solver.method(), &solver, &skeleton, target);
     }
 }

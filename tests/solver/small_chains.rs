@@ -1,5 +1,4 @@
-//! Promise: chains of one and two joints converge, also when more is asked than they can do, and
-//! also when a joint's value is far from (−π, π].
+//! Promise: chains of one and two joints converge, also for overdetermined tasks and joint values far outside (−π, π].
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{Limits, Model};
@@ -17,7 +16,7 @@ fn patient(solver: Solver) -> Solver {
 }
 
 #[test]
-fn one_joint() {
+fn one_joint_reaches_its_target() {
     let model = planar_arm(&[0.8], Some((-2.0, 2.0)));
     let tip = model.frame("tip").unwrap();
     for angle in [-1.9, -0.3, 0.0, 1.2, 2.0] {
@@ -33,7 +32,7 @@ fn one_joint() {
 }
 
 #[test]
-fn two_joints() {
+fn two_joints_reach_their_target() {
     let links = [0.6, 0.5];
     let model = planar_arm(&links, Some((-2.5, 2.5)));
     let tip = model.frame("tip").unwrap();
@@ -55,8 +54,8 @@ fn two_joints() {
 }
 
 #[test]
-fn two_joints_asked_for_six_numbers() {
-    // The pose is one that the arm can take.
+fn two_joints_reach_a_full_pose() {
+    // A reachable pose.
     let links = [0.6, 0.5];
     let model = planar_arm(&links, Some((-2.5, 2.5)));
     let tip = model.frame("tip").unwrap();
@@ -81,8 +80,8 @@ fn two_joints_asked_for_six_numbers() {
 }
 
 #[test]
-fn one_joint_between_two_wishes() {
-    // Turn by 0.4 with weight 2 and by 1.0 with weight 1: (4 · 0.4 + 1 · 1.0) / 5 = 0.52.
+fn one_joint_weighs_two_orientations() {
+    // Orientations 0.4 with weight 2 and 1.0 with weight 1: (4 · 0.4 + 1 · 1.0) / 5 = 0.52.
     let model = planar_arm(&[1.0], Some((-3.0, 3.0)));
     let tip = model.frame("tip").unwrap();
     let turn =
@@ -111,8 +110,8 @@ fn one_joint_between_two_wishes() {
 }
 
 #[test]
-fn a_long_slide_is_no_angle() {
-    // Metres beyond π must not be wrapped into a turn.
+fn prismatic_values_are_not_wrapped() {
+    // Metres beyond π must not be wrapped as an angle.
     let mut builder = Model::builder("gantry");
     let slide = builder.prismatic(
         "slide",

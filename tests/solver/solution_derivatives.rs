@@ -1,5 +1,5 @@
-//! Promise: how a solution changes with its targets, the weights and the links is known without solving again, and
-//! is what solving again shows: limits, cones, misses and preferences included. Where it does not exist that is said.
+//! Promise: derivatives of a solution with respect to targets, weights and joint origins equal finite differences of
+//! repeated solves. This includes limits, cones, misses and soft tasks. A missing derivative is reported.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
@@ -37,7 +37,7 @@ fn conditions<'a>(case: &'a Case, q: &[f64], reached: bool) -> Conditions<'a> {
     }
 }
 
-/// How many limits of how many solutions held, and how far the derivatives were off.
+/// Counts of active limits and solutions, and the largest error.
 #[derive(Debug, Default)]
 struct Seen {
     unique: usize,
@@ -59,12 +59,12 @@ fn look(seed: u64, seen: &mut Seen) {
     let mut q = solution.q.clone();
     let mut at = conditions(&here, &q, solution.reached);
     if !solution.reached && !here.traded && here.problem.tasks() > here.goals {
-        // Preferences at a miss: others' affair.
+        // Soft tasks at a miss are tested elsewhere.
         seen.flagged += 1;
         return;
     }
     let mut lambda = at.multipliers(&q);
-    // Only limits that are pushed against hold.
+    // Only limits with a positive multiplier are active.
     let first = at.held.len();
     let pushed: Vec<bool> = (0..at.limits.len())
         .map(|k| lambda[first + k] > 1e-6)
@@ -82,7 +82,7 @@ fn look(seed: u64, seen: &mut Seen) {
     let moved = velocity(&here.model, &solution.q, &q).amax();
     let mut workspace = DerivativeWorkspace::default();
     if moved > 1e-2 {
-        // The search was cut short there, which is seen.
+        // The search was cut short, which the derivative detects.
         let derivative = SolutionDerivative::new(&here.problem, &solution.q, &mut workspace);
         let derivative = derivative.unwrap();
         assert!(!derivative.existence().is_unique(), "seed {seed}");
@@ -113,25 +113,25 @@ fn look(seed: u64, seen: &mut Seen) {
         Change::Origin(1.0),
     ] {
         let rates = case(seed, &change.times(0.0)).rates;
-        let mut told = vec![0.0; here.model.degrees_of_freedom()];
-        derivative.velocity(&rates, &mut told).unwrap();
-        let told = na::DVector::from_vec(told);
+        let mut reported = vec![0.0; here.model.degrees_of_freedom()];
+        derivative.velocity(&rates, &mut reported).unwrap();
+        let reported = na::DVector::from_vec(reported);
 
-        // Backward is forward's transpose.
+        // Reverse mode is the transpose of forward mode.
         let mut random = Random::new(seed);
-        let slope: Vec<f64> = told.iter().map(|_| random.within(-1.0, 1.0)).collect();
+        let slope: Vec<f64> = reported.iter().map(|_| random.within(-1.0, 1.0)).collect();
         let mut gradient = derivative.parameters();
         derivative.gradient(&slope, &mut gradient).unwrap();
-        let forward: f64 = told.iter().zip(&slope).map(|(v, s)| v * s).sum();
+        let forward: f64 = reported.iter().zip(&slope).map(|(v, s)| v * s).sum();
         let backward = product(&gradient, &rates);
-        let size = 1.0 + told.amax();
+        let size = 1.0 + reported.amax();
         assert!(
             (forward - backward).abs() < 1e-7 * size,
             "seed {seed} {change:?}: {forward} {backward}"
         );
 
         let step = 1e-4 / size;
-        let mut shown = na::DVector::zeros(told.len());
+        let mut shown = na::DVector::zeros(reported.len());
         for (share, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
             let there = case(seed, &change.times(share * step));
             let conditions = Conditions {
@@ -144,7 +144,7 @@ fn look(seed: u64, seen: &mut Seen) {
             let (mut to, mut lambda) = (q.clone(), lambda.clone());
             conditions.settle(&mut to, &mut lambda, &inverse, 10);
             if share == 1.0 {
-                // What a solver makes of it from here is the same place.
+                // A solver from here converges to the same configuration.
                 let again = Solver::default().solve_once(&there.problem, &q).unwrap();
                 let apart = velocity(&here.model, &to, &again.q).amax();
                 seen.asked_again += 1;
@@ -152,11 +152,11 @@ fn look(seed: u64, seen: &mut Seen) {
             }
             shown.axpy(weight / (12.0 * step), &velocity(&here.model, &q, &to), 1.0);
         }
-        let off = (&told - &shown).amax() / size;
+        let off = (&reported - &shown).amax() / size;
         seen.worst = seen.worst.max(off);
         assert!(
             off < 1e-6,
-            "seed {seed} {change:?}: off by {off:e}\n{told}{shown}"
+            "seed {seed} {change:?}: off by {off:e}\n{reported}{shown}"
         );
     }
 }
@@ -181,7 +181,7 @@ fn product(a: &ParameterVector, b: &ParameterVector) -> f64 {
 }
 
 #[test]
-fn solving_again_shows_the_same() {
+fn derivatives_match_repeated_solves() {
     let mut seen = Seen::default();
     let wanted = cases(1000, 20);
     for seed in 0.. {
@@ -199,10 +199,10 @@ fn solving_again_shows_the_same() {
     assert!(seen.same_again * 20 > seen.asked_again * 19, "{seen:?}");
 }
 
-/// A slide and a hinge on it, both along one axis: over a time step dt each goes dt times the velocity that its frame is
-/// asked for along that axis, linear for the one, angular for the other, and nothing for any other component.
+/// A prismatic and a revolute joint along one axis. In a time step dt each moves by dt times the target velocity along
+/// that axis, linear or angular, and not for other components.
 #[test]
-fn what_is_asked_to_move_at_a_velocity_goes_its_time_step_times_that() {
+fn derivative_by_velocity_is_the_time_step() {
     let dt = 0.02;
     for (k, axis) in Vector3::UNITS.into_iter().enumerate() {
         let mut builder = Model::builder("spindle");
@@ -231,9 +231,10 @@ fn what_is_asked_to_move_at_a_velocity_goes_its_time_step_times_that() {
     }
 }
 
-/// Slopes by the numbers of a configuration, quaternions among them, are turned to those by its velocity.
+/// Gradients with respect to configuration numbers, quaternions included, convert to gradients with respect to
+/// velocities.
 #[test]
-fn slopes_by_velocity_are_those_along_the_manifold() {
+fn velocity_gradients_follow_the_manifold() {
     let mut builder = Model::builder("free, ball and hinge");
     let at = Placement::identity();
     let [x, _, z] = Vector3::UNITS;
@@ -266,9 +267,9 @@ fn slopes_by_velocity_are_those_along_the_manifold() {
     }
 }
 
-/// A pose that is missed lies between its place and its turn: each of the two weights alone has its derivative.
+/// A missed pose is a compromise of position and orientation: each weight has its derivative.
 #[test]
-fn the_weights_of_a_pose_count_each_by_itself() {
+fn position_and_rotation_weights_differ() {
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
     let tip = model.frame("tip").unwrap();
     let turned = rotation_exp(Vector3::new(0.0, 0.0, 1.4));
@@ -296,11 +297,11 @@ fn the_weights_of_a_pose_count_each_by_itself() {
     }
 }
 
-/// Goals that are within their tolerance do not hold what they are traded with.
+/// A required task within its tolerance does not constrain a weighted soft task.
 #[test]
-fn of_goals_that_are_reached_a_traded_preference_has_its_share() {
+fn weighted_soft_task_moves_a_reached_task() {
     let (problem, posture) = traded_on_a_sledge();
-    // With x = −y, ½ y² + ½ (x − a)² + ½ (y − b)² is least at y = (b − a) / 3.
+    // With x = −y, ½ y² + ½ (x − a)² + ½ (y − b)² is minimal at y = (b − a) / 3.
     let q = [-2.0 / 3.0, 2.0 / 3.0];
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();

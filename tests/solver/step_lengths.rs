@@ -1,5 +1,5 @@
-//! Promise: a step of any first length, 10 000 as well as 1 000 000, is halved until the cost falls;
-//! taken whole it would raise it.
+//! Promise: a first step of any length, 10 000 as well as 1 000 000, is halved until the cost falls. The full step
+//! would raise it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -16,7 +16,7 @@ use support::bones::RandomRig;
 use support::random::Random;
 use support::trees::configuration_of;
 
-/// Five tips to places that another pose gives them.
+/// Five tips with targets from another pose.
 fn drag(rig: &RandomRig, seed: u64) -> (Problem, Vec<f64>) {
     let model = rig.skeleton.model();
     let mut random = Random::new(seed);
@@ -30,7 +30,7 @@ fn drag(rig: &RandomRig, seed: u64) -> (Problem, Vec<f64>) {
     (builder.build().unwrap(), start)
 }
 
-/// E and its gradient, by the library's own problem.
+/// E and its gradient, from the library's own problem.
 fn energy(evaluation: &mut Evaluation<'_>, x: &[f64]) -> (f64, Vec<f64>) {
     let (m, n) = (evaluation.rows(), evaluation.variables());
     let (mut r, mut gradient) = (vec![0.0; m], vec![0.0; n]);
@@ -40,12 +40,12 @@ fn energy(evaluation: &mut Evaluation<'_>, x: &[f64]) -> (f64, Vec<f64>) {
 }
 
 #[test]
-fn whole_steps_of_a_million_raise_the_energy_and_small_ones_lower_it() {
+fn full_steps_raise_and_small_steps_lower_cost() {
     let mut raised = 0;
     for seed in 0..10 {
         let rig = RandomRig::new(seed);
         let (_, start) = drag(&rig, seed);
-        // Without limits, so that nothing but the step's own length holds it.
+        // Without limits, so that only the step length bounds the step.
         let free = ParameterMap::identity(rig.skeleton.model());
         let goal = rig.transforms(&vec![0.0; start.len()]);
         let mut builder = Problem::builder(rig.skeleton.model());
@@ -77,7 +77,7 @@ fn whole_steps_of_a_million_raise_the_energy_and_small_ones_lower_it() {
 }
 
 #[test]
-fn a_large_first_step_is_halved_until_the_cost_falls() {
+fn large_first_step_is_halved_until_cost_falls() {
     for (seed, first) in [(0, 1e4), (1, 1e4), (2, 1e6), (3, 1e6), (4, 7e9)] {
         let rig = RandomRig::new(seed);
         let (problem, start) = drag(&rig, seed);
@@ -85,7 +85,7 @@ fn a_large_first_step_is_halved_until_the_cost_falls() {
         let mut watch = |seen: &Iteration<'_>| {
             costs.push(seen.cost);
             if seen.index > 0 && seen.step > 0.0 {
-                // σ = first / 2^k for a whole k.
+                // σ = first / 2^k for an integer k.
                 let mut halved = first;
                 while halved > seen.control {
                     halved *= 0.5;
@@ -115,10 +115,10 @@ fn a_large_first_step_is_halved_until_the_cost_falls() {
     }
 }
 
-/// A step that only just lowers the cost is not enough: the parabola ½ k x² is a hundredth of a hundredth lower
-/// at the other side, and lowest half way.
+/// A step that barely lowers the cost is shortened. The parabola ½ k x² is lower by 1e-4 at the opposite side and
+/// minimal half way.
 #[test]
-fn a_step_that_gains_next_to_nothing_is_shortened() {
+fn step_of_negligible_gain_is_shortened() {
     let mut builder = Model::builder("slide");
     let axis = Vector3::new(1.0, 0.0, 0.0);
     let limits = Limits::new(-10.0, 10.0);
@@ -126,7 +126,7 @@ fn a_step_that_gains_next_to_nothing_is_shortened() {
     let rider = builder.frame("rider", Some(slide), Placement::identity());
     let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);
-    // Steps are tried from 10⁴ on, each half the last: the 13th is 1.9999 times the inverse of the curvature.
+    // Steps start at 10⁴ and are halved: the 13th is 1.9999 times the inverse curvature.
     let weight = (1.9999 * f64::powi(2.0, 13) / 1e4).sqrt();
     builder.add(Task::new(Point::new(rider, [0.0; 3])).weight(Quantity::Metres, weight));
     let solver = Solver::new(ProjectedGradient::default());

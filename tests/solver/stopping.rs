@@ -1,4 +1,4 @@
-//! Promise: a search ends for the reason it gives: time, cancellation, iterations, or success.
+//! Promise: a search ends for the reason it reports: time, cancellation, iterations or success.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::ControlFlow;
@@ -23,7 +23,7 @@ fn problem(target: [f64; 3]) -> Problem {
 }
 
 #[test]
-fn a_time_limit_of_nothing_ends_at_once() {
+fn zero_time_limit_ends_at_once() {
     for solver in solvers() {
         let solver = solver.with_stopping(Stopping::default().with_time_limit(Duration::ZERO));
         let solution = solver
@@ -37,9 +37,9 @@ fn a_time_limit_of_nothing_ends_at_once() {
     }
 }
 
-/// So does a drag's frame, which stays where it was.
+/// A drag's frame also ends, and keeps its configuration.
 #[test]
-fn a_frame_whose_time_is_over_says_so() {
+fn drag_frame_reports_its_time_limit() {
     let stopping = Stopping::default().with_time_limit(Duration::ZERO);
     let start = [0.1, 0.2, 0.3];
     let drag = Drag::new(problem([0.2, 0.5, 0.0]), &start).unwrap();
@@ -50,7 +50,7 @@ fn a_frame_whose_time_is_over_says_so() {
 }
 
 #[test]
-fn a_time_limit_without_end_is_none() {
+fn huge_time_limit_is_no_limit() {
     for limit in [Duration::from_secs(3600), Duration::MAX] {
         let solver = Solver::default().with_stopping(Stopping::default().with_time_limit(limit));
         let solution = solver
@@ -61,7 +61,7 @@ fn a_time_limit_without_end_is_none() {
 }
 
 #[test]
-fn an_observer_cancels() {
+fn observer_cancels_the_search() {
     for solver in solvers() {
         for after in [0, 2] {
             let mut seen = Vec::new();
@@ -94,8 +94,8 @@ fn an_observer_cancels() {
     }
 }
 
-/// Ends a search in its second attempt, after the first came to its own end: by saying stop, or by
-/// letting the time run out.
+/// Observer that interrupts the second attempt, after the first converged: by cancellation or by exceeding the time
+/// limit.
 fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
     let mut attempts = 0;
     move |iteration| {
@@ -115,7 +115,7 @@ fn interrupt(cancels: bool) -> impl FnMut(&Iteration<'_>) -> ControlFlow<()> {
 const LIMIT: Duration = Duration::from_millis(400);
 
 #[test]
-fn what_ends_a_later_attempt_is_told_also_where_an_earlier_one_counts() {
+fn interruption_of_a_later_attempt_is_reported() {
     let stopping = Stopping::default().with_time_limit(LIMIT);
     let far = problem([5.0, 0.0, 0.0]);
     let start = [0.0; 3];
@@ -129,7 +129,7 @@ fn what_ends_a_later_attempt_is_told_also_where_an_earlier_one_counts() {
             .solve_observed(&far, &start, &mut workspace, &mut interrupt(cancels))
             .unwrap();
         assert_eq!((solution.termination, solution.attempts), (ended, 2));
-        // Stretched towards the target from the start on: the first attempt is the one returned.
+        // Stretched towards the target from the start: the first attempt is returned.
         assert_eq!(solution.q, start);
 
         let swept = Ccd::default().with_stopping(stopping);
@@ -142,7 +142,7 @@ fn what_ends_a_later_attempt_is_told_also_where_an_earlier_one_counts() {
 }
 
 #[test]
-fn the_iteration_limit_counts_each_attempt() {
+fn iteration_limit_applies_to_each_attempt() {
     for solver in solvers() {
         let solver = solver
             .with_stopping(Stopping::default().with_max_iterations(1))
@@ -157,7 +157,7 @@ fn the_iteration_limit_counts_each_attempt() {
 }
 
 #[test]
-fn success_at_the_start_costs_no_step() {
+fn success_at_the_start_takes_no_step() {
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
     let at = support::planar_tip(&[0.5, 0.4, 0.3], &START);
     let mut builder = Problem::builder(&model);
@@ -173,8 +173,8 @@ fn success_at_the_start_costs_no_step() {
 }
 
 #[test]
-fn preferences_do_not_search_until_the_limit() {
-    // Goals are met and the pull has found its minimum: that is an end, not a lack of patience.
+fn soft_tasks_end_before_the_iteration_limit() {
+    // Required tasks are reached and the soft task is at its minimum, which ends the search.
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(model.frame("tip").unwrap(), [0.6, 0.6, 0.0]));
@@ -183,7 +183,7 @@ fn preferences_do_not_search_until_the_limit() {
     builder.tolerance(kinopt::task::Quantity::Metres, 10.0);
     let problem = builder.build().unwrap();
     for solver in solvers() {
-        // The source's descent zigzags for longer than anyone would wait.
+        // Fixed-step descent takes too many iterations.
         if solver.method() == "projected-gradient" {
             continue;
         }
@@ -199,9 +199,9 @@ fn preferences_do_not_search_until_the_limit() {
     }
 }
 
-/// Of a search that climbs on its way the lowest place that it saw is returned, wherever it is stopped.
+/// The lowest cost of a search with increasing steps is returned, wherever it stops.
 #[test]
-fn the_lowest_place_seen_is_returned() {
+fn lowest_iterate_is_returned() {
     let rig = support::bones::RandomRig::new(6);
     let far = rig.drawn_to(|| [0.9, -0.8, 0.7]);
     let start = rig.skeleton.model().neutral();
@@ -230,9 +230,9 @@ fn the_lowest_place_seen_is_returned() {
     assert!(climbed > 0);
 }
 
-/// A step is small by the tolerance times max(1, |x|), and what it leaves undone is not called stationary.
+/// A step is small relative to the tolerance times max(1, |x|). The result is not called stationary.
 #[test]
-fn a_small_step_is_told_as_one() {
+fn small_step_is_reported() {
     let model = planar_arm(&[1.0], Some((-2.0, 2.0)));
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(model.frame("tip").unwrap(), [1.0, 0.0, 0.0]));
@@ -247,13 +247,13 @@ fn a_small_step_is_told_as_one() {
     }
 }
 
-/// However long a step counts as none: one that reached its goal is told as that.
+/// A step that reaches its target is reported as reached, whatever the step tolerance.
 #[test]
-fn a_small_step_that_reaches_is_told_as_reaching() {
+fn small_step_to_the_target_is_reached() {
     let target = [0.2, 0.7, 0.0];
     let there = Solver::default().solve_once(&problem(target), &START);
     let beside: Vec<f64> = there.unwrap().q.iter().map(|q| q + 1e-5).collect();
-    let mut told = 0;
+    let mut reported = 0;
     for solver in solvers() {
         let ended = |tolerance: f64| {
             let stopping = Stopping::default().with_step_tolerance(tolerance);
@@ -263,16 +263,15 @@ fn a_small_step_that_reaches_is_told_as_reaching() {
         };
         let exact = ended(1e-15);
         if exact.reached && exact.iterations == 1 {
-            told += 1;
+            reported += 1;
             let rough = ended(1.0).termination;
             assert_eq!(rough, Termination::Reached, "{}", solver.method());
         }
     }
-    assert!(told > 2, "{told}");
+    assert!(reported > 2, "{reported}");
 }
 
-/// The cosine between the residual and what the joint that can do most about it does, each joint's column of the Jacobian
-/// counted as long as the longest.
+/// Cosine between the residual and the most effective joint's column, with columns normalised by the longest.
 fn cosine(q: &[f64], target: [f64; 3]) -> f64 {
     let links = [0.5, 0.4, 0.3];
     let tip = support::planar_tip(&links, &[q[0], q[1], q[2]]);
@@ -292,9 +291,9 @@ fn cosine(q: &[f64], target: [f64; 3]) -> f64 {
     slope / (longest * miss[0].hypot(miss[1]))
 }
 
-/// A search ends at the first place at which no joint can do more than the gradient tolerance about what is left.
+/// A search ends at the first iterate whose cosine is below the gradient tolerance.
 #[test]
-fn a_gradient_within_the_tolerance_ends_a_search() {
+fn gradient_tolerance_ends_the_search() {
     let target = [2.0, 0.7, 0.0];
     let mut steps = Vec::new();
     for tolerance in [0.3, 1e-2, 1e-4, 1e-9] {
@@ -313,7 +312,7 @@ fn a_gradient_within_the_tolerance_ends_a_search() {
                 .solve_observed(&problem(target), &START, &mut workspace, &mut watch)
                 .unwrap();
             let label = format!("{} {tolerance}: {cosines:?}", solver.method());
-            // What is lost in rounding counts as well.
+            // Rounding adds to the tolerance.
             let at_end = tolerance.max(2e-7);
             assert_eq!(solution.termination, Termination::Stationary, "{label}");
             assert!(cosine(&solution.q, target) <= at_end, "{label}");
@@ -331,9 +330,9 @@ fn a_gradient_within_the_tolerance_ends_a_search() {
     assert!(loose < strict, "{loose} {strict}");
 }
 
-/// Who is less patient than the attempts are waits no longer.
+/// A patience below the attempts' own limit ends them earlier.
 #[test]
-fn patience_asked_for_is_kept() {
+fn patience_limits_attempts() {
     let rig = support::bones::RandomRig::new(6);
     let problem = rig.drawn_to(|| [9.0, -8.0, 7.0]);
     let start = rig.skeleton.model().neutral();
@@ -348,9 +347,9 @@ fn patience_asked_for_is_kept() {
     assert!(3 * hasty < calm, "{hasty} {calm}");
 }
 
-/// A search that was cut short proves nothing about what is in its way: that is told as so far, and that more may help.
+/// Limits of a search that was cut short are reported as "so far", with a hint that more iterations may help.
 #[test]
-fn what_is_in_the_way_of_a_search_that_was_cut_short_is_told_as_so_far() {
+fn interrupted_search_reports_limits_so_far() {
     let all = Stopping::default();
     for (stopping, ended) in [
         (all.with_max_iterations(1), Termination::IterationLimit),
@@ -361,7 +360,7 @@ fn what_is_in_the_way_of_a_search_that_was_cut_short_is_told_as_so_far() {
         let cut = ended != Termination::Stationary;
         let solver = Solver::default().with_restarts(Restarts::none());
         let solver = solver.with_stopping(stopping);
-        // Between its limits, and with a joint on one; both out of reach.
+        // Between its limits, and with a joint on a limit; both targets unreachable.
         for (target, start, words) in [
             (
                 [3.0, 0.1, 0.0],
@@ -375,11 +374,11 @@ fn what_is_in_the_way_of_a_search_that_was_cut_short_is_told_as_so_far() {
             ),
         ] {
             let solution = solver.solve_once(&problem(target), &start).unwrap();
-            let told = solution.explain();
-            assert_eq!(solution.termination, ended, "{told}");
-            assert_eq!(told.contains(words), cut, "{told}");
-            let more = told.contains("More time or iterations may help");
-            assert_eq!(more, cut, "{told}");
+            let explanation = solution.explain();
+            assert_eq!(solution.termination, ended, "{explanation}");
+            assert_eq!(explanation.contains(words), cut, "{explanation}");
+            let more = explanation.contains("More time or iterations may help");
+            assert_eq!(more, cut, "{explanation}");
         }
     }
 }

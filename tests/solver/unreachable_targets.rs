@@ -1,5 +1,4 @@
-//! Promise: a target out of reach gives the closest point, `reached: false`, and the limits that
-//! hold it.
+//! Promise: an unreachable target gives the closest point, `reached: false` and the active limits.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, Side};
@@ -13,7 +12,7 @@ use nalgebra as na;
 use support::random::Random;
 use support::{planar_arm, planar_tip};
 
-/// The methods that converge in 200 iterations here; fixed-step descent is in the battery.
+/// Methods that converge in 200 iterations here; fixed-step descent is in the battery.
 fn quick_solvers() -> [Solver; 3] {
     [
         Solver::new(LevenbergMarquardt::default()),
@@ -30,7 +29,7 @@ fn solve(solver: &Solver, model: &Model, target: na::Vector3<f64>, start: &[f64]
 }
 
 #[test]
-fn beyond_a_stretched_arm() {
+fn target_beyond_a_stretched_arm() {
     let links = [0.7, 0.5, 0.4];
     let length: f64 = links.iter().sum();
     let model = planar_arm(&links, Some((-1.5, 1.5)));
@@ -48,8 +47,8 @@ fn beyond_a_stretched_arm() {
                 (missed - (distance - length)).abs() < 1e-9,
                 "{name}: {missed}"
             );
-            let told = solution.tasks().next().unwrap().position_error().unwrap();
-            assert!((told - missed).abs() < 1e-12);
+            let reported = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((reported - missed).abs() < 1e-12);
             let explanation = solution.explain();
             assert!(explanation.starts_with("Not reached"), "{explanation}");
             assert!(
@@ -61,8 +60,8 @@ fn beyond_a_stretched_arm() {
 }
 
 #[test]
-fn inside_the_hole_of_a_two_link_arm() {
-    // The long link cannot be folded away: everything nearer than 0.6 is out of reach.
+fn target_in_the_hole_of_a_two_link_arm() {
+    // The long link cannot be folded away: targets nearer than 0.6 are unreachable.
     let links = [1.0, 0.4];
     let model = planar_arm(&links, None);
     let mut random = Random::new(2);
@@ -73,7 +72,7 @@ fn inside_the_hole_of_a_two_link_arm() {
         for solver in quick_solvers() {
             let solution = solve(&solver, &model, target, &[heading + 0.3, 2.0]);
             let missed = (planar_tip(&links, &solution.q) - target).norm();
-            // Gauss-Newton knows no curvature but JᵀJ, which has none where the arm is folded.
+            // Gauss-Newton has no curvature except JᵀJ, which vanishes for the folded arm.
             let within = if solver.method() == "gauss-newton" {
                 1e-6
             } else {
@@ -88,8 +87,8 @@ fn inside_the_hole_of_a_two_link_arm() {
 }
 
 #[test]
-fn a_limit_that_blocks_is_named() {
-    // One joint stops at 30°, and the target is at 90°: the tip ends at 30°.
+fn blocking_limit_is_named() {
+    // The joint's limit is at 30° and the target at 90°: the tip ends at 30°.
     let links = [1.0];
     let stop = 30_f64.to_radians();
     let model = planar_arm(&links, Some((-1.0, stop)));
@@ -106,7 +105,7 @@ fn a_limit_that_blocks_is_named() {
         assert!((limits[0].push - stop.cos()).abs() < 1e-12);
         assert_eq!(solution.termination, Termination::Stationary);
         let explanation = solution.explain();
-        // Of what touches nothing nothing is told.
+        // Without contacts none are reported.
         assert!(!explanation.contains("In the way"), "{explanation}");
         assert!(
             explanation.contains("the upper limit 0.5236 rad (30.00°) of `joint 0`"),
@@ -116,7 +115,7 @@ fn a_limit_that_blocks_is_named() {
 }
 
 #[test]
-fn a_slider_at_its_end() {
+fn prismatic_joint_ends_at_its_limit() {
     let mut builder = Model::builder("slider");
     let axis = Vector3::new(0.0, 0.0, 2.0);
     let limits = Limits::new(-0.1, 0.7);
@@ -129,16 +128,16 @@ fn a_slider_at_its_end() {
             let solution = solve(&solver, &model, target, &[0.2]);
             assert_eq!(solution.q, [expected]);
             let missed = f64::hypot(0.5, z - expected);
-            let told = solution.tasks().next().unwrap().position_error().unwrap();
-            assert!((told - missed).abs() < 1e-12);
+            let reported = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((reported - missed).abs() < 1e-12);
             assert_eq!(solution.active_limits().count(), 1);
         }
     }
 }
 
 #[test]
-fn a_three_link_arm_with_limits_against_a_search_of_its_box() {
-    // Two joints are held by their limits and the third points at the target.
+fn three_link_arm_matches_a_grid_search() {
+    // Two joints are on their limits and the third points at the target.
     let links = [0.6, 0.5, 0.4];
     let model = planar_arm(&links, Some((-0.4, 0.4)));
     let target = na::Vector3::new(-0.6, 1.1, 0.0);
@@ -166,9 +165,9 @@ fn a_three_link_arm_with_limits_against_a_search_of_its_box() {
 }
 
 #[test]
-fn a_limit_that_hardly_pushes_is_not_named() {
-    // Stretched along x on its upper limit, and the target straight ahead: beyond the limit the
-    // cost would rise again, and what pushes is rounding.
+fn limit_without_force_is_not_named() {
+    // Stretched along x on its upper limit, with the target straight ahead: the cost rises beyond the limit, and the
+    // force is rounding.
     let model = planar_arm(&[1.0], Some((-1.0, 0.3)));
     let target = na::Vector3::new(0.3_f64.cos(), 0.3_f64.sin(), 0.0) * 2.0;
     for solver in quick_solvers() {
@@ -180,7 +179,7 @@ fn a_limit_that_hardly_pushes_is_not_named() {
 }
 
 #[test]
-fn no_miss_reads_as_none() {
+fn tiny_miss_is_printed_as_nonzero() {
     let model = planar_arm(&[1.0], Some((-1.0, 1.0)));
     let mut builder = Problem::builder(&model);
     let tip = model.frame("tip").unwrap();
@@ -198,7 +197,7 @@ fn no_miss_reads_as_none() {
 }
 
 #[test]
-fn a_target_out_of_reach_that_moves_is_followed_without_jumps() {
+fn moving_unreachable_target_causes_no_jumps() {
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.5, 2.5)));
     let solver = Solver::default();
     let mut q = vec![0.3, 0.2, 0.1];
@@ -218,9 +217,9 @@ fn a_target_out_of_reach_that_moves_is_followed_without_jumps() {
 }
 
 #[test]
-fn tips_pulled_far_away_end_at_a_minimum_and_not_at_the_limit_of_steps() {
-    // The residual stays large, so JᵀJ is a poor second derivative: with it alone most of these
-    // searches crawl until their steps run out.
+fn far_tip_targets_end_at_a_minimum() {
+    // The residual stays large, so JᵀJ approximates the second derivative badly. With it alone most searches end by the
+    // iteration limit.
     for seed in 0..8 {
         let rig = support::bones::RandomRig::new(seed);
         let model = rig.skeleton.model();
@@ -235,10 +234,10 @@ fn tips_pulled_far_away_end_at_a_minimum_and_not_at_the_limit_of_steps() {
     }
 }
 
-/// Two links stretched along x onto their lower limits, the target straight ahead but for a hair below:
-/// the cost would fall beyond the limits by a slope of 1e-12, which is nothing.
+/// Two stretched links on their lower limits, with the target 1e-13 m off their line. The cost falls beyond the limits
+/// by a slope of 1e-12, which is negligible.
 #[test]
-fn a_limit_that_pushes_by_rounding_only_is_not_named() {
+fn limit_with_rounding_force_is_not_named() {
     for (limits, side) in [((0.0, 2.0), -1.0), ((-2.0, 0.0), 1.0)] {
         let model = planar_arm(&[1.0, 1.0], Some(limits));
         for solver in quick_solvers() {

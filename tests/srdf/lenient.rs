@@ -1,5 +1,5 @@
-//! Promise: a lenient reader leaves out what names what a robot has not, and no more, and lists each with its line; a
-//! strict one refuses the same file.
+//! Promise: the lenient reader omits exactly the elements that name unknown things, and lists each with its line. The
+//! strict reader rejects the same file.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::robot::{ParseIssue, RepairKind, Robot, Srdf};
@@ -8,7 +8,7 @@ const DOOR: &str = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint>
   <joint name="latch" type="continuous"><parent link="leaf"/><child link="handle"/></joint></robot>"#;
 
-/// A wrong name on every other line.
+/// Every other line has an unknown name.
 const OTHER_DOOR: &str = r#"<robot name="door">
 <virtual_joint name="v" type="fixed" parent_frame="world" child_link="lead"/>
 <group name="all"><joint name="hinge"/>
@@ -38,7 +38,7 @@ fn lenient(text: &str) -> Srdf {
 }
 
 #[test]
-fn wrong_names_are_left_out_and_listed_by_line() {
+fn unknown_names_are_omitted_and_listed_by_line() {
     let robot = Robot::parse(DOOR, "door.urdf").unwrap();
     let both = ["hinge", "latch"].map(|name| robot.model().joint(name).unwrap());
     let srdf = lenient(OTHER_DOOR);
@@ -68,7 +68,7 @@ fn wrong_names_are_left_out_and_listed_by_line() {
 }
 
 #[test]
-fn a_right_file_is_read_as_by_a_strict_reader() {
+fn valid_file_is_read_as_by_the_strict_reader() {
     let robot = Robot::parse(DOOR, "door.urdf").unwrap();
     let text = r#"<robot name="door"><group name="g"><joint name="hinge"/></group>
         <group_state name="s" group="g"><joint name="hinge" value="0.5"/></group_state></robot>"#;
@@ -79,7 +79,7 @@ fn a_right_file_is_read_as_by_a_strict_reader() {
 }
 
 #[test]
-fn a_ring_of_groups_has_the_joints_of_all() {
+fn cyclic_groups_have_the_joints_of_all() {
     let srdf = lenient(
         r#"<robot><group name="g"><joint name="hinge"/><group name="h"/></group>
         <group name="h"><joint name="latch"/><group name="g"/></group>
@@ -91,7 +91,7 @@ fn a_ring_of_groups_has_the_joints_of_all() {
 }
 
 #[test]
-fn what_is_no_srdf_is_refused_by_both() {
+fn non_srdf_files_are_rejected_by_both_readers() {
     let robot = Robot::parse(DOOR, "door.urdf").unwrap();
     let reader = Srdf::reader().lenient();
     for text in ["", "<mujoco/>", "<robot>", "<robot></group>"] {

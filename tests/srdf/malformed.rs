@@ -1,5 +1,5 @@
-//! Promise: what is wrong with an SRDF file, or does not go with the robot, is told with its line and name, and no
-//! damaged file makes the reader panic.
+//! Promise: an error in an SRDF file, or a mismatch with the robot, is reported with its line and name. No damaged file
+//! makes the reader panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::robot::{ParseIssue, Robot, RobotFileError, Srdf};
@@ -18,7 +18,7 @@ fn fault(inner: &str) -> ParseIssue {
 }
 
 #[test]
-fn names_that_there_are_not_are_told_with_those_there_are() {
+fn unknown_names_are_reported_with_their_kind() {
     for (inner, kind) in [
         (r#"<group name="g"><joint name="hing"/></group>"#, "joint"),
         (r#"<group name="g"><link name="lead"/></group>"#, "frame"),
@@ -58,7 +58,7 @@ fn names_that_there_are_not_are_told_with_those_there_are() {
 }
 
 #[test]
-fn groups_within_themselves_and_values_that_do_not_fit_are_named() {
+fn cyclic_groups_and_unfit_values_are_named() {
     let group = "g".to_owned();
     for inner in [
         r#"<group name="g"><group name="g"/></group>"#,

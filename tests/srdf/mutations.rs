@@ -1,5 +1,5 @@
-//! Promise: an SRDF file in which anything is changed is an error that names what is wrong and where, or groups, states
-//! and passive joints of the robot that it is for. Never a panic.
+//! Promise: a modified SRDF file is an error that names the fault and its location, or valid groups, states and passive
+//! joints of its robot. Never a panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use support::changed_xml::Element;
 use support::random::Random;
 use support::sample::cases;
 
-/// A leg on a ball, a follower, and a free base.
+/// A leg with a ball joint, a mimic joint and a free base.
 const LEG: &str = r#"<robot name="leg"><link name="pelvis"/><link name="thigh"/><link name="shin"/><link name="foot"/><link name="toe"/>
 <joint name="hip" type="spherical"><parent link="pelvis"/><child link="thigh"/></joint>
 <joint name="knee" type="revolute"><parent link="thigh"/><child link="shin"/><axis xyz="0 1 0"/><limit lower="0" upper="2.5"/></joint>
@@ -50,7 +50,7 @@ fn check(srdf: &Srdf, robot: &Robot) {
         assert!(srdf.group(&state.group).is_ok());
         let there = srdf.state(&state.name, &q).unwrap();
         assert_eq!(there.len(), q.len());
-        // A turn may be written at any length; it is a rotation all the same.
+        // A quaternion may have any length in the file; the state's is a rotation.
         let mut unit = there.clone();
         model.normalise(&mut unit).unwrap();
         assert!(there.iter().chain(&unit).all(|value| value.is_finite()));
@@ -73,7 +73,7 @@ fn check(srdf: &Srdf, robot: &Robot) {
 }
 
 #[test]
-fn a_changed_file_is_a_named_error_or_one_of_the_robot() {
+fn modified_file_is_an_error_or_fits_the_robot() {
     let robot = Robot::parse(LEG, "leg.urdf").unwrap();
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let root = Element::parse(SRDF);
@@ -108,7 +108,7 @@ fn a_changed_file_is_a_named_error_or_one_of_the_robot() {
                     line > 0 && line as usize <= text.lines().count(),
                     "{message}"
                 );
-                // All but another root is left out by a lenient reader, and told.
+                // The lenient reader omits and lists any fault, except for a root that is not `robot`.
                 match mended {
                     Ok(srdf) => {
                         check(&srdf, &robot);
@@ -116,8 +116,8 @@ fn a_changed_file_is_a_named_error_or_one_of_the_robot() {
                     }
                     Err(error) => assert_eq!(fault, ParseIssue::NotARobot, "{error}"),
                 }
-                let told = format!("{fault:?}");
-                told.split([' ', '(']).next().unwrap().to_owned()
+                let reported = format!("{fault:?}");
+                reported.split([' ', '(']).next().unwrap().to_owned()
             }
         };
         *outcomes.entry(outcome).or_default() += 1;

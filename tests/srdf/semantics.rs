@@ -1,5 +1,5 @@
-//! Promise: a group is its joints, those of its links, chains and groups; states are configurations; a map of what is
-//! driven holds the passive joints, a map of a group the others.
+//! Promise: a group consists of its joints and of those of its links, chains and groups. States are configurations. A
+//! map of the driven joints holds the passive joints fixed; a map of a group holds all others fixed.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{BaseJoint, Robot, Srdf};
@@ -31,7 +31,7 @@ fn panda() -> Robot {
 }
 
 #[test]
-fn groups_are_joints_links_chains_and_groups_together() {
+fn groups_combine_joints_links_chains_and_groups() {
     let robot = panda();
     let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
     let names = |group: &str| -> Vec<&str> {
@@ -51,7 +51,7 @@ fn groups_are_joints_links_chains_and_groups_together() {
         [&arm[..], &["finger_left_slide", "finger_right_slide"]].concat()
     );
     assert_eq!(names("all"), names("both"));
-    // A link that is fixed brings no joint.
+    // The joint of a fixed link is not included.
     assert_eq!(names("mounted"), ["joint2"]);
     assert!(srdf.group("leg").unwrap_err().to_string().contains("wrist"));
     let [end] = &srdf.end_effectors[..] else {
@@ -72,7 +72,7 @@ fn groups_are_joints_links_chains_and_groups_together() {
         (["link1", "link2"], "Adjacent")
     );
     assert_eq!(srdf.virtual_joints[0].kind, "fixed");
-    // Those that move: neither a virtual joint nor a fixed one has a value to be passive with.
+    // Only moving joints: neither a virtual nor a fixed joint has a value.
     let passive = srdf.passive_joints.iter();
     let passive = passive.map(|id| robot.model().joints()[id.index()].name.as_str());
     assert_eq!(
@@ -82,23 +82,23 @@ fn groups_are_joints_links_chains_and_groups_together() {
 }
 
 #[test]
-fn maps_hold_passive_joints_and_what_is_outside_a_group() {
+fn maps_fix_passive_joints_and_other_groups() {
     let robot = panda();
     let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
     let q = robot.model().random_configuration(3);
-    // Seven joints and a finger; the other finger follows and is no variable of its own.
+    // Seven joints and one finger; the other finger mimics it and is no variable.
     let driven = srdf.driven(&robot, &q).build().unwrap();
     assert_eq!(driven.variables(), 7);
     let mut expanded = vec![0.0; 9];
     driven.expand(&[0.01; 7], &mut expanded).unwrap();
     assert_eq!(expanded[6], q[6]);
-    // Passive, but it goes where the first one does.
+    // Passive, but it mimics the first finger.
     assert_eq!(expanded[7..], [0.01; 2]);
     let wrist = srdf.only(&robot, "wrist", &q).unwrap().build().unwrap();
     assert_eq!(wrist.variables(), 2);
     wrist.expand(&[0.25, 0.5], &mut expanded).unwrap();
     assert_eq!(expanded[..7], [&q[..5], &[0.25, 0.5]].concat());
-    // One finger leads, the other follows it.
+    // One finger is the source joint, the other mimics it.
     let hand = srdf.only(&robot, "hand", &q).unwrap().build().unwrap();
     assert_eq!(hand.variables(), 1);
     hand.expand(&[0.02], &mut expanded).unwrap();
@@ -107,9 +107,9 @@ fn maps_hold_passive_joints_and_what_is_outside_a_group() {
     assert!(srdf.driven(&robot, &q[..3]).build().is_err());
 }
 
-/// A group in which each of several joints follows another outside of it has none to move.
+/// A joint that mimics one outside of its group keeps the value of its source joint and is no variable.
 #[test]
-fn followers_of_a_group_follow_whatever_others_do() {
+fn mimic_joints_follow_sources_outside_the_group() {
     let joint = |k: usize, more: &str| {
         format!(
             r#"<link name="l{k}"/><joint name="j{k}" type="revolute"><parent link="l{}"/><child link="l{k}"/><axis xyz="0 0 1"/>
@@ -142,7 +142,7 @@ fn followers_of_a_group_follow_whatever_others_do() {
 }
 
 #[test]
-fn states_are_configurations_also_of_a_free_base() {
+fn states_are_configurations_with_free_base_too() {
     let robot = panda();
     let q = robot.model().neutral();
     let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
@@ -162,14 +162,14 @@ fn states_are_configurations_also_of_a_free_base() {
     let robot = panda().with_base_joint(BaseJoint::FREE).unwrap();
     let srdf = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
     let ready = srdf.state("ready", &robot.model().neutral()).unwrap();
-    // The file's quaternion is x, y, z, w.
+    // The file's quaternion has the order x, y, z, w.
     assert_eq!(ready[..7], [1.0, 2.0, 3.0, 0.8, 0.0, 0.0, 0.6]);
     assert_eq!(ready[8], -0.5);
 }
 
-/// An arm and its hand are at home together where each has a `home`.
+/// The state `home` of arm and hand is that of both where each group has a `home`.
 #[test]
-fn a_state_of_several_groups_is_all_of_them_and_one_groups_by_its_name() {
+fn state_of_several_groups_combines_or_selects_one() {
     let robot = panda();
     let more = r#"<group_state name="home" group="arm"><joint name="joint2" value="0.3"/><joint name="joint4" value="-1"/></group_state>
         <group_state name="home" group="hand"><joint name="finger_left_slide" value="0.02"/></group_state></robot>"#;
@@ -180,17 +180,17 @@ fn a_state_of_several_groups_is_all_of_them_and_one_groups_by_its_name() {
     assert_eq!(of("arm/home").unwrap(), [0.3, -1.0, q[7]]);
     assert_eq!(of("hand/home").unwrap(), [q[1], q[3], 0.02]);
     for unknown in ["leg/home", "/home", "armhome", "hand/ready"] {
-        let told = of(unknown).unwrap_err().to_string();
+        let message = of(unknown).unwrap_err().to_string();
         assert!(
-            told.contains(unknown) && told.contains("ready, home"),
-            "{told}"
+            message.contains(unknown) && message.contains("ready, home"),
+            "{message}"
         );
     }
 }
 
-/// A mark before the text and a parent that is left empty are nothing.
+/// A byte order mark and an empty parent group are ignored.
 #[test]
-fn what_is_empty_is_not_there() {
+fn byte_order_mark_and_empty_parent_are_ignored() {
     let robot = panda();
     let plain = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
     let marked = Srdf::parse(&format!("\u{feff}{PANDA}"), "panda.srdf", &robot).unwrap();

@@ -1,5 +1,4 @@
-//! Promise: what is wrong with a model, a map, a problem, a skeleton or a start is an error that
-//! names the culprit, and for names the valid ones.
+//! Promise: errors in a model, map, problem, skeleton or start name the culprit, and for names the valid ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Display;
@@ -52,7 +51,7 @@ fn model_with(edit: impl FnOnce(&mut ModelBuilder, JointId)) -> Result<Model, im
     builder.build()
 }
 
-/// An id that a model of fewer joints does not have.
+/// An id that is out of range for a model of fewer joints.
 fn foreign_joint() -> JointId {
     let mut builder = Model::builder("other");
     (0..50)
@@ -70,7 +69,7 @@ fn foreign_frame() -> FrameId {
 }
 
 #[test]
-fn models() {
+fn model_errors_name_the_culprit() {
     names(
         model_with(|b, _| {
             b.fixed("elbow", None, still());
@@ -156,7 +155,7 @@ fn models() {
 }
 
 #[test]
-fn names_that_are_not_there() {
+fn unknown_names_list_the_valid_ones() {
     let Ok(model) = model_with(|_, _| ()) else {
         panic!()
     };
@@ -169,7 +168,7 @@ fn names_that_are_not_there() {
     );
 }
 
-/// elbow [−1, 2], wrist [0, 0.5], and a joint that is fixed.
+/// elbow [−1, 2], wrist [0, 0.5], and a fixed joint.
 fn arm() -> (Model, [JointId; 3], FrameId) {
     let mut builder = Model::builder("arm");
     let elbow = builder.revolute("elbow", None, still(), Z, Limits::new(-1.0, 2.0));
@@ -184,7 +183,7 @@ fn arm() -> (Model, [JointId; 3], FrameId) {
 }
 
 #[test]
-fn parameter_maps() {
+fn parameter_map_errors_name_the_joint() {
     let (model, [elbow, wrist, weld], _) = arm();
     let map = || ParameterMap::builder(&model);
     names(
@@ -208,7 +207,7 @@ fn parameter_maps() {
     let coupled = map().with_coupled(wrist, elbow, 1.0, 0.0);
     let twice = coupled.clone().with_coupled(wrist, elbow, 1.0, 0.0).build();
     names(twice, &["`wrist`", "coupled twice"]);
-    // One of each is said in order, and what `only` holds may be moved afterwards.
+    // One of each is accepted in order, and joints that `with_only` locked may be locked elsewhere afterwards.
     assert!(coupled.with_locked(wrist, 0.1).build().is_ok());
     assert!(
         map()
@@ -267,7 +266,7 @@ fn problem<R: Residual>(task: impl Into<Task<R>>) -> Result<Problem, impl Displa
 }
 
 #[test]
-fn problems() {
+fn problem_errors_name_the_culprit() {
     let (model, [elbow, wrist, weld], hand) = arm();
     let with = |edit: &dyn Fn(&mut ProblemBuilder<'_>)| {
         let mut builder = Problem::builder(&model);
@@ -308,7 +307,7 @@ fn problems() {
             &["reach", "weight", "metres"],
         );
     }
-    // Each is a number, but not what they come to.
+    // Both are finite, but their product is not.
     names(
         problem(reach().weight(Quantity::Metres, 1e200).times(1e200)),
         &["reach", "weight", "metres", "inf"],
@@ -346,7 +345,7 @@ fn problems() {
             &[name, "bounds"],
         );
     }
-    // What was asked for, not what the joint's own limits make of it.
+    // The requested bounds, not their intersection with the joint's limits.
     names(
         with(&|b| {
             b.bound(elbow, Limits::new(-5.0, -7.0));
@@ -365,7 +364,7 @@ fn problems() {
 }
 
 #[test]
-fn tasks() {
+fn task_errors_name_the_task() {
     let (model, [elbow, ..], hand) = arm();
     let here = [0.0; 3];
     let camera = |entry: f64| Camera {
@@ -497,7 +496,7 @@ fn tasks() {
 }
 
 #[test]
-fn skeletons() {
+fn skeleton_errors_name_the_bone() {
     let bone = |name: &str| Bone {
         name: name.to_owned(),
         parent: None,
@@ -554,7 +553,7 @@ fn skeletons() {
 }
 
 #[test]
-fn starts() {
+fn start_errors_name_the_joint() {
     let (model, _, hand) = arm();
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(hand, [0.0; 3]));

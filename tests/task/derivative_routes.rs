@@ -1,10 +1,9 @@
-//! Promise: all routes to a derivative agree, for every task and joint kind, under every parameter
-//! map, also a million metres from the origin.
+//! Promise: all derivative routes agree, for every task and joint kind, under every parameter map, also 10⁶ m from the
+//! origin.
 //!
-//! "Relative" is: the largest difference of two Jacobians, entry by entry, over the largest entry
-//! (or 1 if that is larger). Near the origin the exact routes agree to 1e-12. Far away the
-//! coordinates themselves are only known to ε · 10⁶ m = 2.2e-10 m, and the geometric Jacobian's
-//! levers are differences of coordinates, so that 64 such roundings are allowed on top.
+//! "Relative" is the largest entry-wise difference of two Jacobians over the largest entry (or 1 if that is larger).
+//! Near the origin the exact routes agree to 1e-12. Far away, coordinates have a resolution of ε · 10⁶ m = 2.2e-10 m,
+//! and levers are differences of coordinates. So 64 such roundings are allowed in addition.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{FrameId, Limits};
@@ -25,7 +24,7 @@ const FAR: f64 = 1e6;
 fn jacobian(problem: &Problem, route: Derivatives, x: &[f64]) -> DMatrix<f64> {
     let problem = &problem.clone().with_derivatives(route);
     let mut scratch = problem.scratch();
-    // NaN shows any entry that is not written.
+    // NaN reveals entries that are not written.
     let mut jacobian = DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
     Evaluation::new(problem, &mut scratch).jacobian(x, &mut jacobian);
     jacobian
@@ -47,7 +46,7 @@ fn size(matrix: &DMatrix<f64>) -> f64 {
     matrix.iter().fold(1.0, |most: f64, v| most.max(v.abs()))
 }
 
-/// The largest difference over the largest entry; NaN counts as infinite.
+/// Largest difference over the largest entry; NaN counts as infinite.
 fn relative(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     let largest = differences.fold(0.0, |most: f64, d| {
@@ -81,7 +80,7 @@ fn check(label: &str, case: &TaskCase, problem: &Problem, x: &[f64], coordinates
     if !case.smooth {
         return;
     }
-    // A difference of two residuals of this rounding, over the step.
+    // A difference of two residuals with this rounding, over the step.
     let lost = |step: f64| 16.0 * rounding / step;
     let central = jacobian(problem, Derivatives::CentralDifference, x);
     let error = relative(&central, &dual);
@@ -119,21 +118,21 @@ fn check_all(seed: u64, base: Rigid, coordinates: f64) {
                 (case.add)(&mut all);
             }
         }
-        // All together: rows must land in their own places.
+        // All tasks together, which checks row offsets.
         let label = format!("all tasks, {}, tree {seed}", expected.name);
         check(&label, &cases[0], &all.build().unwrap(), &x, coordinates);
     }
 }
 
 #[test]
-fn near_the_origin() {
+fn routes_agree_near_the_origin() {
     for seed in 0..8 {
         check_all(seed, Rigid::identity(), 1.0);
     }
 }
 
 #[test]
-fn a_million_metres_from_the_origin() {
+fn routes_agree_far_from_the_origin() {
     for seed in 20..24 {
         let mut random = Random::new(seed);
         let away = random.direction().into_inner() * FAR;
@@ -142,7 +141,7 @@ fn a_million_metres_from_the_origin() {
 }
 
 #[test]
-fn gradients_by_every_route_are_the_same() {
+fn gradients_by_every_route_agree() {
     let tree = RandomTree::new(31, 12);
     let mut random = Random::new(31);
     let q = tree.configuration(&mut random);
@@ -163,7 +162,7 @@ fn gradients_by_every_route_are_the_same() {
     }
 }
 
-/// What the places and turns of many frames come to together, as of a centre of mass.
+/// Sum over the positions and rotations of many frames, as for a centre of mass.
 #[derive(Clone)]
 struct Centre(Vec<FrameId>);
 
@@ -187,7 +186,7 @@ impl Residual for Centre {
 }
 
 #[test]
-fn frames_that_share_their_joints() {
+fn frames_sharing_joints_agree() {
     let mut random = Random::new(5);
     let mut builder = Model::builder("spine");
     let (mut last, mut frames) = (None, Vec::new());
@@ -203,7 +202,7 @@ fn frames_that_share_their_joints() {
     }
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
-    // RowBlock of others above and below.
+    // RowBlock of other tasks above and below.
     tasks.add(Point::new(frames[3], [0.0; 3]));
     tasks.add(Task::new(Centre(frames.clone())).times(0.5));
     tasks.add(Point::new(frames[11], [0.0; 3]));
@@ -218,9 +217,9 @@ fn frames_that_share_their_joints() {
     assert!(off.amax() < 1e-12 * product.amax(), "{off}");
 }
 
-/// Also where balls stand on the edges of their cones, where a step is across the edge and along it.
+/// Also with ball joints on the edges of their cones, for steps across and along the edge.
 #[test]
-fn on_the_edges_of_cones() {
+fn routes_agree_on_cone_edges() {
     use kinopt::model::BallLimits;
     use kinopt::problem::ProblemInstance;
     use kinopt::task::Pose;

@@ -1,5 +1,5 @@
-//! Promise: a task's error is told, weighed and judged in the unit of what it asks for: metres of a place, radians of a turn, and
-//! of a relation between joints the unit of the first.
+//! Promise: a task's error is reported, weighted and judged in the unit of its quantity: metres, radians, or for a
+//! joint coupling the unit of the first joint.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
@@ -18,7 +18,7 @@ fn quantities(residual: &impl Residual) -> Vec<Quantity> {
 }
 
 #[test]
-fn every_task_has_the_unit_of_what_it_asks() {
+fn every_task_has_the_unit_of_its_quantity() {
     use Quantity::{
         JointUnits, JointUnitsPerSecond, Metres, MetresPerSecond, Radians, RadiansPerSecond, Ratio,
     };
@@ -33,7 +33,7 @@ fn every_task_has_the_unit_of_what_it_asks() {
     let q = model.neutral();
     let pair = |a, b| JointCoupling::new(&model, [(a, 1.0), (b, 2.0)], 0.3);
     let slow = FrameVelocity::new(hook, here, 0.1, ([0.0; 3], z));
-    for (told, expected) in [
+    for (reported, expected) in [
         (quantities(&pair(hinge, slide)), vec![Radians]),
         (quantities(&pair(slide, hinge)), vec![Metres]),
         (quantities(&Point::new(hook, x)), vec![Metres]),
@@ -54,16 +54,16 @@ fn every_task_has_the_unit_of_what_it_asks() {
             vec![JointUnitsPerSecond],
         ),
         (quantities(&LimitCentring::new(&model)), vec![Ratio]),
-        // Inequality changes no unit.
+        // Bounds do not change the unit.
         (
             quantities(&Within::at_least(pair(slide, hinge), 0.0)),
             vec![Metres],
         ),
     ] {
-        assert_eq!(told, expected);
+        assert_eq!(reported, expected);
     }
 
-    // So a weight on metres weighs a coupling of slides, and one on radians does not.
+    // A weight on metres applies to a coupling of prismatic joints; one on radians does not.
     let slope = |quantity| {
         let mut tasks = Problem::builder(&model);
         tasks.add(Task::new(pair(slide, hinge)).weight(quantity, 3.0));

@@ -1,4 +1,4 @@
-//! Promise: a frame that looks exactly away from its target turns round.
+//! Promise: a frame that looks exactly away from its target rotates towards it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::problem::{Evaluation, Problem};
@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use std::f64::consts::PI;
 use support::methods::solvers;
 
-/// A ball of three joints at the origin, about z, y and x.
+/// A ball of three revolute joints at the origin, about z, y and x.
 fn eye() -> Model {
     use kinopt::spatial::Placement;
     let mut builder = Model::builder("eye");
@@ -29,7 +29,7 @@ fn problem(model: &Model, axis: Vector3<f64>, target: Vector3<f64>) -> Problem {
 }
 
 #[test]
-fn every_solver_turns_round() {
+fn every_solver_rotates_to_the_target() {
     let model = eye();
     let skew = Vector3::new(0.6, -0.48, 0.64);
     for axis in [
@@ -48,7 +48,7 @@ fn every_solver_turns_round() {
 }
 
 #[test]
-fn the_slope_there_is_that_of_the_angle() {
+fn gradient_opposite_the_target_is_exact() {
     let model = eye();
     let axis = Vector3::UNITS[0];
     let problem = problem(&model, axis, -axis);
@@ -63,7 +63,7 @@ fn the_slope_there_is_that_of_the_angle() {
     let mut r = [0.0; 3];
     evaluation.residual(&[0.0; 3], &mut r);
     evaluation.gradient(&[0.0; 3], &r, &mut gradient, &mut DMatrix::zeros(3, 3));
-    // ½ w² θ² falls by w² π a radian about some axis across the line of sight.
+    // ½ w² θ² falls by w² π per radian about some axis perpendicular to the line of sight.
     let steepest = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
     assert!((steepest - weight * weight * PI).abs() < 1e-12 * steepest);
 }

@@ -1,18 +1,18 @@
-//! Residuals, their derivatives and how problems are stated.
+//! Residuals, their derivatives and problem statements.
 
+mod bounds_and_bases;
 mod builder_errors;
 mod derivative_routes;
 mod error_units;
+mod handwritten_derivatives;
+mod inequalities;
 mod look_at_from_behind;
-mod mouse_rays;
-mod moved_targets;
 mod numeric_residuals;
-mod own_derivatives;
 mod posture_weights;
-mod room_and_bases;
-mod rooms;
-mod support_points;
+mod support_polygons;
 mod target_slopes;
+mod target_steps;
 mod task_residuals;
-mod whole_bodies;
+mod viewing_rays;
+mod whole_robots;
 mod wrong_shapes;

@@ -1,5 +1,5 @@
-//! Promise: a residual that is known by its numbers alone is as good as one over scalars: the same residual, the
-//! same derivatives by every route (to the rounding of differences where it has none), the same solution.
+//! Promise: a numeric residual is equivalent to one over scalars: equal values, equal derivatives by every route (by
+//! differences if it has none) and equal solutions.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{FrameId, JointId, Limits, Model};
@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 use support::random::Random;
 use support::trees::RandomTree;
 
-/// A frame's axis and origin and a joint in one nonlinear row each.
+/// An axis and origin of frames and a joint in nonlinear rows.
 #[derive(Clone)]
 struct Mixed {
     frames: [FrameId; 2],
@@ -96,7 +96,7 @@ fn jacobian(problem: &Problem, x: &[f64]) -> DMatrix<f64> {
 }
 
 #[test]
-fn every_derivative_route_agrees_with_the_scalar_one() {
+fn derivative_routes_match_the_scalar_residual() {
     for seed in 0..30 {
         let tree = RandomTree::new(seed, 7);
         let frames = [tree.far_frame(), tree.model.frame_ids().next().unwrap()];
@@ -127,7 +127,7 @@ fn every_derivative_route_agrees_with_the_scalar_one() {
 }
 
 #[test]
-fn solutions_are_those_of_the_scalar_residual() {
+fn solutions_match_the_scalar_residual() {
     #[derive(Clone)]
     struct At(FrameId, Vector3<f64>);
     impl NumericResidual for At {
@@ -159,9 +159,9 @@ fn solutions_are_those_of_the_scalar_residual() {
     }
 }
 
-/// Differences are as long as what is differentiated: a thousand kilometres away they still tell slopes.
+/// Steps of differences scale with the coordinates, so slopes are accurate at 1000 km.
 #[test]
-fn far_from_the_origin_differences_are_longer() {
+fn difference_steps_scale_with_coordinates() {
     #[derive(Clone)]
     struct Away(FrameId);
     impl NumericResidual for Away {
@@ -194,9 +194,9 @@ fn far_from_the_origin_differences_are_longer() {
     }
 }
 
-/// Joints count either way from zero.
+/// The same for joints, in both directions from zero.
 #[test]
-fn far_along_a_slide_differences_are_longer() {
+fn difference_steps_scale_with_joint_values() {
     #[derive(Clone)]
     struct Along(JointId);
     impl NumericResidual for Along {

@@ -1,5 +1,5 @@
-//! Promise: a posture by range counts each joint in half its range, and an upright one keeps what carries limbs five times as
-//! much, whichever frames a model's parts have besides.
+//! Promise: `by_range` weights each joint by half its range. `upright` weights root-chain joints five times as much as
+//! limbs, whatever additional frames the model has.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, Limits, Model};
@@ -11,11 +11,11 @@ fn at(x: f64, y: f64, z: f64) -> Placement<f64> {
 }
 
 #[test]
-fn by_range_each_joint_counts_in_half_its_own() {
+fn by_range_weights_by_half_the_range() {
     let mut builder = Model::builder("joints");
     let z = Vector3::UNITS[2];
     let cone = BallLimits::cone(0.25, Limits::new(-1.5, 1.5));
-    // Of an ellipse the wider half counts, whichever it is.
+    // Of an ellipse the larger half-axis counts.
     let [flat, steep] = [[0.5, 0.25], [0.25, 0.5]]
         .map(|swing| BallLimits::elliptic([1.0, 0.0, 0.0], swing, Limits::new(-1.5, 1.5)));
     let hinge = builder.revolute("hinge", None, at(0.0, 0.0, 0.0), z, Limits::new(-1.0, 3.0));
@@ -41,8 +41,8 @@ fn by_range_each_joint_counts_in_half_its_own() {
     assert_eq!(Posture::new(&model, &rest).by_range(&model), expected);
 }
 
-/// A back of two joints with two arms of a shoulder, an elbow and a hand each, on a base of two legs; with frames for a camera and a bolt in
-/// each elbow, before the hand or after it; so many metres for each metre.
+/// A spine of two joints with two arms of shoulder, elbow and hand on a base with two legs. Optional frames of a camera
+/// and a bolt in each elbow, before or after the hand. Lengths scale with `size`.
 fn body(size: f64, before: bool, after: bool) -> Model {
     let at = |x: f64, y: f64, z: f64| at(size * x, size * y, size * z);
     let mut builder = Model::builder("body");
@@ -95,7 +95,7 @@ fn body(size: f64, before: bool, after: bool) -> Model {
 }
 
 #[test]
-fn upright_a_back_is_stiff_whatever_frames_its_limbs_have() {
+fn upright_ignores_additional_frames() {
     for (before, after) in [(false, false), (true, false), (false, true), (true, true)] {
         for size in [0.01, 1.0, 100.0] {
             let model = body(size, before, after);
@@ -109,9 +109,9 @@ fn upright_a_back_is_stiff_whatever_frames_its_limbs_have() {
     }
 }
 
-/// How long a limb is, is told against all of the body, from its root on.
+/// The length of a limb is relative to the whole body, from its root.
 #[test]
-fn fingers_on_a_long_arm_are_no_limbs() {
+fn fingers_of_a_long_arm_are_no_limbs() {
     let mut builder = Model::builder("arm");
     let [x, y, _] = Vector3::UNITS;
     let limits = Limits::new(-2.0, 2.0);

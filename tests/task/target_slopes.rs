@@ -1,4 +1,4 @@
-//! Promise: what a task says by hand of its target's slopes is what dual numbers say.
+//! Promise: handwritten derivatives with respect to a task's target equal those by dual numbers.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{FrameId, Model};
@@ -8,33 +8,33 @@ use kinopt::task::{Orientation, Point, Pose, Residual};
 use support::random::Random;
 
 fn anywhere(random: &mut Random) -> Placement<f64> {
-    let mut own = || Vector3::from([0; 3].map(|_| random.within(-1.0, 1.0)));
-    Placement::new(rotation_exp(own() * 1.8), own())
+    let mut random_vector = || Vector3::from([0; 3].map(|_| random.within(-1.0, 1.0)));
+    Placement::new(rotation_exp(random_vector() * 1.8), random_vector())
 }
 
 /// By the dual numbers of `evaluate_moved`.
-fn expected(own: &impl Residual, frames: &[Placement<f64>], counts: &[f64]) -> Vec<f64> {
+fn expected(residual: &impl Residual, frames: &[Placement<f64>], counts: &[f64]) -> Vec<f64> {
     let frames: Vec<Placement<Dual<6>>> = frames.iter().map(Placement::constant).collect();
-    let step: Vec<_> = (0..own.target_len())
+    let step: Vec<_> = (0..residual.target_len())
         .map(|k| Dual::variable(0.0, k))
         .collect();
     let mut rows = vec![Dual::zero(); counts.len()];
-    own.evaluate_moved(&frames, &[], &step, &mut rows);
+    residual.evaluate_moved(&frames, &[], &step, &mut rows);
     let slope = |k: usize| {
         rows.iter()
             .zip(counts)
             .map(|(row, c)| c * row.derivatives()[k])
             .sum()
     };
-    (0..own.target_len()).map(slope).collect()
+    (0..residual.target_len()).map(slope).collect()
 }
 
-fn agree(own: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
-    let rows = own.rows().iter().map(|rows| rows.count).sum();
+fn agree(residual: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
+    let rows = residual.rows().iter().map(|rows| rows.count).sum();
     let counts: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 1.0)).collect();
-    let mut slopes = vec![0.25; own.target_len()];
-    assert!(own.add_target_slopes(frames, &[], &counts, &mut slopes));
-    for (slope, expected) in slopes.iter().zip(expected(own, frames, &counts)) {
+    let mut slopes = vec![0.25; residual.target_len()];
+    assert!(residual.add_target_slopes(frames, &[], &counts, &mut slopes));
+    for (slope, expected) in slopes.iter().zip(expected(residual, frames, &counts)) {
         assert!(
             (slope - 0.25 - expected).abs() < 1e-12,
             "{slope} {expected}"
@@ -43,7 +43,7 @@ fn agree(own: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
 }
 
 #[test]
-fn by_hand_they_are_what_dual_numbers_say() {
+fn target_derivatives_match_dual_numbers() {
     let mut builder = Model::builder("frames");
     let [hand, base]: [FrameId; 2] =
         ["hand", "base"].map(|name| builder.frame(name, None, Placement::identity()));
@@ -65,7 +65,7 @@ fn by_hand_they_are_what_dual_numbers_say() {
         agree(&pose.with_tool(tool), &frames, &mut random);
         agree(&turn, &frames, &mut random);
         agree(&point, &frames, &mut random);
-        // Where it is asked to be.
+        // Exactly at its target.
         let reached = match frames.get(1) {
             Some(base) => base.inverse() * frames[0],
             None => frames[0],

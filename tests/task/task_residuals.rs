@@ -1,4 +1,4 @@
-//! Promise: every task measures what it says, to 1e-12 of the numbers it is made of.
+//! Promise: the residual of every task equals its formula to 1e-12 of the numbers involved.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
@@ -14,7 +14,7 @@ use support::tasks::{WEIGHT, tasks_of};
 use support::trees::RandomTree;
 
 #[test]
-fn residuals_are_the_formulas() {
+fn residuals_equal_their_formulas() {
     for seed in 0..10 {
         let tree = RandomTree::new(seed, 12);
         let mut random = Random::new(seed);
@@ -26,7 +26,7 @@ fn residuals_are_the_formulas() {
             let mut scratch = problem.scratch();
             let mut evaluation = Evaluation::new(&problem, &mut scratch);
             let mut residual = vec![f64::NAN; problem.rows()];
-            // Where the task was aimed, and elsewhere.
+            // At the configuration of the target and at another.
             for q in [q.clone(), tree.configuration(&mut random)] {
                 evaluation.residual(&q, &mut residual);
                 let expected = (case.expected)(&tree.frames_at(&q), &q);
@@ -42,9 +42,9 @@ fn residuals_are_the_formulas() {
 }
 
 #[test]
-fn look_at_keeps_its_digits_when_looking_away() {
-    // Half a turn less δ is missing: the answer must know δ. (Within 1.4e-6 of half a turn every
-    // axis across is as good, and half a turn is what is reported.)
+fn look_at_is_accurate_when_looking_away() {
+    // Half a turn less δ is missing, and the result must resolve δ. (Within 1.4e-6 of half a turn every perpendicular
+    // axis is equally good, and half a turn is reported.)
     let tree = RandomTree::new(5, 9);
     let q = tree.configuration(&mut Random::new(5));
     let here = tree.frames_at(&q)[7];
@@ -67,7 +67,7 @@ fn look_at_keeps_its_digits_when_looking_away() {
 }
 
 #[test]
-fn a_target_at_the_origin_itself_counts_as_looked_at() {
+fn target_at_the_frames_origin_is_looked_at() {
     let model = planar_arm(&[1.0], None);
     let tip = model.frame("tip").unwrap();
     let (axis, target) = ([0.0, -2.0, 0.0], [0.5, 2.0, 7.0]);
@@ -79,7 +79,7 @@ fn a_target_at_the_origin_itself_counts_as_looked_at() {
     assert_eq!(off[0], 0.0);
 }
 
-/// The residual of the only task at a configuration.
+/// Residual of the only task at a configuration.
 fn residual<'a>(question: impl Into<ProblemInstance<'a>>, q: &[f64]) -> Vec<f64> {
     let question = question.into();
     let mut residual = vec![f64::NAN; question.rows()];
@@ -89,7 +89,7 @@ fn residual<'a>(question: impl Into<ProblemInstance<'a>>, q: &[f64]) -> Vec<f64>
 }
 
 #[test]
-fn references_move_as_a_whole() {
+fn references_are_replaced_as_a_whole() {
     let model = planar_arm(&[1.0; 3], None);
     let (before, wanted) = ([0.0; 3], [1.0, 2.0, -3.0]);
     let posture = Task::new(Posture::new(&model, &before)).weight(Quantity::JointUnits, 1.0);
@@ -119,9 +119,9 @@ fn references_move_as_a_whole() {
     assert_eq!(residual(question, &before), [-2.0, -4.0, 6.0]);
 }
 
-/// Frames at one place are a distance of 0 apart, and some way leads them asunder.
+/// Coinciding frames have distance 0 and a derivative that separates them.
 #[test]
-fn frames_that_coincide_are_no_distance_apart() {
+fn coinciding_frames_have_zero_distance() {
     let mut two = Model::builder("two");
     let (at, along_x) = (Placement::identity(), Vector3::new(1.0, 0.0, 0.0));
     let slide = two.prismatic("slide", None, at, along_x, Limits::new(-2.0, 2.0));
@@ -141,7 +141,7 @@ fn frames_that_coincide_are_no_distance_apart() {
 }
 
 #[test]
-fn factors_multiply() {
+fn weight_factors_multiply() {
     let model = planar_arm(&[1.0], None);
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
@@ -151,9 +151,9 @@ fn factors_multiply() {
     assert_eq!(residual(&problem, &[0.0]), [1.5, 0.0, 0.0]);
 }
 
-/// Of a weight or a tolerance that is given twice the last counts.
+/// The last of repeated weights and tolerances applies.
 #[test]
-fn what_is_said_last_counts() {
+fn last_weight_and_tolerance_apply() {
     let model = planar_arm(&[1.0], None);
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
@@ -176,9 +176,9 @@ fn what_is_said_last_counts() {
     );
 }
 
-/// However narrow a cone is, a gaze that is beyond it is off by the angle beyond.
+/// The error of a gaze outside its cone is the angle beyond, for cones of any width.
 #[test]
-fn a_gaze_is_off_by_the_angle_beyond_its_cone() {
+fn gaze_error_is_the_angle_beyond_its_cone() {
     let model = planar_arm(&[1.0], None);
     let tip = model.frame("tip").unwrap();
     for half_angle in [1e-3, 0.05, 0.2, 0.7, 1.5] {

@@ -1,5 +1,5 @@
-//! Promise: slices of the wrong length, ids beyond a model's own and indices beyond a residual's
-//! own are answered with NaN, nothing or a named end, never with a panic.
+//! Promise: slices of wrong length, foreign ids and indices out of range give NaN, nothing or a named error, never a
+//! panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::Range;
@@ -28,7 +28,7 @@ fn problem() -> Problem {
 #[test]
 fn evaluations_of_wrong_shapes_are_nan() {
     let problem = problem();
-    // Memory of another problem is no memory of this one.
+    // Scratch memory of another problem is not reused.
     let mut scratch = self::problem().scratch();
     let mut evaluation = Evaluation::new(&problem, &mut scratch);
     let mut r = [0.0; 3];
@@ -50,9 +50,9 @@ fn evaluations_of_wrong_shapes_are_nan() {
     assert!(problem.is_reached(&[0.0; 3]).unwrap());
 }
 
-/// Memory of a problem that was evaluated at the same place is no memory of another one.
+/// Scratch memory of a problem evaluated at the same x is not valid for another.
 #[test]
-fn memory_of_another_problem_is_made_anew() {
+fn scratch_of_another_problem_is_rebuilt() {
     let problem_of = |links: &[f64]| {
         let model = planar_arm(links, None);
         let mut builder = Problem::builder(&model);
@@ -122,7 +122,7 @@ fn search(lower: &[f64], upper: &[f64], start: &[f64]) -> Ends {
 }
 
 #[test]
-fn searches_of_wrong_shapes_do_not_begin() {
+fn searches_of_wrong_shapes_do_not_start() {
     let (low, high) = ([1.0, -5.0], [5.0, 5.0]);
     for start in [
         &[][..],
@@ -132,15 +132,18 @@ fn searches_of_wrong_shapes_do_not_begin() {
         &[3.0, f64::INFINITY],
     ] {
         for end in search(&low, &high, start) {
-            let told = end.unwrap_err().to_string();
+            let message = end.unwrap_err().to_string();
             let said = if start.len() == 2 { "finite" } else { "2" };
-            assert!(told.contains("start") && told.contains(said), "{told}");
+            assert!(
+                message.contains("start") && message.contains(said),
+                "{message}"
+            );
         }
     }
     for (lower, upper) in [(&low[..1], &high[..]), (&low[..], &high[..0])] {
         for end in search(lower, upper, &[3.0, 3.0]) {
-            let told = end.unwrap_err().to_string();
-            assert!(told.contains("bounds"), "{told}");
+            let message = end.unwrap_err().to_string();
+            assert!(message.contains("bounds"), "{message}");
         }
     }
     for end in search(&low, &high, &[3.0, 3.0]) {
@@ -150,7 +153,7 @@ fn searches_of_wrong_shapes_do_not_begin() {
     }
 }
 
-/// Writes derivatives for frames and joints that it does not read.
+/// Writes derivatives for frames and joints that it does not declare.
 #[derive(Clone)]
 struct Careless(FrameId);
 
@@ -182,7 +185,7 @@ impl Residual for Careless {
 }
 
 #[test]
-fn derivatives_of_what_is_not_read_have_no_room() {
+fn undeclared_derivatives_are_ignored() {
     let model = planar_arm(&[0.5, 0.4], None);
     let mut builder = Problem::builder(&model);
     builder.add(Careless(model.frame("tip").unwrap()));
@@ -194,7 +197,7 @@ fn derivatives_of_what_is_not_read_have_no_room() {
 }
 
 #[test]
-fn bones_of_another_skeleton_are_refused() {
+fn bones_of_another_skeleton_are_rejected() {
     let bone = |name: &str, parent| Bone {
         name: name.to_owned(),
         parent,
@@ -230,14 +233,14 @@ fn ratios_that_overflow_along_a_chain_are_named() {
 }
 
 #[test]
-fn a_fixed_joint_needs_no_axis() {
+fn fixed_joint_needs_no_axis() {
     use kinopt::model::{Joint, JointKind};
     let mut builder = Model::builder("fixed");
-    let (here, locked) = (Placement::identity(), Limits::new(0.0, 0.0));
+    let (origin, locked) = (Placement::identity(), Limits::new(0.0, 0.0));
     let weld = Joint::new(
         "weld",
         None,
-        here,
+        origin,
         JointKind::Fixed,
         Vector3::zero(),
         locked,
@@ -246,7 +249,7 @@ fn a_fixed_joint_needs_no_axis() {
     assert!(builder.build().is_ok());
 }
 
-/// One row, and a room of any.
+/// One row, and an inequality of any rows.
 #[derive(Clone)]
 struct Roomy {
     frame: FrameId,
@@ -271,9 +274,9 @@ impl Residual for Roomy {
     }
 }
 
-/// Its own rows are meant, however many there are of tasks before it.
+/// Row indices are the residual's own, whatever tasks precede it.
 #[test]
-fn a_room_is_of_rows_that_its_residual_has() {
+fn inequality_rows_are_validated() {
     let model = planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.0)));
     let frame = model.frame("tip").unwrap();
     for before in 0..3 {
@@ -282,11 +285,11 @@ fn a_room_is_of_rows_that_its_residual_has() {
             for _ in 0..before {
                 builder.add(Point::new(frame, [0.6, 0.4, 0.0]));
             }
-            let told = format!("a room of its rows {room:?}, but 1 rows");
+            let message = format!("a room of its rows {room:?}, but 1 rows");
             builder.add(Roomy { frame, room });
             match builder.build() {
-                Ok(_) => assert!(fits, "{before}: {told}"),
-                Err(refused) => assert!(refused.to_string().contains(&told), "{refused}"),
+                Ok(_) => assert!(fits, "{before}: {message}"),
+                Err(refused) => assert!(refused.to_string().contains(&message), "{refused}"),
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Promise: a robot moves on the base that it is given, and on the floating, planar and spherical joints of its file;
-//! everything else stays as it was.
+//! Promise: a robot moves with a given base joint, and with floating, planar and spherical joints of its file.
+//! Everything else is unchanged.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -30,7 +30,7 @@ fn frames(robot: &Robot, q: &[f64]) -> Vec<na::Isometry3<f64>> {
 }
 
 #[test]
-fn everything_stands_on_the_base() {
+fn base_joint_moves_everything() {
     let own = [0.7, 0.05, 0.1];
     let fixed = Robot::parse(TWO, "two.urdf").unwrap();
     let in_base = frames(&fixed, &own);
@@ -58,7 +58,7 @@ fn everything_stands_on_the_base() {
             let theirs = world_from_base * theirs;
             assert!((ours.to_homogeneous() - theirs.to_homogeneous()).amax() < 1e-14);
         }
-        // Mimics, speeds and links are still those of the same joints and frames.
+        // Mimic joints, velocity limits and links still refer to the same joints and frames.
         let mimic = robot.mimics()[0];
         let name =
             |joint: kinopt::model::JointId| robot.model().joints()[joint.index()].name.as_str();
@@ -74,7 +74,7 @@ fn everything_stands_on_the_base() {
 }
 
 #[test]
-fn a_base_that_leaves_nothing_is_refused() {
+fn invalid_base_joints_are_rejected() {
     let robot = Robot::parse(TWO, "two.urdf").unwrap();
     let room = [Limits::UNBOUNDED, Limits::new(1.0, -1.0), Limits::UNBOUNDED];
     let empty = robot.clone().with_base_joint(BaseJoint::Free { room });
@@ -95,7 +95,7 @@ fn a_base_that_leaves_nothing_is_refused() {
 }
 
 #[test]
-fn whether_a_robot_moves_as_a_whole_is_told_of_every_base() {
+fn moves_as_a_whole_is_reported_for_every_base() {
     let robot = Robot::parse(TWO, "two.urdf").unwrap();
     assert!(!robot.moves_as_a_whole());
     let range = Limits::new(-1.0, 1.0);
@@ -111,7 +111,7 @@ fn whether_a_robot_moves_as_a_whole_is_told_of_every_base() {
 }
 
 #[test]
-fn a_robot_that_moves_freely_has_its_base() {
+fn free_base_may_be_bounded_but_not_repeated() {
     let own = Limits::new(-2.0, 2.0);
     let robot = Robot::parse(TWO, "two.urdf").unwrap();
     let robot = robot
@@ -155,8 +155,8 @@ fn a_robot_that_moves_freely_has_its_base() {
 }
 
 #[test]
-fn a_free_base_comes_first_and_one_free_thing_beside_others_is_none() {
-    // What floats is listed last; a hinge that hangs on it comes first.
+fn free_base_is_the_only_child_of_the_root() {
+    // The floating joint is listed last; a revolute joint below it comes first.
     let text = |other: &str| {
         format!(
             r#"<robot name="late"><link name="world"/><link name="body"/><link name="arm"/>{other}
@@ -186,7 +186,7 @@ fn with_type(kind: &str) -> Robot {
 }
 
 #[test]
-fn floating_planar_and_spherical_joints_are_read_as_such() {
+fn floating_planar_and_spherical_joints_are_read() {
     let at = na::Isometry3::from_parts(
         na::Translation3::new(0.1, 0.2, 0.3),
         na::UnitQuaternion::from_euler_angles(0.4, 0.5, 0.6),
@@ -206,7 +206,7 @@ fn floating_planar_and_spherical_joints_are_read_as_such() {
             vec![w, x, y, z],
             na::Translation3::identity() * turned,
         ),
-        // In the plane across its axis, y: along z and along x, then about y.
+        // In the plane normal to its axis y: along z and along x, then about y.
         (
             "planar",
             vec![0.3, 0.2, 0.9],
@@ -227,9 +227,9 @@ fn floating_planar_and_spherical_joints_are_read_as_such() {
     );
 }
 
-/// What nothing drives is the same joint, by name, whatever is put under the robot.
+/// Passive joints keep their names under any base.
 #[test]
-fn passive_joints_stay_the_same_ones() {
+fn passive_joints_are_kept_under_any_base() {
     let rail = BaseJoint::Sliding {
         axis: Vector3::new(0.0, 1.0, 0.0),
         limits: Limits::new(-1.0, 1.0),
@@ -244,9 +244,9 @@ fn passive_joints_stay_the_same_ones() {
     }
 }
 
-/// Whatever is said of the same axis beside it.
+/// Whatever other bounds the same axis has.
 #[test]
-fn a_room_that_is_no_number_is_named() {
+fn nan_base_bounds_are_named() {
     let good = Limits::new(-1.0, 1.0);
     for bad in [Limits::new(f64::NAN, 1.0), Limits::new(0.0, f64::NAN)] {
         for rooms in [
@@ -256,17 +256,17 @@ fn a_room_that_is_no_number_is_named() {
         ] {
             let base = BaseJoint::named("free", rooms).unwrap();
             let robot = Robot::parse(TWO, "two.urdf").unwrap();
-            let told = robot.with_base_joint(base).unwrap_err().to_string();
+            let message = robot.with_base_joint(base).unwrap_err().to_string();
             assert!(
-                told.contains("root_joint/z") && told.contains("NaN"),
-                "{told}"
+                message.contains("root_joint/z") && message.contains("NaN"),
+                "{message}"
             );
         }
     }
 }
 
 #[test]
-fn of_several_rooms_along_an_axis_what_all_leave_counts() {
+fn repeated_base_bounds_intersect() {
     let rooms = [
         ("z", Limits::new(-1.0, 0.5)),
         ("z", Limits::new(-0.2, 2.0)),

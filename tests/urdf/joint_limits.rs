@@ -1,5 +1,5 @@
-//! Promise: MoveIt's joint_limits.yaml adds to what a robot's file says of its joints: rates, accelerations, narrower positions; what
-//! is wrong in one is told by its line.
+//! Promise: MoveIt's joint_limits.yaml adds velocity and acceleration limits and narrower positions to a robot. Errors
+//! name the line.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Arm;
@@ -24,7 +24,7 @@ joint_limits:
   joint3: {max_acceleration: 7.5}
 ";
 
-fn with(text: &str) -> Result<Robot, String> {
+fn with_limits(text: &str) -> Result<Robot, String> {
     let robot = robot("franka_panda").with_joint_limits_of(text.as_bytes(), "limits.yaml");
     robot.map_err(|error| error.to_string())
 }
@@ -35,20 +35,20 @@ fn limits(robot: &Robot, joint: JointId) -> Option<Limits> {
 }
 
 #[test]
-fn they_add_to_what_the_file_says() {
-    let (plain, told) = (robot("franka_panda"), with(LIMITS).unwrap());
-    let joint = |name: &str| told.model().joint(name).unwrap();
+fn limits_add_to_those_of_the_file() {
+    let (plain, reported) = (robot("franka_panda"), with_limits(LIMITS).unwrap());
+    let joint = |name: &str| reported.model().joint(name).unwrap();
     let [one, two, three, four] = ["joint1", "joint2", "joint3", "joint4"].map(joint);
-    assert_eq!(told.velocity_limit(one), Some(1.5));
-    assert_eq!(told.acceleration_limit(one), Some(3.75));
-    assert_eq!(told.velocity_limit(two), None);
-    assert_eq!(told.velocity_limit(three), plain.velocity_limit(three));
-    assert_eq!(told.acceleration_limit(three), Some(7.5));
-    assert_eq!(told.acceleration_limit(four), None);
-    let narrow = limits(&told, two).unwrap();
+    assert_eq!(reported.velocity_limit(one), Some(1.5));
+    assert_eq!(reported.acceleration_limit(one), Some(3.75));
+    assert_eq!(reported.velocity_limit(two), None);
+    assert_eq!(reported.velocity_limit(three), plain.velocity_limit(three));
+    assert_eq!(reported.acceleration_limit(three), Some(7.5));
+    assert_eq!(reported.acceleration_limit(four), None);
+    let narrow = limits(&reported, two).unwrap();
     assert_eq!((narrow.lower, narrow.upper), (-0.5, 0.25));
-    assert_eq!(limits(&told, one), limits(&plain, one));
-    let arm = Arm::new(&told, "base", "flange").unwrap();
+    assert_eq!(limits(&reported, one), limits(&plain, one));
+    let arm = Arm::new(&reported, "base", "flange").unwrap();
     let inf = f64::INFINITY;
     assert_eq!(
         arm.acceleration_limits(),
@@ -93,56 +93,56 @@ fn shipped_panda_limits_name_every_joint() {
     );
 }
 
-/// One that no file has told of, of a model that was built.
+/// For a robot without a file these limits are the only ones.
 #[test]
-fn they_are_all_that_is_known_of_a_robot_without_a_file() {
+fn limits_apply_to_a_robot_without_a_file() {
     let bare = Robot::new(planar_arm(&[0.5, 0.4, 0.3], None), Vec::new()).unwrap();
-    let told = "joint_limits: {joint 1: {max_velocity: 1.5, max_acceleration: 3.75}}";
-    let told = bare
-        .with_joint_limits_of(told.as_bytes(), "limits.yaml")
+    let reported = "joint_limits: {joint 1: {max_velocity: 1.5, max_acceleration: 3.75}}";
+    let reported = bare
+        .with_joint_limits_of(reported.as_bytes(), "limits.yaml")
         .unwrap();
-    let rates = told
+    let rates = reported
         .model()
         .joint_ids()
-        .map(|id| (told.velocity_limit(id), told.acceleration_limit(id)));
+        .map(|id| (reported.velocity_limit(id), reported.acceleration_limit(id)));
     let (none, some) = ((None, None), (Some(1.5), Some(3.75)));
     assert_eq!(rates.collect::<Vec<_>>(), [none, some, none]);
 }
 
 #[test]
-fn positions_only_narrow() {
+fn position_limits_only_narrow() {
     let wide = "joint_limits: {joint2: {has_position_limits: true, min_position: -100, max_position: 100}}";
-    let (plain, told) = (robot("franka_panda"), with(wide).unwrap());
+    let (plain, reported) = (robot("franka_panda"), with_limits(wide).unwrap());
     let id = plain.model().joint("joint2").unwrap();
-    assert_eq!(limits(&told, id), limits(&plain, id));
+    assert_eq!(limits(&reported, id), limits(&plain, id));
 }
 
-/// MoveIt's files keep numbers that are switched off.
+/// MoveIt's files keep values that are disabled.
 #[test]
-fn what_is_switched_off_does_not_count() {
+fn disabled_limits_are_ignored() {
     let off = "joint_limits: {joint2: {has_position_limits: false, min_position: -0.5, max_position: 0.25,
         has_velocity_limits: false, max_velocity: 0.1, has_acceleration_limits: false, max_acceleration: 0.1}}";
-    let (plain, told) = (robot("franka_panda"), with(off).unwrap());
+    let (plain, reported) = (robot("franka_panda"), with_limits(off).unwrap());
     let id = plain.model().joint("joint2").unwrap();
-    assert_eq!(limits(&told, id), limits(&plain, id));
-    assert_eq!(told.velocity_limit(id), None);
-    assert_eq!(told.acceleration_limit(id), None);
+    assert_eq!(limits(&reported, id), limits(&plain, id));
+    assert_eq!(reported.velocity_limit(id), None);
+    assert_eq!(reported.acceleration_limit(id), None);
 }
 
 #[test]
-fn without_joints_nothing_changes() {
+fn empty_limits_change_nothing() {
     for text in ["joint_limits:\n", "joint_limits: {}"] {
-        let told = with(text).unwrap();
-        let id = told.model().joint("joint1").unwrap();
+        let reported = with_limits(text).unwrap();
+        let id = reported.model().joint("joint1").unwrap();
         assert_eq!(
-            told.velocity_limit(id),
+            reported.velocity_limit(id),
             robot("franka_panda").velocity_limit(id)
         );
     }
 }
 
 #[test]
-fn what_is_wrong_is_told_by_its_line() {
+fn errors_name_the_line() {
     let cases = [
         ("", "no YAML"),
         ("joints: {}", "joint_limits"),
@@ -174,8 +174,8 @@ fn what_is_wrong_is_told_by_its_line() {
         ("joint_limits:\n  joint1: {max_velocity: 1", "limits.yaml"),
     ];
     for (text, expected) in cases {
-        let told = with(text).unwrap_err();
-        assert!(told.contains(expected), "{text:?}: {told}");
+        let error = with_limits(text).unwrap_err();
+        assert!(error.contains(expected), "{text:?}: {error}");
     }
     let missing = robot("franka_panda").with_joint_limits("no/such/file.yaml");
     assert!(

@@ -1,5 +1,5 @@
-//! Joints mean what the file says, where other readers go wrong: fixed joints fold in order, axes
-//! of any length move by the value, limits are those of the file, nothing is turned fixed.
+//! Promise: joints are read as specified where other readers differ. Fixed joints combine in order, axes of any length
+//! move by the joint value, and limits and kinds are those of the file.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 type Pose = Isometry3<f64>;
 
-/// A robot of one link after another, from the joints' bodies.
+/// Robot of consecutive links, from the joints' bodies.
 fn chain(joints: &[(&str, &str)]) -> Robot {
     let mut text = String::from("<robot name='chain' version='1.1'><link name='l0'/>");
     for (i, (kind, body)) in joints.iter().enumerate() {
@@ -22,14 +22,14 @@ fn chain(joints: &[(&str, &str)]) -> Robot {
     Robot::parse(&(text + "</robot>"), "chain.urdf").unwrap()
 }
 
-/// Where the last link stands.
+/// Pose of the last link.
 fn tip(robot: &Robot, q: &[f64]) -> Pose {
     let last = robot.model().frame_ids().last().unwrap();
     let mut kinematics = ForwardKinematics::under(robot.model(), robot.map(), &[last]).unwrap();
     (&kinematics.place(q).unwrap()[0]).into()
 }
 
-/// Fixed-axis roll, pitch and yaw, by three rotations about fixed axes one after the other.
+/// Fixed-axis roll, pitch and yaw, by three rotations about fixed axes.
 fn origin(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
     let about = |axis: Vector3<f64>, angle: f64| UnitQuaternion::from_scaled_axis(axis * angle);
     let turned = about(Vector3::z(), yaw) * about(Vector3::y(), pitch) * about(Vector3::x(), roll);
@@ -44,7 +44,7 @@ fn assert_same(got: &Pose, wanted: &Pose) {
 const LIMIT: &str = "<limit lower='-2' upper='2' velocity='1'/>";
 
 #[test]
-fn rotated_fixed_joints_in_mid_chain_fold_in_order() {
+fn rotated_fixed_joints_combine_in_order() {
     let turn = format!("<origin xyz='0.1 0 0.2' rpy='0 0 0.3'/><axis xyz='0 0 1'/>{LIMIT}");
     let slide = format!("<origin xyz='0 0.3 0'/><axis xyz='0 1 0'/>{LIMIT}");
     let robot = chain(&[
@@ -65,7 +65,7 @@ fn rotated_fixed_joints_in_mid_chain_fold_in_order() {
 }
 
 #[test]
-fn an_axis_of_any_length_moves_by_the_value() {
+fn axis_of_any_length_moves_by_the_value() {
     for kind in ["revolute", "prismatic", "continuous"] {
         let unit = chain(&[(kind, &format!("<axis xyz='0.6 0 -0.8'/>{LIMIT}"))]);
         for axis in [
@@ -81,7 +81,7 @@ fn an_axis_of_any_length_moves_by_the_value() {
 }
 
 #[test]
-fn a_missing_axis_is_x() {
+fn missing_axis_is_x() {
     let slide = chain(&[("prismatic", LIMIT)]);
     assert_same(&tip(&slide, &[0.7]), &origin([0.7, 0.0, 0.0], [0.0; 3]));
     let turn = chain(&[("revolute", LIMIT)]);
@@ -126,7 +126,7 @@ fn prismatic_values_are_metres_and_never_wrapped() {
 }
 
 #[test]
-fn a_quaternion_origin_is_exact_where_pitch_is_a_quarter_turn() {
+fn quaternion_origin_is_exact_at_90_degrees_pitch() {
     // urdf-rs rounds every pitch within 4.5 mrad of 90° to 90°.
     for pitch in [std::f64::consts::FRAC_PI_2, 1.569, -1.5700, 0.3] {
         let wanted = origin([0.0; 3], [0.2, pitch, -0.9]);
@@ -154,7 +154,7 @@ fn quarter_turns_have_exact_zeros() {
 }
 
 #[test]
-fn a_fixed_joint_with_a_master_is_fixed() {
+fn fixed_joint_with_mimic_is_fixed() {
     let mimic = "<mimic joint='j1' multiplier='2'/>";
     let robot = chain(&[("revolute", LIMIT), ("fixed", mimic)]);
     assert!(robot.mimics().is_empty());
@@ -163,7 +163,7 @@ fn a_fixed_joint_with_a_master_is_fixed() {
 }
 
 #[test]
-fn a_byte_order_mark_is_no_harm() {
+fn byte_order_mark_is_accepted() {
     let text = std::fs::read_to_string("../models/kuka_iiwa14.urdf").unwrap();
     let robot = Robot::parse(&format!("\u{feff}{text}"), "iiwa").unwrap();
     assert_eq!(robot.model().degrees_of_freedom(), 7);

@@ -1,4 +1,4 @@
-//! Forward kinematics of every URDF file here equal Pinocchio's numbers to 1e-12.
+//! Promise: forward kinematics of every URDF file here equals Pinocchio's to 1e-12.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -73,7 +73,7 @@ fn assert_links(robot: &Robot, placed: &[Placement<f64>], case: &Case, file: &st
 }
 
 #[test]
-fn every_link_of_every_robot_stands_where_pinocchio_puts_it() {
+fn link_placements_equal_pinocchio() {
     let robots = reference();
     assert_eq!(robots.len(), 8);
     for ReferenceRobot {
@@ -107,7 +107,7 @@ fn mimic_joints_follow_as_in_pinocchio() {
             robot.model().degrees_of_freedom()
         );
         for case in cases {
-            // The followers' values are dropped and come back through the map alone.
+            // Mimic values are dropped and recomputed by the map.
             let x: Vec<f64> = map.leaders().iter().map(|&c| case.q[c]).collect();
             assert_links(&robot, &placed(&robot, map, &x), case, file);
             let mut q = vec![f64::NAN; case.q.len()];

@@ -1,11 +1,11 @@
-//! What the standard leaves to defaults is read and noted; what it forbids is refused, unless the
-//! reader is told to be lenient: then each repair is listed with its place, and never silent.
+//! Promise: defaults of the standard are applied with a note. Violations of the standard are errors, unless the reader
+//! is lenient: then each repair is listed with its line.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::Limits;
 use kinopt::robot::{RepairKind, Robot};
 
-/// A robot of one joint `j` on line 2, of what stands in it.
+/// Robot of one joint `j` on line 2 with the given body.
 fn text(kind: &str, body: &str) -> String {
     format!(
         "<robot name=\"one\"><link name=\"a\"/><link name=\"b\"/>\n<joint name=\"j\" type=\"{kind}\">\
@@ -22,7 +22,7 @@ fn repairs(robot: &Robot) -> Vec<String> {
 }
 
 #[test]
-fn missing_bounds_are_those_of_the_standard_and_noted() {
+fn missing_bounds_are_0_with_a_note() {
     let place = "2: joint `j`, <limit>:";
     let lower = format!("{place} `lower` is not given and taken as 0, the default");
     let upper = format!("{place} `upper` is not given and taken as 0, the default");
@@ -38,7 +38,7 @@ fn missing_bounds_are_those_of_the_standard_and_noted() {
                 let robot = reader.parse(&text, "one.urdf").unwrap();
                 assert_eq!(limits(&robot), Limits::new(wanted.0, wanted.1));
                 assert!(repairs(&robot).iter().eq(notes.iter().copied()));
-                // A joint that cannot move is no variable, but has its place in a configuration.
+                // A joint that cannot move is no variable, but has a coordinate.
                 let locked = wanted == (0.0, 0.0);
                 assert_eq!(robot.map().variables(), usize::from(!locked));
                 assert_eq!(robot.model().degrees_of_freedom(), 1);
@@ -48,7 +48,7 @@ fn missing_bounds_are_those_of_the_standard_and_noted() {
 }
 
 #[test]
-fn from_version_1_2_on_a_missing_bound_is_none() {
+fn missing_bound_from_version_1_2_is_unlimited() {
     let text = text("revolute", "<limit lower='-1'/>").replace("<robot ", "<robot version='1.2' ");
     let robot = Robot::parse(&text, "one.urdf").unwrap();
     assert_eq!(limits(&robot), Limits::new(-1.0, f64::INFINITY));
@@ -57,7 +57,7 @@ fn from_version_1_2_on_a_missing_bound_is_none() {
 }
 
 #[test]
-fn before_version_1_2_a_missing_bound_is_0() {
+fn missing_bound_before_version_1_2_is_0() {
     for version in ["1.0", "1.1"] {
         let version = format!("<robot version='{version}' ");
         let text = text("revolute", "<limit lower='-1'/>").replace("<robot ", &version);
@@ -80,7 +80,7 @@ fn mimic_without_bounds_leaves_its_source_free() {
     );
 }
 
-/// What a joint holds, its repair, and the limits then.
+/// Content of a joint, its repair, and the resulting limits.
 const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
     (
         "revolute",
@@ -133,7 +133,7 @@ const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
 ];
 
 #[test]
-fn a_lenient_reader_mends_what_a_strict_one_refuses_and_says_so() {
+fn lenient_reader_repairs_with_notes() {
     for (kind, body, repair, wanted) in MENDED {
         let text = text(kind, body);
         let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
@@ -153,7 +153,7 @@ fn a_lenient_reader_mends_what_a_strict_one_refuses_and_says_so() {
 }
 
 #[test]
-fn a_lenient_reader_mends_the_xml_around_a_robot() {
+fn lenient_reader_repairs_surrounding_xml() {
     let sound = text("revolute", "<limit lower='-1' upper='2'/>");
     let nameless = sound.replacen(" name=\"one\"", "", 1);
     let drake = sound.replace("</joint>", "<drake:ratio value='1'/></joint>");
@@ -184,7 +184,7 @@ fn a_lenient_reader_mends_the_xml_around_a_robot() {
 }
 
 #[test]
-fn what_would_need_a_guess_stays_an_error() {
+fn ambiguous_faults_stay_errors() {
     let sound = "<limit lower='-1' upper='2'/>";
     for (kind, body) in [
         ("screw", sound),
@@ -224,7 +224,7 @@ fn what_would_need_a_guess_stays_an_error() {
 }
 
 #[test]
-fn sound_files_need_no_repair() {
+fn valid_files_need_no_repair() {
     for entry in std::fs::read_dir("../models").unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|e| e == "urdf") {
@@ -240,10 +240,9 @@ fn sound_files_need_no_repair() {
     assert_eq!(robot.velocity_limit(joint), None);
 }
 
-/// Repairs come in the order of the file, with the lines of the file as it is, also behind an XML declaration
-/// over several lines that is not looked at.
+/// Repairs are in file order with line numbers of the original file, also after an ignored multi-line XML declaration.
 #[test]
-fn repairs_are_told_in_the_file_s_own_lines() {
+fn repairs_have_lines_of_the_file() {
     let body = "\n<axis xyz='0 0 1'/>\n<axis xyz='1 0 0'/>\n<limit lower='1' upper='-1'/>";
     let body = format!("\n<origin xyz='1, 2, 3'/>{body}");
     let text = format!(
@@ -260,9 +259,9 @@ fn repairs_are_told_in_the_file_s_own_lines() {
     }
 }
 
-/// A comma within a number may be a decimal one: no reader takes it for a blank.
+/// A comma within a number may be a decimal comma and is never replaced.
 #[test]
-fn decimal_commas_are_no_blanks() {
+fn decimal_commas_are_not_separators() {
     for (xyz, there) in [("1, 2, 3", true), ("0,5 2", false), ("1,2,3", false)] {
         let text = text("continuous", &format!("<origin xyz='{xyz}'/>"));
         let read = Robot::reader().lenient().parse(&text, "one.urdf");
@@ -314,7 +313,7 @@ fn leftover_macro_call_is_ignored_with_a_note() {
         panic!("{:?}", repairs(&robot))
     };
     assert!(note.contains("<xacro:sensors>"), "{note}");
-    // A file that defines a macro is to be expanded.
+    // A file that defines a macro must be expanded first.
     let defines = text.replace(
         call,
         "<xacro:macro name='sensors'/><xacro:sensors/></robot>",

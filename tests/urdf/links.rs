@@ -1,5 +1,4 @@
-//! Shapes and masses are kept as the file gives them; what is wrong with one is noted, and no reason
-//! to refuse a robot.
+//! Promise: shapes and masses are kept as in the file. Faults in them are noted and do not reject the robot.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{Geometry, Link, Robot};
@@ -29,7 +28,7 @@ fn link(robot: &Robot, name: &str) -> Link {
 }
 
 #[test]
-fn shapes_and_mass_are_those_of_the_file() {
+fn shapes_and_masses_are_those_of_the_file() {
     let robot = Robot::parse(BODY, "one.urdf").unwrap();
     assert_eq!(robot.repairs(), []);
     let body = link(&robot, "body");
@@ -81,7 +80,7 @@ fn shapes_and_mass_are_those_of_the_file() {
 
 /// As in other programs.
 #[test]
-fn the_first_of_two_masses_counts() {
+fn first_of_two_inertials_applies() {
     let more = r#"<inertial><mass value="9"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
     <visual name="shell">"#;
     let text = BODY.replace(r#"<visual name="shell">"#, more);
@@ -89,9 +88,9 @@ fn the_first_of_two_masses_counts() {
     assert_eq!(link(&robot, "body").inertial.unwrap().mass, 3.5);
 }
 
-/// Relative paths of meshes count from its folder.
+/// Relative mesh paths start from its folder.
 #[test]
-fn a_robot_knows_the_file_that_it_was_read_from() {
+fn robot_knows_its_file() {
     let path = std::env::temp_dir().join(format!("kinopt-links-{}.urdf", std::process::id()));
     std::fs::write(&path, BODY).unwrap();
     for reader in [Robot::reader(), Robot::reader().lenient()] {
@@ -102,7 +101,7 @@ fn a_robot_knows_the_file_that_it_was_read_from() {
 }
 
 #[test]
-fn a_tool_is_no_link() {
+fn tool_is_not_a_link() {
     let robot = Robot::parse(BODY, "one.urdf").unwrap();
     let robot = robot
         .with_tool("tip", "bare", Placement::identity())
@@ -113,7 +112,7 @@ fn a_tool_is_no_link() {
 }
 
 #[test]
-fn what_is_wrong_with_a_shape_is_left_out_and_noted() {
+fn invalid_shapes_are_dropped_with_a_note() {
     for (from, to, note) in [
         (
             "<sphere radius=\"0.5\"/>",

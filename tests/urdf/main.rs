@@ -1,6 +1,7 @@
-//! Robots from URDF.
+//! URDF robots.
 
 mod base_joints;
+mod foot_contacts;
 mod joint_limits;
 mod joints;
 mod kinematics;
@@ -13,6 +14,5 @@ mod real_files;
 mod robot_subsets;
 mod shipped_tables;
 mod soft_limits;
-mod soles;
 mod systematic_damage;
 mod velocity_limits;

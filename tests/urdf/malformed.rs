@@ -1,11 +1,11 @@
-//! Every defect of a URDF file is an error that names the file, the line, the element and the
-//! problem; none becomes a silent default.
+//! Promise: every defect of a URDF file is an error that names the file, line, element and problem. None becomes a
+//! silent default.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::ModelError;
 use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 
-/// A sound robot of two joints, to be damaged.
+/// A valid robot of two joints, to be damaged.
 const SOUND: &str = r#"<?xml version="1.0"?>
 <robot name="two">
   <link name="base"/>
@@ -32,18 +32,18 @@ fn parse(text: &str) -> Result<Robot, RobotFileError> {
     Robot::parse(text, "two.urdf")
 }
 
-/// The sound robot with one passage exchanged, which must be there.
+/// The valid robot with one passage replaced, which must exist.
 fn damaged(from: &str, to: &str) -> String {
     assert!(SOUND.contains(from), "{from}");
     SOUND.replacen(from, to, 1)
 }
 
 #[test]
-fn the_undamaged_robot_is_read() {
+fn valid_robot_is_read() {
     assert_eq!(parse(SOUND).unwrap().model().degrees_of_freedom(), 2);
 }
 
-/// What is exchanged, by what, and the whole message.
+/// Original text, replacement, and the complete message.
 const DEFECTS: &[(&str, &str, &str)] = &[
     // Limits.
     (
@@ -107,7 +107,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
         r#"<axis xyz="0 1 0"/><axis xyz="0 1 0"/>"#,
         "two.urdf:10: joint `shoulder`: <axis> is given twice",
     ),
-    // The second is told, whatever comes after it.
+    // The second is reported, whatever follows.
     (
         r#"<axis xyz="0 1 0"/>"#,
         "<axis xyz=\"0 1 0\"/>\n<axis xyz=\"0 1 0\"/>\n<axis xyz=\"0 1 0\"/>",
@@ -191,7 +191,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
         "<parent/>",
         "two.urdf:8: joint `shoulder`, <parent>: attribute `link` is missing or empty",
     ),
-    // The tree.
+    // Tree structure.
     (
         r#"<child link="fore"/>"#,
         r#"<child link="upper"/>"#,
@@ -212,7 +212,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
         r#"<link name="fore"/><link name="loose"/>"#,
         "two.urdf:2: <robot>: links base, loose all have no parent joint; a robot has one root",
     ),
-    // Mimic.
+    // Mimic joints.
     (
         "<axis xyz=\"0 0 1\"/>",
         r#"<axis xyz="0 0 1"/><mimic joint="wrist"/>"#,
@@ -233,7 +233,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
         r#"<axis xyz="0 0 1"/><mimic joint="elbow"/>"#,
         "two.urdf: joint `elbow` follows itself through its masters",
     ),
-    // Macros, which would need a program to run.
+    // Macros, which need expansion.
     (
         r#"<robot name="two">"#,
         r#"<robot name="two" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/>"#,
@@ -252,7 +252,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
 ];
 
 #[test]
-fn each_defect_is_named_with_its_place() {
+fn each_defect_is_named_with_its_location() {
     for (from, to, message) in DEFECTS {
         match parse(&damaged(from, to)) {
             Ok(_) => panic!("`{from}` -> `{to}` was read"),
@@ -262,7 +262,7 @@ fn each_defect_is_named_with_its_place() {
 }
 
 #[test]
-fn what_is_no_urdf_document_is_named() {
+fn invalid_documents_are_named() {
     for text in ["", "robot", "<robot", "<robot name='r'>", "<a/><b/>", "\0"] {
         let error = parse(text).unwrap_err();
         assert!(
@@ -271,7 +271,7 @@ fn what_is_no_urdf_document_is_named() {
         );
         assert!(error.to_string().starts_with("two.urdf: not well-formed"));
     }
-    // Entities may blow up without end; URDF needs none.
+    // Entities may expand without bound; URDF needs none.
     let doctype = SOUND.replace("<robot", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot");
     assert!(matches!(
         parse(&doctype),
@@ -293,7 +293,7 @@ fn what_is_no_urdf_document_is_named() {
 }
 
 #[test]
-fn a_ring_without_any_root_is_found() {
+fn cycle_without_a_root_is_found() {
     let text = damaged(r#"<link name="fore"/>"#, "")
         .replace(r#"<child link="fore"/>"#, r#"<child link="base"/>"#);
     assert!(matches!(
@@ -305,9 +305,9 @@ fn a_ring_without_any_root_is_found() {
     ));
 }
 
-/// What hangs on a ring is not to blame for it, wherever it stands in the file.
+/// Joints below a cycle are not reported, in any order.
 #[test]
-fn of_a_ring_a_joint_that_is_part_of_it_is_named() {
+fn joint_of_the_cycle_is_named() {
     let joint = |name: &str, parent: &str, child: &str| {
         format!(
             "<joint name=\"{name}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
@@ -337,7 +337,7 @@ fn of_a_ring_a_joint_that_is_part_of_it_is_named() {
 }
 
 #[test]
-fn a_file_that_is_not_there_or_not_text_is_named() {
+fn missing_or_binary_file_is_named() {
     let error = Robot::read("../models/no_such_robot.urdf").unwrap_err();
     let message = error.to_string();
     assert!(message.starts_with("../models/no_such_robot.urdf: cannot be read: "));
@@ -352,7 +352,7 @@ fn a_file_that_is_not_there_or_not_text_is_named() {
 }
 
 #[test]
-fn a_ring_of_followers_is_found_however_long() {
+fn long_mimic_cycle_is_found() {
     let joints: String = (0..40)
         .map(|i| {
             format!(
@@ -379,7 +379,7 @@ fn a_ring_of_followers_is_found_however_long() {
 }
 
 #[test]
-fn followers_of_fixed_joints_are_refused() {
+fn mimic_of_a_fixed_joint_is_rejected() {
     let text = damaged("revolute", "fixed").replace(
         "<axis xyz=\"0 0 1\"/>",
         r#"<axis xyz="0 0 1"/><mimic joint="shoulder"/>"#,
@@ -391,7 +391,7 @@ fn followers_of_fixed_joints_are_refused() {
 }
 
 #[test]
-fn what_kinematics_does_not_read_cannot_stop_it() {
+fn faults_outside_kinematics_are_no_errors() {
     let text = damaged(
         r#"<link name="upper"/>"#,
         r#"<link name="upper"><inertial><mass value="heavy"/></inertial>
@@ -411,7 +411,7 @@ fn what_kinematics_does_not_read_cannot_stop_it() {
 }
 
 #[test]
-fn elements_and_attributes_of_other_namespaces_are_extensions() {
+fn foreign_namespaces_are_ignored() {
     let text = damaged(
         r#"<robot name="two">"#,
         r#"<robot name="two" xmlns:x="http://x">"#,
@@ -439,7 +439,7 @@ fn elements_and_attributes_of_other_namespaces_are_extensions() {
 }
 
 #[test]
-fn later_versions_of_the_standard_hide_nothing() {
+fn later_versions_are_validated() {
     let later = |from: &str, to: &str| {
         damaged(from, to).replace(r#"name="two""#, r#"name="two" version="1.2""#)
     };
@@ -457,7 +457,7 @@ fn later_versions_of_the_standard_hide_nothing() {
 }
 
 #[test]
-fn nesting_beyond_use_does_no_harm() {
+fn deep_nesting_does_not_crash() {
     let (open, close) = ("<a>".repeat(100_000), "</a>".repeat(100_000));
     for text in [
         damaged(
@@ -473,7 +473,7 @@ fn nesting_beyond_use_does_no_harm() {
             &format!(r#"<axis xyz="0 1 0">{open}{close}</axis>"#),
         ),
     ] {
-        // Read or refused, as the XML parser likes, but not a crash.
+        // Accepted or rejected by the XML parser, but no crash.
         if let Ok(robot) = parse(&text) {
             assert_eq!(robot.model().degrees_of_freedom(), 2);
         }

@@ -1,9 +1,10 @@
-//! Mimic joints follow through any number of masters. Their ranges restrict the source joint only on request.
+//! Promise: mimic joints follow through any number of source joints. Their ranges restrict the source joint only on
+//! request.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::robot::Robot;
 
-/// Joints a, b, c on one base: c follows b follows a.
+/// Joints a, b, c on one base: c mimics b and b mimics a.
 fn robot(limits: [(f64, f64); 3], b: (f64, f64), c: (f64, f64)) -> Robot {
     let joint = |name: &str, (lower, upper): (f64, f64), mimic: String| {
         format!(
@@ -15,7 +16,7 @@ fn robot(limits: [(f64, f64); 3], b: (f64, f64), c: (f64, f64)) -> Robot {
     let follow = |master: &str, (ratio, offset): (f64, f64)| {
         format!("<mimic joint='{master}' multiplier='{ratio}' offset='{offset}'/>")
     };
-    // The last follower comes first in the file: order must not matter.
+    // The last mimic joint comes first in the file: order must not matter.
     let joints = joint("c", limits[2], follow("b", c))
         + &joint("b", limits[1], follow("a", b))
         + &joint("a", limits[0], String::new());
@@ -27,7 +28,7 @@ fn robot(limits: [(f64, f64); 3], b: (f64, f64), c: (f64, f64)) -> Robot {
 }
 
 #[test]
-fn followers_of_followers_compose() {
+fn mimics_of_mimics_compose() {
     let wide = (-100.0, 100.0);
     let robot = robot([(-1.0, 1.0), wide, wide], (-2.0, 0.5), (3.0, -1.0));
     let map = robot.map();
@@ -60,7 +61,7 @@ fn mimic_limits_on_request_restrict_the_source() {
 }
 
 #[test]
-fn a_locked_leader_locks_its_followers() {
+fn locked_source_joint_locks_its_mimics() {
     let wide = (-100.0, 100.0);
     let robot = robot([wide; 3], (2.0, 0.0), (0.5, 1.0));
     let leader = robot.model().joint("a").unwrap();
@@ -71,14 +72,14 @@ fn a_locked_leader_locks_its_followers() {
     assert_eq!(q, [1.5, 1.0, 0.5]);
 }
 
-/// The notes of a robot.
+/// Notes of a robot.
 fn notes(robot: &Robot) -> Vec<String> {
     robot.repairs().iter().map(ToString::to_string).collect()
 }
 
 #[test]
-fn source_joint_keeps_its_limits_to_the_bit() {
-    // Ratios and offsets that do not divide exactly.
+fn source_joint_keeps_its_exact_limits() {
+    // Ratios and offsets without exact quotients.
     for (ratio, offset) in [
         (1.0, 0.0),
         (-1.0, 0.1),
@@ -125,7 +126,7 @@ fn mimic_beyond_its_range_is_noted_with_both_joints() {
         (1.0, 0.4),
     );
     assert!(notes(&within).is_empty());
-    // Files round: a millionth beyond the range is no reason for a note.
+    // Files round numbers: an excess of a millionth gives no note.
     let rounded = robot(
         [(-1.0, 1.0), (-2.0, 1.9999995), (-9.0, 9.0)],
         (-2.0, 0.0),
@@ -147,7 +148,7 @@ fn mimic_of_a_source_that_keeps_no_value_is_an_error() {
 }
 
 #[test]
-fn neutral_and_random_configurations_honour_mimic_joints() {
+fn random_configurations_honour_mimic_joints() {
     let robot = robot(
         [(0.2, 1.0), (-3.0, 3.0), (-9.0, 9.0)],
         (-2.0, 0.5),

@@ -1,5 +1,5 @@
-//! Thousands of damaged copies of the shipped files: each is an error with the file's name, or a
-//! model that holds together. Never a panic, never a hang.
+//! Promise: each of thousands of damaged copies of the shipped files is an error with the file's name, or a consistent
+//! model. Never a panic or a hang.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ const FILES: [&str; 8] = [
     "reference/oblique.urdf",
 ];
 
-/// Steele, Lea and Flood's SplitMix64: a fixed stream from a seed.
+/// Steele, Lea and Flood's SplitMix64: a fixed sequence from a seed.
 struct Random(u64);
 
 impl Random {
@@ -91,7 +91,7 @@ const PIECES: [&str; 14] = [
     "&#x41;",
 ];
 
-/// The byte ranges of attribute values.
+/// Byte ranges of attribute values.
 fn values(text: &str) -> Vec<(usize, usize)> {
     let quotes: Vec<usize> = text.match_indices('"').map(|(at, _)| at).collect();
     quotes
@@ -108,13 +108,13 @@ fn mutate(text: &str, random: &mut Random) -> String {
         at
     };
     match random.below(8) {
-        // A value becomes another value.
+        // Replaces a value by another value.
         0 | 1 => {
             let (from, to) = *random.pick(&values(text));
             let value = *random.pick(&VALUES);
             format!("{}{value}{}", &text[..from], &text[to..])
         }
-        // A value becomes one from elsewhere in the file: links and joints get mixed up.
+        // Replaces a value by one from elsewhere in the file, which mixes links and joints.
         2 | 3 => {
             let all = values(text);
             let ((from, to), (a, b)) = (*random.pick(&all), *random.pick(&all));
@@ -129,7 +129,7 @@ fn mutate(text: &str, random: &mut Random) -> String {
             let to = from + text[from..].find('"').unwrap_or(0);
             format!("{}{}{}", &text[..from], random.pick(&TYPES), &text[to..])
         }
-        // A line is lost, doubled or moved.
+        // Removes, doubles or moves a line.
         5 => {
             let mut lines: Vec<&str> = text.lines().collect();
             let (from, to) = (random.below(lines.len()), random.below(lines.len()));
@@ -144,7 +144,7 @@ fn mutate(text: &str, random: &mut Random) -> String {
             let at = boundary(random.below(text.len()));
             format!("{}{}{}", &text[..at], random.pick(&PIECES), &text[at..])
         }
-        // A stretch is cut out.
+        // Removes a range.
         _ => {
             let from = boundary(random.below(text.len()));
             let to = boundary((from + random.below(40)).min(text.len()));
@@ -177,7 +177,7 @@ fn assert_sound(robot: &Robot) {
 }
 
 #[test]
-fn a_damaged_file_is_an_error_or_a_sound_model() {
+fn damaged_file_is_an_error_or_a_valid_model() {
     let mut outcomes: BTreeMap<&str, u32> = BTreeMap::new();
     let copies = support::sample::cases(600, 300) as u64;
     for (number, file) in FILES.iter().enumerate() {
@@ -208,7 +208,7 @@ fn a_damaged_file_is_an_error_or_a_sound_model() {
             *outcomes.entry(outcome).or_default() += 1;
         }
     }
-    // The copies are damaged enough, and not all beyond reading.
+    // Enough copies are damaged, and some are still readable.
     let kinds: Vec<_> = outcomes.keys().copied().collect();
     assert_eq!(kinds, ["element", "model", "not XML", "read", "xacro"]);
     let often = |outcome, sixths| 6 * u64::from(outcomes[outcome]) > sixths * copies;

@@ -1,5 +1,5 @@
-//! Every URDF below the folder `KINOPT_URDFS` is read, or refused by name; which, and why, is
-//! printed. Without that variable only the files of this repository are looked at.
+//! Promise: every URDF below the folder `KINOPT_URDFS` is read, or rejected by name; the test prints which and why.
+//! Without the variable only the files of this repository are read.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn files_from_elsewhere_are_read_or_refused_by_name() {
+fn external_files_are_read_or_rejected_by_name() {
     let folder = std::env::var("KINOPT_URDFS").unwrap_or_else(|_| {
         println!("KINOPT_URDFS is not set: only the shipped files are read");
         "../models".to_owned()

@@ -1,5 +1,5 @@
-//! Any base and tip, any subset of joints, a tool on any frame: each is natural to ask for, and a
-//! wrong name lists the right ones.
+//! Promise: any base and tip, any subset of joints and a tool on any frame are accepted, and unknown names are reported
+//! with the valid ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -13,7 +13,7 @@ fn names(robot: &Robot, joints: &[JointId]) -> Vec<String> {
 }
 
 #[test]
-fn a_chain_leads_from_base_to_tip_over_the_common_ancestor() {
+fn chain_passes_the_common_ancestor() {
     let robot = Robot::read("../models/rethink_baxter.urdf").unwrap();
     let arm = robot.chain("torso", "left_tool").unwrap();
     let seven = ["s0", "s1", "e0", "e1", "w0", "w1", "w2"];
@@ -35,7 +35,7 @@ fn a_chain_leads_from_base_to_tip_over_the_common_ancestor() {
 }
 
 #[test]
-fn tips_are_where_the_tree_ends() {
+fn tips_are_the_leaves_of_the_tree() {
     let tips = |file: &str| -> Vec<String> {
         let robot = Robot::read(file).unwrap();
         let name = |id: kinopt::model::FrameId| robot.model().frames()[id.index()].name.clone();
@@ -51,7 +51,7 @@ fn tips_are_where_the_tree_ends() {
 }
 
 #[test]
-fn a_subset_moves_while_the_rest_stays_where_it_was_put() {
+fn subset_moves_and_the_rest_is_locked() {
     let robot = Robot::read("../models/kuka_iiwa14.urdf").unwrap();
     let rest = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
     let wrist = robot.joints(&["joint7", "joint5"]).unwrap();
@@ -66,7 +66,7 @@ fn a_subset_moves_while_the_rest_stays_where_it_was_put() {
 }
 
 #[test]
-fn a_tool_hangs_on_its_frame_at_every_configuration() {
+fn tool_is_fixed_to_its_frame() {
     let offset = Placement::new(
         rotation_exp(Vector3::new(0.3, -0.2, 1.1)),
         Vector3::new(0.01, -0.02, 0.2),
@@ -74,7 +74,7 @@ fn a_tool_hangs_on_its_frame_at_every_configuration() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let coordinates = robot.model().degrees_of_freedom();
     let robot = robot.with_tool("welder", "hand", offset).unwrap();
-    // A tool on a tool stands in that one's axes.
+    // A tool on a tool is relative to its axes.
     let next = Placement::new(
         rotation_exp(Vector3::new(-0.5, 0.7, 0.1)),
         Vector3::new(0.1, 0.0, -0.03),
@@ -96,7 +96,7 @@ fn a_tool_hangs_on_its_frame_at_every_configuration() {
 }
 
 #[test]
-fn a_tool_that_cannot_be_is_an_error() {
+fn invalid_tools_are_errors() {
     let robot = Robot::read("../models/universal_ur5e.urdf").unwrap();
     let put = |name, link, placement| robot.clone().with_tool(name, link, placement).unwrap_err();
     assert!(matches!(

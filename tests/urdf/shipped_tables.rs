@@ -1,7 +1,7 @@
-//! The robots in `models/` have the makers' published tables and limits: the Denavit-Hartenberg
-//! rows are multiplied out here, apart from any URDF.
+//! Promise: the robots in `models/` have the makers' published parameters and limits. The test multiplies
+//! Denavit-Hartenberg rows independently of any URDF.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-// Limits are written as published: -1.5707 is one of them.
+// Limits are as published: -1.5707 is one of them.
 #![allow(clippy::approx_constant)]
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -34,7 +34,7 @@ fn craig([a, d, alpha]: [f64; 3], theta: f64) -> Pose {
     turn_x(alpha) * shift(a, 0.0, 0.0) * turn_z(theta) * shift(0.0, 0.0, d)
 }
 
-/// Values spread over the limits of all moving joints, followers put right.
+/// Configurations spread over the limits of all joints, with mimic joints applied.
 fn configurations(robot: &Robot) -> Vec<Vec<f64>> {
     let map = robot.map();
     (0..8)
@@ -84,7 +84,7 @@ fn assert_serial(file: &str, rows: &[[f64; 3]], limits_in_degrees: &[f64]) {
 }
 
 #[test]
-fn ur5e() {
+fn ur5e_matches_its_published_table() {
     let rows = [
         [0.0, 0.1625, FRAC_PI_2],
         [-0.425, 0.0, 0.0],
@@ -97,7 +97,7 @@ fn ur5e() {
 }
 
 #[test]
-fn ur10e() {
+fn ur10e_matches_its_published_table() {
     let rows = [
         [0.0, 0.1807, FRAC_PI_2],
         [-0.6127, 0.0, 0.0],
@@ -110,7 +110,7 @@ fn ur10e() {
 }
 
 #[test]
-fn iiwa14() {
+fn iiwa14_matches_its_published_table() {
     let rows = [
         [0.0, 0.36, -FRAC_PI_2],
         [0.0, 0.0, FRAC_PI_2],
@@ -125,7 +125,7 @@ fn iiwa14() {
 }
 
 #[test]
-fn panda_with_its_hand() {
+fn panda_matches_its_published_table() {
     let rows = [
         [0.0, 0.333, 0.0],
         [0.0, 0.0, -FRAC_PI_2],
@@ -175,7 +175,7 @@ fn panda_with_its_hand() {
 }
 
 #[test]
-fn baxter() {
+fn baxter_matches_its_published_table() {
     // Craig's convention as Williams prints it; the file has the standard one.
     let rows = [
         [0.0, 0.0, 0.0],
@@ -211,7 +211,7 @@ fn baxter() {
 }
 
 #[test]
-fn cobra() {
+fn cobra_matches_its_published_table() {
     let robot = Robot::read("../models/adept_cobra_s600.urdf").unwrap();
     for q in configurations(&robot) {
         let wanted = standard([0.325, 0.387, 0.0], q[0])
@@ -229,7 +229,7 @@ fn cobra() {
 
 /// Documentation of V4, "Masses": the whole robot, and each solid in the axes of its joint.
 #[test]
-fn the_nao_weighs_what_its_documentation_says() {
+fn nao_masses_match_its_documentation() {
     let nao = || support::arms::robot("aldebaran_nao");
     let free = nao()
         .with_base_joint(kinopt::robot::BaseJoint::FREE)
@@ -252,7 +252,7 @@ fn the_nao_weighs_what_its_documentation_says() {
         assert!((own.mass - mass).abs() < 1e-4);
         assert_eq!(own.link_from_inertia.translation.to_array(), at);
     }
-    // The torso's inertia, published about its origin.
+    // Inertia of the torso, published about its origin.
     let (own, [x, y, z]) = (inertial("torso"), [-0.00413, 0.0, 0.04342]);
     let about_origin = [
         [y * y + z * z, -x * y, -x * z],
@@ -268,7 +268,7 @@ fn the_nao_weighs_what_its_documentation_says() {
         let moved = own.moments[i][j] + own.mass * about_origin[i][j];
         assert!((moved - published[i][j]).abs() < 2e-7, "{i} {j}: {moved}");
     }
-    // Left and right mirror each other; published inertias do not quite.
+    // Left and right are symmetric; the published inertias are nearly so.
     let sides = model
         .frames()
         .iter()

@@ -1,4 +1,4 @@
-//! Soft limits are read and bind only where they are asked for: then no answer lies outside them.
+//! Promise: soft limits are read and apply only on request: then no solution violates them.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
@@ -28,7 +28,7 @@ const SOFT: [&str; 3] = [
 ];
 
 #[test]
-fn soft_limits_are_kept_and_bind_on_request() {
+fn soft_limits_are_read_and_apply_on_request() {
     let robot = Robot::parse(&chain(SOFT, ""), "soft.urdf").unwrap();
     let ids: Vec<_> = robot.model().joint_ids().collect();
     let infinite = f64::INFINITY;
@@ -45,7 +45,7 @@ fn soft_limits_are_kept_and_bind_on_request() {
     let both = [Limits::new(-1.5, 2.0), Limits::new(-2.0, 0.5)];
     assert_eq!(after, [both[0], both[1], Limits::UNBOUNDED]);
     assert_eq!(soft.velocity_limit(ids[0]), Some(1.0));
-    // Solvers keep to them.
+    // Solvers keep them.
     let arm = Arm::builder(&soft, "l0", "l3").with_atlas(false);
     let arm = arm.build().unwrap();
     let mut random = Random(5);
@@ -59,7 +59,7 @@ fn soft_limits_are_kept_and_bind_on_request() {
 }
 
 #[test]
-fn soft_limits_of_a_mimic_joint_bind_on_request() {
+fn mimic_soft_limits_apply_on_request() {
     let endless = "<safety_controller soft_lower_limit='-1' soft_upper_limit='1'/>";
     let follower = "<mimic joint='j0' multiplier='-1'/>";
     let text = chain(["", SOFT[1], endless], follower);
@@ -76,7 +76,7 @@ fn soft_limits_of_a_mimic_joint_bind_on_request() {
 }
 
 #[test]
-fn soft_limits_that_leave_nothing_are_an_error_with_the_joint() {
+fn empty_soft_limits_name_the_joint() {
     let beyond = "<safety_controller soft_lower_limit='3' soft_upper_limit='4'/>";
     let text = chain([beyond, "", ""], "");
     let robot = Robot::parse(&text, "soft.urdf").unwrap();
@@ -85,7 +85,7 @@ fn soft_limits_that_leave_nothing_are_an_error_with_the_joint() {
 }
 
 #[test]
-fn soft_limits_that_are_no_numbers_are_an_error_unless_lenient() {
+fn invalid_soft_limits_fail_unless_lenient() {
     let text = chain(["<safety_controller soft_lower_limit='low'/>", "", ""], "");
     let error = Robot::parse(&text, "soft.urdf").unwrap_err().to_string();
     assert!(error.contains("joint `j0`, <safety_controller>"), "{error}");

@@ -1,6 +1,5 @@
-//! Every attribute and element of every shipped robot is damaged in turn: what kinematics needs
-//! becomes an error that names its place, nothing becomes a panic, and what still reads is a model
-//! that an arm can be built from.
+//! Promise: with every attribute and element of every shipped robot damaged in turn, a fault in the kinematics is an
+//! error with its location, and nothing panics. Files that are still readable give models from which arms can be built.
 #![allow(clippy::unwrap_used)]
 
 use std::ops::Range;
@@ -28,10 +27,10 @@ fn text(name: &str) -> String {
 struct Attribute {
     element: String,
     name: String,
-    /// Of the whole attribute, and of its value.
+    /// Byte ranges of the whole attribute and of its value.
     whole: Range<usize>,
     value: Range<usize>,
-    /// The joint that it belongs to.
+    /// The joint that contains it.
     joint: Option<String>,
 }
 
@@ -56,11 +55,11 @@ fn without(text: &str, range: &Range<usize>) -> String {
     format!("{}{}", &text[..range.start], &text[range.end..])
 }
 
-fn with(text: &str, range: &Range<usize>, new: &str) -> String {
+fn replaced(text: &str, range: &Range<usize>, new: &str) -> String {
     format!("{}{new}{}", &text[..range.start], &text[range.end..])
 }
 
-/// Reads damaged text: an error opens with the file's name; a robot holds together.
+/// Reads damaged text: an error starts with the file's name; a robot is consistent.
 fn read(text: &str) -> Result<Robot, String> {
     match Robot::parse(text, "damaged.urdf") {
         Ok(robot) => {
@@ -88,8 +87,8 @@ fn read(text: &str) -> Result<Robot, String> {
     }
 }
 
-/// Attributes without which a joint or link is none. `effort` and `velocity` are not kinematics;
-/// for one of `lower` and `upper` that is missing the format itself says 0.
+/// Attributes without which a joint or link is invalid. `effort` and `velocity` are not kinematics; a missing `lower`
+/// or `upper` is 0 by the format.
 fn is_needed(attribute: &Attribute) -> bool {
     matches!(
         (attribute.element.as_str(), attribute.name.as_str()),
@@ -101,7 +100,7 @@ fn is_needed(attribute: &Attribute) -> bool {
 }
 
 #[test]
-fn each_attribute_is_taken_away() {
+fn each_attribute_is_removed() {
     for name in part(ROBOTS, 3) {
         let text = text(name);
         let mut needed = 0;
@@ -131,7 +130,7 @@ fn each_attribute_is_taken_away() {
 }
 
 #[test]
-fn each_number_is_none_or_too_large() {
+fn each_number_is_invalid_or_huge() {
     for name in part(ROBOTS, 3) {
         let text = text(name);
         for attribute in attributes(&text) {
@@ -146,20 +145,20 @@ fn each_number_is_none_or_too_large() {
             let count = text[attribute.value.clone()].split_whitespace().count();
             for bad in ["nan", "-inf", "1e400", "0,1", ""] {
                 let numbers = vec![bad; count].join(" ");
-                let error = read(&with(&text, &attribute.value, &numbers));
+                let error = read(&replaced(&text, &attribute.value, &numbers));
                 let error = error.map(|_| ()).unwrap_err();
                 let named = error.contains(joint.as_str());
                 assert!(named, "{name} {} {bad}: {error}", attribute.name);
             }
-            // Huge but finite: right or refused, and no panic either way.
+            // Huge but finite: accepted or rejected, but no panic.
             let numbers = vec!["1e308"; count].join(" ");
-            let _ = Robot::parse(&with(&text, &attribute.value, &numbers), "damaged.urdf");
+            let _ = Robot::parse(&replaced(&text, &attribute.value, &numbers), "damaged.urdf");
         }
     }
 }
 
 #[test]
-fn each_element_is_taken_away() {
+fn each_element_is_removed() {
     for name in part(ROBOTS, 3) {
         let text = text(name);
         let document = Document::parse(&text).unwrap();
@@ -193,7 +192,7 @@ fn each_element_is_taken_away() {
 }
 
 #[test]
-fn each_name_is_taken_twice() {
+fn each_name_is_duplicated() {
     for name in part(ROBOTS, 3) {
         let text = text(name);
         let all = attributes(&text);
@@ -203,7 +202,7 @@ fn each_name_is_taken_twice() {
                 .collect();
             for pair in named.windows(2) {
                 let twice = &text[pair[0].value.clone()];
-                let error = read(&with(&text, &pair[1].value, twice)).map(|_| ());
+                let error = read(&replaced(&text, &pair[1].value, twice)).map(|_| ());
                 assert!(
                     error.as_ref().unwrap_err().contains(twice),
                     "{name}: {error:?}"
@@ -213,9 +212,9 @@ fn each_name_is_taken_twice() {
     }
 }
 
-/// Every joint is led back to every link before it: into itself, into a ring, onto two parents.
+/// Every joint is connected back to every earlier link: to itself, in a cycle, or with two parents.
 #[test]
-fn the_tree_is_bent_into_rings() {
+fn each_joint_is_bent_into_a_cycle() {
     for name in part(ROBOTS, 3) {
         let text = text(name);
         let all = attributes(&text);
@@ -229,7 +228,7 @@ fn the_tree_is_bent_into_rings() {
                 if text[child.value.clone()] == **link {
                     continue;
                 }
-                let error = read(&with(&text, &child.value, link)).map(|_| ());
+                let error = read(&replaced(&text, &child.value, link)).map(|_| ());
                 assert!(error.is_err(), "{name}: {link}");
             }
         }
@@ -237,7 +236,7 @@ fn the_tree_is_bent_into_rings() {
 }
 
 #[test]
-fn the_file_ends_too_soon() {
+fn truncated_files_are_errors() {
     for name in part(ROBOTS, 3) {
         let text = text(name);
         let end = text.trim_end().len();
@@ -247,9 +246,9 @@ fn the_file_ends_too_soon() {
     }
 }
 
-/// A chain of 3 000 links is read and moved, in whatever order the joints stand.
+/// A chain of 3 000 links is read and moved, in any order of joints.
 #[test]
-fn a_tree_as_deep_as_none() {
+fn chain_of_3000_links_is_read() {
     let joints = (0..3000).map(|k| {
         format!(
             "<link name=\"l{}\"/><joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{k}\"/>\

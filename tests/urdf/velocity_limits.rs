@@ -1,10 +1,10 @@
-//! The speed that a file allows a joint is kept; what states none is none.
+//! Promise: the velocity limit of a joint is kept; a joint without one is unlimited.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::JointKind;
 use kinopt::robot::Robot;
 
-/// Joints on one base, each from its type and what stands in it.
+/// Joints on one base, each from its type and content.
 fn star(joints: &[(&str, &str)]) -> Robot {
     let joints: String = (joints.iter().enumerate())
         .map(|(i, (kind, body))| {
@@ -24,7 +24,7 @@ fn speeds(robot: &Robot) -> Vec<Option<f64>> {
 }
 
 #[test]
-fn the_speed_of_the_file_is_kept_whatever_the_joint() {
+fn velocity_limits_are_kept_for_all_joints() {
     let robot = star(&[
         ("revolute", "<limit lower='-1' upper='1' velocity='2.5'/>"),
         ("continuous", "<limit velocity='7'/>"),
@@ -39,7 +39,7 @@ fn the_speed_of_the_file_is_kept_whatever_the_joint() {
 }
 
 #[test]
-fn nothing_zero_and_less_are_no_speed_and_no_force() {
+fn zero_and_negative_limits_mean_none() {
     let robot = star(&[
         (
             "revolute",
@@ -64,8 +64,8 @@ fn nothing_zero_and_less_are_no_speed_and_no_force() {
 }
 
 #[test]
-fn speeds_go_with_their_joints_and_not_with_the_order_of_the_file() {
-    // The joint of the hand stands before that of the arm that carries it.
+fn velocity_limits_do_not_depend_on_order() {
+    // The hand's joint precedes the arm's joint that carries it.
     let text = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>
         <joint name='hand' type='continuous'><parent link='b'/><child link='c'/>
         <limit velocity='2'/></joint>
@@ -77,7 +77,7 @@ fn speeds_go_with_their_joints_and_not_with_the_order_of_the_file() {
 }
 
 #[test]
-fn every_moving_joint_of_a_shipped_arm_has_its_speed() {
+fn shipped_arms_have_velocity_limits() {
     for file in [
         "franka_panda",
         "kuka_iiwa14",
@@ -108,7 +108,7 @@ fn every_moving_joint_of_a_shipped_arm_has_its_speed() {
 }
 
 #[test]
-fn a_step_of_a_controller_goes_no_further_than_speeds_let_it() {
+fn control_step_keeps_velocity_limits() {
     let text = r#"<robot name="arm"><link name="a"/><link name="b"/><link name="c"/>
       <joint name="base" type="floating"><parent link="a"/><child link="b"/>
         <limit velocity="2" effort="1"/></joint>

@@ -12,7 +12,7 @@ fn results(folder: &Folder) -> Value {
 const TWO: &str = "--solver 'kinopt default' --solver 'argmin L-BFGS'";
 
 #[test]
-fn a_robot_and_its_default_tip() {
+fn bench_runs_on_a_robot_with_default_tip() {
     let folder = Folder::new("bench-robot");
     let (file, out) = (model("franka_panda.urdf"), folder.file("out"));
     let limits = "--problems random:3 --bones 8 --time-limit 60000";
@@ -49,7 +49,7 @@ fn a_robot_and_its_default_tip() {
 }
 
 #[test]
-fn a_rig_and_its_pinned_tips() {
+fn bench_runs_on_a_rig_with_pinned_tips() {
     let folder = Folder::new("bench-rig");
     let (file, out) = (folder.rig(), folder.file("out"));
     let limits = "--problems random:2 --bones 0 --solver 'lane engine'";
@@ -62,7 +62,7 @@ fn a_rig_and_its_pinned_tips() {
 }
 
 #[test]
-fn targets_of_a_file() {
+fn bench_runs_on_targets_of_a_file() {
     let folder = Folder::new("bench-file");
     let (file, out) = (model("universal_ur5e.urdf"), folder.file("out"));
     // Where the flange stands at a configuration that `fk` tells.
@@ -83,7 +83,7 @@ fn targets_of_a_file() {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupt_keeps_what_is_done() {
+fn interrupted_bench_keeps_finished_results() {
     use std::process::{Command, Stdio};
 
     let folder = Folder::new("bench-interrupt");
@@ -126,7 +126,7 @@ fn an_interrupt_keeps_what_is_done() {
 /// `KINOPT_SHARED` to the folder that has them under `robots/` and `rigs/`.
 #[test]
 #[allow(clippy::print_stderr)] // To say that nothing was tested.
-fn models_of_others() {
+fn bench_runs_on_external_models() {
     let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
         eprintln!("SKIPPED: KINOPT_SHARED is not set, so no models of others were read");
         return;

@@ -11,7 +11,7 @@ fn with(target: &str, options: &str) -> serde_json::Value {
 }
 
 #[test]
-fn an_answer_touches_nothing_or_names_what_it_touches() {
+fn arm_solution_is_free_or_names_collisions() {
     let free = with(POSE, "");
     assert_eq!(free["reached"], true);
     assert_eq!(free["goals_reached"], true);
@@ -44,7 +44,7 @@ fn an_answer_touches_nothing_or_names_what_it_touches() {
 }
 
 #[test]
-fn a_body_touches_nothing_or_names_what_it_touches() {
+fn body_solution_is_free_or_names_collisions() {
     let folder = Folder::new("bodies-among-obstacles");
     let world = r#"{"boxes": [{"name": "board", "size": [0.2, 0.3, 0.2], "position": [0.3, 0.11, -0.11]}]}"#;
     let (nao, world) = (
@@ -89,7 +89,7 @@ fn a_body_touches_nothing_or_names_what_it_touches() {
 }
 
 #[test]
-fn what_may_touch_is_passed_over_by_every_subcommand() {
+fn allowed_pairs_are_ignored_by_every_subcommand() {
     let (panda, folder) = (model("franka_panda.urdf"), Folder::new("may-touch"));
     let table = model("worlds/table.json");
     let inside = "flange=0.6,0,0.18,0,1,0,0";
@@ -132,7 +132,7 @@ fn what_may_touch_is_passed_over_by_every_subcommand() {
 }
 
 #[test]
-fn a_world_is_for_what_has_shapes() {
+fn world_needs_a_model_with_shapes() {
     let table = model("worlds/table.json");
     let panda = model("franka_panda.urdf");
     let folder = Folder::new("world-without-skin");
@@ -143,7 +143,7 @@ fn a_world_is_for_what_has_shapes() {
 }
 
 #[test]
-fn spheres_of_a_file_change_no_verdict_even_where_they_leave_gaps() {
+fn sphere_model_file_changes_no_result() {
     let folder = Folder::new("spheres-of-a-file");
     let table = model("worlds/table.json");
     let panda = model("franka_panda.urdf");
@@ -179,7 +179,7 @@ fn spheres_of_a_file_change_no_verdict_even_where_they_leave_gaps() {
 }
 
 #[test]
-fn what_was_mended_of_a_world_is_told() {
+fn world_repairs_are_reported() {
     let folder = Folder::new("mended-world");
     let sheet = r#"{"meshes": [{"name": "sheet", "vertices": [[0.6, 0, 0.1], [0.7, 0, 0.1], [0.6, 0.1, 0.1]], "triangles": [[0, 1, 2]]}]}"#;
     let (panda, world) = (model("franka_panda.urdf"), folder.text("world.json", sheet));

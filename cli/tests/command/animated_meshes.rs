@@ -42,7 +42,7 @@ fn posed(file: &str) -> Vec<Vec3> {
 }
 
 #[test]
-fn one_time_is_one_file() {
+fn single_time_writes_one_file() {
     let folder = Folder::new("animate-time");
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
     for (options, playback) in [("lbs", Playback::Hold), ("dqs --loop", Playback::Loop)] {
@@ -82,7 +82,7 @@ fn frames_are_numbered_files_at_even_times() {
 }
 
 #[test]
-fn what_cannot_be_animated_is_said() {
+fn unanimatable_input_is_an_error() {
     let folder = Folder::new("animate-refused");
     let (rig_file, out) = (folder.rig(), folder.file("frames"));
     let file = folder.file("posed.obj");
@@ -110,7 +110,7 @@ fn what_cannot_be_animated_is_said() {
 }
 
 #[test]
-fn a_mesh_without_weights_follows_the_nearest_bones() {
+fn mesh_without_weights_follows_the_nearest_bones() {
     let folder = Folder::new("animate-no-weights");
     let bare = folder.changed("bare.json", |rig| rig.weights = None);
     let out = folder.file("posed.ply");
@@ -129,7 +129,7 @@ fn a_mesh_without_weights_follows_the_nearest_bones() {
 
 /// As some rigs are published: bones, keyframes and mesh work, and what is missing is said.
 #[test]
-fn a_rig_whose_weights_file_is_missing_is_posed() {
+fn rig_with_a_missing_weights_file_is_posed() {
     let (folder, file) = Folder::with_rig("animate-missing-weights");
     std::fs::remove_file(folder.file("rig.dmat")).unwrap();
     let note = "rig.dmat does not exist";
@@ -155,7 +155,7 @@ fn a_rig_whose_weights_file_is_missing_is_posed() {
 }
 
 #[test]
-fn keys_are_interpolated_as_asked() {
+fn interpolation_option_is_applied() {
     let folder = Folder::new("animate-interpolation");
     let (file, out) = (folder.rig(), folder.file("posed.ply"));
     let angles = |file: &str, more: &str| numbers(&answer!("fk {file} --time=1.1 {more}")["q"]);

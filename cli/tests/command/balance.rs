@@ -45,7 +45,7 @@ fn task<'a>(answer: &'a Value, name: &str) -> &'a Value {
 }
 
 #[test]
-fn the_centre_of_mass_goes_where_it_is_asked_to() {
+fn centre_of_mass_reaches_its_target() {
     let above = answer!("solve {LEANING} --center-of-mass 0.05,0.12");
     assert_eq!(above["reached"], true);
     let [x, y, _] = centre(&numbers(&above["q"]));
@@ -66,7 +66,7 @@ fn the_centre_of_mass_goes_where_it_is_asked_to() {
 }
 
 #[test]
-fn a_body_stays_over_its_feet() {
+fn balanced_body_stays_over_its_feet() {
     // A sole of 20 by 20 cm beside the ankle.
     let corners = [[-0.1, 0.0], [0.1, 0.0], [0.1, 0.2], [-0.1, 0.2]];
     let sole: Vec<String> = (corners.iter())
@@ -88,7 +88,7 @@ fn a_body_stays_over_its_feet() {
 }
 
 #[test]
-fn a_rig_balances_by_the_volume_of_its_mesh() {
+fn rig_balances_by_the_volume_of_its_mesh() {
     let rig = "../models/humanoid/humanoid.json";
     let answer = answer!("solve {rig} --free --center-of-mass 0.05,0");
     assert_eq!(answer["reached"], true);
@@ -99,7 +99,7 @@ fn a_rig_balances_by_the_volume_of_its_mesh() {
 
 /// The sole is fixed to the foot, whose box is 16 by 8 cm; the soles' own origins are a line between the ankles.
 #[test]
-fn a_body_balances_over_all_that_is_fixed_to_its_feet() {
+fn support_includes_all_links_fixed_to_the_feet() {
     let nao = "../models/aldebaran_nao.urdf";
     let stands = format!(
         "solve {nao} --base-joint free --hold left_sole --hold right_sole --start bent --target left_hand=0.31,0.11,-0.12"
@@ -128,7 +128,7 @@ fn a_body_balances_over_all_that_is_fixed_to_its_feet() {
 }
 
 #[test]
-fn what_has_no_mass_and_makes_no_sense_is_refused() {
+fn massless_models_and_invalid_options_are_rejected() {
     let arm = "../models/franka_panda.urdf";
     refused!("solve {arm} --center-of-mass 0,0" => 1, "no centre of mass");
     refused!("solve {arm} --balance link0" => 1, "no centre of mass");

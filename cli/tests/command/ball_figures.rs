@@ -12,7 +12,7 @@ fn close(a: &[f64], b: &[f64]) -> bool {
 }
 
 #[test]
-fn a_captured_pose_is_a_configuration() {
+fn captured_pose_is_a_configuration() {
     let folder = Folder::new("ball-capture");
     let file = folder.text("wave.bvh", WAVE);
     let balls = format!("{file} --joints ball --base-joint free");
@@ -46,7 +46,7 @@ fn a_captured_pose_is_a_configuration() {
 }
 
 #[test]
-fn what_is_found_is_written_as_it_was_found() {
+fn solution_is_written_unchanged() {
     let folder = Folder::new("ball-written");
     let file = folder.text("wave.bvh", WAVE);
     let (out, target) = (folder.file("out.bvh"), "--target 'Upper Arm/tip=2,1,-4'");
@@ -65,7 +65,7 @@ fn what_is_found_is_written_as_it_was_found() {
 
 /// Feet keep to the ground, heels and all, and knees bend as the cones that ship let them.
 #[test]
-fn a_figure_crouches_on_flat_feet() {
+fn figure_crouches_on_flat_feet() {
     let folder = Folder::new("ball-crouch");
     let figure =
         format!("{HUMANOID} --joints ball --base-joint free --cones ../models/humanoid/cones.json");
@@ -97,7 +97,7 @@ fn a_figure_crouches_on_flat_feet() {
 }
 
 #[test]
-fn no_answer_leaves_its_cone() {
+fn solutions_stay_within_their_cones() {
     let folder = Folder::new("ball-cones");
     let cones = json!({
         "left_upper_arm": {"swing": 30, "twist": [-10, 10]},
@@ -134,7 +134,7 @@ fn no_answer_leaves_its_cone() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused() {
+fn conflicting_options_are_rejected() {
     let folder = Folder::new("ball-refused");
     let file = folder.text("wave.bvh", WAVE);
     let robot = "../models/universal_ur5e.urdf";

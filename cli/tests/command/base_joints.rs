@@ -20,7 +20,7 @@ fn position(answer: &Value, frame: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_free_base_goes_where_the_arm_does_not_reach() {
+fn free_base_moves_where_the_arm_does_not_reach() {
     let ask = format!("solve {UR5E} --target flange=3,-2,1.5,1,0,0,0");
     assert_eq!(answer!("{ask}")["reached"], false);
     let solution = answer!("{ask} --base-joint free");
@@ -37,7 +37,7 @@ fn a_free_base_goes_where_the_arm_does_not_reach() {
 }
 
 #[test]
-fn a_base_stays_in_its_room() {
+fn base_stays_within_its_bounds() {
     let ask = format!("solve {UR5E} --target flange=3,-2,1.5 --base-joint");
     let room = "--base-room x=-0.1..0.2,y=-1..1";
     let solution = answer!("{ask} planar {room}");
@@ -63,7 +63,7 @@ fn a_base_stays_in_its_room() {
 }
 
 #[test]
-fn a_link_that_is_held_stays_as_it_is_turned() {
+fn held_link_keeps_its_pose() {
     let start = "--start=0.1,0.2,0.3,0.9,0.1,-0.3,0.2,0.1,-1.2,1.1,0.2,0.3,0.4";
     let base = format!("{UR5E} --base-joint free");
     let before = answer!("fk {base} --q={} --frame flange --frame link1", &start[8..]);
@@ -83,7 +83,7 @@ fn a_link_that_is_held_stays_as_it_is_turned() {
 }
 
 #[test]
-fn a_body_crouches_from_bent_knees_over_its_feet() {
+fn body_crouches_over_its_held_feet() {
     let feet = "--base-joint free --hold left_sole --hold right_sole";
     let body = format!("{NAO} {feet}");
     let placed = |q: &str, frame: &str| {
@@ -116,13 +116,13 @@ fn a_body_crouches_from_bent_knees_over_its_feet() {
 }
 
 #[test]
-fn a_quaternion_without_length_is_refused_by_name() {
+fn zero_quaternion_is_rejected_by_name() {
     let q = "0,0,0,0,0,0,0,0,0,0,0,0,0";
     refused!("fk {UR5E} --base-joint free --q {q} --frame flange" => 2, "root_joint | quaternion without length");
 }
 
 #[test]
-fn a_quaternion_of_another_length_is_told() {
+fn quaternion_of_another_length_is_reported() {
     let ask = format!("fk {UR5E} --base-joint free --frame base");
     let with = |parts: &str| format!("{ask} --q=0,0,0,{parts},0,0,0,0,0,0");
     let [unit, long, typed] = ["0.6,0,0,0.8", "1.2,0,0,1.6", "0.6001,0,0,0.7999"].map(with);
@@ -135,7 +135,7 @@ fn a_quaternion_of_another_length_is_told() {
 }
 
 #[test]
-fn what_goes_somewhere_is_not_held() {
+fn frame_with_a_target_cannot_be_held() {
     let ask = format!("solve {UR5E} --base-joint free --target flange=3,-2,1.5");
     refused!("{ask} --hold flange" => 2, "--hold flange | target");
     refused!("{ask} --hold link1 --hold flange" => 2, "--hold flange | target");
@@ -147,7 +147,7 @@ fn turn(from: &[f64], to: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_body_moves_no_further_than_it_may() {
+fn body_keeps_its_move_limits() {
     let start = [
         0.1, 0.2, 0.3, 0.9, 0.1, -0.3, 0.3, 0.1, -1.2, 1.1, 0.2, 0.3, 0.4,
     ];
@@ -207,7 +207,7 @@ fn a_body_moves_no_further_than_it_may() {
 
 /// What is advised can be done.
 #[test]
-fn a_body_that_misses_may_answer_by_another_way() {
+fn global_search_after_a_miss_lowers_the_cost() {
     let ask = format!("solve {NAO} --base-joint free --hold left_sole --hold right_sole");
     let ask = format!("{ask} --target left_hand=0.6,0.1,0.1");
     let own = answer!("{ask}");

@@ -20,7 +20,7 @@ const SCENE: &str = "world:
 ";
 
 #[test]
-fn what_touches_is_told_with_its_depth() {
+fn contacts_are_reported_with_their_depth() {
     let folder = Folder::new("check");
     let (robot, world) = (
         folder.text("bar.urdf", BAR),
@@ -55,7 +55,7 @@ fn what_touches_is_told_with_its_depth() {
 }
 
 #[test]
-fn a_margin_counts_what_is_near() {
+fn margin_counts_nearby_pairs() {
     let folder = Folder::new("check-margin");
     let (robot, world) = (
         folder.text("bar.urdf", BAR),
@@ -72,7 +72,7 @@ fn a_margin_counts_what_is_near() {
 }
 
 #[test]
-fn scenes_of_moveit_are_worlds_too_and_a_robot_alone_is_free() {
+fn moveit_scenes_are_worlds() {
     let folder = Folder::new("check-scene");
     let (robot, scene) = (
         folder.text("bar.urdf", BAR),
@@ -93,7 +93,7 @@ fn scenes_of_moveit_are_worlds_too_and_a_robot_alone_is_free() {
 
 /// An obstacle may bear a link's name.
 #[test]
-fn a_link_and_an_obstacle_of_its_name_are_told_apart() {
+fn link_and_obstacle_of_one_name_are_distinguished() {
     let folder = Folder::new("check-names");
     let robot = folder.text("bar.urdf", BAR);
     let world = folder.text("world.json", WORLD.replace("ball", "bar"));
@@ -103,7 +103,7 @@ fn a_link_and_an_obstacle_of_its_name_are_told_apart() {
 }
 
 #[test]
-fn joints_beyond_their_limits_are_told_by_name() {
+fn joints_beyond_limits_are_reported_by_name() {
     let folder = Folder::new("check-limits");
     let robot = folder.text("bar.urdf", BAR);
     let told = answer!("check {robot} --q 3.2");
@@ -119,7 +119,7 @@ fn joints_beyond_their_limits_are_told_by_name() {
 
 /// What the help says is what can be typed.
 #[test]
-fn the_example_of_the_help_fits_the_panda() {
+fn example_of_the_help_fits_the_panda() {
     let help = text!("check --help");
     let example = help.split("franka_panda.urdf --q ").nth(1).unwrap();
     let q = example.split_whitespace().next().unwrap();
@@ -129,7 +129,7 @@ fn the_example_of_the_help_fits_the_panda() {
 }
 
 #[test]
-fn what_is_wrong_with_a_world_is_one_line() {
+fn invalid_worlds_are_one_line_errors() {
     let folder = Folder::new("check-wrong");
     let robot = folder.text("bar.urdf", BAR);
     let twice = folder.text("twice.json", WORLD.replace("wall", "ball"));
@@ -141,7 +141,7 @@ fn what_is_wrong_with_a_world_is_one_line() {
 }
 
 #[test]
-fn meshes_of_a_package_are_found_from_within_it() {
+fn package_meshes_are_found_from_within_the_package() {
     let folder = Folder::new("check-within-a-package");
     for inner in ["lamp/urdf", "lamp/meshes"] {
         std::fs::create_dir_all(folder.file(inner)).unwrap();
@@ -173,7 +173,7 @@ fn meshes_of_a_package_are_found_from_within_it() {
 
 /// A floor and a slab in the world of an MJCF file, and a pair that it takes out.
 #[test]
-fn an_mjcf_file_s_own_world_is_not_gone_through() {
+fn world_of_an_mjcf_file_is_checked() {
     let folder = Folder::new("check-mjcf");
     let arm = |world: &str, contact: &str| {
         format!(

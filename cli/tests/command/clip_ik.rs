@@ -34,7 +34,7 @@ fn place(scene: &Scene, clip: &str, bone: &str, time: f64) -> kinopt::glam::Vec3
 }
 
 #[test]
-fn a_hand_reaches_and_feet_stand_in_a_file_that_keeps_the_rest() {
+fn reach_and_plant_keep_the_rest_of_the_file() {
     let folder = Folder::new("clip-ik");
     let (file, out) = (
         folder.text("figure.gltf", FIGURE),
@@ -66,7 +66,7 @@ fn a_hand_reaches_and_feet_stand_in_a_file_that_keeps_the_rest() {
 }
 
 #[test]
-fn a_file_of_points_is_a_curve_and_feet_stand_on_what_is_there() {
+fn curve_file_and_ground_shape_are_used() {
     let folder = Folder::new("clip-ik-curve");
     let (file, out) = (
         folder.text("figure.gltf", FIGURE),
@@ -107,7 +107,7 @@ fn a_file_of_points_is_a_curve_and_feet_stand_on_what_is_there() {
 }
 
 #[test]
-fn a_rig_reaches_within_its_limits_and_is_written_as_one_file() {
+fn rig_reaches_within_its_limits() {
     let folder = Folder::new("clip-ik-rig");
     let out = folder.file("humanoid.glb");
     let rig = &model("humanoid/humanoid.json");
@@ -121,7 +121,7 @@ fn a_rig_reaches_within_its_limits_and_is_written_as_one_file() {
 }
 
 #[test]
-fn a_rig_s_own_keys_are_solved_for() {
+fn keys_of_a_rig_are_solved() {
     let folder = Folder::new("clip-ik-keys");
     let out = folder.file("changed.json");
     let rig = &model("humanoid/humanoid.json");
@@ -147,7 +147,7 @@ fn a_rig_s_own_keys_are_solved_for() {
 }
 
 #[test]
-fn keys_that_stay_beyond_a_limit_are_told_by_joint() {
+fn keys_beyond_a_limit_are_reported_by_joint() {
     let folder = Folder::new("clip-ik-beyond");
     let (over, out) = (folder.file("over.json"), folder.file("within.json"));
     let mut rig = kinopt::io::rig::Rig::read(model("humanoid/humanoid.json")).unwrap();
@@ -173,7 +173,7 @@ fn keys_that_stay_beyond_a_limit_are_told_by_joint() {
 }
 
 #[test]
-fn a_rig_whose_up_is_z_stands_in_the_file() {
+fn rig_with_z_up_is_upright_in_the_file() {
     let folder = Folder::new("clip-ik-up");
     let rig = &model("humanoid/humanoid.json");
     let head = |file: &str| {

@@ -110,7 +110,7 @@ fn section(name: &str) -> String {
 }
 
 #[test]
-fn the_page_is_the_help() {
+fn command_page_equals_the_help() {
     let sections = SUBCOMMANDS.map(section);
     let page = OPENING.to_owned() + &sections.concat();
     if std::env::var_os("KINOPT_BLESS").is_some() {

@@ -13,7 +13,7 @@ fn by_target(answer: &Value, frame: &str) -> Vec<Vec<f64>> {
 
 /// The target is turned half round about x, so that its own y and z point back.
 #[test]
-fn joints_go_where_the_target_leads_them() {
+fn derivative_predicts_the_moved_solution() {
     let solve = |x: f64, z: f64, more: &str| {
         answer!("solve {UR5E} --target flange={x},0.2,{z},0,1,0,0 --tolerance 1e-12 {more}")
     };
@@ -49,7 +49,7 @@ fn joints_go_where_the_target_leads_them() {
 }
 
 #[test]
-fn nothing_is_told_unasked_and_a_position_leaves_much_open() {
+fn derivative_is_optional_and_states_its_existence() {
     let asked = "--target flange=0.4,0.2,0.5";
     let answer = answer!("solve {UR5E} {asked} --derivative");
     let existence = &answer["derivative"]["existence"];

@@ -1,5 +1,5 @@
 //! Promise: 0 is done, 1 is failed with a one-line reason, 2 is wrong usage, 3 is missed where that was asked
-//! for (`scripts_hear_of_misses`); and each error names the thing and, where there is a list, the valid
+//! for (`fail_on_miss_sets_the_exit_code`); and each error names the thing and, where there is a list, the valid
 //! names. Never anything on standard output.
 
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use crate::forked_rig::*;
 const TARGET: &str = "--target=bone/2=-2.5,0.5,0";
 
 #[test]
-fn wrong_names_come_with_the_valid_ones() {
+fn unknown_names_come_with_the_valid_ones() {
     let (_folder, rig) = Folder::with_rig("names");
     for target in ["--target=hand=1,2,3", "--ray=hand=0,0,1:0,0,0"] {
         refused!("solve {rig} {target}" => 1, "bone/0 | bone/4 | /tip | `hand`");
@@ -23,7 +23,7 @@ fn wrong_names_come_with_the_valid_ones() {
 }
 
 #[test]
-fn wrong_usage_is_two() {
+fn wrong_usage_exits_with_two() {
     let (_folder, rig) = Folder::with_rig("usage");
     refused("", 2, "info | fk | solve");
     refused!("dance" => 2, "dance");
@@ -58,7 +58,7 @@ fn wrong_usage_is_two() {
 
 /// What begins with a dash and is a number is no option that is unknown.
 #[test]
-fn a_negative_number_is_refused_for_what_it_is() {
+fn negative_numbers_are_rejected_as_numbers() {
     let folder = Folder::new("negative");
     let (rig, panda) = (folder.rig(), model("franka_panda.urdf"));
     refused!("solve {rig} {TARGET} --max-move -1" => 1, "max_move | -1");
@@ -76,7 +76,7 @@ fn a_negative_number_is_refused_for_what_it_is() {
 }
 
 #[test]
-fn what_cannot_be_done_is_one() {
+fn failures_exit_with_one() {
     let (folder, rig_file) = Folder::with_rig("failed");
     let missing = folder.file("missing.json");
     refused!("info {missing}" => 1, "missing.json");
@@ -111,7 +111,7 @@ fn what_cannot_be_done_is_one() {
 }
 
 #[test]
-fn a_name_that_may_be_meant_is_suggested_beside_a_short_list() {
+fn similar_name_is_suggested_with_a_short_list() {
     let folder = Folder::new("suggested");
     let (rig, ur5e) = (folder.rig(), model("universal_ur5e.urdf"));
     let meant = "did you mean `joint3`? valid names: joint1, ";
@@ -124,7 +124,7 @@ fn a_name_that_may_be_meant_is_suggested_beside_a_short_list() {
 }
 
 #[test]
-fn names_are_checked_before_weights_are_made_up() {
+fn names_are_checked_before_weights_are_computed() {
     let folder = Folder::new("names-first");
     let bare = folder.changed("bare.json", |rig| rig.weights = None);
     let out = folder.file("posed.obj");
@@ -140,7 +140,7 @@ fn names_are_checked_before_weights_are_made_up() {
 }
 
 #[test]
-fn numbers_whose_squares_overflow_are_refused() {
+fn numbers_whose_squares_overflow_are_rejected() {
     let (folder, rig) = Folder::with_rig("huge");
     let bound = "beyond 1e150";
     for huge in ["--target=bone/2=1e200,0,0", "--ray=bone/2=0,-1e151,3:0,0,0"] {
@@ -167,7 +167,7 @@ fn numbers_whose_squares_overflow_are_refused() {
 }
 
 #[test]
-fn help_is_in_groups_and_its_short_form_on_a_page() {
+fn help_is_grouped_and_its_short_form_fits_a_page() {
     let long = text!("solve --help");
     let headings = "Targets | Model | Search | Limits of the search | Preferences | Following | \
                     Output | Meshes | Collision shapes";
@@ -184,7 +184,7 @@ fn help_is_in_groups_and_its_short_form_on_a_page() {
 }
 
 #[test]
-fn help_says_units_defaults_and_examples() {
+fn help_states_units_defaults_and_examples() {
     for subcommand in ["info", "fk", "solve", "animate"] {
         let help = text!("{subcommand} --help");
         says!(help => "Examples: | metres | Usage: kinopt | Default");
@@ -193,7 +193,7 @@ fn help_says_units_defaults_and_examples() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn closed_pipe_is_not_a_failure() {
     let (_folder, rig) = Folder::with_rig("pipe");
     for line in [
         "info RIG",

@@ -9,7 +9,7 @@ const BENT: &str = "--start=0,0,0,1.8,0,0,0,1.6,0,0,-1.1,0,0,-0.7,0,-0.9,0,0";
 const PLACE: &str = "--target=gripper=-0.09,-0.48,0.14";
 
 #[test]
-fn it_settles_where_it_can() {
+fn figure_settles_where_it_can() {
     let humanoid = model("humanoid/humanoid.json");
     let hand = "--target=left_hand=0.35,0.45,1.5";
     let settled = answer!("solve {humanoid} {hand}");
@@ -22,7 +22,7 @@ fn it_settles_where_it_can() {
 }
 
 #[test]
-fn another_way_is_told() {
+fn solution_on_another_branch_is_reported() {
     let arm = model("robot-arm/robot-arm.json");
     let another = answer!("solve {arm} {PLACE} {BENT}");
     has!(another, {"reached": true, "way": "another"});
@@ -33,7 +33,7 @@ fn another_way_is_told() {
 }
 
 #[test]
-fn a_miss_stays_on_its_own_way_unless_asked() {
+fn missed_target_stays_on_its_branch_by_default() {
     let arm = model("robot-arm/robot-arm.json");
     let far = "--target=gripper=-0.9,-4.8,0.14";
     let solve = |more: &str| answer!("solve {arm} {far} {BENT} {more}");
@@ -51,7 +51,7 @@ fn a_miss_stays_on_its_own_way_unless_asked() {
 }
 
 #[test]
-fn many_targets_settle_one_by_one_and_the_clock_ends_it() {
+fn many_targets_settle_and_time_limit_stops() {
     let humanoid = model("humanoid/humanoid.json");
     let folder = Folder::new("settled-many");
     let targets = json!({"targets": [[0.35, 0.45, 1.5], [0.3, 0.5, 1.4]]});
@@ -65,7 +65,7 @@ fn many_targets_settle_one_by_one_and_the_clock_ends_it() {
 }
 
 #[test]
-fn a_step_of_a_path_goes_on_as_a_single_target_does() {
+fn path_steps_settle_like_single_targets() {
     let humanoid = model("humanoid/humanoid.json");
     let folder = Folder::new("settled-path");
     // Into a crouch: limits take turns in being met, and a frame is over before the end is near.
@@ -79,7 +79,7 @@ fn a_step_of_a_path_goes_on_as_a_single_target_does() {
 }
 
 #[test]
-fn a_flat_end_is_left_for_a_shorter_way() {
+fn slow_convergence_is_abandoned() {
     // The README's first target took 8577 steps.
     let (humanoid, hand) = (
         model("humanoid/humanoid.json"),

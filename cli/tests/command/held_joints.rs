@@ -13,7 +13,7 @@ fn value(solution: &Value, joints: &Value, joint: &str) -> f64 {
 }
 
 #[test]
-fn a_locked_joint_stays() {
+fn locked_joint_keeps_its_value() {
     let panda = Seeded::panda();
     let mut q = panda.configuration(11);
     q[2] = 0.25;
@@ -40,7 +40,7 @@ fn a_locked_joint_stays() {
 }
 
 #[test]
-fn only_some_joints_move() {
+fn only_selected_joints_move() {
     let ur5e = Seeded::new("universal_ur5e", "base", "flange");
     let start = ur5e.configuration(2);
     let info = answer!("info {ur5e}");
@@ -64,7 +64,7 @@ fn only_some_joints_move() {
 }
 
 #[test]
-fn many_targets_and_paths_keep_to_it() {
+fn many_targets_and_paths_keep_locked_joints() {
     let panda = Seeded::panda();
     let folder = Folder::new("held");
     let tool = Placement::translation(Vector3::new(0.02, 0.0, 0.1));
@@ -90,7 +90,7 @@ fn many_targets_and_paths_keep_to_it() {
 }
 
 #[test]
-fn held_joints_are_told_to_people_too() {
+fn held_joints_are_shown_in_text() {
     let panda = Seeded::panda();
     let start = "--start=0,0,0.3,-1,0,1,0,0.01,0.01";
     let target = "--target=tool=0.4,0.1,0.5";
@@ -112,7 +112,7 @@ fn held_joints_are_told_to_people_too() {
 }
 
 #[test]
-fn a_tool_on_the_tip() {
+fn tool_is_attached_to_the_tip() {
     let panda = Seeded::panda();
     let q = panda.configuration(11);
     let tool = "--tool=0,0.05,0.1,0.5,0.5,0.5,0.5";
@@ -130,7 +130,7 @@ fn a_tool_on_the_tip() {
 }
 
 #[test]
-fn rigs_hold_bones_and_carry_tools() {
+fn rigs_lock_bones_and_carry_tools() {
     let (_folder, rig) = Folder::with_rig("held-bones");
     let info = answer!("info {rig}");
     let bones: Vec<&str> = list(&info["bones"])

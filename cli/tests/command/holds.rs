@@ -78,7 +78,7 @@ fn held(document: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_character_dragged_by_a_hand_stays_on_its_feet() {
+fn dragged_character_stays_on_its_feet() {
     let folder = Folder::new("holds");
     let (file, out) = (character(&folder), folder.file("posed.glb"));
     for target in ["0.3,1.9,0.5", "3,3,1"] {
@@ -105,7 +105,7 @@ fn a_character_dragged_by_a_hand_stays_on_its_feet() {
 }
 
 #[test]
-fn hold_says_what_stays() {
+fn hold_option_selects_held_frames() {
     let folder = Folder::new("hold-names");
     let (file, out) = (character(&folder), folder.file("posed.glb"));
     let solve = |more| answer!("solve {file} '--target=left hand=3,3,1' --out {out} {more}");
@@ -125,7 +125,7 @@ fn hold_says_what_stays() {
 }
 
 #[test]
-fn a_path_is_dragged_out_of_reach_and_back() {
+fn path_is_dragged_out_of_reach_and_back() {
     let folder = Folder::new("dragged-path");
     let file = character(&folder);
     let target = |k: u32| {

@@ -28,7 +28,7 @@ fn every_subcommand_prints_one_document() {
 }
 
 #[test]
-fn without_it_the_output_is_for_people() {
+fn output_without_json_is_text() {
     let (_folder, rig) = Folder::with_rig("text");
     let info = text!("info {rig}");
     says!(info => "15 degrees of freedom, 10 of them free | bone/3/twist1 | -85.944 | -1.500000");
@@ -41,7 +41,7 @@ fn without_it_the_output_is_for_people() {
 }
 
 #[test]
-fn info_lists_joints_frames_and_what_a_rig_has() {
+fn info_lists_joints_frames_and_rig_parts() {
     let (_folder, rig) = Folder::with_rig("info");
     let info = answer!("info {rig}");
     has!(info, {"kind": "rig", "degrees_of_freedom": 15, "free": 10});
@@ -58,7 +58,7 @@ fn info_lists_joints_frames_and_what_a_rig_has() {
 }
 
 #[test]
-fn fk_gives_tails_tips_and_axes() {
+fn fk_reports_tails_tips_and_axes() {
     let (_folder, rig) = Folder::with_rig("fk");
     // The right arm in its rest pose, then its elbow bent by −90 degrees about z.
     let fk = answer!("fk {rig}");
@@ -85,7 +85,7 @@ fn fk_gives_tails_tips_and_axes() {
 
 /// Seen from any bone a rig is as large as it is, and of both quaternions of a rotation the one with w at least 0 is told.
 #[test]
-fn fk_tells_ends_and_turns_as_its_base_sees_them() {
+fn fk_is_relative_to_its_base() {
     let (_folder, rig) = Folder::with_rig("bases");
     let q = "0,100,0 30,-80,0 0,150,40 0,-120,0 20,-170,10";
     let bones = ["bone/0", "bone/1", "bone/2", "bone/3", "bone/4"];
@@ -132,7 +132,7 @@ fn fk_at_a_time_samples_the_keyframes() {
 }
 
 #[test]
-fn solve_has_every_key_and_its_q_is_what_it_says() {
+fn solve_has_all_keys_and_a_consistent_q() {
     let (folder, rig) = Folder::with_rig("solve");
     let solution = answer!("solve {rig} {LEFT}");
     has!(solution, {"reached": true, "termination": "reached", "agreeing_attempts": 0});
@@ -161,7 +161,7 @@ fn solve_has_every_key_and_its_q_is_what_it_says() {
 }
 
 #[test]
-fn a_missed_target_is_an_answer() {
+fn unreached_target_is_a_result() {
     let (_folder, rig) = Folder::with_rig("missed");
     let solution = answer!("solve {rig} --target=bone/2=-4,0,0");
     assert_eq!(solution["reached"], false);
@@ -183,7 +183,7 @@ fn a_missed_target_is_an_answer() {
 }
 
 #[test]
-fn free_lets_the_pinned_tips_go() {
+fn free_option_releases_pinned_tips() {
     let (_folder, rig) = Folder::with_rig("free");
     let solution = answer!("solve {rig} --free {LEFT}");
     assert_eq!(list(&solution["tasks"]).len(), 1);
@@ -195,7 +195,7 @@ fn free_lets_the_pinned_tips_go() {
 }
 
 #[test]
-fn rays_and_poses() {
+fn rays_and_poses_are_targets() {
     let (folder, rig) = Folder::with_rig("rays");
     let solution = answer!("solve {rig} --ray=bone/4=2.4,0.4,9:2.4,0.4,0");
     assert_eq!(solution["reached"], true);
@@ -229,7 +229,7 @@ fn every_solver_and_derivative_route_can_be_chosen() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_answer() {
+fn same_seed_gives_the_same_solution() {
     let (_folder, rig) = Folder::with_rig("seed");
     let q = |seed: u32| {
         let solution = answer!("solve {rig} {LEFT} --free --start=random --rng-seed {seed}");
@@ -242,7 +242,7 @@ fn the_same_seed_gives_the_same_answer() {
 
 /// How sure a miss is: `out_of_reach` where it is certain, `agreeing_attempts` of `attempts` otherwise.
 #[test]
-fn a_miss_says_how_sure_it_is() {
+fn unreached_target_states_its_certainty() {
     let (_folder, rig) = Folder::with_rig("sure-misses");
     let solve = |more: &str| answer!("solve {rig} --target=bone/2={more}");
     // 90 away from an arm that is 2 long.

@@ -8,7 +8,7 @@ const LEG: &str = "../tests/loops/files/knee.xml";
 const BAXTER: &str = "../models/rethink_baxter.urdf";
 
 #[test]
-fn info_tells_loops_and_passive_joints() {
+fn info_lists_loops_and_passive_joints() {
     let info = answer!("info {LEG}");
     let knee = json!({"name": "knee_rod", "kind": "connect", "frames": ["knee_rod", "shank"],
         "joints": ["knee_rod", "knee_motor", "knee"]});
@@ -19,7 +19,7 @@ fn info_tells_loops_and_passive_joints() {
 }
 
 #[test]
-fn fk_moves_passive_joints_where_the_motors_have_them() {
+fn fk_closes_loops_by_passive_joints() {
     let motors = |knee: f64| format!("0,0,0.9,1,0,0,0,0.2,{knee},1,0,0,0,0,0,0,0");
     let placed = answer!("fk {LEG} --q {} --frame foot", motors(0.5));
     let q = numbers(&placed["q"]);
@@ -35,7 +35,7 @@ fn fk_moves_passive_joints_where_the_motors_have_them() {
 }
 
 #[test]
-fn solve_holds_loops_of_files_and_of_options() {
+fn solve_closes_loops_of_files_and_options() {
     let solution = answer!("solve {LEG} --target foot=0.1,0.1,0.2");
     has!(solution, {"reached": true, "open_loops": []});
 
@@ -51,7 +51,7 @@ fn solve_holds_loops_of_files_and_of_options() {
 }
 
 #[test]
-fn wrong_loops_are_refused_by_name() {
+fn invalid_loops_are_rejected_by_name() {
     let ask = format!("solve {BAXTER} --target left_tool=0.7,0.2,0.3");
     refused!("{ask} --connect left_tool" => 2, "--connect | FRAME=FRAME");
     refused!("{ask} --connect left_tool@1,2=right_tool" => 2, "3 numbers");

@@ -47,7 +47,7 @@ fn every_reachable_target_is_reached() {
 }
 
 #[test]
-fn threads_change_no_bit() {
+fn results_are_bitwise_equal_for_any_thread_count() {
     let folder = Folder::new("threads");
     // More targets than the batch door hands to a thread at once.
     let ur5e = Seeded::new("universal_ur5e", "base", "flange");
@@ -67,7 +67,7 @@ fn threads_change_no_bit() {
 }
 
 #[test]
-fn a_path_goes_on_from_the_last_answer() {
+fn path_continues_from_the_last_solution() {
     let folder = Folder::new("track");
     for seeded in robots() {
         // Straight through joint space between two configurations.
@@ -103,7 +103,7 @@ fn a_path_goes_on_from_the_last_answer() {
 /// An elbow bent one way, turned round the base until the first joint is on its limit: the arm can
 /// only go on with its elbow bent the other way.
 #[test]
-fn a_flip_is_told() {
+fn jump_is_reported() {
     let folder = Folder::new("flip");
     let file = model("adept_cobra_s600.urdf");
     let robot = kinopt::robot::Robot::read(&file).unwrap();
@@ -135,7 +135,7 @@ fn a_flip_is_told() {
 }
 
 #[test]
-fn starts_go_by_name_or_from_base_to_tip() {
+fn starts_are_given_by_name_or_in_order() {
     let folder = Folder::new("starts");
     let panda = Seeded::panda();
     let q = panda.configuration(31);
@@ -155,7 +155,7 @@ fn starts_go_by_name_or_from_base_to_tip() {
 }
 
 #[test]
-fn the_command_line_overrides_the_file() {
+fn command_line_overrides_the_file() {
     let folder = Folder::new("override");
     let seeded = Seeded::new("franka_panda", "link1", "hand");
     let mut content = seeded.targets(10);
@@ -170,7 +170,7 @@ fn the_command_line_overrides_the_file() {
 }
 
 #[test]
-fn positions_alone_and_misses() {
+fn positions_and_unreached_targets_are_summarised() {
     let folder = Folder::new("misses");
     let panda = Seeded::panda();
     let mut points: Vec<Vec<f64>> = panda.poses(6).iter().map(|p| p[..3].to_vec()).collect();
@@ -190,7 +190,7 @@ fn positions_alone_and_misses() {
 }
 
 #[test]
-fn a_rig_s_tip_too() {
+fn tip_of_a_rig_reaches_many_targets() {
     let (folder, rig) = Folder::with_rig("rig");
     let targets = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
     let file = folder.text("targets.json", targets);
@@ -206,7 +206,7 @@ fn a_rig_s_tip_too() {
 }
 
 #[test]
-fn malformed_files_are_named_with_the_place() {
+fn malformed_files_are_named_with_the_location() {
     let folder = Folder::new("malformed");
     let panda = Seeded::panda();
     // The content of each, and what is said of it.
@@ -247,7 +247,7 @@ hello => is not JSON | line 1
 }
 
 #[test]
-fn wrong_usage() {
+fn wrong_usage_is_rejected() {
     let panda = Seeded::panda();
     let file = "--targets=poses.json";
     refused!("solve {panda} {file} --target=tool=1,2,3" => 2, "--target");

@@ -30,7 +30,7 @@ fn info_fk_and_solve_take_mjcf() {
 }
 
 #[test]
-fn info_tells_how_far_balls_go() {
+fn info_reports_limits_of_ball_joints() {
     let walker = "../tests/mjcf/files/walker.xml";
     let info = answer!("info {walker}");
     let balls = list(&info["joints"])
@@ -47,7 +47,7 @@ fn info_tells_how_far_balls_go() {
 }
 
 #[test]
-fn an_srdf_file_holds_passive_joints_and_frees_a_group() {
+fn srdf_fixes_passive_joints_and_moves_one_group() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
     let file = folder.join("panda.srdf");
     let text = r#"<robot name="panda"><group name="arm"><chain base_link="base" tip_link="flange"/></group>

@@ -54,7 +54,7 @@ fn info_lists_bones_frames_and_channels() {
 }
 
 #[test]
-fn fk_places_joints_at_rest_and_in_time() {
+fn fk_places_joints_at_rest_and_at_a_time() {
     let folder = Folder::new("capture-fk");
     let file = wave(&folder);
     let tip = |more: &str, expected: [f64; 3]| {
@@ -96,7 +96,7 @@ fn fk_places_joints_at_rest_and_in_time() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_captures_and_options_are_rejected() {
     let folder = Folder::new("capture-errors");
     let file = wave(&folder);
     refused!("fk {file} --frame=Hand" => 1, "`Hand` | Upper Arm/tip");
@@ -120,7 +120,7 @@ fn what_cannot_be_is_refused() {
 
 /// The arm's tip goes where it can: the arm is 3 long and hangs on the hips, 4 above them.
 #[test]
-fn solve_drags_a_captured_pose() {
+fn solve_starts_from_a_captured_pose() {
     let folder = Folder::new("capture-solve");
     let file = wave(&folder);
     let out = folder.file("posed.bvh");

@@ -7,7 +7,7 @@ const PANDA: &str = "../models/franka_panda.urdf";
 const SEAM: &str = "../models/paths/pipe_seam.csv";
 
 #[test]
-fn a_seam_is_gone_in_one_piece() {
+fn seam_is_followed_without_reconfiguration() {
     let told = answer!("path {PANDA} {SEAM} --tip tool");
     has!(told, {"reconfigurations": 0, "reconfigured_at": [], "points": 121, "entry": 0});
     has!(told, {"reached": true, "missed": [], "blocked": []});
@@ -29,7 +29,7 @@ fn a_seam_is_gone_in_one_piece() {
 }
 
 #[test]
-fn how_the_table_was_read_is_told() {
+fn interpretation_of_the_table_is_reported() {
     let run = kinopt!("path {PANDA} {SEAM} --tip tool --json");
     let told = String::from_utf8(run.stderr).unwrap();
     says!(told => "121 points; x, y, z from columns 2, 3, 4 | times from column 1");
@@ -53,7 +53,7 @@ fn rows_are_written_as_a_table() {
 }
 
 #[test]
-fn courses_and_misses() {
+fn traversals_and_unreached_points_are_reported() {
     let folder = Folder::new("path-courses");
     // A square in the air, closed.
     let square = "x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0\n0,0.05,0,0,1,0,0\n0,0.05,0.05,0,1,0,0\n0,0,0.05,0,1,0,0\n";
@@ -76,7 +76,7 @@ fn courses_and_misses() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn invalid_paths_and_options_are_named() {
     let folder = Folder::new("path-wrong");
     let bad = folder.text("bad.csv", "x,y,z\n1,2,3\n1,2,here\n");
     refused!("path {PANDA} {bad} --tip tool" => 1, "line 3");
@@ -128,7 +128,7 @@ fn rows_are_timed_by_limits_of_a_file() {
 }
 
 #[test]
-fn a_table_may_be_for_several_tools() {
+fn table_may_have_several_tools() {
     let folder = Folder::new("path-tools");
     let file = folder.file("two.csv");
     let rows = (0..20).map(|k| {

@@ -33,7 +33,7 @@ fn close(got: &[Vec3]) {
 }
 
 #[test]
-fn as_ply() {
+fn posed_mesh_is_written_as_ply() {
     let folder = Folder::new("ply");
     let out = folder.file("posed.PLY");
     solve_to(&folder, &out);
@@ -43,7 +43,7 @@ fn as_ply() {
 }
 
 #[test]
-fn as_obj() {
+fn posed_mesh_is_written_as_obj() {
     let folder = Folder::new("obj");
     let out = folder.file("posed.obj");
     solve_to(&folder, &out);
@@ -61,7 +61,7 @@ fn as_obj() {
 }
 
 #[test]
-fn dual_quaternions_move_rigid_parts_alike_and_need_an_output() {
+fn dual_quaternions_move_rigid_parts_equally() {
     let folder = Folder::new("dqs");
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
     let common = format!("solve {rig} --target=bone/4=2,-1,0 {START} --degrees --skinning dqs");

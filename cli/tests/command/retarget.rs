@@ -40,7 +40,7 @@ fn array(folder: &Folder, name: &str, bytes: &[u8]) -> String {
 
 /// Two points of one foot are told apart by where they are.
 #[test]
-fn points_that_stand_are_told_with_their_frames() {
+fn contact_points_are_reported_with_their_frames() {
     let folder = Folder::new("retarget-standing");
     let drives = r#""left": {"frame": "left_sole", "offset": [0.05, 0, 0]}, "right": {"frame": "left_sole", "offset": [-0.05, 0.01, 0]}"#;
     let map = folder.text(
@@ -61,7 +61,7 @@ fn points_that_stand_are_told_with_their_frames() {
 
 /// What a map says of an array is the map's to answer for.
 #[test]
-fn a_map_s_own_mistakes_are_told_of_the_map() {
+fn errors_of_a_map_name_the_map() {
     let folder = Folder::new("retarget-map-mistakes");
     let source = array(&folder, "sway.npy", &sway(2));
     let robot = model("aldebaran_nao.urdf");
@@ -84,7 +84,7 @@ fn a_map_s_own_mistakes_are_told_of_the_map() {
 
 /// A foot on the ground, then on a step of 0.3 m: it hardly moves but on the way there.
 #[test]
-fn what_stands_is_said_by_speed_and_height() {
+fn contacts_are_detected_by_speed_and_height() {
     let folder = Folder::new("retarget-contacts");
     let text = MAP.replace("\"fps\"", "\"contacts\": [\"left\"], \"fps\"");
     let map = folder.text("map.json", &text);
@@ -110,7 +110,7 @@ fn what_stands_is_said_by_speed_and_height() {
 }
 
 #[test]
-fn a_swaying_person_sways_on_a_robot() {
+fn swaying_subject_is_retargeted_to_a_robot() {
     let folder = Folder::new("retarget");
     let map = folder.text("map.json", MAP);
     let source = array(&folder, "sway.npy", &sway(12));
@@ -165,7 +165,7 @@ fn a_swaying_person_sways_on_a_robot() {
 }
 
 #[test]
-fn a_robot_keeps_clear_of_itself_where_it_is_to() {
+fn self_collisions_are_avoided_on_request() {
     let folder = Folder::new("retarget-clear");
     let map = folder.text("map.json", MAP);
     let source = array(&folder, "sway.npy", &sway(4));
@@ -180,7 +180,7 @@ fn a_robot_keeps_clear_of_itself_where_it_is_to() {
 
 /// A head that would be in a pole, frame by frame and as a whole.
 #[test]
-fn a_robot_keeps_clear_of_a_world_where_it_is_to() {
+fn world_collisions_are_avoided_on_request() {
     let folder = Folder::new("retarget-world");
     let map = folder.text("map.json", MAP);
     let source = array(&folder, "sway.npy", &sway(6));
@@ -239,7 +239,7 @@ fn a_robot_keeps_clear_of_a_world_where_it_is_to() {
 }
 
 #[test]
-fn what_is_wrong_is_told_and_nothing_is_written() {
+fn errors_write_no_file() {
     let folder = Folder::new("retarget-wrong");
     let (map, robot) = (folder.text("map.json", MAP), model("aldebaran_nao.urdf"));
     let source = array(&folder, "sway.npy", &sway(3));

@@ -26,7 +26,7 @@ fn rows(path: &str) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn a_rig_s_keyframes_move_a_robot_by_names_alone() {
+fn rig_keyframes_are_retargeted_by_names() {
     let folder = Folder::new("retarget-by-names");
     let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
     let out = folder.file("walk.json");
@@ -64,7 +64,7 @@ fn a_rig_s_keyframes_move_a_robot_by_names_alone() {
 }
 
 #[test]
-fn a_table_is_as_learning_reads_it() {
+fn csv_table_has_the_learning_format() {
     let folder = Folder::new("retarget-csv");
     let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
     let (csv, out) = (folder.file("walk.csv"), folder.file("walk.json"));
@@ -88,7 +88,7 @@ fn a_table_is_as_learning_reads_it() {
 }
 
 #[test]
-fn figures_move_as_the_source_did() {
+fn figures_move_as_the_source() {
     let folder = Folder::new("retarget-figures");
     let rig = humanoid();
     let (glb, bvh) = (folder.file("walk.glb"), folder.file("walk.bvh"));
@@ -125,7 +125,7 @@ fn figures_move_as_the_source_did() {
 }
 
 #[test]
-fn a_map_of_another_robot_is_completed_by_names() {
+fn map_of_another_robot_is_completed_by_names() {
     let folder = Folder::new("retarget-map-of-another");
     let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
     let (map, out) = (folder.file("map.json"), folder.file("walk.json"));
@@ -144,7 +144,7 @@ fn a_map_of_another_robot_is_completed_by_names() {
 }
 
 #[test]
-fn an_array_of_a_known_skeleton_needs_its_name_alone() {
+fn array_of_a_known_skeleton_needs_only_its_name() {
     let folder = Folder::new("retarget-smpl");
     let names = 24;
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
@@ -173,7 +173,7 @@ fn an_array_of_a_known_skeleton_needs_its_name_alone() {
 }
 
 #[test]
-fn a_capture_of_no_frames_is_refused_and_nothing_written() {
+fn capture_without_frames_writes_no_file() {
     let folder = Folder::new("retarget-no-frames");
     let (bvh, out) = (folder.file("empty.bvh"), folder.file("empty.json"));
     let robot = model("aldebaran_nao.urdf");

@@ -28,7 +28,7 @@ fn capture(named: &str) -> String {
 }
 
 #[test]
-fn a_folder_goes_on_where_it_was() {
+fn interrupted_folder_is_continued() {
     let folder = Folder::new("retarget-folder");
     let (from, into) = (folder.file("from"), folder.file("into"));
     std::fs::create_dir_all(format!("{from}/deeper")).unwrap();
@@ -85,7 +85,7 @@ fn a_folder_goes_on_where_it_was() {
 
 /// What Python began, which asks the library, the command goes on with.
 #[test]
-fn a_folder_is_gone_on_with_whoever_began_it() {
+fn folder_begun_by_the_library_is_continued() {
     let folder = Folder::new("retarget-begun");
     let (from, into) = (folder.file("from"), folder.file("into"));
     std::fs::create_dir_all(&from).unwrap();
@@ -122,7 +122,7 @@ fn a_folder_is_gone_on_with_whoever_began_it() {
 }
 
 #[test]
-fn folders_that_cannot_be_done_are_refused() {
+fn invalid_folders_are_rejected() {
     let folder = Folder::new("retarget-folders-wrong");
     let (from, into) = (folder.file("from"), folder.file("into"));
     std::fs::create_dir_all(&from).unwrap();

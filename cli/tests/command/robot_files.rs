@@ -19,7 +19,7 @@ fn door(folder: &Folder, text: &str) -> String {
 }
 
 #[test]
-fn a_damaged_robot_is_refused_with_a_hint_and_mended_on_request() {
+fn damaged_robot_is_rejected_or_repaired_on_request() {
     let folder = Folder::new("lenient");
     let file = door(&folder, DOOR);
     let words = "door.urdf:5: joint `hinge` | lower limit 1.5 | --lenient";
@@ -33,7 +33,7 @@ fn a_damaged_robot_is_refused_with_a_hint_and_mended_on_request() {
 }
 
 #[test]
-fn a_file_that_only_leaves_things_to_defaults_needs_no_switch() {
+fn defaulted_attributes_need_no_option() {
     let folder = Folder::new("defaults");
     let sound = DOOR.replace("lower=\"1.5\" upper=\"-1\"", "lower=\"-1\" upper=\"1.5\"");
     let file = door(&folder, &sound);
@@ -42,7 +42,7 @@ fn a_file_that_only_leaves_things_to_defaults_needs_no_switch() {
 }
 
 #[test]
-fn shapes_masses_speeds_and_soft_limits_are_told() {
+fn shapes_masses_and_limits_are_reported() {
     let folder = Folder::new("bodies");
     let file = door(&folder, DOOR);
     let info = answer!("info {file} --lenient");
@@ -58,7 +58,7 @@ fn shapes_masses_speeds_and_soft_limits_are_told() {
 }
 
 #[test]
-fn soft_limits_bind_on_request() {
+fn soft_limits_apply_on_request() {
     let folder = Folder::new("soft");
     let file = door(&folder, DOOR);
     // A quarter turn to the right, which the soft limit cuts short.
@@ -71,7 +71,7 @@ fn soft_limits_bind_on_request() {
 }
 
 #[test]
-fn only_robots_are_read_so() {
+fn robot_options_are_rejected_for_rigs() {
     let (_folder, rig) = Folder::with_rig("rig");
     for option in ["--lenient", "--soft-limits"] {
         refused!("info {rig} {option}" => 2, "{option}");

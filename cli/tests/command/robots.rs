@@ -6,7 +6,7 @@ use crate::seeded_robot::{Seeded, seven, typed};
 use serde_json::{Value, json};
 
 #[test]
-fn info_shows_the_tree() {
+fn info_shows_the_link_tree() {
     let panda = Seeded::panda();
     let text = text!("info {panda}");
     let line = |name: &str| {
@@ -72,7 +72,7 @@ fn fk_places_links_in_any_base() {
 }
 
 #[test]
-fn one_target_by_every_search_and_solver() {
+fn every_search_and_solver_reaches_the_target() {
     let panda = Seeded::panda();
     let pose = panda.pose(&panda.configuration(11));
     let target = typed("tool", &pose);
@@ -114,7 +114,7 @@ fn one_target_by_every_search_and_solver() {
 }
 
 #[test]
-fn parts_of_a_pose() {
+fn partial_poses_are_targets() {
     let panda = Seeded::panda();
     let pose = panda.pose(&panda.configuration(11));
     let whole = typed("tool", &pose);
@@ -137,7 +137,7 @@ fn parts_of_a_pose() {
 }
 
 #[test]
-fn a_move_can_be_bounded() {
+fn move_limits_are_kept() {
     let ur5e = Seeded::new("universal_ur5e", "base", "flange");
     let start = ur5e.configuration(2);
     let near: Vec<f64> = start.iter().map(|value| value + 0.05).collect();
@@ -172,7 +172,7 @@ fn targets_are_in_the_base_frame() {
 }
 
 #[test]
-fn both_arms_at_once() {
+fn two_arms_are_solved_together() {
     for base in ["torso", "left_upper_arm"] {
         let baxter = Seeded::new("rethink_baxter", base, "left_tool");
         let q = baxter.configuration(5);
@@ -191,7 +191,7 @@ fn both_arms_at_once() {
 }
 
 #[test]
-fn people_see_what_matters() {
+fn text_output_shows_the_essentials() {
     let panda = Seeded::panda();
     let target = typed("tool", &panda.pose(&panda.configuration(11)));
     let text = text!("solve {panda} {target} --search=distinct:3");
@@ -200,7 +200,7 @@ fn people_see_what_matters() {
 }
 
 #[test]
-fn out_of_reach_is_an_answer() {
+fn unreachable_target_is_a_result() {
     let scara = Seeded::new("adept_cobra_s600", "base", "flange");
     says!(text!("solve {scara} --target=flange=2,0,0.2") => "Not reached");
     let solution = answer!("solve {scara} --target=flange=2,0,0.2");
@@ -211,7 +211,7 @@ fn out_of_reach_is_an_answer() {
 }
 
 #[test]
-fn wrong_names_and_options() {
+fn wrong_names_and_options_are_rejected() {
     let panda = Seeded::panda();
     let rig = Folder::new("rig-options");
     let rig = rig.rig();
@@ -235,7 +235,7 @@ fn wrong_names_and_options() {
 
 /// What no target feels stays at its start, whatever the method and however many attempts it takes.
 #[test]
-fn the_other_arm_stays() {
+fn other_arm_stays_at_its_start() {
     let file = model("rethink_baxter.urdf");
     let robot = kinopt::robot::Robot::read(&file).unwrap();
     let start = robot.model().random_configuration(0);

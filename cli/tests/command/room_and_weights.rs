@@ -11,7 +11,7 @@ fn in_target(panda: &Seeded, q: &[f64], wanted: &Placement<f64>) -> Placement<f6
 }
 
 #[test]
-fn room_on_axes() {
+fn goal_bounds_of_an_arm_are_used() {
     let panda = Seeded::panda();
     let q = panda.configuration(11);
     let wanted = panda.base_from("tool", &q);
@@ -49,7 +49,7 @@ fn room_on_axes() {
 
 /// Of figures, and of robots by a general solver.
 #[test]
-fn room_beyond_arms() {
+fn goal_bounds_of_other_models_are_used() {
     let (_folder, rig) = Folder::with_rig("room");
     // The stretched arm's tip is at x = −3; turned so far about itself no bone gets there.
     let turned = "--target=bone/2=-3,0,0,0,0,0.997495,0.070737";
@@ -98,7 +98,7 @@ fn room_beyond_arms() {
 }
 
 #[test]
-fn weights_say_who_gives_way() {
+fn task_weights_balance_conflicting_targets() {
     let (_folder, rig) = Folder::with_rig("weights");
     // Both hands ask for what only the tip of one arm each can have; out of reach, they compromise
     // only through the weights of one frame's two targets.
@@ -119,7 +119,7 @@ fn weights_say_who_gives_way() {
 }
 
 #[test]
-fn joints_weigh_in_the_nearest_answer() {
+fn joint_weights_select_the_nearest_solution() {
     let panda = Seeded::panda();
     let q = panda.configuration(11);
     let target = typed("tool", &panda.pose(&q));
@@ -142,7 +142,7 @@ fn joints_weigh_in_the_nearest_answer() {
 }
 
 #[test]
-fn scripts_hear_of_misses() {
+fn fail_on_miss_sets_the_exit_code() {
     let scara = Seeded::new("adept_cobra_s600", "base", "flange");
     let folder = Folder::new("misses");
     let content = r#"{"targets": [[2, 0, 0.2], [0.4, 0.1, 0.2]], "tip_link": "flange"}"#;
@@ -169,7 +169,7 @@ fn scripts_hear_of_misses() {
 
 /// What is held gives way to a target that it keeps out of reach as its weight has it.
 #[test]
-fn what_is_held_has_a_weight() {
+fn held_frames_have_a_weight() {
     let panda = Seeded::panda();
     let slips = [0.1, 1.0, 10.0].map(|weight| {
         let held = format!("--one-level --hold=link5 --weight=link5={weight}");

@@ -31,7 +31,7 @@ fn keeps(file: &str) -> Scene {
 }
 
 #[test]
-fn a_clip_goes_into_a_file_and_another_behind_it() {
+fn clips_are_appended_to_a_file() {
     let folder = Folder::new("scene-clips");
     let (file, out) = (
         folder.text("walker.gltf", WALKER),
@@ -60,7 +60,7 @@ fn a_clip_goes_into_a_file_and_another_behind_it() {
 /// A disk that is full, as one that takes no file of more than 512 bytes.
 #[cfg(unix)]
 #[test]
-fn a_file_stays_whole_where_there_is_no_room_for_the_new_one() {
+fn failed_write_keeps_the_old_file() {
     let folder = Folder::new("full-disk");
     let (file, out) = (
         folder.text("walker.gltf", WALKER),
@@ -89,7 +89,7 @@ fn a_file_stays_whole_where_there_is_no_room_for_the_new_one() {
 
 /// 3.3 s in single precision are 197.999997 sixtieths, and the last frame is there all the same.
 #[test]
-fn a_clip_is_written_to_its_end() {
+fn clip_is_written_to_its_end() {
     let folder = Folder::new("whole-clips");
     let longer = WALKER.replace("base64,AAAAAAAAgD8A", "base64,AAAAADMzU0AA");
     let file = folder.text("longer.gltf", &longer);
@@ -101,7 +101,7 @@ fn a_clip_is_written_to_its_end() {
 }
 
 #[test]
-fn a_pose_that_is_found_is_a_clip_of_one_key() {
+fn solved_pose_is_a_clip_with_one_key() {
     let folder = Folder::new("scene-poses");
     let (file, out) = (
         folder.text("walker.gltf", WALKER),
@@ -127,7 +127,7 @@ fn a_pose_that_is_found_is_a_clip_of_one_key() {
 }
 
 #[test]
-fn a_rig_is_one_animated_file() {
+fn rig_is_written_as_one_animated_file() {
     let folder = Folder::new("rig-animated");
     let (rig_file, out) = (folder.rig(), folder.file("rig.glb"));
     let document = answer!("animate {rig_file} --fps=20 --format=glb --out {out}");
@@ -159,7 +159,7 @@ fn a_rig_is_one_animated_file() {
 }
 
 #[test]
-fn a_file_of_other_bones_is_no_place_for_a_clip() {
+fn clip_is_rejected_for_a_file_with_other_bones() {
     let folder = Folder::new("other-bones");
     let file = folder.text("walker.gltf", WALKER);
     let other = folder.text("other.gltf", WALKER.replace("knee", "elbow"));

@@ -124,7 +124,7 @@ fn fk_places_nodes_at_a_time_of_a_clip() {
 }
 
 #[test]
-fn animate_poses_a_clip_at_one_time_or_frame_by_frame() {
+fn animate_poses_a_clip_at_one_or_many_times() {
     let folder = Folder::new("scene-animate");
     let file = written(&folder);
     let [low, high] = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -166,7 +166,7 @@ fn animate_poses_a_clip_at_one_time_or_frame_by_frame() {
 }
 
 #[test]
-fn a_rig_s_mesh_may_be_written_as_a_scene() {
+fn rig_mesh_may_be_written_as_a_scene() {
     let (folder, rig) = Folder::with_rig("rig-as-scene");
     let (glb, ply) = (folder.file("posed.glb"), folder.file("posed.ply"));
     text!("animate {rig} --time=1.25 --out {glb}");
@@ -178,7 +178,7 @@ fn a_rig_s_mesh_may_be_written_as_a_scene() {
 }
 
 #[test]
-fn what_does_not_go_together_is_said() {
+fn conflicting_options_are_rejected() {
     let folder = Folder::new("scene-refused");
     let (file, rig, out) = (written(&folder), folder.rig(), folder.file("posed.glb"));
     let to = format!("--time=1 --out {out}");
@@ -205,7 +205,7 @@ fn what_does_not_go_together_is_said() {
 }
 
 #[test]
-fn solve_drags_the_joints_of_a_scene() {
+fn solve_moves_the_joints_of_a_scene() {
     let folder = Folder::new("scene-solve");
     let (file, out) = (written(&folder), folder.file("dragged.glb"));
     let solved = answer!("solve {file} --target=hinge=0,0,1 --out {out}");
@@ -222,7 +222,7 @@ fn solve_drags_the_joints_of_a_scene() {
 }
 
 #[test]
-fn an_empty_scene_has_no_size() {
+fn empty_scene_has_no_size() {
     let folder = Folder::new("empty-scene");
     let file = folder.text("empty.gltf", r#"{"asset":{"version":"2.0"},"scenes":[{}]}"#);
     let text = text!("info {file}");
@@ -231,7 +231,7 @@ fn an_empty_scene_has_no_size() {
 }
 
 #[test]
-fn what_is_no_gltf_is_called_so() {
+fn non_gltf_files_are_named() {
     let folder = Folder::new("no-gltf");
     for (name, content, words) in [
         ("rubbish.glb", "rubbish", "no JSON object"),

@@ -42,7 +42,7 @@ fn speeds(ticks: &[Value], start: &[f64]) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn a_line_is_followed_within_the_file_s_velocity_limits() {
+fn line_is_followed_within_velocity_limits() {
     let folder = Folder::new("servo");
     let seeded = Seeded::panda();
     let start = start(&seeded);
@@ -78,7 +78,7 @@ fn a_line_is_followed_within_the_file_s_velocity_limits() {
 }
 
 #[test]
-fn slower_limits_hold_and_are_told() {
+fn slower_limits_hold_and_are_reported() {
     let folder = Folder::new("slow-servo");
     let seeded = Seeded::panda();
     let start = start(&seeded);
@@ -99,7 +99,7 @@ fn slower_limits_hold_and_are_told() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn invalid_servo_options_are_rejected() {
     let folder = Folder::new("no-servo");
     let seeded = Seeded::panda();
     let (file, _) = targets(&folder, &seeded, &start(&seeded));
@@ -117,7 +117,7 @@ fn what_makes_no_sense_is_refused() {
 }
 
 #[test]
-fn what_touches_is_told_and_is_no_target_reached() {
+fn contact_is_reported_and_target_unreached() {
     let folder = Folder::new("servo-touching");
     let seeded = Seeded::panda();
     let start = start(&seeded);

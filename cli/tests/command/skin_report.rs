@@ -4,7 +4,7 @@
 use crate::forked_rig::*;
 
 #[test]
-fn volumes_follow_theory() {
+fn volumes_equal_theory() {
     let report = answer!("skin-report");
     let rows = list(&report["twists"]);
     let degrees: Vec<f64> = rows.iter().map(|row| number(&row["degrees"])).collect();
@@ -22,15 +22,25 @@ fn volumes_follow_theory() {
 }
 
 #[test]
-fn the_table_has_a_row_per_twist() {
+fn table_has_a_row_per_twist() {
     let text = text!("skin-report --twists=-30,60");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 3, "{text}");
     assert!(lines[0].contains("twist, °") && lines[1].contains("-30.000"));
 }
 
+#[cfg(feature = "charts")]
 #[test]
-fn wrong_usage_is_refused() {
+fn chart_shows_both_methods() {
+    let folder = Folder::new("twist");
+    let file = folder.file("twist.svg");
+    text!("skin-report --out {file}");
+    let svg = std::fs::read_to_string(&file).unwrap();
+    says!(svg => "<svg | volume, % | lbs | dqs | 180 degrees");
+}
+
+#[test]
+fn wrong_usage_is_rejected() {
     refused!("skin-report --twists 0,190" => 2, "190");
     refused!("skin-report --twists a" => 2, "`a`");
     refused!("skin-report --twists ," => 2, "at least one");

@@ -7,7 +7,7 @@ use kinopt::robot::Robot;
 use serde_json::json;
 
 #[test]
-fn a_robot_becomes_spheres_in_either_format() {
+fn robot_spheres_are_written_in_both_formats() {
     let folder = Folder::new("spheres");
     let panda = model("franka_panda.urdf");
     let robot = Robot::read(&panda).unwrap();
@@ -42,7 +42,7 @@ fn a_robot_becomes_spheres_in_either_format() {
 }
 
 #[test]
-fn pairs_go_through_srdf() {
+fn srdf_pairs_are_kept() {
     let folder = Folder::new("sphere-pairs");
     let ur5e = model("universal_ur5e.urdf");
     let (out, srdf) = (folder.file("ur5e.yml"), folder.file("ur5e.srdf"));
@@ -62,7 +62,7 @@ fn pairs_go_through_srdf() {
 }
 
 #[test]
-fn one_is_told_as_one() {
+fn single_sphere_is_reported_in_the_singular() {
     let folder = Folder::new("one-sphere");
     let ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
     let urdf = format!(
@@ -81,7 +81,7 @@ fn one_is_told_as_one() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_input_is_rejected() {
     let folder = Folder::new("no-spheres");
     let panda = model("franka_panda.urdf");
     let out = folder.file("panda.yml");
@@ -98,7 +98,7 @@ fn what_cannot_be_is_refused() {
 
 /// What a fiftieth of the reach is too fine for: a floor that a robot's file has in it.
 #[test]
-fn the_default_takes_a_link_of_any_size() {
+fn default_accepts_links_of_any_size() {
     let folder = Folder::new("sphere-default");
     let floor = r#"<mujoco><worldbody><geom name="floor" type="box" size="5 5 .1" pos="0 0 -.2"/>
       <body name="a" pos="0 0 .5"><joint axis="0 1 0" range="-100 100"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 0"/>

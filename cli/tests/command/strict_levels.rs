@@ -38,7 +38,7 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
 }
 
 #[test]
-fn what_is_reached_is_the_same_on_any_levels() {
+fn reachable_solution_is_independent_of_levels() {
     let near =
         "--base-joint free --hold left_sole --hold right_sole --target left_hand=0.12,0.1,-0.05";
     let ranked = answer!("solve {NAO} {near}");
@@ -50,7 +50,7 @@ fn what_is_reached_is_the_same_on_any_levels() {
 }
 
 #[test]
-fn levels_are_typed_by_the_names_of_targets_and_of_tasks() {
+fn levels_are_set_by_target_and_task_names() {
     let folder = Folder::new("levels");
     let tasks = json!([
         {"task": "gaze", "frame": "head", "axis": [1, 0, 0], "direction": [-1, 0, 0], "half_angle": 0.1,
@@ -77,7 +77,7 @@ fn levels_are_typed_by_the_names_of_targets_and_of_tasks() {
 }
 
 #[test]
-fn levels_that_say_nothing_are_refused() {
+fn invalid_levels_are_rejected() {
     refused!("solve {NAO} {FAR} --level nose=1" => 1, "no target, held frame or task named `nose`; valid names: left_hand, left_sole, right_sole");
     for wrong in [
         "left_hand",
@@ -91,8 +91,8 @@ fn levels_that_say_nothing_are_refused() {
 }
 
 #[test]
-fn the_page_s_commands_let_the_far_hand_alone_give_way() {
-    let page = include_str!("../../../docs/guide/priorities.md");
+fn commands_of_the_page_miss_only_the_far_hand() {
+    let page = include_str!("../../../docs/strict-levels.md");
     let (_, fenced) = page.split_once("```sh\n").unwrap();
     let lines: Vec<&str> = fenced.split("```").next().unwrap().lines().collect();
     assert_eq!(lines.len(), 2);

@@ -28,7 +28,7 @@ fn placed(folder: &Folder, options: &str, answer: &Value, frame: &str) -> (Vec<f
 }
 
 #[test]
-fn each_task_does_what_it_is_called() {
+fn each_task_has_its_effect() {
     let folder = Folder::new("task-file");
     let tasks = json!([
         {"task": "gaze", "frame": "head", "axis": [1, 0, 0], "direction": [1, 1, 0], "half_angle": 0.3},
@@ -82,7 +82,7 @@ fn each_task_does_what_it_is_called() {
 }
 
 #[test]
-fn a_posture_shares_what_is_left_by_weights() {
+fn posture_weights_distribute_the_null_space() {
     let folder = Folder::new("task-posture");
     let moved = |weights: &Value| {
         let tasks = json!([{"task": "posture", "joint_weights": weights}]);
@@ -99,7 +99,7 @@ fn a_posture_shares_what_is_left_by_weights() {
 }
 
 #[test]
-fn wrong_files_are_refused_by_their_place() {
+fn invalid_task_files_are_rejected_by_location() {
     let folder = Folder::new("task-refused");
     for (tasks, words) in [
         (json!({}), "no list of tasks"),

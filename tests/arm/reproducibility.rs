@@ -1,0 +1,229 @@
+//! Promise: equal input gives bitwise equal results: in repeated runs, with another equal arm, alone and in batches,
+//! and with 1, 2 and 8 threads.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
+use kinopt::problem::{Preferences, Problem};
+use kinopt::spatial::Placement;
+use kinopt::task::{Point, Posture};
+use kinopt::{Solution, Solver};
+use rayon::prelude::*;
+use support::arms::{Random, panda, robot};
+use support::sample::{cases, part};
+
+type Questions = (Vec<Placement<f64>>, Vec<f64>);
+
+/// Contents of a solution except times.
+fn bits(solutions: &[Solution]) -> Vec<u64> {
+    let numbers = solutions.iter().flat_map(|s| {
+        let counts = [s.iterations as u64, s.attempts as u64, s.cost.to_bits()];
+        s.q.iter().map(|v| v.to_bits()).chain(counts)
+    });
+    numbers.collect()
+}
+
+fn questions(arm: &Arm, count: usize) -> Questions {
+    let mut random = Random(8);
+    let mut goals: Vec<_> = (0..count)
+        .map(|_| arm.base_from_tool(&random.configuration(arm)).unwrap())
+        .collect();
+    // One target is unreachable in all cases.
+    goals[1].translation.x += 5.0;
+    let starts = (0..count).flat_map(|_| random.configuration(arm));
+    (goals, starts.collect())
+}
+
+fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
+    let starts = starts.chunks(arm.joint_count());
+    let questions = goals.iter().zip(starts);
+    questions
+        .map(|(goal, start)| arm.solve(goal, start).unwrap())
+        .collect()
+}
+
+/// `count` problems: more than a chunk of a batch if the SIMD solver handles them.
+fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
+    let arm = builder.clone().build().unwrap();
+    let n = arm.joint_count();
+    let asked = questions(&arm, count);
+    let (goals, starts) = &asked;
+    let singles = alone(&arm, &asked);
+    let together = arm.solve_batch(goals, starts).unwrap();
+    assert!(!together[1].reached && !singles[1].reached);
+    // Repeated, and with a separate arm.
+    let again = builder.clone().build().unwrap();
+    assert_eq!(bits(&alone(&again, &asked)), bits(&singles));
+    assert_eq!(
+        bits(&again.solve_batch(goals, starts).unwrap()),
+        bits(&together)
+    );
+    let flat: Vec<u64> = together
+        .iter()
+        .flat_map(|s| &s.q)
+        .map(|v| v.to_bits())
+        .collect();
+    for threads in part([8, 1, 2], 2) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let parallel = arm.solve_batch_parallel(goals, starts).unwrap();
+            assert_eq!(bits(&parallel), bits(&together), "{threads} threads");
+            let mut q = vec![0.0; starts.len()];
+            let mut outcomes = vec![PoseOutcome::default(); count];
+            arm.solve_batch_into_parallel(goals, starts, &mut q, &mut outcomes)
+                .unwrap();
+            assert!(q.iter().map(|v| v.to_bits()).eq(flat.iter().copied()));
+            assert!(
+                outcomes
+                    .iter()
+                    .zip(&together)
+                    .all(|(a, b)| a.reached == b.reached)
+            );
+            // Single solves of one arm from all threads at once.
+            let questions = goals.par_iter().zip(starts.par_chunks(n));
+            let results = questions.map(|(goal, start)| arm.solve(goal, start).unwrap());
+            let results: Vec<Solution> = results.collect();
+            assert_eq!(bits(&results), bits(&singles), "{threads} threads");
+        });
+    }
+}
+
+#[test]
+fn common_searches_are_reproducible() {
+    let (robot, base, tip) = panda();
+    for search in [Search::Start, Search::First] {
+        let builder = Arm::builder(&robot, base, tip);
+        let fewer = cases(140, 12);
+        // More than a chunk of a batch, for one search at least.
+        let first = search == Search::First;
+        let count = if first { 140 } else { fewer };
+        the_same_bits(&builder.with_search(search).with_atlas(first), count);
+    }
+    let six = self::robot("universal_ur5e");
+    let builder = Arm::builder(&six, "base", "flange");
+    the_same_bits(&builder, cases(140, 12));
+}
+
+#[test]
+fn comparing_searches_are_reproducible() {
+    let (robot, base, tip) = panda();
+    let distinct = Search::Distinct {
+        k: 4,
+        distance: 0.4,
+    };
+    for search in [Search::Nearest, distinct] {
+        let builder = Arm::builder(&robot, base, tip);
+        let builder = builder.with_search(search).with_attempts(30);
+        the_same_bits(&builder.with_atlas(false), cases(5, 2));
+    }
+}
+
+#[test]
+fn general_solver_options_are_reproducible() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
+    the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 2));
+    the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
+    let goal = Goal::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
+    the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 2));
+}
+
+#[test]
+fn mimic_chain_is_reproducible() {
+    let robot = robot("aldebaran_nao");
+    let builder = Arm::builder(&robot, "left_sole", "right_sole");
+    the_same_bits(&builder.with_atlas(false), cases(6, 2));
+}
+
+#[test]
+fn solve_all_and_track_are_reproducible() {
+    let (robot, base, tip) = panda();
+    let distinct = Search::Distinct {
+        k: 4,
+        distance: 0.4,
+    };
+    let builder = Arm::builder(&robot, base, tip);
+    let builder = builder.with_search(distinct).with_atlas(false);
+    let arm = builder.build().unwrap();
+    let (goals, starts) = questions(&arm, cases(6, 3));
+    let path: Vec<_> = (0..cases(40, 20))
+        .map(|k| {
+            let s = k as f64 * 0.02;
+            let q = [0.1 + s, -0.4, 0.2, -1.8 + s, 0.3, 1.7, 0.5 - s];
+            arm.base_from_tool(&q).unwrap()
+        })
+        .collect();
+    let run = || {
+        let all = goals.iter().zip(starts.chunks(7));
+        let mut all: Vec<Solution> = all
+            .flat_map(|(goal, start)| arm.solve_all(goal, start).unwrap())
+            .collect();
+        all.extend(arm.track(&path, &starts[..7]).unwrap().solutions);
+        bits(&all)
+    };
+    let once = run();
+    for threads in part([8, 1, 2], 2) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let runs: Vec<_> = pool
+            .build()
+            .unwrap()
+            .install(|| (0..2).into_par_iter().map(|_| run()).collect());
+        assert!(runs.iter().all(|bits| *bits == once));
+    }
+}
+
+/// A reused solution keeps nothing of the previous problem, whichever arm solved it.
+#[test]
+fn reused_solution_keeps_nothing() {
+    let (robot, base, tip) = panda();
+    let plain = Arm::builder(&robot, base, tip)
+        .with_atlas(false)
+        .with_attempts(8);
+    let arms = [
+        plain.clone(),
+        plain.clone().with_max_move(&[0.05; 7]),
+        plain
+            .clone()
+            .with_search(Search::Nearest)
+            .with_goal(Goal::position()),
+    ];
+    let arms = arms.map(|arm| arm.build().unwrap());
+    let mut asked = Vec::new();
+    for arm in &arms {
+        let (goals, starts) = questions(arm, 3);
+        for (goal, start) in goals.into_iter().zip(starts.chunks(7)) {
+            let reported = arm.solve(goal, start).unwrap();
+            asked.push((arm, goal, start.to_vec(), format!("{reported:?}")));
+        }
+        // A target at the arm's base, blocked by limits.
+        let start = vec![0.1; 7];
+        let turned = arm.base_from_tool(&start).unwrap().rotation;
+        let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
+        let reported = arm.solve(low, &start).unwrap();
+        asked.push((arm, low, start, format!("{reported:?}")));
+    }
+    // A solver's solution whose soft task displaced its required task.
+    let model = robot.model();
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(model.frame(tip).unwrap(), [0.4, 0.3, 0.5]));
+    builder.add(Posture::new(model, &model.neutral()));
+    builder.preferences(Preferences::Traded);
+    let pulled = builder.build().unwrap();
+    let pulled = Solver::default().solve_once(&pulled, &model.neutral());
+    let pulled = pulled.unwrap();
+    assert!(pulled.pulling_preferences().next().is_some());
+    for (other, goal, start, expected) in &asked {
+        let mut solution = pulled.clone();
+        other.solve_into(goal, start, &mut solution).unwrap();
+        assert_eq!(format!("{solution:?}"), *expected);
+    }
+    for (arm, goal, start, _) in &asked {
+        for (other, goal_of_other, start_of_other, expected) in &asked {
+            let mut solution = Solution::default();
+            arm.solve_into(goal, start, &mut solution).unwrap();
+            other
+                .solve_into(goal_of_other, start_of_other, &mut solution)
+                .unwrap();
+            assert_eq!(format!("{solution:?}"), *expected);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Promise: along straight lines of 0.3 mm steps out of the workspace and back, an arm settles at the closest pose of
+//! its branch and never jumps.
+//!
+//! A debug build follows a few lines; `KINOPT_CASES` sets their number for each robot.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::Arm;
+use kinopt::spatial::Placement;
+use support::arms::{Random, robot, within_limits};
+use support::lines::{Line, ROBOTS, lines, robots};
+use support::sample::{cases, few};
+
+/// Counts of one way to follow a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Seen {
+    steps: usize,
+    missed: usize,
+    /// Steps in which a joint moves by more than 0.2 rad or m, and those of them that end in a miss.
+    jumps: usize,
+    leaps: usize,
+}
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+impl Seen {
+    fn step(&mut self, arm: &Arm, from: &[f64], to: &Solution) {
+        assert!(within_limits(arm, &to.q));
+        self.steps += 1;
+        self.missed += usize::from(!to.reached);
+        let far = longest(from, &to.q) > 0.2;
+        self.jumps += usize::from(far);
+        self.leaps += usize::from(far && !to.reached);
+    }
+}
+
+type Follow = fn(&Arm, &[Placement<f64>], &[f64]) -> Vec<Solution>;
+
+fn by_follower(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
+    let mut follower = arm.follower(start).unwrap();
+    let step = |target: &Placement<f64>| {
+        let mut solution = Solution::default();
+        let jump = follower.advance(*target, &mut solution).unwrap();
+        assert_eq!(jump, None);
+        solution
+    };
+    targets.iter().map(step).collect()
+}
+
+fn by_track(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
+    let track = arm.track(targets, start).unwrap();
+    assert_eq!(track.jumps, []);
+    track.solutions
+}
+
+fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
+    let mut q = start.to_vec();
+    // Misses are slow to solve, so a debug build returns soon after the edge.
+    let most = targets.len() * if few() { 3 } else { 5 } / 10;
+    let (out, back) = (&targets[..most], &targets[targets.len() - most..]);
+    let step = |target: &Placement<f64>| {
+        let solution = arm.solve(*target, &q).unwrap();
+        q.clone_from(&solution.q);
+        solution
+    };
+    out.iter().chain(back).map(step).collect()
+}
+
+fn follow(name: &str, follow: Follow, count: usize) -> Seen {
+    let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
+    let robot = robot(name);
+    let arm = Arm::builder(&robot, base, tip);
+    let arm = arm.with_atlas(false).build().unwrap();
+    let mut seen = Seen::default();
+    for Line { start, out } in lines(&arm, &mut Random(71), count) {
+        let back = out.iter().rev();
+        let targets: Vec<_> = out.iter().chain(back).copied().collect();
+        let solutions = follow(&arm, &targets, &start);
+        let mut from = &start;
+        for solution in &solutions {
+            seen.step(&arm, from, solution);
+            from = &solution.q;
+        }
+    }
+    seen
+}
+
+#[test]
+fn path_follower_never_jumps() {
+    for name in robots() {
+        let seen = follow(name, by_follower, cases(8, 1));
+        assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
+        assert_eq!(seen.jumps, 0, "{name}: {seen:?}");
+    }
+}
+
+#[test]
+fn track_never_jumps() {
+    for name in robots().filter(|name| *name != "aldebaran_nao") {
+        let seen = follow(name, by_track, cases(4, 1));
+        assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
+        assert_eq!(seen.jumps, 0, "{name}: {seen:?}");
+    }
+}
+
+/// Each solve starts from the previous result.
+#[test]
+fn miss_stays_near_the_start() {
+    for name in robots().filter(|name| *name != "aldebaran_nao") {
+        let seen = follow(name, by_solve, cases(4, 1));
+        assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
+    }
+}
+
+/// Lines that met no limit, and those of them that ended at another configuration: out, rest, back, rest.
+fn count_returns(rest: usize) -> (usize, usize) {
+    let (mut free, mut elsewhere) = (0, 0);
+    for name in robots() {
+        let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
+        let robot = robot(name);
+        let arm = Arm::builder(&robot, base, tip);
+        let arm = arm.with_atlas(false).build().unwrap();
+        for Line { start, out } in lines(&arm, &mut Random(7), cases(8, 2)) {
+            let end = vec![*out.last().unwrap(); rest];
+            let home = vec![out[0]; rest];
+            let back = out.iter().rev().chain(&home);
+            let targets: Vec<_> = out.iter().chain(&end).chain(back).copied().collect();
+            let stands = by_follower(&arm, &targets, &start);
+            let on_limit = |stand: &Solution| {
+                let ends = arm.limits().zip(&stand.q);
+                ends.into_iter()
+                    .any(|(l, q)| *q <= l.lower || *q >= l.upper)
+            };
+            if stands[out.len()].reached || stands.iter().any(on_limit) {
+                continue;
+            }
+            free += 1;
+            let off = longest(&stands[stands.len() - 1].q, &stands[0].q);
+            elsewhere += usize::from(off > 1e-3);
+        }
+    }
+    (free, elsewhere)
+}
+
+/// The elbow keeps its branch, and null-space motion returns to the start. If a branch ends without a local minimum,
+/// the arm slides to another, which is rare.
+#[test]
+fn path_follower_returns_to_its_start() {
+    let (free, elsewhere) = count_returns(150);
+    assert!(free >= 3 && elsewhere * 20 <= free, "{elsewhere} of {free}");
+}

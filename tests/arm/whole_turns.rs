@@ -1,0 +1,41 @@
+//! Promise: for joints with a range above one turn, the turn nearest to the start is returned, also with move limits,
+//! as far as limits allow.
+#![allow(clippy::unwrap_used)]
+
+use std::f64::consts::TAU;
+
+use kinopt::arm::Arm;
+use support::arms::{Random, robot, within_limits};
+
+#[test]
+fn returned_turn_is_nearest_to_the_start() {
+    let robot = robot("universal_ur5e");
+    let mut random = Random(48);
+    for most in [3.5, 4.5, 6.0] {
+        let builder = Arm::builder(&robot, "base", "flange").with_atlas(false);
+        let arm = builder.with_max_move(&[most; 6]).build().unwrap();
+        let mut reached = 0;
+        for _ in 0..30 {
+            let start: Vec<f64> = (0..6).map(|_| 2.0 * random.unit() - 1.0).collect();
+            let moved = start
+                .iter()
+                .map(|value| value + most * (2.0 * random.unit() - 1.0));
+            let goal = arm.base_from_tool(&moved.collect::<Vec<f64>>()).unwrap();
+            let solution = arm.solve(goal, &start).unwrap();
+            assert!(within_limits(&arm, &solution.q));
+            reached += u32::from(solution.reached);
+            if !solution.reached {
+                continue;
+            }
+            for (value, from) in solution.q.iter().zip(&start) {
+                let distance = (value - from).abs();
+                assert!(distance <= most, "{distance}");
+                assert!(
+                    distance <= TAU / 2.0 + 1e-9,
+                    "{value} from {from}, at most {most}"
+                );
+            }
+        }
+        assert!(reached > 20, "{most}: {reached}");
+    }
+}

@@ -1,0 +1,116 @@
+//! Promise: the existence and the value of a solution's derivative do not depend on the unit of length.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Problem;
+use kinopt::ik::{DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{FrameId, Model};
+use kinopt::task::{Point, Posture};
+use support::planar_arm;
+
+/// Planar chain of `links` links of equal length.
+fn chain_of(links: usize, length: f64) -> (Model, FrameId) {
+    let model = planar_arm(&vec![length; links], Some((-2.0, 2.0)));
+    let tip = model.frame("tip").unwrap();
+    (model, tip)
+}
+
+/// Point task at the present position of the tip, added `times` times.
+fn problem_of(model: &Model, tip: FrameId, q: &[f64], times: usize) -> Problem {
+    let mut kinematics = ForwardKinematics::new(model);
+    let there = kinematics.place(q).unwrap()[tip.index()].translation;
+    let mut tasks = Problem::builder(model);
+    for _ in 0..times {
+        tasks.add(Point::new(tip, there));
+    }
+    tasks.build().unwrap()
+}
+
+#[test]
+fn nearly_stretched_arm_has_a_derivative() {
+    let of = |q: &[f64; 2], length: f64| {
+        let (model, tip) = chain_of(2, length);
+        let problem = problem_of(&model, tip, q, 1);
+        let mut workspace = DerivativeWorkspace::default();
+        let mut derivative = SolutionDerivative::new(&problem, q, &mut workspace).unwrap();
+        let by_target = derivative.by_target(0).unwrap() * length;
+        (derivative.existence().clone(), by_target)
+    };
+    let (nearly, fully) = ([0.3, 1e-4], [0.3, 0.0]);
+    let (_, expected) = of(&nearly, 1.0);
+    for length in [1e-4, 1e-2, 1.0, 1e3] {
+        let (existence, by_target) = of(&nearly, length);
+        assert_eq!(existence, Existence::Unique, "{length}");
+        let off = (by_target - &expected).amax() / expected.amax();
+        assert!(off < 1e-9, "{length}: {off:e}");
+        let singular = NoDerivative::Singular { directions: 1 };
+        let (existence, _) = of(&fully, length);
+        assert_eq!(existence, Existence::DoesNotExist(singular), "{length}");
+    }
+}
+
+#[test]
+fn duplicate_tasks_count_once_in_any_unit() {
+    let q = [0.3, 0.5, -0.4, 0.9];
+    for length in [1e-3, 1.0, 1e3, 1e5] {
+        let (model, tip) = chain_of(4, length);
+        let problem = problem_of(&model, tip, &q, 2);
+        let mut workspace = DerivativeWorkspace::default();
+        let derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+        let many = Existence::ShortestOfMany { directions: 2 };
+        assert_eq!(*derivative.existence(), many, "{length}");
+    }
+}
+
+/// An arm stretched towards a target out of reach rotates in its first joint only, by the change of the target's
+/// direction.
+#[test]
+fn unreachable_target_derivative_in_any_unit() {
+    for length in [1e-6, 1e-3, 1.0, 1e3] {
+        let (model, tip) = chain_of(3, length);
+        let (angle, far) = (0.4_f64, 5.0 * length);
+        let mut tasks = Problem::builder(&model);
+        let target = [far * angle.cos(), far * angle.sin(), 0.0];
+        tasks.add(Point::new(tip, target));
+        let problem = tasks.build().unwrap();
+        let mut workspace = DerivativeWorkspace::default();
+        let q = [angle, 0.0, 0.0];
+        let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+        assert_eq!(*derivative.existence(), Existence::Unique, "{length}");
+        let by_target = derivative.by_target(0).unwrap() * far;
+        let across = [-angle.sin(), angle.cos()];
+        for (joint, expected) in [1.0, 0.0, 0.0].into_iter().enumerate() {
+            let turned = (0..2).map(|k| by_target[(joint, k)] * across[k]);
+            let off = turned.sum::<f64>() - expected;
+            assert!(off.abs() < 1e-6, "{length}, joint {joint}: {off:e}");
+        }
+    }
+}
+
+/// With a posture in the null space, duplicated targets give the derivative of a single one.
+#[test]
+fn soft_task_derivative_in_any_unit() {
+    let q = [0.3, 0.5, -0.4, 0.9];
+    let of = |length: f64, times: usize| {
+        let (model, tip) = chain_of(4, length);
+        let at = ForwardKinematics::new(&model).place(&q).unwrap()[tip.index()].translation;
+        let mut tasks = Problem::builder(&model);
+        for _ in 0..times {
+            tasks.add(Point::new(tip, at));
+        }
+        tasks.add(Posture::new(&model, &q));
+        let problem = tasks.build().unwrap();
+        let mut workspace = DerivativeWorkspace::default();
+        let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+        assert_eq!(*derivative.existence(), Existence::Unique, "{length}");
+        // Change of the posture.
+        derivative.by_target(times).unwrap()
+    };
+    let expected = of(1.0, 1);
+    for length in [1e-6, 1.0, 1e3] {
+        for times in [1, 2] {
+            let off = (of(length, times) - &expected).amax();
+            assert!(off < 1e-6, "{length}, {times} times: {off:e}");
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Promise: no returned configuration violates a limit, for any joints, tasks, method and start, reached or not. Limits
+//! include cones and twists of ball joints, total angles, base bounds, mimic joints, locked joints and move limits.
+//! Quaternions have unit length to 1e-12.
+//!
+//! Longer run: `KINOPT_CASES=1000000 cargo test --release --test solver limit_kinds`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::geometric::{Ccd, Fabrik, Geometric};
+use kinopt::ik::{BoundKind, Drag, MoveLimits, Restarts, Solution};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::problem::{Preferences, ProblemBuilder, ProblemInstance};
+use kinopt::solver::{Silent, Stopping};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{
+    CentreOfMass, Distance, Gaze, LookAt, Manipulability, Orientation, Plane, Point, Pose, Posture,
+    Ray, Residual, Smoothness, SupportPolygon, Task, Within,
+};
+use kinopt::{Problem, Solver, Workspace};
+use support::bodies::{Body, direction};
+use support::methods::solvers;
+use support::random::Random;
+use support::sample::cases;
+use support::vector;
+
+/// Adds a task of a random kind at a reachable pose or up to `off` metres from it.
+fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, off: f64) {
+    let model = &body.model;
+    let q = match random.below(2) {
+        0 => model.random_configuration(random.bits()),
+        _ => body.on_edges(random),
+    };
+    let mut kinematics = ForwardKinematics::new(model);
+    let at = kinematics.place(&q).unwrap();
+    let mut pick = || body.frames[random.below(body.frames.len())];
+    let (frame, other) = (pick(), pick());
+    let here = at[frame.index()];
+    let aside = vector(random.vector(off));
+    let place = here.translation + aside;
+    let pose = Placement::new(here.rotation, place);
+    match random.below(16) {
+        0..4 => {
+            tasks.add(Pose::new(frame, pose));
+        }
+        4 | 5 => {
+            tasks.add(Point::new(frame, place).at(vector(random.vector(0.2))));
+        }
+        6 => {
+            tasks.add(Orientation::new(frame, here.rotation));
+        }
+        // A frame relative to itself has no free pose.
+        7 if frame != other => {
+            let base = at[other.index()];
+            let seen = base.inverse() * pose;
+            tasks.add(Pose::new(frame, seen).relative_to(other));
+        }
+        8 => {
+            tasks.add(LookAt::new(frame, direction(random), place));
+        }
+        9 => {
+            tasks.add(Gaze::at(frame, direction(random), place, 0.3));
+        }
+        10 => {
+            tasks.add(Within::new(Pose::new(frame, pose), 0.05));
+        }
+        11 => {
+            tasks.add(CentreOfMass::new(&body.masses, place));
+        }
+        12 => {
+            let corners = (0..4).map(|_| place + vector(random.vector(0.2)));
+            let polygon = SupportPolygon::new(&body.masses).with_points(corners);
+            tasks.add(polygon);
+        }
+        13 => {
+            let task = Manipulability::new(model, None, frame, 0.1).of_position();
+            // A frame that too few joints move is rejected.
+            match task.validate() {
+                Ok(()) => tasks.add(Task::new(task).preference()).index(),
+                Err(_) => tasks.add(Point::new(frame, place)).index(),
+            };
+        }
+        14 => {
+            tasks.add(Task::new(Posture::new(model, &q)).preference().times(0.1));
+            tasks.add(Smoothness::new(model, &model.neutral(), 0.1));
+        }
+        _ => {
+            tasks.add(Plane::new(frame, place, direction(random)));
+            tasks.add(Ray::new(other, place + Vector3::UNITS[0], place));
+            if frame != other {
+                tasks.add(Distance::new(frame, other, random.within(0.0, 1.0)));
+            }
+        }
+    }
+}
+
+fn problem(body: &Body, random: &mut Random) -> Problem {
+    let mut tasks = Problem::builder(&body.model);
+    tasks.parameters(body.map.clone());
+    let off = [0.0, 0.05, 0.5, 5.0][random.below(4)];
+    for _ in 0..1 + random.below(3) {
+        add_task(&mut tasks, body, random, off);
+    }
+    if random.below(4) == 0 {
+        tasks.preferences(Preferences::Traded);
+    }
+    tasks.build().unwrap()
+}
+
+fn start(body: &Body, random: &mut Random) -> Vec<f64> {
+    match random.below(6) {
+        0 => body.model.neutral(),
+        1 => body.on_edges(random),
+        2 => body.anywhere(random, 3.0),
+        3 => body.anywhere(random, 1e12),
+        _ => body.model.random_configuration(random.bits()),
+    }
+}
+
+/// Move limits: zero, tiny, one step, or larger than the ranges.
+fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
+    let mut most = Vec::new();
+    let size = [1e-6, 0.01, 0.3, 2.0][random.below(4)];
+    for rule in &body.rules {
+        let bound = match random.below(8) {
+            0 => 0.0,
+            1 => f64::INFINITY,
+            _ => random.within(0.0, size),
+        };
+        most.resize(most.len() + rule.coordinates(), bound);
+    }
+    most
+}
+
+/// Mostly few iterations, so that searches end anywhere; one in 40 runs to its end.
+fn settings(solver: Solver, random: &mut Random) -> Solver {
+    if random.below(40) == 0 {
+        return solver;
+    }
+    let few = Stopping::default().with_max_iterations(1 + random.below(25));
+    let attempts = Restarts::default().with_attempts(1 + random.below(3));
+    let attempts = attempts.with_seed(random.bits());
+    solver.with_stopping(few).with_restarts(attempts)
+}
+
+/// Counts of outcomes.
+#[derive(Debug, Default)]
+struct Tally {
+    reached: usize,
+    missed: usize,
+    against_a_limit: usize,
+    against_a_move: usize,
+}
+
+/// Solves one problem of a robot by a random entry point.
+fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspace: &mut Workspace) {
+    let look = |solution: &Solution, by: &str| {
+        if let Some(fault) = body.broken(&solution.q) {
+            panic!("by {by}: {fault}\n{}", solution.explain());
+        }
+    };
+    let problem = problem(body, random);
+    let start = start(body, random);
+    match random.below(10) {
+        0 => {
+            let mut drag = Drag::new(problem, &start).unwrap();
+            for _ in 0..1 + random.below(4) {
+                drag.advance();
+                look(drag.solution(), "a drag");
+            }
+        }
+        1 => {
+            let few = Stopping::default().with_max_iterations(5);
+            let ccd = Ccd::default().with_stopping(few);
+            let fabrik = Fabrik::default().with_stopping(few);
+            let methods: [&dyn Geometric; 2] = [&ccd, &fabrik];
+            for method in methods {
+                let result = method.solve_question((&problem).into(), &start, &mut Silent);
+                // Some tasks and joints are not supported by geometric solvers.
+                if let Ok(solution) = result {
+                    look(&solution, method.name());
+                }
+            }
+        }
+        2 | 3 => {
+            let most = moves(body, random);
+            let limits = MoveLimits::new(&problem, &most, &start).unwrap();
+            let mut stood = vec![0.0; start.len()];
+            let mut x = vec![0.0; problem.variables()];
+            let question = ProblemInstance::from(&problem).with_moves(&limits).unwrap();
+            problem.parameters().reduce(&start, &mut x).unwrap();
+            question.space().project(&mut x);
+            problem.parameters().expand(&x, &mut stood).unwrap();
+            let solver = settings(Solver::default(), random);
+            let solution = solver.solve(question, &start, workspace).unwrap();
+            look(solution, "moves");
+            let fault =
+                support::kept_limits::moved_too_far(&body.rules, &most, &stood, &solution.q);
+            assert_eq!(fault, None, "{}", solution.explain());
+            let blocked = solution
+                .active_limits()
+                .any(|limit| limit.kind == BoundKind::Move);
+            tally.against_a_move += usize::from(blocked);
+        }
+        _ => {
+            let mut methods = solvers();
+            // Half of the cases use the default method.
+            let method = random.below(2 * methods.len()) % methods.len() * random.below(2);
+            let solver = settings(methods.swap_remove(method), random);
+            let solution = solver.solve(&problem, &start, workspace).unwrap();
+            look(solution, solver.method());
+            tally.reached += usize::from(solution.reached);
+            tally.missed += usize::from(!solution.reached);
+            tally.against_a_limit += usize::from(solution.active_limits().next().is_some());
+        }
+    }
+}
+
+#[test]
+fn no_result_violates_a_limit() {
+    const QUESTIONS: usize = 4;
+    let mut workspace = Workspace::new();
+    let mut tally = Tally::default();
+    let wanted = cases(20_000, 600);
+    for seed in 0..wanted / QUESTIONS {
+        let random = &mut Random::new(seed as u64);
+        let body = Body::new(random, 2 + seed % 9);
+        for q in [
+            body.model.neutral(),
+            body.model.random_configuration(random.bits()),
+        ] {
+            let fault = support::kept_limits::broken(&body.rules, &[], &q);
+            assert_eq!(fault, None, "seed {seed}");
+        }
+        if body.map.variables() > 0 {
+            for _ in 0..QUESTIONS {
+                solve_and_check(&body, random, &mut tally, &mut workspace);
+            }
+        }
+    }
+    let least = wanted / 20;
+    let counts = [
+        tally.reached,
+        tally.missed,
+        tally.against_a_limit,
+        tally.against_a_move,
+    ];
+    assert!(counts.iter().all(|count| *count > least), "{tally:?}");
+}
