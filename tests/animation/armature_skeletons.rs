@@ -159,37 +159,7 @@ fn rest_pose_can_be_replaced() {
 }
 
 #[test]
-<<<<<<< HEAD
 fn skeleton_of_limits_that_are_no_interval_is_an_error() {
-=======
-fn uneven_scales_above_children_are_rejected() {
-    let with = |scale: [f32; 3], children: bool| {
-        let bone = |name: &str, parent, scale: [f32; 3]| ArmatureBone {
-            name: name.into(),
-            parent,
-            rest: LocalTransform {
-                scale: Vec3A::from_array(scale),
-                ..LocalTransform::IDENTITY
-            },
-        };
-        let mut bones = vec![bone("root", None, [1.0; 3]), bone("wide", Some(0), scale)];
-        if children {
-            bones.push(bone("child", Some(1), [1.0; 3]));
-        }
-        Armature::new(bones, Vec::new())
-            .unwrap()
-            .skeleton("one", |_| FREE)
-    };
-    for scale in [[1.0, 2.0, 1.0], [-1.0; 3], [0.0; 3]] {
-        let error = with(scale, true).unwrap_err().to_string();
-        assert!(
-            error.contains("`wide`") && error.contains("scales"),
-            "{error}"
-        );
-        assert!(with(scale, false).is_ok());
-    }
-    assert!(with([2.0; 3], true).is_ok());
->>>>>>> t7renamed
     let backwards = |_| [Limits::new(1.0, -1.0); 3];
     let armature = armature(2, &mut Random::new(5));
     assert!(armature.skeleton("one", backwards).is_err());

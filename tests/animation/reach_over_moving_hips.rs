@@ -115,46 +115,6 @@ fn moving_hips_alone_change_the_problem() {
     assert!((told - f64::from(shown)).abs() < 1e-5, "{told} {shown}");
 }
 
-<<<<<<< HEAD
-=======
-#[test]
-fn shearing_bone_is_named() {
-    let rig = RandomRig::new(500);
-    let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
-    let armature = Armature::of_skeleton(skeleton);
-    let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
-    let at = tip(&armature, skeleton, armature.rest(), bone);
-    layer.set_goal(bone, target(at), 1.0).unwrap();
-    for (scale, refused) in [
-        (Vec3A::new(1.0, 1.2, 1.0), true),
-        (Vec3A::splat(-1.0), true),
-        (Vec3A::splat(0.0), true),
-        (Vec3A::splat(1.2), false),
-    ] {
-        let mut pose = armature.rest().clone();
-        let trunk = armature.bone_at(1).unwrap();
-        let mut local = pose.local(trunk).unwrap();
-        local.scale = scale;
-        pose.set_local(trunk, local).unwrap();
-        let before = pose.clone();
-        match layer.apply(&mut pose) {
-            Err(ReachError::Sheared { bone }) => {
-                assert!(refused && bone == skeleton.bones()[1].name, "{scale}");
-                assert_eq!(pose, before);
-            }
-            other => assert!(!refused && other.is_ok(), "{scale}: {other:?}"),
-        }
-        // A bone on which nothing of the layer hangs may be scaled as it likes.
-        let mut pose = armature.rest().clone();
-        let other = rig.tips[4];
-        let mut local = pose.local(other).unwrap();
-        local.scale = scale;
-        pose.set_local(other, local).unwrap();
-        assert!(layer.apply(&mut pose).is_ok());
-    }
-}
-
->>>>>>> t7renamed
 /// Walks that people captured, whose hips go across the room.
 #[test]
 fn captured_walk_is_reached_in_place() {

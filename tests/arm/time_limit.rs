@@ -119,8 +119,7 @@ fn interrupted_comparison_is_reported() {
         let hurried = builder().with_time_limit(Duration::ZERO).build().unwrap();
         let patient = builder().build().unwrap();
         let mut random = Random(63);
-<<<<<<< HEAD
-        let (mut told, cases) = (0, cases(8, 4));
+        let (mut reported, cases) = (0, cases(8, 4));
         for case in 0..cases {
             let at_goal = random.configuration(&patient);
             let goal = patient.base_from_tool(&at_goal).unwrap();
@@ -129,12 +128,6 @@ fn interrupted_comparison_is_reported() {
                 0 => at_goal,
                 _ => random.configuration(&patient),
             };
-=======
-        let (mut reported, cases) = (0, cases(8, 4));
-        for _ in 0..cases {
-            let goal = patient.base_from_tool(&random.configuration(&patient));
-            let (goal, start) = (goal.unwrap(), random.configuration(&patient));
->>>>>>> t7renamed
             for solution in hurried.solve_all(goal, &start).unwrap() {
                 assert_eq!(solution.termination, Termination::TimeLimit);
                 let words = solution.explain();

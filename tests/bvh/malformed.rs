@@ -184,7 +184,6 @@ fn replaced_words_are_errors_with_their_line() {
 }
 
 #[test]
-<<<<<<< HEAD
 fn each_end_is_cut_off() {
     // Within the last number of a frame the rest of it is a number as well.
     let frame_ends = ["70\n", "71\n"].map(|last| GOOD.find(last).unwrap() + 1);
@@ -197,10 +196,6 @@ fn each_end_is_cut_off() {
         pose
     };
     for end in 0..frame_ends[0] {
-=======
-fn truncated_files_are_errors() {
-    for end in 0..GOOD.trim_end().len() - 1 {
->>>>>>> t7renamed
         refused(&GOOD[..end], &[]);
     }
     for end in frame_ends[0]..frame_ends[1] {
@@ -464,11 +459,7 @@ fn nesting_depth_is_unlimited() {
 }
 
 #[test]
-<<<<<<< HEAD
 fn bytes_not_utf8_are_latin1_with_note() {
-=======
-fn bytes_that_are_not_utf8_are_rejected() {
->>>>>>> t7renamed
     let mut bytes = GOOD.as_bytes().to_vec();
     let at = GOOD.find("Leg").unwrap();
     bytes[at] = 0xE9;

@@ -19,13 +19,8 @@ use crate::arm_avoidance::drawn;
 
 /// Lanes of the widest SIMD group: iterations of one lockstep.
 const LOCK_STEP: usize = 8;
-<<<<<<< HEAD
 /// Attempts that are compared between two looks at the clock, and the most iterations of one.
 const COMPARED: (usize, usize) = (LOCK_STEP, 2);
-=======
-/// Attempts between two checks of the clock in a comparing search, and the largest number of iterations of one.
-const COMPARED: (usize, usize) = (16, 100);
->>>>>>> t7renamed
 
 /// Checker with everything above the Panda's base filled: every reaching solution is in contact.
 fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {

@@ -406,7 +406,6 @@ fn confined_mjcf_includes_no_file_outside_its_folder() {
 }
 
 #[test]
-<<<<<<< HEAD
 fn confined_mjcf_opens_no_mesh_outside_its_folder() {
     for_references("refs-mjcf-meshes", |scenery, reference| {
         let path = scenery.inside().join("robot.xml");
@@ -487,9 +486,6 @@ fn confined_robot_reads_no_manifest_outside_its_folder() {
 
 #[test]
 fn callbacks_get_names_below_the_folder_alone() {
-=======
-fn callbacks_get_only_names_below_the_folder() {
->>>>>>> t7renamed
     let mut opened = Vec::new();
     for_references("refs-callbacks", |_, reference| {
         let mut open = |file: &str| {

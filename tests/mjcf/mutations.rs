@@ -69,13 +69,8 @@ fn outcome(text: &str, seed: u64) -> String {
 }
 
 #[test]
-<<<<<<< HEAD
 fn a_changed_document_is_a_named_error_or_a_robot() {
     let gripper = Robot::mjcf_reader().text_with_includes(concat!(
-=======
-fn modified_document_is_an_error_or_a_robot() {
-    let gripper = mjcf_with_includes(concat!(
->>>>>>> t7renamed
         env!("CARGO_MANIFEST_DIR"),
         "/mjcf/files/gripper.xml"
     ));

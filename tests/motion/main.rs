@@ -17,11 +17,8 @@ mod frame_weights;
 mod free_body_rotations;
 mod ground_speeds;
 mod guessed_maps;
-<<<<<<< HEAD
-mod jointed_feet;
-=======
 mod invalid_motions;
->>>>>>> t7renamed
+mod jointed_feet;
 mod keyframe_ik;
 mod keys_without_limits;
 mod known_skeletons;
@@ -54,12 +51,8 @@ mod slide;
 mod spliced_keys;
 mod swing_phases;
 mod trajectories;
-<<<<<<< HEAD
-mod turning_bodies;
-mod up_axis;
-=======
 mod unusual_captures;
->>>>>>> t7renamed
+mod up_axis;
 mod walker;
 mod window_seams;
 mod windows;

@@ -23,15 +23,11 @@ mod local_minimum_escape;
 mod low_redundancy;
 mod method_battery;
 mod method_options;
-<<<<<<< HEAD
-mod moved_variables;
-mod moves;
-=======
 mod method_steps;
 mod miss_reports;
 mod move_limits;
+mod moved_variables;
 mod near_singular_derivatives;
->>>>>>> t7renamed
 mod near_targets;
 mod non_finite_input;
 mod overextended_arm;
