@@ -147,7 +147,7 @@ impl<R> ScaledClearance<R> {
 }
 
 impl<R: Residual> Residual for ScaledClearance<R> {
-    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, rooms, validate);
+    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, inequalities, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.of.evaluate(&self.own(frames), joints, residual);
@@ -155,10 +155,10 @@ impl<R: Residual> Residual for ScaledClearance<R> {
         residual.iter_mut().for_each(|row| *row *= scale);
     }
 
-    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
-        self.of.depths(&self.own(frames), joints, depths);
+    fn slacks<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], slacks: &mut [S]) {
+        self.of.slacks(&self.own(frames), joints, slacks);
         let scale = S::constant(self.unit.scale());
-        depths.iter_mut().for_each(|row| *row *= scale);
+        slacks.iter_mut().for_each(|row| *row *= scale);
     }
 }
 

@@ -9,7 +9,7 @@ const RUNNERS = {
     // Tests of the documentation, of the pages that the library names.
     rust: (path) => library.includes(`include_str!("../${path}")`),
     // python/tests/test_readme.py: all of docs/ and the package's page; test_ray.py what is with Ray.
-    python: (path) => path.startsWith("docs/") || path === "python/README.md",
+    python: (path) => path.startsWith("docs/") || path === "README.md" || path === "python/README.md",
     // web/tests/pages.test.js: all of docs/; web/tests/package.test.js: the package's page.
     js: (path) => path.startsWith("docs/") || path === "web/README.md",
     // package.test.js beside this.
