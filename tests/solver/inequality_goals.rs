@@ -7,8 +7,8 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Gaze, Goal, Plane, Point, Pose, Posture, Quantity, Residual, Room, RowBlock, SupportPolygon,
-    Task, Within,
+    Gaze, Goal, Inequality, Plane, Point, Pose, Posture, Quantity, Residual, RowBlock,
+    SupportPolygon, Task, Within,
 };
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::robot;
@@ -61,8 +61,8 @@ impl Residual for Below {
         let below = S::constant(self.1) - frames[0].translation.z;
         residual[0] = below.max(S::zero());
     }
-    fn inequalities(&self) -> Vec<Room> {
-        vec![Room::new(0..1, 1)]
+    fn inequalities(&self) -> Vec<Inequality> {
+        vec![Inequality::new(0..1, 1)]
     }
     fn slacks<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
         depths[0] = frames[0].translation.z - S::constant(self.1);
