@@ -219,7 +219,7 @@ fn feet_stay_at_an_unreachable_hand_target() {
     }
 }
 
-/// The recipe of docs/whole-bodies.md, checked in every frame.
+/// The recipe of docs/guide/whole-bodies.md, checked in every frame.
 #[test]
 fn hand_dragged_forward_keeps_balance() {
     let robot = support::arms::robot("aldebaran_nao");

@@ -19,7 +19,7 @@ fn explained(help: &str) -> BTreeSet<&str> {
 
 #[test]
 fn every_documented_flag_exists() {
-    let page = std::fs::read_to_string("../docs/options.md").unwrap();
+    let page = std::fs::read_to_string("../docs/reference/options.md").unwrap();
     let (rest, paths) = page.split_once("\n## Paths\n").unwrap();
     let rows = |text: &str| {
         let rows = text.lines().filter(|line| line.starts_with('|'));

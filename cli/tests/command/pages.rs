@@ -75,13 +75,16 @@ fn commands_of_all_pages_succeed() {
 }
 
 #[test]
-fn commands_of_whole_bodies_reach_their_targets() {
-    let folder = Folder::new("whole-bodies");
-    let (_, page) = pages()
-        .into_iter()
-        .find(|(name, _)| name == "whole-bodies")
-        .unwrap();
-    for line in blocks(&page, "sh").iter().flat_map(|block| block.lines()) {
+fn commands_of_body_pages_reach_targets() {
+    let folder = Folder::new("bodies");
+    let pages = pages();
+    let page = |wanted: &str| {
+        let found = pages.iter().find(|(name, _)| name == wanted);
+        found.map(|(_, page)| page).unwrap()
+    };
+    let bodies = ["whole-bodies", "balance", "ball-joints"].map(page);
+    let commands = bodies.map(|page| blocks(page, "sh")).concat();
+    for line in commands.iter().flat_map(|block| block.lines()) {
         if line.starts_with("kinopt solve") {
             let text = run(&folder, &format!("{line} --json"));
             let answer: Value = serde_json::from_str(&text).unwrap();

@@ -29,16 +29,6 @@ fn table_has_a_row_per_twist() {
     assert!(lines[0].contains("twist, °") && lines[1].contains("-30.000"));
 }
 
-#[cfg(feature = "charts")]
-#[test]
-fn chart_shows_both_methods() {
-    let folder = Folder::new("twist");
-    let file = folder.file("twist.svg");
-    text!("skin-report --out {file}");
-    let svg = std::fs::read_to_string(&file).unwrap();
-    says!(svg => "<svg | volume, % | lbs | dqs | 180 degrees");
-}
-
 #[test]
 fn wrong_usage_is_rejected() {
     refused!("skin-report --twists 0,190" => 2, "190");

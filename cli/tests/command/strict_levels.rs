@@ -92,7 +92,7 @@ fn invalid_levels_are_rejected() {
 
 #[test]
 fn commands_of_the_page_miss_only_the_far_hand() {
-    let page = include_str!("../../../docs/strict-levels.md");
+    let page = include_str!("../../../docs/guide/priorities.md");
     let (_, fenced) = page.split_once("```sh\n").unwrap();
     let lines: Vec<&str> = fenced.split("```").next().unwrap().lines().collect();
     assert_eq!(lines.len(), 2);
