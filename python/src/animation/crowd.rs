@@ -62,7 +62,7 @@ impl PlayingClip {
         })
     }
 
-    /// The clip.
+    /// The clip that is played.
     #[getter]
     fn clip(&self, py: Python<'_>) -> Py<Clip> {
         self.clip.clone_ref(py)
