@@ -150,6 +150,7 @@ fn tips_of_shipped_rigs_are_reached() {
             let bone = rig.constrained[seed as usize % tips];
             let target = pose.tip(skeleton, bone).unwrap();
             let mut builder = Problem::builder(model);
+            builder.tolerance(Quantity::Metres, 1e-6);
             builder.add(Point::new(skeleton.tip(bone), target));
             let problem = builder.build().unwrap();
             let solution = Ccd::default().solve(&problem, &model.neutral()).unwrap();

@@ -228,6 +228,7 @@ fn hand_of_the_humanoid_is_reached() {
         let pose = skeleton.pose(&model.random_configuration(seed)).unwrap();
         let target = pose.tip(skeleton, hand).unwrap();
         let mut builder = Problem::builder(model);
+        builder.tolerance(Quantity::Metres, 1e-6);
         builder.add(Point::new(skeleton.tip(hand), target));
         let problem = builder.build().unwrap();
         let solution = Fabrik::default().solve(&problem, &model.neutral()).unwrap();

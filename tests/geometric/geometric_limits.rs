@@ -9,7 +9,7 @@ use kinopt::model::{Limits, Model};
 use kinopt::problem::ProblemInstance;
 use kinopt::solver::{Iteration, Termination};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Point;
+use kinopt::task::{Point, Quantity};
 use kinopt::{Problem, Solution};
 use nalgebra as na;
 use support::bones::RandomRig;
@@ -84,6 +84,7 @@ fn rigs_with_five_tips_stay_within_limits() {
                 .map(|&tip| rig.tip(&posed, tip) + random.vector(scatter))
                 .collect();
             let mut builder = Problem::builder(model);
+            builder.tolerance(Quantity::Metres, 1e-6);
             for (&tip, &target) in rig.tips.iter().zip(&targets) {
                 builder.add(Point::new(rig.skeleton.tip(tip), target));
             }
