@@ -6,7 +6,7 @@ use glam::DVec3;
 use kinopt::io::rig::Rig;
 
 use crate::Failure;
-use crate::render::{Scene, View, linear, render};
+use crate::render::{Quality, Scene, View, linear, render};
 use crate::skin::add_posed;
 
 const POSES: usize = 5;
@@ -30,7 +30,12 @@ pub(crate) fn contact_sheet(rig: &Rig, eye: DVec3, path: &Path) -> Result<(), Fa
     scene.ground = heights.fold(f64::INFINITY, f64::min);
     let centre = DVec3::Z * 0.45 * tall;
     let view = View::new(centre + eye.normalize() * 6.0 * tall, centre, 1.35 * tall);
-    render(&scene, &view, SIZE, 1).write(path)
+    let quality = Quality {
+        samples: 1,
+        paper_samples: 1,
+        ..Quality::STILL
+    };
+    render(&scene, &view, SIZE, quality).write(path)
 }
 
 /// Zero at first; then up to two thirds of the way to either limit, spread evenly by the powers of

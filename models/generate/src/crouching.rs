@@ -9,14 +9,15 @@ use kinopt::ik::{Drag, bent_stance};
 use kinopt::io::cones;
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{Masses, ParameterMap};
+use kinopt::model::ParameterMap;
+use kinopt::problem::TaskId;
 use kinopt::skeleton::{BallSkeleton, SkeletonRoot};
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, SupportPolygon, Task};
 
 use crate::Failure;
 use crate::picture::{AT_REST, PAPER, POSED, ring};
-use crate::render::{Scene, View, linear, render};
+use crate::render::{Quality, Scene, View, linear, render};
 use crate::skin::add_placed;
 
 /// Where the left hand goes, in metres, and where the figure stands on the picture, from its middle to the right.
@@ -27,7 +28,7 @@ const PLACES: [(Option<[f64; 3]>, f64); 4] = [
     (Some([0.75, 0.2, 1.75]), 1.9),
 ];
 /// From where it is seen, and what is to the right from there, along the ground.
-const SEEN_FROM: DVec3 = DVec3::new(5.0, -6.0, 1.0);
+pub(crate) const SEEN_FROM: DVec3 = DVec3::new(5.0, -6.0, 1.0);
 const RIGHT: DVec3 = DVec3::new(0.768, 0.64, 0.0);
 const SIZE: [usize; 2] = [1000, 400];
 /// Frames on the way, and until the body rests at most.
@@ -41,39 +42,72 @@ const MARGIN: f64 = 0.02;
 /// Kilograms a cubic metre; the centre is the same for any.
 const DENSITY: f64 = 1000.0;
 
-/// The figure whose left hand is led to a place, from the stance.
-fn led(body: &BallSkeleton, masses: &Masses, to: Option<[f64; 3]>) -> Result<Vec<f64>, Failure> {
-    let model = body.model();
-    let hand = body.tip(body.bone("left_hand")?);
-    let feet = [body.bone("left_foot")?, body.bone("right_foot")?].map(|foot| body.tip(foot));
-    let map = ParameterMap::free(model);
-    let stance = bent_stance(model, &map, &feet, &model.neutral(), Vector3::UNITS[2])?;
-    let Some(to) = to.map(Vector3::from) else {
-        return Ok(stance);
-    };
-    let mut kinematics = ForwardKinematics::new(model);
-    let placed = kinematics.place(&stance)?;
-    let from = placed[hand.index()].translation;
-    let mut tasks = Problem::builder(model);
-    let target = tasks.add(Point::new(hand, from));
-    let mut balance = SupportPolygon::new(masses).with_margin(MARGIN);
-    for foot in feet {
-        let toes = placed[foot.index()].translation;
-        let corners = [0.0, -LENGTH].map(|x| [-HALF_WIDTH, HALF_WIDTH].map(|y| (x, y)));
-        let corners = corners.into_iter().flatten();
-        balance = balance.with_points(corners.map(|(x, y)| toes + Vector3::new(x, y, 0.0)));
-        tasks.add(Task::new(Pose::new(foot, placed[foot.index()])).times(10.0));
+/// Drag of the left hand, with both feet flat and the centre of mass over them.
+pub(crate) struct Crouch {
+    pub(crate) drag: Drag,
+    pub(crate) target: TaskId<Point>,
+    /// Position of the hand in the crouched configuration, metres.
+    pub(crate) start: Vector3<f64>,
+}
+
+/// The humanoid on a free base, within the cones of a file.
+pub(crate) fn body(rig: &Rig, cones: &Path) -> Result<BallSkeleton, Failure> {
+    let cones = cones::read(cones)?;
+    let skeleton = rig.skeleton.clone();
+    Ok(BallSkeleton::new(skeleton, &cones, SkeletonRoot::FREE)?)
+}
+
+impl Crouch {
+    /// Starts in the crouched configuration.
+    pub(crate) fn new(rig: &Rig, body: &BallSkeleton) -> Result<Self, Failure> {
+        let masses = rig.masses(DENSITY)?;
+        let model = body.model();
+        let hand = body.tip(body.bone("left_hand")?);
+        let feet = [body.bone("left_foot")?, body.bone("right_foot")?].map(|foot| body.tip(foot));
+        let map = ParameterMap::free(model);
+        let stance = bent_stance(model, &map, &feet, &model.neutral(), Vector3::UNITS[2])?;
+        let mut kinematics = ForwardKinematics::new(model);
+        let placed = kinematics.place(&stance)?;
+        let start = placed[hand.index()].translation;
+        let mut tasks = Problem::builder(model);
+        let target = tasks.add(Point::new(hand, start));
+        let mut balance = SupportPolygon::new(&masses).with_margin(MARGIN);
+        for foot in feet {
+            let toes = placed[foot.index()].translation;
+            let corners = [0.0, -LENGTH].map(|x| [-HALF_WIDTH, HALF_WIDTH].map(|y| (x, y)));
+            let corners = corners.into_iter().flatten();
+            balance = balance.with_points(corners.map(|(x, y)| toes + Vector3::new(x, y, 0.0)));
+            tasks.add(Task::new(Pose::new(foot, placed[foot.index()])).times(10.0));
+        }
+        tasks.add(Task::new(balance).times(10.0));
+        tasks.add(Posture::new(model, &stance).upright(model));
+        let drag = Drag::new(tasks.build()?, &stance)?;
+        Ok(Self {
+            drag,
+            target,
+            start,
+        })
     }
-    tasks.add(Task::new(balance).times(10.0));
-    tasks.add(Posture::new(model, &stance).upright(model));
-    let mut drag = Drag::new(tasks.build()?, &stance)?;
+
+    /// Sets the target and advances the drag by one frame.
+    pub(crate) fn lead(&mut self, to: Vector3<f64>) -> Result<(), Failure> {
+        self.drag.target_mut(self.target)?.set_target(to);
+        self.drag.advance();
+        Ok(())
+    }
+}
+
+/// The configuration whose left hand is led to a place, from the stance.
+fn led(mut crouch: Crouch, to: Option<[f64; 3]>) -> Result<Vec<f64>, Failure> {
+    let Some(to) = to.map(Vector3::from) else {
+        return Ok(crouch.drag.q().to_vec());
+    };
+    let start = crouch.start;
     for frame in 1..=FRAMES[0] {
         let share = f64::from(frame) / f64::from(FRAMES[0]);
-        drag.target_mut(target)?
-            .set_target(from + (to - from) * share);
-        drag.advance();
+        crouch.lead(start + (to - start) * share)?;
     }
-    let solution = drag.settle(FRAMES[1] as usize);
+    let solution = crouch.drag.settle(FRAMES[1] as usize);
     match solution.reached {
         true => Ok(solution.q.clone()),
         false => Err(solution.explain().to_string().into()),
@@ -82,24 +116,19 @@ fn led(body: &BallSkeleton, masses: &Masses, to: Option<[f64; 3]>) -> Result<Vec
 
 /// Draws the four figures.
 pub(crate) fn crouching(rig: &Rig, cones: &Path, path: &Path) -> Result<(), Failure> {
-    let body = BallSkeleton::new(
-        rig.skeleton.clone(),
-        &cones::read(cones)?,
-        SkeletonRoot::FREE,
-    )?;
-    let masses = rig.masses(DENSITY)?;
+    let body = body(rig, cones)?;
     let mut scene = Scene {
         paper: linear(PAPER),
         ..Scene::default()
     };
     for (to, aside) in PLACES {
-        let placements = body.pose(&led(&body, &masses, to)?)?;
+        let placements = body.pose(&led(Crouch::new(rig, &body)?, to)?)?;
         let colour = if to.is_some() { POSED } else { AT_REST };
         add_placed(&mut scene, rig, &placements, RIGHT * aside, linear(colour))?;
     }
     let centre = DVec3::new(0.1, 0.0, 0.9);
     let view = View::new(centre + SEEN_FROM, centre, 2.3);
-    let mut image = render(&scene, &view, SIZE, 3);
+    let mut image = render(&scene, &view, SIZE, Quality::STILL);
     for (to, aside) in PLACES {
         if let Some(to) = to {
             ring(&mut image, &view, DVec3::from(to) + RIGHT * aside);

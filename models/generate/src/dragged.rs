@@ -13,7 +13,7 @@ use kinopt::task::Point;
 
 use crate::Failure;
 use crate::picture::{AT_REST, PAPER, POSED, draw_bones, ring};
-use crate::render::{Scene, View, linear, render};
+use crate::render::{Quality, Scene, View, linear, render};
 use crate::skin::add_posed;
 
 /// Where the left hand goes, in metres, and where the figure stands on the picture.
@@ -67,7 +67,7 @@ pub(crate) fn dragged(rig: &Rig, path: &Path) -> Result<(), Failure> {
     }
     let centre = DVec3::new(0.0, 0.05, 0.98);
     let view = View::new(centre + DVec3::new(7.5, -0.6, 1.0), centre, 2.45);
-    let mut image = render(&scene, &view, SIZE, 3);
+    let mut image = render(&scene, &view, SIZE, Quality::STILL);
     for (q, target, place) in figures {
         draw_bones(&mut image, &view, rig, &q, place)?;
         if let Some(target) = target {

@@ -1,15 +1,17 @@
-//! Makes the rigs under `models/`, the same bytes every time, and the picture of the README.
+//! Writes the rigs under `models/`, and pictures of `docs/`. Two runs write the same bytes.
 //!
 //!     cargo run --release -p kinopt-models              # the rigs
 //!     cargo run --release -p kinopt-models -- picture   # docs/humanoid.png
 //!     cargo run --release -p kinopt-models -- dragged   # docs/dragged.png
 //!     cargo run --release -p kinopt-models -- crouching # docs/crouching.png
+//!     cargo run --release -p kinopt-models -- film      # docs/kinopt.gif
 //!     cargo run --release -p kinopt-models -- look DIR  # the rigs from several sides, as PNG
 
 mod contact_sheet;
 mod crouching;
 mod dragged;
 mod figure;
+mod film;
 mod humanoid;
 mod humanoid_body;
 mod humanoid_wave;
@@ -66,6 +68,7 @@ fn run() -> Result<(), Failure> {
             let cones = root().join("models/humanoid/cones.json");
             crouching::crouching(&rig, &cones, &root().join("docs/crouching.png"))?;
         }
+        ["film"] => film::film(&root(), &root().join("docs/kinopt.gif"))?,
         ["look", folder] => {
             for name in ["robot-arm", "humanoid"] {
                 let rig = Rig::read(rig_path(name))?;
@@ -76,7 +79,11 @@ fn run() -> Result<(), Failure> {
                 }
             }
         }
-        _ => return Err("usage: kinopt-models [picture | dragged | crouching | look DIR]".into()),
+        _ => {
+            return Err(
+                "usage: kinopt-models [picture | dragged | crouching | film | look DIR]".into(),
+            );
+        }
     }
     Ok(())
 }

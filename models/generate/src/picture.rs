@@ -9,7 +9,7 @@ use kinopt::task::{Orientation, Point, Posture, Quantity, Task};
 use kinopt::{Problem, Solver};
 
 use crate::Failure;
-use crate::render::{Image, Scene, View, linear, render};
+use crate::render::{Image, Quality, Scene, View, linear, render};
 use crate::skin::add_posed;
 
 /// Where the tips go, in metres.
@@ -99,7 +99,7 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
 
     let centre = DVec3::new(0.0, -0.4, 0.97);
     let view = View::new(centre + DVec3::new(6.2, -1.3, 1.1), centre, 2.2);
-    let mut image = render(&scene, &view, SIZE, 3);
+    let mut image = render(&scene, &view, SIZE, Quality::STILL);
     draw_bones(&mut image, &view, rig, &rest, beside)?;
     draw_bones(&mut image, &view, rig, &posed, here)?;
     for (_, target) in TARGETS {

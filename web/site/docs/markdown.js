@@ -109,6 +109,7 @@ function sizeOf(path) {
     if (!path) return undefined;
     const bytes = readFileSync(new URL(path, root));
     if (path.endsWith(".png")) return { width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
+    if (path.endsWith(".gif")) return { width: bytes.readUInt16LE(6), height: bytes.readUInt16LE(8) };
     const [, width, height] = bytes.toString("utf8", 0, 400).match(/<svg[^>]* width="(\d+)" height="(\d+)"/) ?? [];
     return width ? { width, height } : undefined;
 }

@@ -83,6 +83,12 @@ impl Image {
         }
     }
 
+    /// The sRGB bytes of each pixel.
+    pub(crate) fn rgb(&self) -> Vec<[u8; 3]> {
+        let encoded = |p: &DVec3| p.to_array().map(encoded);
+        self.pixels.iter().map(encoded).collect()
+    }
+
     pub(crate) fn write(&self, path: &Path) -> Result<(), Failure> {
         let mut encoder = png::Encoder::new(
             BufWriter::new(File::create(path)?),
@@ -93,11 +99,7 @@ impl Image {
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_compression(png::Compression::High);
-        let bytes: Vec<u8> = self
-            .pixels
-            .iter()
-            .flat_map(|p| p.to_array().map(encoded))
-            .collect();
+        let bytes = self.rgb().concat();
         encoder.write_header()?.write_image_data(&bytes)?;
         Ok(())
     }

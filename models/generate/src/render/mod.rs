@@ -8,15 +8,36 @@ pub(crate) use image::{Image, linear};
 pub(crate) use view::View;
 
 use depth_map::DepthMap;
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
-/// Directions of the sky, and points of the sun's disc.
-const SKY: usize = 160;
-const SUN: usize = 24;
-/// Texels along a side of each depth map.
-const TEXELS: usize = 1000;
 /// How much of the light comes from the sun.
 const SUN_SHARE: f64 = 0.6;
+
+/// Number of samples of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quality {
+    /// Samples along a side of each pixel.
+    pub(crate) samples: usize,
+    /// Samples along a side of each pixel of the paper; divides `samples`.
+    pub(crate) paper_samples: usize,
+    /// Directions from which the sky shines.
+    pub(crate) sky: usize,
+    /// Points of the sun's disc.
+    pub(crate) sun: usize,
+    /// Texels along a side of each depth map.
+    pub(crate) texels: usize,
+}
+
+impl Quality {
+    /// For a single picture.
+    pub(crate) const STILL: Self = Self {
+        samples: 3,
+        paper_samples: 3,
+        sky: 160,
+        sun: 24,
+        texels: 1000,
+    };
+}
 
 /// Triangles with smooth normals and a colour each.
 #[derive(Clone, Debug, Default)]
@@ -45,96 +66,127 @@ impl Scene {
         self.triangles
             .extend(triangles.iter().map(|t| (t.map(|v| v + first), colour)));
     }
-}
 
-/// Who sees the sky from where.
-struct Lights {
-    sky: Vec<DepthMap>,
-    sun: Vec<DepthMap>,
-}
-
-impl Lights {
-    fn new(scene: &Scene) -> Self {
-        // Spread over a disc by the golden angle; lifted to the hemisphere that is an even light
-        // after Lambert's law, and small it is the sun.
-        let disc = |index: usize, count: usize| {
-            let radius = ((index as f64 + 0.5) / count as f64).sqrt();
-            let (sin, cos) = (index as f64 * 2.399_963_229_728_653).sin_cos();
-            (radius * cos, radius * sin)
-        };
-        let sky = (0..SKY).map(|index| {
-            let (x, y) = disc(index, SKY);
-            DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
-        });
-        let sun = (0..SUN).map(|index| {
-            let (x, y) = disc(index, SUN);
-            DVec3::new(0.5 + 0.1 * x, -0.75 + 0.1 * y, 1.0).normalize()
-        });
-        let map = |direction| DepthMap::new(scene, direction, TEXELS);
-        Self {
-            sky: sky.map(map).collect(),
-            sun: sun.map(map).collect(),
+    /// Extends the bounds of the scene to a box. Scenes of equal bounds have equal depth maps of their equal parts.
+    pub(crate) fn extend_bounds(&mut self, low: DVec3, high: DVec3) {
+        for corner in 0..8 {
+            let upper = BVec3::new(corner & 1 > 0, corner & 2 > 0, corner & 4 > 0);
+            self.positions.push(DVec3::select(upper, high, low));
+            self.normals.push(DVec3::Z);
         }
     }
+}
 
-    /// The light on a point, 1 in the open with the normal up.
-    fn on(&self, p: DVec3, normal: DVec3, on_ground: bool) -> DVec3 {
-        let lit = |maps: &[DepthMap], flat: bool| {
-            let each = maps.iter().map(|map| {
-                let slope = if flat {
-                    1.0
-                } else {
-                    normal.dot(map.direction).max(0.0)
-                };
-                if slope > 0.0 && map.sees(p + normal * 0.004) {
-                    slope
-                } else {
-                    0.0
-                }
-            });
-            each.sum::<f64>() / maps.len() as f64
-        };
-        if on_ground {
-            return DVec3::splat((1.0 - 0.42) * lit(&self.sky, true) + 0.42 * lit(&self.sun, true));
+/// Point on which light falls.
+struct Receiver {
+    position: DVec3,
+    normal: DVec3,
+    on_paper: bool,
+}
+
+/// The light on each receiver, 1 in the open with the normal up.
+fn lights(scene: &Scene, receivers: &[Receiver], quality: Quality) -> Vec<DVec3> {
+    // Spread over a disc by the golden angle; lifted to the hemisphere that is an even light
+    // after Lambert's law, and small it is the sun.
+    let disc = |index: usize, count: usize| {
+        let radius = ((index as f64 + 0.5) / count as f64).sqrt();
+        let (sin, cos) = (index as f64 * 2.399_963_229_728_653).sin_cos();
+        (radius * cos, radius * sin)
+    };
+    let mut sky = vec![0.0; receivers.len()];
+    for index in 0..quality.sky {
+        let (x, y) = disc(index, quality.sky);
+        let direction = DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt());
+        // The sample directions already follow the cosine to the vertical.
+        let density = direction.z.max(0.15);
+        let map = DepthMap::new(scene, direction, quality.texels);
+        add_light(&map, density, receivers, &mut sky);
+    }
+    let mut sun = vec![0.0; receivers.len()];
+    for index in 0..quality.sun {
+        let (x, y) = disc(index, quality.sun);
+        let direction = DVec3::new(0.5 + 0.1 * x, -0.75 + 0.1 * y, 1.0).normalize();
+        let map = DepthMap::new(scene, direction, quality.texels);
+        add_light(&map, 1.0, receivers, &mut sun);
+    }
+    let means = sky.iter().zip(&sun);
+    let means = means.map(|(sky, sun)| (sky / quality.sky as f64, sun / quality.sun as f64));
+    let mixed = receivers.iter().zip(means).map(|(receiver, (sky, sun))| {
+        if receiver.on_paper {
+            return DVec3::splat((1.0 - 0.42) * sky + 0.42 * sun);
         }
-        // The sky's sample directions already follow the cosine to the vertical.
-        let mut sky = 0.0;
-        for map in &self.sky {
-            let slope = normal.dot(map.direction).max(0.0);
-            if slope > 0.0 && map.sees(p + normal * 0.004) {
-                sky += slope / map.direction.z.max(0.15);
-            }
-        }
-        let sky = sky / self.sky.len() as f64;
-        let bounce = 0.22 * (0.5 - 0.5 * normal.z);
+        let bounce = 0.22 * (0.5 - 0.5 * receiver.normal.z);
         let cool = DVec3::new(0.93, 0.98, 1.07) * ((1.0 - SUN_SHARE) * sky + bounce);
-        let warm = DVec3::new(1.05, 1.0, 0.93) * (SUN_SHARE * 1.3 * lit(&self.sun, false));
+        let warm = DVec3::new(1.05, 1.0, 0.93) * (SUN_SHARE * 1.3 * sun);
         cool + warm
+    });
+    mixed.collect()
+}
+
+/// Adds the light from the direction of a map; `density` divides it on all but the paper.
+fn add_light(map: &DepthMap, density: f64, receivers: &[Receiver], sums: &mut [f64]) {
+    for (receiver, sum) in receivers.iter().zip(sums) {
+        let slope = receiver.normal.dot(map.direction);
+        if slope > 0.0 && map.sees(receiver.position + receiver.normal * 0.004) {
+            *sum += match receiver.on_paper {
+                true => 1.0,
+                false => slope / density,
+            };
+        }
     }
 }
 
-/// The scene through a view, `samples`² samples a pixel.
-pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], samples: usize) -> Image {
-    let lights = Lights::new(scene);
-    let fine = size.map(|pixels| pixels * samples);
+/// The scene through a view.
+pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], quality: Quality) -> Image {
+    let fine = size.map(|pixels| pixels * quality.samples);
+    let step = quality.samples / quality.paper_samples;
+    let coarse = fine.map(|samples| samples / step);
     let hits = view.cast(scene, fine);
+    let mut receivers = Vec::new();
+    let mut on_paper = vec![None; coarse[0] * coarse[1]];
+    // Receiver of each sample; `None` if its ray misses the scene and the paper.
+    let mut seen = Vec::with_capacity(hits.len());
+    for (index, hit) in hits.iter().enumerate() {
+        let at = [index % fine[0] / step, index / fine[0] / step];
+        let paper = &mut on_paper[at[1] * coarse[0] + at[0]];
+        let receiver = match hit {
+            Some(hit) => Some(Receiver {
+                position: hit.position,
+                normal: hit.normal,
+                on_paper: false,
+            }),
+            None if paper.is_some() => {
+                seen.push(*paper);
+                continue;
+            }
+            None => {
+                let position = view.ground(at, coarse, scene.ground);
+                position.map(|position| Receiver {
+                    position,
+                    normal: DVec3::Z,
+                    on_paper: true,
+                })
+            }
+        };
+        let number = receiver.is_some().then_some(receivers.len());
+        if hit.is_none() {
+            *paper = number;
+        }
+        receivers.extend(receiver);
+        seen.push(number);
+    }
+    let lights = lights(scene, &receivers, quality);
     let mut image = Image::new(fine, scene.paper);
-    for (index, (hit, pixel)) in hits.iter().zip(&mut image.pixels).enumerate() {
+    for ((hit, seen), pixel) in hits.iter().zip(seen).zip(&mut image.pixels) {
+        let light = seen.map_or(DVec3::ONE, |receiver| lights[receiver]);
         *pixel = match hit {
             Some(hit) => {
-                let light = lights.on(hit.position, hit.normal, false);
                 // A faint rim, so that forms stand off from each other.
                 let grazing = 1.0 - hit.normal.dot(-view.forward()).clamp(0.0, 1.0);
                 hit.colour * light + DVec3::splat(0.10 * grazing.powi(3))
             }
-            None => {
-                let at = [index % fine[0], index / fine[0]];
-                match view.ground(at, fine, scene.ground) {
-                    Some(p) => scene.paper * lights.on(p, DVec3::Z, true),
-                    None => scene.paper,
-                }
-            }
+            None => scene.paper * light,
         };
     }
-    image.reduced(samples)
+    image.reduced(quality.samples)
 }
