@@ -8,7 +8,7 @@ pub(crate) fn lines<'n>(lines: impl IntoIterator<Item = (&'n str, String)>) -> S
         .collect()
 }
 
-/// RowBlock under a header; every column as wide as its widest cell.
+/// Rows under a header; every column as wide as its widest cell.
 #[derive(Debug)]
 pub(crate) struct Table {
     /// Which columns are filled up on the left.

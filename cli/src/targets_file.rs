@@ -126,7 +126,7 @@ fn optional<T>(
     }
 }
 
-/// RowBlock of finite numbers, all as long as the first.
+/// Rows of finite numbers, all as long as the first.
 fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
     let rows = list(value, at)?.iter().enumerate();
     let rows = rows.map(|(index, row)| {

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Questions, fill};
 use crate::error::{OrRaise, invalid};
 
-/// RowBlock between two checks for signals.
+/// Rows between two checks for signals.
 const PIECE: usize = 4096;
 
 /// Computes one row for each row of numbers: a list for a list, a table for a table.

@@ -17,7 +17,7 @@ use crate::placement;
 use crate::problem::parameters_of;
 use crate::robot::Robot;
 
-/// RowBlock between two checks for signals.
+/// Rows between two checks for signals.
 const PIECE: usize = 16;
 
 /// Loop in the form of Python: its name, "connect" or "weld", the names of its frames, and the placements in these

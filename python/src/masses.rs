@@ -15,7 +15,7 @@ use crate::robot::Robot;
 /// Density of flesh, kg/m³.
 pub(crate) const DENSITY: f64 = 1000.0;
 
-/// RowBlock between two checks for signals.
+/// Rows between two checks for signals.
 const PIECE: usize = 256;
 
 /// Centre of mass at one configuration, shape (3,), or at several, shape (N, 3).

@@ -202,7 +202,7 @@ macro_rules! each_row {
 }
 
 impl Factor {
-    /// Factors N + δ², with N given by its lower triangle. RowBlock without a weight are left out.
+    /// Factors N + δ², with N given by its lower triangle. Rows without a weight are left out.
     fn new(mut normal: [[f64; 6]; 6], blunt: f64) -> Option<Self> {
         let trace: f64 = (0..6).map(|k| normal[k][k]).sum();
         let more = NO_RANK * trace + blunt * blunt;

@@ -29,7 +29,7 @@ pub(super) struct Goal {
 /// The kinds of tasks that [`goals`] supports.
 const VALID: &str = "`point`, `pose` or `orientation`, in the world and without room";
 
-/// The targets of the problem's tasks, in order. RowBlock of weight zero have no target.
+/// The targets of the problem's tasks, in order. Rows of weight zero have no target.
 pub(super) fn goals(
     question: ProblemInstance<'_>,
     solver: &'static str,

@@ -15,7 +15,7 @@ use crate::spatial::{Quaternion, Vector3};
 /// Step of a variable without a velocity limit in a frame, radians or metres: more than any goal moves.
 const UNLIMITED_STEP: f64 = 1e3;
 
-/// TaskSubset of a limit of three rates that each has, so that their norm keeps the limit: 1/√3, less rounding.
+/// Share of a limit of three rates that each has, so that their norm keeps the limit: 1/√3, less rounding.
 const SHARE_OF_THREE: f64 = 0.577_350_269;
 
 /// A ball joint of the commanded motion.

@@ -15,7 +15,7 @@ const STILL: Vector3<f64> = Vector3 {
 
 /// The Jacobian of frames of one model, with its own workspace. After construction it allocates nothing.
 ///
-/// RowBlock 6k to 6k + 5 belong to frame k: the velocity of its origin (m/s), then its angular velocity (rad/s). Both are
+/// Rows 6k to 6k + 5 belong to frame k: the velocity of its origin (m/s), then its angular velocity (rad/s). Both are
 /// in world axes, for a unit rate of each degree of freedom. It is Pinocchio's `LOCAL_WORLD_ALIGNED`.
 ///
 /// Column j is (z × (x − p), z) for a revolute joint with world axis z through p and a frame at x. It is (z, 0) for a

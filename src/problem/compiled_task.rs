@@ -9,12 +9,12 @@ use crate::task::{Inequality, Quantity, Role, RowBlock};
 /// Largest change of a required task's error in favour of lower priorities, relative to its tolerance.
 const KEPT: f64 = 1e-3;
 
-/// RowBlock of one quantity with their weight and tolerance.
+/// Rows of one quantity with their weight and tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     /// Quantity and number of the rows.
     pub(crate) measure: RowBlock,
-    /// RowBlock of the whole problem.
+    /// Rows of the whole problem.
     pub(crate) rows: Range<usize>,
     pub(crate) weight: f64,
     pub(crate) tolerance: f64,

@@ -190,7 +190,7 @@ impl Problem {
 
     /// True if every required task is within its tolerances for the weighted residual `r`.
     ///
-    /// `r` has [`rows`](Self::rows) entries. RowBlock of weight 0 are ignored.
+    /// `r` has [`rows`](Self::rows) entries. Rows of weight 0 are ignored.
     ///
     /// # Errors
     /// Returns an error for a wrong length.
@@ -277,7 +277,7 @@ impl Problem {
         tasks.filter_map(move |(index, task)| Some((index, task, self.ranks.rows_in(task, share)?)))
     }
 
-    /// RowBlock with weight 0 or infinite tolerance in binding tasks of a subset.
+    /// Rows with weight 0 or infinite tolerance in binding tasks of a subset.
     pub(crate) fn free_rows(&self, share: TaskSubset) -> impl Iterator<Item = Range<usize>> {
         self.tasks_of(share).flat_map(|(_, task, rows)| {
             let free = task
@@ -446,7 +446,7 @@ impl Problem {
 
     /// The error of every row block of a subset, for its weighted residual `r`.
     ///
-    /// Errors are in the unit of their quantity. RowBlock of weight 0 report an error of 0.
+    /// Errors are in the unit of their quantity. Rows of weight 0 report an error of 0.
     pub(crate) fn errors<'a>(
         &'a self,
         share: TaskSubset,

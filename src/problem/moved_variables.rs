@@ -16,7 +16,7 @@ use crate::solver::{
 
 /// Fewer variables than this are searched together, moved or not.
 const MIN_VARIABLES: usize = 60;
-/// TaskSubset of the variables that are moved up to which the others are left out.
+/// Share of the variables that are moved up to which the others are left out.
 const MAX_MOVED: f64 = 0.5;
 
 /// Which variables the tasks of a search move, and the rotations among them.

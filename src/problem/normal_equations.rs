@@ -11,7 +11,7 @@ use crate::solver::BranchedMatrix;
 
 /// Workspace for a problem's normal equations.
 ///
-/// RowBlock that depend on one frame are added by [`Composites`]. All other rows are added row by row, from the variables
+/// Rows that depend on one frame are added by [`Composites`]. All other rows are added row by row, from the variables
 /// that each depends on. These rows add coupling to a factorisation, next to the paths of joints to the root.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalEquations {

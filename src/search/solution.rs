@@ -67,7 +67,7 @@ pub struct RowsReport {
     /// Euclidean norm of the rows without weights, in the unit of `quantity`.
     #[cfg_attr(feature = "serde", serde(with = "super::non_finite"))]
     pub error: f64,
-    /// True if the error is within the task's tolerance. RowBlock of weight 0 always count as reached.
+    /// True if the error is within the task's tolerance. Rows of weight 0 always count as reached.
     pub reached: bool,
     pub(super) role: Role,
 }

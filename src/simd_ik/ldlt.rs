@@ -22,7 +22,7 @@ pub(crate) fn solve<V: Scalar, const K: usize>(
             }
         };
     }
-    // RowBlock below the pivot, each with its columns right of the pivot.
+    // Rows below the pivot, each with its columns right of the pivot.
     macro_rules! eliminate {
         ($j:literal: $($i:literal [$($k:literal)*])*) => {
             inverse[$j] = V::one() / m[$j][$j];

@@ -144,7 +144,7 @@ pub trait Residual: Clone + Send + Sync + 'static {
     /// The inequalities of the residual: row blocks that are zero if all their slacks are at least zero.
     ///
     /// Lower priority levels treat these rows as the inequalities slack ≥ 0, with the slacks of
-    /// [`slacks`](Self::slacks). RowBlock in no inequality are equations, even if they are zero at a solution.
+    /// [`slacks`](Self::slacks). Rows in no inequality are equations, even if they are zero at a solution.
     ///
     /// ```
     /// use kinopt::model::FrameId;

@@ -36,7 +36,7 @@ impl<R: Residual> Task<R> {
         pub fn named(mut self, name: impl Into<String>) { self.name = Some(name.into()) }
         /// Sets the factor on the rows of one quantity: cost units (√) per metre, per radian, …
         ///
-        /// It must be finite and not negative. RowBlock of weight 0 report their error but never count as not reached.
+        /// It must be finite and not negative. Rows of weight 0 report their error but never count as not reached.
         pub fn weight(mut self, quantity: Quantity, weight: f64) {
             self.weights.push((quantity, weight));
         }

@@ -5,7 +5,7 @@ use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
-/// Largest excess of finite differences over a limit. RowBlock have the error of their solver's tolerance, which the
+/// Largest excess of finite differences over a limit. Rows have the error of their solver's tolerance, which the
 /// trajectory smooths.
 const ROW_NOISE: f64 = 0.01;
 

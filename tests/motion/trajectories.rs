@@ -119,7 +119,7 @@ fn denser_rows_take_the_same_time() {
     }
 }
 
-/// RowBlock of a solver are off by its tolerance. Their second differences are not.
+/// Rows of a solver are off by its tolerance. Their second differences are not.
 #[test]
 fn rows_with_solver_noise_take_the_same_time() {
     let limits = TimingLimits::new(&[2.0; 7], &[6.0; 7]);
@@ -491,12 +491,12 @@ fn limits_out_of_range_name_option_and_joint() {
         let error = Trajectory::through(&q, 1, &[], &limits);
         assert_eq!(error, Err(PathError::Row { row }));
     }
-    // RowBlock without joints are no rows.
+    // Rows without joints are no rows.
     let none = Trajectory::through(&[1.0, 2.0, 3.0], 0, &[], &TimingLimits::new(&[], &[]));
     assert!(none.unwrap().times().is_empty());
 }
 
-/// RowBlock without any order, from far apart to nearly equal, and limits that differ by orders of magnitude.
+/// Rows without any order, from far apart to nearly equal, and limits that differ by orders of magnitude.
 #[test]
 fn random_rows_keep_all_limits() {
     let mut random = support::arms::Random(11);

@@ -184,7 +184,7 @@ fn rings() -> u64 {
     digest.value()
 }
 
-/// RowBlock of joints that may rest anywhere, under limits of some of them.
+/// Rows of joints that may rest anywhere, under limits of some of them.
 fn times() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(2032));
     for _ in 0..40 {

@@ -116,7 +116,7 @@ fn attempts_of_earlier_problems_do_not_agree() {
     }
 }
 
-/// RowBlock of one unit in several blocks are one error.
+/// Rows of one unit in several blocks are one error.
 #[derive(Clone)]
 struct Split(JointId);
 

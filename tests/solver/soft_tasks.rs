@@ -94,7 +94,7 @@ fn rig_reaches_with_all_kinds_of_soft_tasks() {
     assert!(steps < 6 * 50, "{steps}");
 }
 
-/// RowBlock with an infinite tolerance constrain nothing: a pose with free orientation leaves the same freedom as a point.
+/// Rows with an infinite tolerance constrain nothing: a pose with free orientation leaves the same freedom as a point.
 #[test]
 fn rows_of_infinite_tolerance_constrain_nothing() {
     let (robot, _, tool) = panda();

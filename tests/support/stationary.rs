@@ -118,7 +118,7 @@ impl Conditions<'_> {
         x
     }
 
-    /// RowBlock that pull, then rows and limits that are held.
+    /// Rows that pull, then rows and limits that are held.
     fn values(&self, q: &[f64]) -> (na::DVector<f64>, na::DVector<f64>) {
         let mut scratch = self.problem.scratch();
         let mut r = vec![0.0; self.problem.rows()];

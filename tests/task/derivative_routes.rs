@@ -202,7 +202,7 @@ fn frames_sharing_joints_agree() {
     }
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
-    // RowBlock of other tasks above and below.
+    // Rows of other tasks above and below.
     tasks.add(Point::new(frames[3], [0.0; 3]));
     tasks.add(Task::new(Centre(frames.clone())).times(0.5));
     tasks.add(Point::new(frames[11], [0.0; 3]));

@@ -121,7 +121,7 @@ fn bones(count: usize) -> Result<[f64; 2], Box<dyn Error>> {
     Ok([tell("from near", &near), tell("from rest", &from_rest)])
 }
 
-/// RowBlock of the matrix of a placement.
+/// Rows of the matrix of a placement.
 fn matrix(placement: &Placement<f64>) -> Value {
     let Placement {
         rotation,

@@ -310,7 +310,7 @@ impl Arm {
 
     /// Jacobian of the tool: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
     ///
-    /// RowBlock are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the axes of the
+    /// Rows are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the axes of the
     /// base; columns are the free joints, with their mimic joints. Raises `InvalidValueError` for another shape and for
     /// numbers that are not finite.
     fn jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {

@@ -228,7 +228,7 @@ pub(crate) struct RowsReport {
     /// Euclidean norm of the rows, in the unit of `quantity`, independent of their weight.
     #[pyo3(get)]
     error: f64,
-    /// True if the error is within the task's tolerance. RowBlock of weight 0 never count as missed.
+    /// True if the error is within the task's tolerance. Rows of weight 0 never count as missed.
     #[pyo3(get)]
     reached: bool,
 }

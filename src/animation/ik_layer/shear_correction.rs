@@ -10,7 +10,7 @@ use glam::DVec3;
 const MAX_SOLVES: usize = 40;
 /// A solve after which the points are further off than this many times the last distance is undone.
 const MAX_GROWTH: f64 = 2.0;
-/// TaskSubset of a move that is tried where the whole was undone.
+/// Share of a move that is tried where the whole was undone.
 const SHORTENED: f64 = 0.5;
 /// So many moves undone in a row show that shortening does not help: what the solver moves besides the points shears them.
 /// The next solve then starts from the pose further off, or where rigid bones do not reach either, corrections end.
@@ -41,7 +41,7 @@ pub(crate) struct ShearCorrection {
     off: f64,
     /// s of the move that was proposed last.
     proposed: Vec<f64>,
-    /// TaskSubset of the next move.
+    /// Share of the next move.
     share: f64,
     solves: usize,
     undone: usize,

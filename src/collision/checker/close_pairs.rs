@@ -8,7 +8,7 @@ use crate::kinematics::KinematicsError;
 /// Number of random configurations.
 const SAMPLES: u64 = 64;
 const SEED: u64 = 1;
-/// TaskSubset of samples with overlapping covers from which the cover test of a pair is skipped.
+/// Share of samples with overlapping covers from which the cover test of a pair is skipped.
 const OFTEN: f64 = 0.5;
 
 impl Checker {

@@ -15,7 +15,7 @@ pub(super) const RESOLUTION: f64 = 1e-6;
 /// locked feet.
 const CONTACT: f64 = 1e-5;
 
-/// TaskSubset of the remaining motion above which a step counts as long.
+/// Share of the remaining motion above which a step counts as long.
 const LONG: f64 = 0.2;
 
 /// Largest number of steps. A motion that takes more is not proven collision-free.
@@ -25,7 +25,7 @@ const STEPS: usize = 10_000;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MotionCheck {
-    /// TaskSubset of the motion from its start that is proven collision-free, from 0 to 1.
+    /// Share of the motion from its start that is proven collision-free, from 0 to 1.
     pub free: f64,
     /// The pair that ends the collision-free part, marked as [`on_the_way`](Collision::on_the_way).
     pub blocked_by: Option<Collision>,
@@ -76,7 +76,7 @@ pub(super) struct Watched {
     what: What,
     /// Upper bound of its approach in the whole motion, metres.
     motion: f64,
-    /// TaskSubset of the motion up to which it is proven collision-free.
+    /// Share of the motion up to which it is proven collision-free.
     free: f64,
     /// Closest pair and its distance at the last measurement, metres.
     nearest: Option<(Pair, f64)>,

@@ -18,7 +18,7 @@ use crate::spatial::{Placement, Vector3};
 const TRIES: usize = 3;
 
 impl Checker {
-    /// TaskSubset of the motion up to which the given pairs stay farther apart than `least` beyond their margins. At least
+    /// Share of the motion up to which the given pairs stay farther apart than `least` beyond their margins. At least
     /// `known`.
     ///
     /// The gaps are measured along the directions that separate the pairs at `here`.

@@ -9,7 +9,7 @@ use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, ModelError};
 use crate::spatial::Placement;
 
-/// TaskSubset of samples in contact from which a pair counts as always in contact, as in MoveIt's setup assistant.
+/// Share of samples in contact from which a pair counts as always in contact, as in MoveIt's setup assistant.
 const ALWAYS: f64 = 0.95;
 /// Number of samples, those of least distance, from which a pair without contact is minimised.
 const NEAREST: usize = 3;

@@ -32,7 +32,7 @@ impl Scene<'_> {
         let mut of_links = false;
         for (at, (name, row)) in names.iter().zip(rows).enumerate() {
             let first = self.text(name, "entry_names")?;
-            // RowBlock of the message type, or plain lists.
+            // Rows of the message type, or plain lists.
             let row = row.get("enabled").unwrap_or(row);
             let values = self.list(row, "entry_values")?;
             if values.len() != names.len() {

@@ -16,7 +16,7 @@ pub(super) struct Weighted<'a> {
     pub(super) multipliers: &'a [f64],
     /// Multiplier of each inequality of the task subset; empty if there is none.
     pub(super) edges: &'a [f64],
-    /// RowBlock weighted by their residual.
+    /// Rows weighted by their residual.
     pub(super) own: Range<usize>,
 }
 

@@ -113,7 +113,7 @@ impl BlockBanded {
         for block in 0..blocks {
             let (_, from_here) = self.entries.split_at_mut(block * size);
             let (own, below) = from_here.split_at_mut(size);
-            // RowBlock of the diagonal block, four at a time.
+            // Rows of the diagonal block, four at a time.
             for first in (0..padded).step_by(TILE) {
                 let (_, rest) = own.split_at_mut(first * width);
                 let (four, later) = rest.split_at_mut(TILE * width);

@@ -39,7 +39,7 @@ pub(crate) struct Atlas {
     pub(super) resolution: Resolution,
     pub(super) low: [f64; 2],
     pub(super) scale: [f64; 2],
-    /// RowBlock of each cell: joint values (one row per joint), key (five rows), derivative (four rows per joint).
+    /// Rows of each cell: joint values (one row per joint), key (five rows), derivative (four rows per joint).
     pub(super) rows: Vec<Row>,
     /// Number of configurations in each cell.
     pub(super) counts: Vec<u8>,

@@ -53,7 +53,7 @@ impl BranchedMatrix {
 
     /// Copies another matrix with the same tree, adds damping to its diagonal, and fixes the held unknowns at `values`.
     ///
-    /// RowBlock of held unknowns become rows of the identity. Their effect on the other equations moves to `right`.
+    /// Rows of held unknowns become rows of the identity. Their effect on the other equations moves to `right`.
     pub(crate) fn copy_free(
         &mut self,
         other: &Self,

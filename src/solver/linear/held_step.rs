@@ -29,7 +29,7 @@ pub(crate) struct StepBounds<'a> {
 
 /// Minimises ½‖r + JΔ‖² subject to CΔ = −c and the bounds, for the pulls' r and J and the constraints C.
 ///
-/// RowBlock of J with a single entry (those of a posture) form a diagonal H. The other rows, E, are unknowns together with
+/// Rows of J with a single entry (those of a posture) form a diagonal H. The other rows, E, are unknowns together with
 /// the multipliers y of C. With M = [C; E] the remaining system has the order of M's rows. Without bounds it is (M
 /// H⁻¹Mᵀ + diag(0, 1)) w = (c, r_E) − M H⁻¹g, and Δ = −H⁻¹(g + Mᵀw).
 #[derive(Clone, Debug, Default)]
@@ -39,7 +39,7 @@ pub(crate) struct HeldStep {
     /// g: slope of the rows with a single entry, by variable.
     slope: Vec<f64>,
     entries_of_row: Vec<usize>,
-    /// RowBlock of E among the pulls' rows.
+    /// Rows of E among the pulls' rows.
     dense: Vec<usize>,
     /// M by columns.
     columns: Vec<f64>,

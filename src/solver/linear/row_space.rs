@@ -53,7 +53,7 @@ fn reflect(v: &[f64], scale: f64, x: &mut [f64]) {
 impl RowSpace {
     /// Factorises a matrix that is given by its rows in sequence, each of `columns` numbers.
     ///
-    /// RowBlock whose remaining length is at most `least` add no rank.
+    /// Rows whose remaining length is at most `least` add no rank.
     pub(crate) fn factorise(&mut self, entries: &[f64], columns: usize, least: f64) {
         self.is_gram = false;
         self.columns = columns;
@@ -104,7 +104,7 @@ impl RowSpace {
     /// Factorises a matrix of `rows` rows that is given by its columns, if no [`null_direction`](Self::null_direction)
     /// is needed.
     ///
-    /// Entries may often be zero. RowBlock whose remaining length is at most `share` of the longest add no rank.
+    /// Entries may often be zero. Rows whose remaining length is at most `share` of the longest add no rank.
     pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, share: f64) {
         self.rows = rows;
         self.columns = entries.len().checked_div(rows).unwrap_or(0);

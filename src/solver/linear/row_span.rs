@@ -2,7 +2,7 @@
 
 use super::dense::{add_scaled, dot};
 
-/// RowBlock added one by one, with an orthonormal basis of their span (modified Gram-Schmidt, twice: Golub & Van Loan 2013,
+/// Rows added one by one, with an orthonormal basis of their span (modified Gram-Schmidt, twice: Golub & Van Loan 2013,
 /// section 5.2.8).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowSpan {
@@ -76,7 +76,7 @@ impl RowSpan {
 
     /// Writes an orthonormal basis of the rows' null space over the variables that are not fixed, in sequence.
     ///
-    /// RowBlock must be zero for fixed variables.
+    /// Rows must be zero for fixed variables.
     pub(crate) fn complement(&mut self, fixed: &[bool], directions: &mut Vec<f64>) {
         let n = fixed.len();
         let basis = self.basis.chunks_exact(n.max(1));

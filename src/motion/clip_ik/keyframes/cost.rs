@@ -34,7 +34,7 @@ pub(super) struct KeyCost {
     jacobian: DMatrix<f64>,
 }
 
-/// RowBlock of a point.
+/// Rows of a point.
 const ROWS: usize = 3;
 
 impl KeyCost {

@@ -59,7 +59,7 @@ impl Cost for Gap<'_> {
     }
 }
 
-/// From keys that are each within their limits to ones between which the spline is as well, by the least change. RowBlock that cannot
+/// From keys that are each within their limits to ones between which the spline is as well, by the least change. Rows that cannot
 /// be kept together are then asked no more than they can.
 pub(super) fn brought_within(rows: &mut [Row], clamped: DVector<f64>) -> DVector<f64> {
     if rows.iter().all(|row| row.excess(&clamped) <= 0.0) {
