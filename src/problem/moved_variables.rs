@@ -1,7 +1,7 @@
-//! The variables that the tasks of a search move, as a problem of their own.
+//! Reduced problem over the variables that move a task.
 //!
-//! Other variables stay where they are. Most of a character's bones move no task of a drag, and what a step costs grows with
-//! the square and the cube of the number of variables.
+//! The other variables keep their values. Most bones of a character move no task of a drag, and the cost of a step grows
+//! with the square and the cube of the number of variables.
 
 use std::ops::ControlFlow;
 
@@ -14,22 +14,22 @@ use crate::solver::{
     TurnLimit,
 };
 
-/// Fewer variables than this are searched together, moved or not.
+/// Smallest number of variables for which the problem is reduced.
 const MIN_VARIABLES: usize = 60;
-/// Share of the variables that are moved up to which the others are left out.
+/// Largest share of moved variables for which the problem is reduced.
 const MAX_MOVED: f64 = 0.5;
 
-/// Which variables the tasks of a search move, and the rotations among them.
+/// Variables that move a task, with the rotation sets among them.
 #[derive(Clone, Debug)]
 pub(crate) struct MovedVariables {
     variables: Vec<usize>,
-    /// By the numbers of the moved variables.
+    /// Indices count the moved variables.
     rotations: RotationSets,
     step_scale: Vec<f64>,
 }
 
 impl MovedVariables {
-    /// Of the variables that are marked; `None` where leaving the others out is not worth it.
+    /// Selects the variables marked in `moving`; `None` if the reduction does not pay.
     pub(super) fn of(
         moving: &[bool],
         rotations: &RotationSets,
@@ -71,17 +71,17 @@ fn renumbered(turn: &TurnLimit, variables: &[usize]) -> Option<TurnLimit> {
     Some(own)
 }
 
-/// Memory for a search over moved variables.
+/// Scratch memory of a search over moved variables.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MovedMemory {
     pub(crate) state: SolverState,
     /// All variables.
     pub(crate) x: Vec<f64>,
-    /// All variables, as observers see them.
+    /// All variables of the iterate that an observer sees.
     seen: Vec<f64>,
     gradient: Vec<f64>,
     jacobian: DMatrix<f64>,
-    /// Of the moved variables.
+    /// Start and bounds of the moved variables.
     start: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -89,7 +89,7 @@ pub(crate) struct MovedMemory {
 }
 
 impl MovedMemory {
-    /// Takes up a start of all variables and the bounds of a question.
+    /// Sets the start, given for all variables, and the bounds of a problem instance.
     pub(crate) fn begin(
         &mut self,
         question: ProblemInstance<'_>,
@@ -116,7 +116,7 @@ impl MovedMemory {
             .extend(turns.filter_map(|turn| renumbered(turn, &moved.variables)));
     }
 
-    /// Writes where a search over the moved variables ended among all of them.
+    /// Writes the final moved variables into [`x`](Self::x).
     pub(crate) fn end(&mut self, moved: &MovedVariables) {
         scatter(moved, self.state.x(), &mut self.x);
     }
@@ -128,14 +128,14 @@ fn scatter(moved: &MovedVariables, x: &[f64], all: &mut [f64]) {
     }
 }
 
-/// The problem over the moved variables.
+/// Least-squares problem over the moved variables.
 pub(crate) struct Moved<'a, 'q> {
     pub(crate) evaluation: &'a mut Evaluation<'q>,
     pub(crate) moved: &'a MovedVariables,
     pub(crate) memory: MovedBuffers<'a>,
 }
 
-/// What of a [`MovedMemory`] an evaluation writes and reads.
+/// Parts of a [`MovedMemory`] that an evaluation uses.
 pub(crate) struct MovedBuffers<'a> {
     x: &'a mut [f64],
     gradient: &'a mut [f64],
@@ -143,6 +143,16 @@ pub(crate) struct MovedBuffers<'a> {
     lower: &'a [f64],
     upper: &'a [f64],
     turns: &'a [TurnLimit],
+}
+
+impl MovedBuffers<'_> {
+    /// Sizes the Jacobian of all variables for a number of rows.
+    fn fit_jacobian(&mut self, rows: usize) {
+        let shape = (rows, self.x.len());
+        if self.jacobian.shape() != shape {
+            *self.jacobian = DMatrix::zeros(shape.0, shape.1);
+        }
+    }
 }
 
 impl MovedMemory {
@@ -183,13 +193,10 @@ impl LeastSquares for Moved<'_, '_> {
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         scatter(self.moved, x, self.memory.x);
-        let shape = (jacobian.nrows(), self.memory.x.len());
+        let rows = jacobian.nrows();
+        self.memory.fit_jacobian(rows);
         let all = &mut *self.memory.jacobian;
-        if all.shape() != shape {
-            *all = DMatrix::zeros(shape.0, shape.1);
-        }
         self.evaluation.jacobian(self.memory.x, all);
-        let rows = shape.0;
         let columns = jacobian.as_mut_slice().chunks_exact_mut(rows.max(1));
         for (column, &variable) in columns.zip(&self.moved.variables) {
             column.copy_from_slice(&all.as_slice()[variable * rows..(variable + 1) * rows]);
@@ -204,20 +211,18 @@ impl LeastSquares for Moved<'_, '_> {
         _: &mut DMatrix<f64>,
     ) {
         scatter(self.moved, x, self.memory.x);
-        let shape = (residual.len(), self.memory.x.len());
-        let all = &mut *self.memory.jacobian;
-        if all.shape() != shape {
-            *all = DMatrix::zeros(shape.0, shape.1);
-        }
+        self.memory.fit_jacobian(residual.len());
+        let buffers = &mut self.memory;
+        let (gradient_of_all, all) = (&mut *buffers.gradient, &mut *buffers.jacobian);
         self.evaluation
-            .gradient(self.memory.x, residual, self.memory.gradient, all);
+            .gradient(buffers.x, residual, gradient_of_all, all);
         for (entry, &variable) in gradient.iter_mut().zip(&self.moved.variables) {
             *entry = self.memory.gradient[variable];
         }
     }
 }
 
-/// An observer of all variables, for a search over the moved ones.
+/// Observer that receives all variables from a search over the moved ones.
 pub(crate) struct ObserverOfAll<'a> {
     pub(crate) observer: &'a mut dyn Observer,
     pub(crate) moved: &'a MovedVariables,
@@ -233,7 +238,7 @@ impl Observer for ObserverOfAll<'_> {
 }
 
 impl Problem {
-    /// The variables that the tasks of the search move, where the others are worth leaving out.
+    /// The variables that move a task; `None` if the problem is not reduced.
     pub(crate) fn moved_variables(&self) -> Option<&MovedVariables> {
         self.moved.as_ref()
     }
