@@ -2,6 +2,8 @@
 
 use std::cell::Cell;
 
+use crate::scoped_cell::with_value;
+
 thread_local! {
     static IS_STOPPED: Cell<Option<fn() -> bool>> = const { Cell::new(None) };
 }
@@ -20,21 +22,11 @@ thread_local! {
 /// assert_eq!(sum, 2);
 /// ```
 pub fn interruptible<T>(is_stopped: fn() -> bool, work: impl FnOnce() -> T) -> T {
-    let _restored = Restored(IS_STOPPED.replace(Some(is_stopped)));
-    work()
+    with_value(&IS_STOPPED, Some(is_stopped), work)
 }
 
 /// True if the computation of this thread is interrupted.
 #[inline]
 pub(crate) fn is_stopped() -> bool {
     IS_STOPPED.get().is_some_and(|is_stopped| is_stopped())
-}
-
-/// Restores the previous function, also after a panic.
-struct Restored(Option<fn() -> bool>);
-
-impl Drop for Restored {
-    fn drop(&mut self) {
-        IS_STOPPED.set(self.0);
-    }
 }

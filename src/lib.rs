@@ -105,6 +105,7 @@ mod processor;
 mod random;
 pub mod robot;
 pub mod scalar;
+mod scoped_cell;
 mod search;
 pub mod simd_ik;
 mod size_mismatch;

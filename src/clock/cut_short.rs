@@ -6,6 +6,7 @@
 use std::cell::Cell;
 
 use super::{Instant, is_past};
+use crate::scoped_cell::with_value;
 
 /// Deadline of the work under way on this thread, and whether it ended early.
 #[derive(Clone, Copy)]
@@ -30,11 +31,11 @@ pub(crate) fn until<T>(deadline: Option<Instant>, work: impl FnOnce() -> T) -> O
         deadline: at,
         is_cut: false,
     };
-    let before = Restored(WORK.replace(Some(begun)));
-    let result = work();
-    let is_cut = WORK.get().is_some_and(|work| work.is_cut);
-    drop(before);
-    (!is_cut).then_some(result)
+    with_value(&WORK, Some(begun), || {
+        let result = work();
+        let is_cut = WORK.get().is_some_and(|work| work.is_cut);
+        (!is_cut).then_some(result)
+    })
 }
 
 /// Whether the work under way is to end, as its deadline is past.
@@ -49,15 +50,6 @@ pub(crate) fn is_over() -> bool {
     let is_cut = is_past(Some(work.deadline));
     WORK.set(Some(Work { is_cut, ..work }));
     is_cut
-}
-
-/// Puts the work back that was under way before, also after a panic.
-struct Restored(Option<Work>);
-
-impl Drop for Restored {
-    fn drop(&mut self) {
-        WORK.set(self.0);
-    }
 }
 
 #[cfg(test)]
