@@ -75,6 +75,14 @@ pub struct NoEffector {
     pub effectors: Vec<String>,
 }
 
+/// A solve of one pose: the first, one after a correction of shear, or one that only measures.
+#[derive(Clone, Copy, Debug)]
+enum Pass {
+    First,
+    Correction,
+    Measurement,
+}
+
 impl ReachLayer {
     /// A layer for the tips of these bones, all with weight 0 at first. A bone named twice counts once.
     ///
@@ -219,7 +227,7 @@ impl ReachLayer {
         self.bridge.angles_of(pose, &mut self.q)?;
         self.stances.take(pose, &self.moved);
         self.aim();
-        self.solve(&self.solver.clone(), pose)?;
+        self.solve(Pass::First, pose)?;
         if self.stances.shear() {
             self.correct(pose)?;
         }
@@ -246,7 +254,12 @@ impl ReachLayer {
     }
 
     /// Solves from `q` with the joints where the pose last taken has them, and turns the bones of `pose`.
-    fn solve(&mut self, solver: &Solver, pose: &mut Pose) -> Result<(), ReachError> {
+    fn solve(&mut self, pass: Pass, pose: &mut Pose) -> Result<(), ReachError> {
+        let solver = match pass {
+            Pass::First => &self.solver,
+            Pass::Correction => &self.correction,
+            Pass::Measurement => &self.measurement,
+        };
         let (model, map) = (self.stances.skeleton().model(), self.problem.parameters());
         self.tree.compile(model, map, &mut self.places);
         let question = ProblemInstance::from(&self.problem);
@@ -272,7 +285,7 @@ impl ReachLayer {
         let mut is_cut = self.workspace.solution().termination.is_cut();
         while !(is_cut || correction.off() <= close || correction.gives_up()) {
             self.set_tips(&correction.commands());
-            self.solve(&self.correction.clone(), pose)?;
+            self.solve(Pass::Correction, pose)?;
             let solution = self.workspace.solution();
             is_cut = solution.termination.is_cut();
             let reached = solution.reached;
@@ -294,7 +307,7 @@ impl ReachLayer {
         self.q.copy_from_slice(&nearest.1);
         self.stances.take(pose, &self.moved);
         self.set_tips(&goals);
-        self.solve(&self.measurement.clone(), pose)
+        self.solve(Pass::Measurement, pose)
     }
 
     /// The tips of the effectors in the pose last taken.

@@ -179,7 +179,7 @@ impl BodyFollower {
         places: &[Vector3<f64>],
         stands: &[f64],
     ) -> Result<&[f64], RetargetError> {
-        match self.unit.is_own() {
+        match self.unit.is_identity() {
             true => self.follow(places, stands)?,
             false => {
                 let scale = self.unit.scale();
@@ -272,10 +272,8 @@ impl BodyFollower {
             let parameters = self.frame.problem().parameters();
             parameters.scatter_within_limits(&self.x, &mut self.body_q);
             self.q.copy_from_slice(&self.body_q);
-            if !self.unit.is_own() {
-                for slide in self.slides.iter().copied() {
-                    self.q[slide] *= self.unit.back();
-                }
+            for &slide in &self.slides {
+                self.q[slide] *= self.unit.back();
             }
             self.feet.place(&mut self.frame, &self.x);
         }

@@ -130,7 +130,7 @@ impl<'r> Retargeting<'r> {
         let mut options = options;
         let unit = Unit::of(model, &limbs);
         let body = unit.body(robot)?;
-        if !unit.is_own() {
+        if !unit.is_identity() {
             let (map, shapes) = unit.map_and_shapes(map, &shapes);
             let model = body.model();
             limbs = Limbs::new(model, &map, capture, up, &model.neutral(), &shapes)?;
@@ -147,7 +147,7 @@ impl<'r> Retargeting<'r> {
         }
         let standing = options.contacts.plant(&limbs, frame_rate, &mut targets);
         let targets: Arc<[Vector3<f64>]> = targets.into();
-        let own_targets = match unit.is_own() {
+        let own_targets = match unit.is_identity() {
             true => Arc::clone(&targets),
             false => targets.iter().map(|at| *at * unit.back()).collect(),
         };
@@ -176,7 +176,7 @@ impl<'r> Retargeting<'r> {
         mut self,
         of: &C,
     ) -> Self {
-        self.obstacles = Some(match self.unit.is_own() {
+        self.obstacles = Some(match self.unit.is_identity() {
             true => Obstacles::of(of),
             false => {
                 let model = self.robot.model();
@@ -344,9 +344,7 @@ impl<'r> Retargeting<'r> {
         });
         let touching = self.touching(&q);
         let back = self.unit.back();
-        if !self.unit.is_own() {
-            model.scale_slides(back, &mut q);
-        }
+        model.scale_slides(back, &mut q);
         Ok(Retargeted {
             touching,
             given_up: given_up.collect(),

@@ -32,8 +32,8 @@ impl Unit {
         }
     }
 
-    /// Whether the model is solved as it is.
-    pub(super) fn is_own(self) -> bool {
+    /// True if the model is solved at its own size.
+    pub(super) fn is_identity(self) -> bool {
         self.0 == 1.0
     }
 
@@ -49,7 +49,7 @@ impl Unit {
 
     /// The robot that is solved.
     pub(super) fn body(self, robot: &Robot) -> Result<Cow<'_, Robot>, RetargetError> {
-        Ok(match self.is_own() {
+        Ok(match self.is_identity() {
             true => Cow::Borrowed(robot),
             false => Cow::Owned(robot.scaled(self.0)?),
         })
