@@ -7,7 +7,7 @@ use support::gltf_text::{Numbers, small};
 use support::random::Random;
 
 use crate::animated::{armature, bone, check_single, pose};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::gltf::add;
 use crate::scenes::file;
 
@@ -16,7 +16,7 @@ fn read(bytes: &[u8]) -> Scene {
 }
 
 /// A file of either kind, with things that are not understood, amended twice.
-fn amended() -> u64 {
+fn amended() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(204));
     let (numbers, rest) = small();
     let unknown = r#""materials":[{"name":"fur" , "x":0.300000000000000044}],"extras":{"n":12345678901234567890},"images":[{"uri":"coat%20a.PNG"},{"uri":"data:,x"},{"uri":"http://x.org/y.jpg"}]"#;

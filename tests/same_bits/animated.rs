@@ -9,10 +9,10 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::BoneId;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// As [`check`], for what goes through glam, whose code for other architectures sums in another order.
-pub(crate) fn check_single(found: &[(&str, u64)]) {
+pub(crate) fn check_single(found: &[(&str, Value)]) {
     if cfg!(target_arch = "x86_64") {
         check(found);
     }
@@ -33,7 +33,7 @@ impl Digest {
     #[track_caller]
     pub(crate) fn refused<T, E: Display>(&mut self, result: Result<T, E>) {
         let error = result.err().unwrap();
-        self.bytes(format!("{error}\n"));
+        self.text(error.to_string());
     }
 
     pub(crate) fn quaternion(&mut self, q: Quat) {
@@ -61,7 +61,7 @@ impl Digest {
 
     /// A clip's name, span, events, channels and poses.
     pub(crate) fn clip(&mut self, armature: &Armature, clip: &Clip) {
-        self.bytes(clip.name());
+        self.text(clip.name());
         self.singles(clip.span());
         self.doubles([clip.duration()]);
         self.word(clip.is_empty().into());
@@ -149,7 +149,7 @@ pub(crate) fn changed<T, E: Display>(
         assert!(text.contains(from), "{from}");
         match read(&text.replacen(from, to, 1)) {
             Ok(found) => add(digest, &found),
-            Err(error) => digest.bytes(format!("{error}\n")),
+            Err(error) => digest.text(error.to_string()),
         }
     }
 }

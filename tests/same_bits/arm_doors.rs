@@ -10,7 +10,7 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
 
 use crate::arms::turned;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// Seven free joints: a slide, a joint that follows the one before it, one without ends, one of several turns, and a locked one.
 const MIXED: &str = r#"<robot name="m"><link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><link name="l4"/>
@@ -63,7 +63,7 @@ fn told(digest: &mut Digest, robot: &Robot, arm: &Arm, random: &mut Random) {
         let mut target = there;
         target.translation += Vector3::new(0.0, 0.01, 0.0) * f64::from(k);
         let derivative = arm.derivative(target, &q).unwrap();
-        digest.bytes(derivative.existence.name());
+        digest.text(derivative.existence.name());
         digest.doubles(derivative.by_target.iter().copied());
         let ends: Vec<f64> = arm.limits().map(|limits| limits.upper.min(3.0)).collect();
         let derivative = arm.derivative(target, &ends).unwrap();
@@ -76,7 +76,7 @@ fn told(digest: &mut Digest, robot: &Robot, arm: &Arm, random: &mut Random) {
     }
 }
 
-fn of_themselves() -> u64 {
+fn of_themselves() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(71));
     let (panda, mixed) = (robot("franka_panda"), mixed());
     let builder = |robot, base, tip| Arm::builder(robot, base, tip).with_atlas(false);
@@ -114,7 +114,7 @@ fn of_themselves() -> u64 {
 }
 
 /// One arm, given other tools, goals and searches one after the other.
-fn given_others() -> u64 {
+fn given_others() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(72));
     let (ur, mixed) = (robot("universal_ur5e"), mixed());
     for (robot, base, tip) in [(&ur, "base", "flange"), (&mixed, "base", "tip")] {
@@ -187,7 +187,7 @@ pub(crate) fn refused<T, E: ToString>(digest: &mut Digest, found: Result<T, E>) 
     digest.bytes(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
 }
 
-fn refusals_of_arms() -> u64 {
+fn refusals_of_arms() -> Value {
     let mut digest = Digest::new();
     let (panda, mixed) = (robot("franka_panda"), mixed());
     let builder = || Arm::builder(&panda, "base", "tool").with_atlas(false);

@@ -12,7 +12,7 @@ use kinopt::simd_ik::{
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 impl Digest {
     fn outcome(&mut self, outcome: &PoseOutcome) {
@@ -69,7 +69,7 @@ pub(crate) fn odd_chain(random: &mut Random, joints: usize, slides: usize) -> Ch
 }
 
 /// Every way to ask the engine, for chains of every shape.
-fn lanes() -> [u64; 2] {
+fn lanes() -> [Value; 2] {
     let (mut plain, mut weighted, mut random) = (Digest::new(), Digest::new(), Random(21));
     let shapes = [(2, 0), (4, 1), (6, 0), (6, 2), (7, 0), (8, 2)];
     for (shape, (joints, slides)) in shapes.into_iter().enumerate() {
@@ -165,7 +165,7 @@ fn built(builder: ArmBuilder<'_>) -> Arm {
 }
 
 /// Of robots with six and seven joints, under every search and option.
-fn options() -> u64 {
+fn options() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(22));
     let [iiwa, cobra] = ["kuka_iiwa14", "adept_cobra_s600"].map(robot);
     let builder = || Arm::builder(&iiwa, "base", "flange").with_atlas(false);
@@ -225,7 +225,7 @@ fn options() -> u64 {
 }
 
 /// With an atlas, of turning joints and with a slide, and what shares it.
-fn atlases() -> u64 {
+fn atlases() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(23));
     let robots: [(Robot, &str); 2] = [
         (robot("adept_cobra_s600"), "flange"),
@@ -251,7 +251,7 @@ fn atlases() -> u64 {
 }
 
 /// Legs whose joints follow one another go through the core.
-fn followers() -> u64 {
+fn followers() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(24));
     let nao = robot("aldebaran_nao");
     let builder = Arm::builder(&nao, "left_sole", "right_sole");

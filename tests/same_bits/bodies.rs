@@ -17,7 +17,7 @@ use kinopt::task::{Gaze, Point, Pose, Posture, SupportPolygon, Task};
 use support::arms::robot;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// A NAO that stands on its feet, knees bent.
 struct Standing {
@@ -87,7 +87,7 @@ impl Standing {
     }
 }
 
-fn levels() -> [u64; 2] {
+fn levels() -> [Value; 2] {
     let (mut solved, mut differentiated) = (Digest::new(), Digest::new());
     let standing = Standing::new();
     let solver = Solver::default().with_restarts(Restarts::none());
@@ -99,7 +99,7 @@ fn levels() -> [u64; 2] {
         let question = ProblemInstance::from(&problem);
         let mut derivative =
             SolutionDerivative::new(question, &solution.q, &mut workspace).unwrap();
-        differentiated.bytes(derivative.existence().name());
+        differentiated.text(derivative.existence().name());
         for task in 0..4 {
             if let Ok(matrix) = derivative.by_target(task) {
                 differentiated.doubles(matrix.iter().copied());
@@ -109,7 +109,7 @@ fn levels() -> [u64; 2] {
     [solved.value(), differentiated.value()]
 }
 
-fn dragged() -> u64 {
+fn dragged() -> Value {
     let mut digest = Digest::new();
     let standing = Standing::new();
     let (problem, hand) = standing.problem(standing.hand.1.translation.to_array());
@@ -140,7 +140,7 @@ fn four_bar() -> Model {
     builder.build().unwrap()
 }
 
-fn loops() -> u64 {
+fn loops() -> Value {
     let mut digest = Digest::new();
     let model = four_bar();
     let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
@@ -161,7 +161,7 @@ fn loops() -> u64 {
     digest.value()
 }
 
-fn retargeted() -> [u64; 2] {
+fn retargeted() -> [Value; 2] {
     let robot = robot("aldebaran_nao")
         .with_base_joint(BaseJoint::FREE)
         .unwrap();

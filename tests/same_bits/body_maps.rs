@@ -8,7 +8,7 @@ use kinopt::motion::retarget::{
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 use crate::walking_person::{biped, capture};
 
@@ -138,7 +138,7 @@ fn spelt() -> Vec<Vec<String>> {
     all
 }
 
-fn guesses() -> u64 {
+fn guesses() -> Value {
     let mut digest = Digest::new();
     let bodies = [
         biped("", "").model().clone(),
@@ -213,7 +213,7 @@ fn guesses() -> u64 {
 }
 
 /// Maps as texts, and completed by names.
-fn texts() -> u64 {
+fn texts() -> Value {
     let mut digest = Digest::new();
     let body = biped("", "");
     let walker = capture(3, false);

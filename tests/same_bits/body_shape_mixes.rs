@@ -11,13 +11,13 @@ use support::random::Random;
 
 use crate::checker_mixes::shapes;
 use crate::clear_body_mixes::chain;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::model;
 
 impl Digest {
     fn shapes(&mut self, own: &CollisionModel) {
         for object in own.objects() {
-            self.bytes(&object.name);
+            self.text(&object.name);
             self.placement(&object.link_from_shape);
             self.noted(&(object.link, object.shape.kind()));
         }
@@ -25,7 +25,7 @@ impl Digest {
     }
 }
 
-fn skins() -> u64 {
+fn skins() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(951));
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
@@ -73,7 +73,7 @@ fn skins() -> u64 {
     digest.value()
 }
 
-fn pairs() -> u64 {
+fn pairs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(952));
     for case in 0..40 {
         let (_, own) = chain(&mut random, case % 3 == 0);

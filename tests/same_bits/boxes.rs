@@ -4,10 +4,10 @@
 use kinopt::solver::ConfigurationSpace;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// What a box of bounds allows.
-fn boxes() -> u64 {
+fn boxes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(142));
     let lower = [f64::NEG_INFINITY, -1.0, 0.5, -0.2];
     let upper = [f64::INFINITY, 1.0, 0.5, f64::INFINITY];

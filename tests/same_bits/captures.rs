@@ -7,7 +7,7 @@ use kinopt::io::bvh::{self, BvhChannel, MotionCapture};
 use support::random::Random;
 
 use crate::animated::{bone, changed, check_single, rotation, turn, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 /// Two roots, End Sites, channels in every order, whole turns, and frames.
 pub(crate) const FILE: &str = "HIERARCHY
@@ -50,7 +50,7 @@ pub(crate) fn add(digest: &mut Digest, capture: &MotionCapture) {
     digest.clip(&capture.armature, &capture.clip);
 }
 
-fn read() -> u64 {
+fn read() -> Value {
     let mut digest = Digest::new();
     let capture = |text: &str| bvh::from_bytes(text.as_bytes(), "folder/steps.take.bvh");
     changed(
@@ -198,7 +198,7 @@ fn poses(body: &Armature, random: &mut Random, moves: bool) -> Vec<Pose> {
     each.collect()
 }
 
-fn written() -> u64 {
+fn written() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(171));
     let body = body(&mut random);
     let mut all = Vec::new();

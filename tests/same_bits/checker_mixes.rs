@@ -14,7 +14,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Residual;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{model, place, vector};
 use crate::shape_mixes::{KINDS, shape};
 
@@ -53,7 +53,7 @@ pub(crate) fn spheres(bodies: &CollisionModel, share: f64) -> SphereModel {
 impl Digest {
     fn world(&mut self, world: &World) {
         for own in world.obstacles() {
-            self.bytes(&own.name);
+            self.text(&own.name);
             self.placement(&own.placement);
             let ball = own.shape.bounding_sphere();
             self.noted(&(&own.attached, &own.may_touch, ball));
@@ -72,7 +72,7 @@ impl Digest {
                 self.doubles([way.free, way.initial_penetration]);
                 self.noted(&way.blocked_by);
             }
-            Err(error) => self.bytes(error.to_string()),
+            Err(error) => self.text(error.to_string()),
         }
     }
 }
@@ -165,7 +165,7 @@ fn cleared(digest: &mut Digest, clearance: &Clearance, model: &Model, q: &[f64])
     digest.noted(&(clearance.distance(), clearance.validate(), clearance.kind()));
 }
 
-fn checkers() -> [u64; 2] {
+fn checkers() -> [Value; 2] {
     let (mut digest, mut worlds, mut random) = (Digest::new(), Digest::new(), Random::new(911));
     for case in 0..5 {
         let model = model(&mut random, case % 3 == 1);
@@ -196,7 +196,7 @@ fn checkers() -> [u64; 2] {
             match checker.clone().with_world(&world) {
                 Ok(changed) => checker = changed,
                 Err(error) => {
-                    digest.bytes(error.to_string());
+                    digest.text(error.to_string());
                     world = checker.world().clone();
                 }
             }
@@ -204,7 +204,7 @@ fn checkers() -> [u64; 2] {
                 let margin = [0.0, 0.01, 0.1, -1.0, f64::NAN][random.below(5)];
                 match checker.clone().with_margin(margin) {
                     Ok(changed) => checker = changed,
-                    Err(error) => digest.bytes(error.to_string()),
+                    Err(error) => digest.text(error.to_string()),
                 }
             }
             if random.below(5) == 0 {
@@ -244,7 +244,7 @@ fn checkers() -> [u64; 2] {
         let times = [0.3, 2.0, 0.0][random.below(3)];
         match world.scaled(times) {
             Ok(scaled) => worlds.world(&scaled),
-            Err(error) => worlds.bytes(error.to_string()),
+            Err(error) => worlds.text(error.to_string()),
         }
         for _ in 0..3 {
             let up = vector(&mut random, 1.0);

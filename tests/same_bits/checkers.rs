@@ -12,7 +12,7 @@ use kinopt::spatial::Vector3;
 use support::random::Random;
 use support::trees::configuration_of;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::obstacles::{full, told};
 use crate::worlds::vector;
 
@@ -84,7 +84,7 @@ fn checked(digest: &mut Digest, checker: &Checker, random: &mut Random, count: u
     }
 }
 
-fn checkers() -> u64 {
+fn checkers() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(63));
     let bodies = CollisionModel::of(&robot()).unwrap();
     let world = full(&mut random);
@@ -160,7 +160,7 @@ fn pairs_of(digest: &mut Digest, bodies: &CollisionModel) {
     }
 }
 
-fn bodies() -> u64 {
+fn bodies() -> Value {
     let (mut digest, robot) = (Digest::new(), robot());
     let plain = CollisionModel::of(&robot).unwrap();
     pairs_of(&mut digest, &plain);
@@ -211,7 +211,7 @@ fn bodies() -> u64 {
 
 pub(crate) fn spheres_of(digest: &mut Digest, spheres: &SphereModel) {
     for group in spheres.groups() {
-        digest.bytes(&group.name);
+        digest.text(&group.name);
         for ball in group.spheres.iter().chain([&group.bound]) {
             digest.doubles(ball.centre.to_array());
             digest.doubles([ball.radius]);
@@ -227,7 +227,7 @@ pub(crate) fn spheres_of(digest: &mut Digest, spheres: &SphereModel) {
     ));
 }
 
-fn sphere_models() -> u64 {
+fn sphere_models() -> Value {
     let mut digest = Digest::new();
     let bodies = CollisionModel::of(&robot()).unwrap();
     for fineness in [
@@ -268,7 +268,7 @@ fn sphere_models() -> u64 {
     ] {
         match SphereModel::parse(short.replacen(from, to, 1).as_bytes(), "s.yml", &bodies) {
             Ok(spheres) => spheres_of(&mut digest, &spheres),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     for (text, file) in [

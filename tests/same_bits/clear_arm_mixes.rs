@@ -12,7 +12,7 @@ use support::arms::{Random as ArmRandom, robot};
 use support::random::Random;
 
 use crate::checker_mixes::spheres;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{place, vector};
 use crate::shape_mixes::shape;
 
@@ -207,7 +207,7 @@ fn ask(digest: &mut Digest, arm: &Arm, doors: usize, random: &mut Random) {
             }
             match solver.solve(&path) {
                 Ok(found) => digest.bytes(format!("{found:?} {}", found.is_whole())),
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
         }
     }
@@ -226,7 +226,7 @@ fn floor(world: &mut World, bodies: &CollisionModel, margin: f64, beside: f64) {
     world.add_plane("floor", at).unwrap();
 }
 
-fn arms(seed: u64, count: usize, turns: usize) -> u64 {
+fn arms(seed: u64, count: usize, turns: usize) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(seed));
     // Where there are many, ways take their time.
     let doors = if count > 100 { 4 } else { 10 };
@@ -260,7 +260,7 @@ fn arms(seed: u64, count: usize, turns: usize) -> u64 {
                 let margin = [None, None, Some(0.0), Some(0.05)][random.below(4)];
                 match arm.with_world(&world, margin) {
                     Ok(changed) => arm = changed,
-                    Err(error) => digest.bytes(error.to_string()),
+                    Err(error) => digest.text(error.to_string()),
                 }
                 let mut drawn = ArmRandom(random.bits());
                 for _ in 0..5 {

@@ -13,7 +13,7 @@ use kinopt::{Solver, Workspace};
 use support::random::Random;
 
 use crate::checker_mixes::{LINKS, shapes, spheres};
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drags::told;
 use crate::every_joint::{model, place, vector};
 use crate::searches::places;
@@ -103,7 +103,7 @@ fn checker(own: CollisionModel, random: &mut Random) -> Checker {
         .unwrap()
 }
 
-fn bodies() -> [u64; 2] {
+fn bodies() -> [Value; 2] {
     let (mut searched, mut dragged, mut random) = (Digest::new(), Digest::new(), Random::new(931));
     let mut workspace = Workspace::new();
     for case in 0..7 {
@@ -178,7 +178,7 @@ pub(crate) fn chain(random: &mut Random, flat: bool) -> (Model, CollisionModel) 
 }
 
 /// Chains that begin within plates and balls, and are led through others.
-fn chains() -> u64 {
+fn chains() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(932));
     for case in 0..8 {
         let (model, own) = chain(&mut random, case % 2 == 0);

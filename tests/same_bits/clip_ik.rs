@@ -13,7 +13,7 @@ use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::spatial::{Placement, Vector3};
 
 use crate::animated::check_single;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::robot_texts::{add_error, add_text};
 use crate::walking_figure::{figure, turn, walk};
 
@@ -55,7 +55,7 @@ fn planted(armature: &Armature) -> ClipIk<'_> {
 }
 
 /// Feet under each setting.
-fn feet() -> u64 {
+fn feet() -> Value {
     let mut digest = Digest::new();
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
@@ -105,7 +105,7 @@ fn feet() -> u64 {
 }
 
 /// Hands over spans, with what moves the root, beside feet, one after another.
-fn hands() -> u64 {
+fn hands() -> Value {
     let mut digest = Digest::new();
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
@@ -156,7 +156,7 @@ fn hands() -> u64 {
 }
 
 /// Channels of steps and of one key, events, and a span that is longer than they are.
-fn spliced() -> u64 {
+fn spliced() -> Value {
     let mut digest = Digest::new();
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();
@@ -245,7 +245,7 @@ pub(crate) fn skeleton() -> Skeleton {
     builder.build().unwrap()
 }
 
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let mut digest = Digest::new();
     let armature = figure();
     let id = |name: &str| armature.bone(name).unwrap();

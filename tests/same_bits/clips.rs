@@ -13,7 +13,7 @@ use kinopt::animation::{
 use support::random::Random;
 
 use crate::animated::{armature, check_single, rotation, turn, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 /// Times of tracks: most share the first ones.
 const LINES: [&[f32]; 4] = [
@@ -183,7 +183,7 @@ const WAY: [f64; 24] = [
     f64::NEG_INFINITY,
 ];
 
-fn sampled() -> u64 {
+fn sampled() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(102));
     let (body, mut cursor) = (body(), Cursor::new());
     let clips = [
@@ -224,7 +224,7 @@ fn sampled() -> u64 {
     digest.value()
 }
 
-fn told() -> u64 {
+fn told() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(103));
     let body = body();
     let elsewhere = armature(17, &mut random);

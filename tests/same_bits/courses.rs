@@ -23,7 +23,7 @@ use support::methods::solvers;
 use support::random::Random;
 use support::trees::configuration_of;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 fn places(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
     ForwardKinematics::new(model).place(q).unwrap().to_vec()
@@ -90,7 +90,7 @@ fn few(attempts: usize) -> Restarts {
 }
 
 /// Trees of robots under tasks of every kind, by every method and every route of derivatives.
-fn every_method() -> u64 {
+fn every_method() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(11));
     let nao = robot("aldebaran_nao");
     let model = nao.model();
@@ -115,7 +115,7 @@ fn every_method() -> u64 {
 }
 
 /// The same tree with poses within reach, poses out of reach and postures within them, to the end.
-fn to_the_end() -> [u64; 2] {
+fn to_the_end() -> [Value; 2] {
     let (mut reached, mut missed, mut random) = (Digest::new(), Digest::new(), Random::new(12));
     let nao = robot("aldebaran_nao");
     let model = nao.model();
@@ -160,7 +160,7 @@ fn to_the_end() -> [u64; 2] {
 }
 
 /// Steps of Levenberg-Marquardt one after the other where the residual stays large and joints stand on limits.
-fn slow_steps(rig: &Skeleton) -> u64 {
+fn slow_steps(rig: &Skeleton) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(13));
     let start = rig.model().neutral();
     let tips = ["left_hand", "right_hand", "head", "left_foot"];
@@ -188,7 +188,7 @@ fn slow_steps(rig: &Skeleton) -> u64 {
 }
 
 /// A figure drawn by a hand out of reach and back, with nudges, and with searches.
-fn drags(rig: &Skeleton) -> u64 {
+fn drags(rig: &Skeleton) -> Value {
     let mut digest = Digest::new();
     let model = rig.model();
     let hand = rig.tip(rig.bone("left_hand").unwrap());
@@ -216,7 +216,7 @@ fn drags(rig: &Skeleton) -> u64 {
             digest.solution(drag.advance());
             digest.word(u64::from(drag.catching_up()) + 2 * u64::from(drag.rests()));
             if let Some(leap) = drag.leap() {
-                digest.bytes(leap.joint);
+                digest.text(leap.joint);
                 digest.doubles([leap.distance]);
             }
             digest.doubles(drag.q().iter().copied());
@@ -228,7 +228,7 @@ fn drags(rig: &Skeleton) -> u64 {
 }
 
 /// Turns about points: reached, missed, with restarts, with the elbow on either side.
-fn geometric(rig: &Skeleton) -> u64 {
+fn geometric(rig: &Skeleton) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(14));
     let model = rig.model();
     let rest = model.neutral();

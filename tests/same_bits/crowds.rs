@@ -15,7 +15,7 @@ use support::random::Random;
 
 use crate::animated::{armature, bone_named as bone, check_single, turn, vector};
 use crate::clips::varied;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::reaching::bent;
 
 /// A skeleton of the limb's armature whose joints have limits.
@@ -31,7 +31,7 @@ pub(crate) fn skeleton(body: &Armature) -> Skeleton {
     body.skeleton("limb", room).unwrap()
 }
 
-fn between() -> u64 {
+fn between() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(124));
     let body = arm();
     let hinges = skeleton(&body);
@@ -122,7 +122,7 @@ fn between() -> u64 {
     digest.value()
 }
 
-fn crowds() -> u64 {
+fn crowds() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(125));
     let body = armature(16, &mut random);
     let clips = [(); 2].map(|()| Arc::new(varied(&body, &mut random)));
@@ -165,7 +165,7 @@ fn crowds() -> u64 {
         };
         last.clips_mut()[1].share = 0.9;
     }
-    digest.bytes(crowd.characters_mut()[1].clips_mut()[0].clip().name());
+    digest.text(crowd.characters_mut()[1].clips_mut()[0].clip().name());
     digest.debug(crowd.armature().bones());
     let mut other = Crowd::new(armature(3, &mut random), Vec::new());
     let own = PlayingClip::new(Arc::clone(&clips[0]));

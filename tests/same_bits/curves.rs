@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use support::random::Random;
 
 use crate::animated::check_single;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 /// What curves run through, as numbers.
 trait Drawn: CurveValue<Real: Serialize + DeserializeOwned> + Serialize + DeserializeOwned {
@@ -61,7 +61,7 @@ fn easings() -> Vec<Easing> {
     Easing::ALL.into_iter().chain(drawn).collect()
 }
 
-fn eased() -> u64 {
+fn eased() -> Value {
     let mut digest = Digest::new();
     for easing in easings() {
         for k in -1..=21 {
@@ -188,7 +188,7 @@ fn segments<V: Drawn>(digest: &mut Digest, random: &mut Random) {
     }
 }
 
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let (mut digest, nan) = (Digest::new(), f64::NAN);
     let two = || vec![1.0, 2.0];
     let handle = |time, value| BezierHandle { time, value };
@@ -226,7 +226,7 @@ fn refusals() -> u64 {
     digest.value()
 }
 
-fn repairs() -> u64 {
+fn repairs() -> Value {
     let (mut digest, nan) = (Digest::new(), f32::NAN);
     for keys in [
         vec![],

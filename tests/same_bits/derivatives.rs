@@ -13,7 +13,7 @@ use kinopt::task::{
 use kinopt::{Solver, Workspace};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{frames, map, masses, model, vector};
 use crate::searches::places;
 
@@ -100,7 +100,7 @@ fn everything(
     }
 }
 
-fn derivatives() -> [u64; 2] {
+fn derivatives() -> [Value; 2] {
     let (mut found, mut existing, mut random) = (Digest::new(), Digest::new(), Random::new(182));
     let mut memory = DerivativeWorkspace::default();
     let mut workspace = Workspace::new();
@@ -184,7 +184,7 @@ fn derivatives() -> [u64; 2] {
 }
 
 /// Where there is no derivative: on limits that nothing pushes to, at the edge of a room, where it is not still.
-fn without() -> u64 {
+fn without() -> Value {
     let mut digest = Digest::new();
     let planar = support::planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.5)));
     let tip = planar.frame("tip").unwrap();

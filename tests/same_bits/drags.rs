@@ -13,7 +13,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LimitCentring, Point, Posture, Quantity, Residual, RowBlock, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{frames, model, vector};
 use crate::searches::places;
 
@@ -47,7 +47,7 @@ fn tasks(model: &Model, q: &[f64], case: usize) -> (Problem, TaskId<Point>, Vect
     (tasks.build().unwrap(), goal, from)
 }
 
-fn drags() -> u64 {
+fn drags() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(191));
     for case in 0..8 {
         let model = model(&mut random, case == 3);
@@ -104,7 +104,7 @@ fn drags() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(192));
     let model = model(&mut random, false);
     let q = model.random_configuration(1);
@@ -205,7 +205,7 @@ impl CollisionAvoidance for Floor {
 }
 
 /// Two frames that stay over a floor, which the goals lead one of them under.
-fn clear() -> [u64; 2] {
+fn clear() -> [Value; 2] {
     let (mut searched, mut dragged, mut random) = (Digest::new(), Digest::new(), Random::new(193));
     for case in 0..6 {
         let model = model(&mut random, case == 4);

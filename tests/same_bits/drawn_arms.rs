@@ -10,7 +10,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::one_of;
 use crate::every_joint::{place, vector};
 use crate::mixed_arms::{INF, checker, described, rarely, robot, world};
@@ -19,7 +19,7 @@ impl Digest {
     pub(crate) fn answered<E: Display>(&mut self, solution: Result<Solution, E>) {
         match solution {
             Ok(solution) => self.told(&solution),
-            Err(error) => self.bytes(error.to_string()),
+            Err(error) => self.text(error.to_string()),
         }
     }
 
@@ -102,7 +102,7 @@ fn ask(digest: &mut Digest, arm: &Arm, robot: &Robot, random: &mut Random, used:
         }
         3 => match arm.solve_all(at, &from) {
             Ok(all) => all.iter().for_each(|solution| digest.told(solution)),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         },
         4 | 5 => {
             let count = one_of(random, &[0, 1, 2, 5, 9]);
@@ -114,7 +114,7 @@ fn ask(digest: &mut Digest, arm: &Arm, robot: &Robot, random: &mut Random, used:
             }
             match arm.solve_batch(&targets, &starts) {
                 Ok(all) => all.iter().for_each(|solution| digest.told(solution)),
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
             let told = if rarely(random, 9) { count + 1 } else { count };
             let (mut q, mut outcomes) = (vec![7.0; n * count], vec![PoseOutcome::default(); told]);
@@ -132,13 +132,13 @@ fn ask(digest: &mut Digest, arm: &Arm, robot: &Robot, random: &mut Random, used:
                         digest.noted(&own.existence);
                         digest.doubles(own.by_target.iter().copied());
                     }
-                    Err(error) => digest.bytes(error.to_string()),
+                    Err(error) => digest.text(error.to_string()),
                 }
             }
             let mut jacobian = arm.jacobian().unwrap();
             match jacobian.at(&solution.q) {
                 Ok(matrix) => digest.doubles(matrix.iter().copied()),
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
         }
         7 => {
@@ -151,7 +151,7 @@ fn ask(digest: &mut Digest, arm: &Arm, robot: &Robot, random: &mut Random, used:
         }
         _ => match arm.collisions(&from) {
             Ok(all) => digest.noted(&all),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         },
     }
 }
@@ -188,7 +188,7 @@ fn changed(arm: &Arm, random: &mut Random) -> Result<Arm, kinopt::arm::ArmError>
     }
 }
 
-fn mixes(seed: u64, cases: usize, clear: bool) -> u64 {
+fn mixes(seed: u64, cases: usize, clear: bool) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(seed));
     let mut used = Solution::default();
     for _ in 0..cases {
@@ -204,7 +204,7 @@ fn mixes(seed: u64, cases: usize, clear: bool) -> u64 {
             let mut arm = match built {
                 Ok(arm) => arm,
                 Err(error) => {
-                    digest.bytes(error.to_string());
+                    digest.text(error.to_string());
                     continue;
                 }
             };
@@ -216,7 +216,7 @@ fn mixes(seed: u64, cases: usize, clear: bool) -> u64 {
                     .with_checker(&checker(&robot, &mut random), &rest[..length]);
                 match kept {
                     Ok(kept) => arm = kept,
-                    Err(error) => digest.bytes(error.to_string()),
+                    Err(error) => digest.text(error.to_string()),
                 }
             }
             digest.noted(&(arm.joints().collect::<Vec<_>>(), arm.limits().len()));
@@ -229,7 +229,7 @@ fn mixes(seed: u64, cases: usize, clear: bool) -> u64 {
                 if turn == 4 {
                     match changed(&arm, &mut random) {
                         Ok(other) => arm = other,
-                        Err(error) => digest.bytes(error.to_string()),
+                        Err(error) => digest.text(error.to_string()),
                     }
                 }
                 ask(&mut digest, &arm, &robot, &mut random, &mut used);
@@ -240,7 +240,7 @@ fn mixes(seed: u64, cases: usize, clear: bool) -> u64 {
 }
 
 /// More questions than are handed out together, of which some are missed and one is none.
-fn many() -> u64 {
+fn many() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(1203));
     for joints in [3, 6] {
         let robot = robot(&mut random, joints);
@@ -264,7 +264,7 @@ fn many() -> u64 {
             digest.batch(&q, &outcomes);
             match arm.solve_batch(&targets, &starts) {
                 Ok(all) => all.iter().for_each(|solution| digest.solution(solution)),
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
             let parallel = arm.solve_batch_into_parallel(&targets, &starts, &mut q, &mut outcomes);
             digest.refusal(parallel);

@@ -14,7 +14,7 @@ use kinopt::skeleton::BoneId;
 use support::random::Random;
 
 use crate::animated::{check_single, number, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::drawn::{at_times, one_of};
 use crate::drawn_clips::{PLAYBACKS, body, clip};
 use crate::robot_texts::add_text;
@@ -49,7 +49,7 @@ fn tracks(random: &mut Random, body: &Armature) -> Vec<EulerTrack> {
     tracks.collect()
 }
 
-fn angles() -> u64 {
+fn angles() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2091));
     for case in 0..60 {
         let body = body(&mut random, 1 + case % 5);
@@ -98,7 +98,7 @@ fn angles() -> u64 {
     digest.value()
 }
 
-fn captures() -> u64 {
+fn captures() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2092));
     for case in 0..40 {
         let body = body(&mut random, 1 + case % 4);
@@ -164,7 +164,7 @@ fn figure(random: &mut Random, bones: usize) -> Armature {
     Armature::new(list.collect(), Vec::new()).unwrap()
 }
 
-fn figures() -> u64 {
+fn figures() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2093));
     for case in 0..30 {
         let body = figure(&mut random, 2 + case % 6);

@@ -18,7 +18,7 @@ use support::random::Random;
 use crate::animated::{check_single, rotation, vector};
 use crate::clip_ik;
 use crate::crowds;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::{at_times, one_of};
 use crate::keys;
 use crate::reaching::bent;
@@ -75,7 +75,7 @@ fn slowed(armature: &Armature, clip: &Clip) -> Clip {
     Clip::through_poses("slow", armature, &times, &poses).unwrap()
 }
 
-fn walks() -> u64 {
+fn walks() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2051));
     let plain = figure();
     // One whose world is turned, moved and scaled at rest.
@@ -160,7 +160,7 @@ fn walks() -> u64 {
 }
 
 /// An arm of bones with limits, in a clip that moves its other channels too.
-fn with_joints() -> u64 {
+fn with_joints() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2052));
     let joints: Skeleton = clip_ik::skeleton();
     let body = Armature::of_skeleton(&joints)
@@ -222,7 +222,7 @@ fn with_joints() -> u64 {
     digest.value()
 }
 
-fn rigs_keys() -> u64 {
+fn rigs_keys() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2053));
     let skeleton = keys::skeleton();
     let id = |name: &str| skeleton.bone(name).unwrap();
@@ -264,7 +264,7 @@ fn rigs_keys() -> u64 {
 }
 
 /// Layers of several tips and held bones, asked time after time.
-fn layers() -> u64 {
+fn layers() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2054));
     let body = arm();
     let skeleton = crowds::skeleton(&body);

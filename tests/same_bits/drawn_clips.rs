@@ -13,7 +13,7 @@ use kinopt::animation::{
 use support::random::Random;
 
 use crate::animated::{check_single, local, number, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::drawn::{at_times, one_of};
 
 pub(crate) const PLAYBACKS: [Playback; 3] = [Playback::Hold, Playback::Loop, Playback::PingPong];
@@ -243,7 +243,7 @@ fn moment(random: &mut Random) -> f64 {
 }
 
 /// One pose and one cursor for several clips in turn.
-fn sampled() -> u64 {
+fn sampled() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2001));
     for case in 0..60 {
         let body = body(&mut random, 1 + case % 10);
@@ -278,7 +278,7 @@ fn sampled() -> u64 {
 }
 
 /// What clips hold, as files too, and what is made of them.
-fn made() -> u64 {
+fn made() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2002));
     for case in 0..40 {
         let body = body(&mut random, 1 + case % 5);
@@ -339,7 +339,7 @@ fn made() -> u64 {
 }
 
 /// Clips through poses that differ in some properties of some bones.
-fn through_poses() -> u64 {
+fn through_poses() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2003));
     for case in 0..30 {
         let body = Arc::new(body(&mut random, 1 + case % 4));

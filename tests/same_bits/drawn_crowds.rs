@@ -12,7 +12,7 @@ use kinopt::skeleton::BoneId;
 use support::random::Random;
 
 use crate::animated::{check_single, number, pose, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::drawn::{at_times, one_of};
 use crate::drawn_clips::{PLAYBACKS, body, clip};
 
@@ -50,7 +50,7 @@ fn mask(digest: &mut Digest, random: &mut Random, body: &Armature, other: &Armat
     mask
 }
 
-fn laid_over() -> u64 {
+fn laid_over() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2011));
     for case in 0..90 {
         let body = body(&mut random, 1 + case % 11);
@@ -192,7 +192,7 @@ fn stretched(body: &Armature, random: &mut Random) -> Pose {
     pose
 }
 
-fn limbs_and_aims() -> u64 {
+fn limbs_and_aims() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2012));
     for case in 0..200 {
         let body = body(&mut random, 3 + case % 6);
@@ -249,7 +249,7 @@ fn limbs_and_aims() -> u64 {
 }
 
 /// Characters whose clips, limbs and goals differ, as some of them change between frames.
-fn crowds() -> u64 {
+fn crowds() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2013));
     for case in 0..40 {
         let body = body(&mut random, 1 + case % 9);

@@ -12,7 +12,7 @@ use kinopt::task::{LimitCentring, Point, Posture, Quantity, Task};
 use support::methods::solvers;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drags::told;
 use crate::drawn::one_of;
 use crate::every_joint::vector;
@@ -42,7 +42,7 @@ fn tuned(mut drag: Drag, random: &mut Random, digest: &mut Digest) -> Drag {
         };
         match other {
             Ok(other) => drag = other,
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     drag
@@ -81,7 +81,7 @@ fn led_about(
     }
 }
 
-fn of_bodies(cases: usize) -> u64 {
+fn of_bodies(cases: usize) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(1231));
     for _ in 0..cases {
         let body = Body::new(&mut random);
@@ -123,7 +123,7 @@ fn asked(model: &Model, q: &[f64], random: &mut Random) -> (Problem, TaskId<Poin
     (tasks.build().unwrap(), led, from)
 }
 
-fn of_arms(cases: usize) -> u64 {
+fn of_arms(cases: usize) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(1232));
     for _ in 0..cases {
         let links = 2 + random.below(5);

@@ -7,7 +7,7 @@ use kinopt::arm::{Arm, Servo};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::one_of;
 use crate::drawn_arms::start;
 use crate::every_joint::vector;
@@ -57,7 +57,7 @@ fn track(digest: &mut Digest, arm: &Arm, targets: &[Placement<f64>], from: &[f64
                 digest.told(own);
             }
         }
-        Err(error) => digest.bytes(error.to_string()),
+        Err(error) => digest.text(error.to_string()),
     }
 }
 
@@ -70,7 +70,7 @@ fn follow(
 ) {
     let mut follower = match arm.follower(from) {
         Ok(follower) => follower,
-        Err(error) => return digest.bytes(error.to_string()),
+        Err(error) => return digest.text(error.to_string()),
     };
     let mut solution = Solution::default();
     for target in targets {
@@ -82,7 +82,7 @@ fn follow(
         }
         match follower.advance(*target, &mut solution) {
             Ok(jump) => digest.noted(&jump),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
         digest.solution(&solution);
         digest.noted(&solution.collisions());
@@ -110,7 +110,7 @@ fn tuned<'a>(mut servo: Servo<'a>, random: &mut Random, digest: &mut Digest) -> 
         };
         match other {
             Ok(other) => servo = other,
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     servo
@@ -126,7 +126,7 @@ fn servo(
     let servo = arm.servo(from, one_of(random, &[0.002, 0.01, 0.05, 0.3, 0.05, 0.0]));
     let servo = match servo {
         Ok(servo) => servo,
-        Err(error) => return digest.bytes(error.to_string()),
+        Err(error) => return digest.text(error.to_string()),
     };
     let mut servo = tuned(servo, random, digest);
     digest.doubles(servo.q().iter().chain(servo.velocity_limits()).copied());
@@ -151,14 +151,14 @@ fn servo(
                 let held: Vec<_> = step.held().collect();
                 digest.noted(&(step.status, step.collisions, held));
             }
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
         digest.doubles(servo.q().iter().copied());
     }
 }
 
 /// Arms that are asked one after the other, each for several ways from several places.
-fn mixes(seed: u64, cases: usize, clear: bool) -> [u64; 3] {
+fn mixes(seed: u64, cases: usize, clear: bool) -> [Value; 3] {
     let mut digests = [(); 3].map(|()| Digest::new());
     let mut random = Random::new(seed);
     for case in 0..cases {

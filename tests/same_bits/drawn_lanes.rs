@@ -8,7 +8,7 @@ use support::arms;
 use support::random::Random;
 
 use crate::arms::odd_chain;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::one_of;
 use crate::every_joint::vector;
 use crate::mixed_arms::{INF, rarely};
@@ -125,7 +125,7 @@ fn ask(digest: &mut Digest, solver: &PoseSolver, chain: &Chain, random: &mut Ran
     digest.noted(&outcomes);
 }
 
-fn mixes(cases: u64) -> u64 {
+fn mixes(cases: u64) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(1251));
     for case in 0..cases {
         let joints = one_of(&mut random, &[1, 2, 3, 5, 6, 6, 7, 8, 9]);
@@ -134,7 +134,7 @@ fn mixes(cases: u64) -> u64 {
         let solver = match PoseSolver::new(&chain, options(&mut random)) {
             Ok(solver) => solver,
             Err(error) => {
-                digest.bytes(error.to_string());
+                digest.text(error.to_string());
                 continue;
             }
         };

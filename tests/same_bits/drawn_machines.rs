@@ -8,7 +8,7 @@ use kinopt::io::state_machine;
 use support::random::Random;
 
 use crate::animated::check_single;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::drawn::{at_times, one_of};
 use crate::drawn_clips::{body, clip};
 use crate::machines::update;
@@ -189,7 +189,7 @@ fn change(digest: &mut Digest, random: &mut Random, run: &mut StateMachineRun) {
     };
 }
 
-fn runs() -> u64 {
+fn runs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2021));
     for case in 0..260 {
         let (body, clips) = clips(&mut random.clone());

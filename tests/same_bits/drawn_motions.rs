@@ -9,7 +9,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture, Quantity, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::{at_times, one_of};
 use crate::robot_texts::add_text;
 use crate::whole_motions::{STEP, solve};
@@ -210,7 +210,7 @@ fn solver(random: &mut Random) -> MotionSolver {
     solver
 }
 
-fn motions() -> u64 {
+fn motions() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2041));
     for _ in 0..180 {
         let model = model(&mut random);

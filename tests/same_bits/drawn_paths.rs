@@ -11,7 +11,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{planar_with_hand, robot};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::{at_times, one_of};
 use crate::paths::{add, bare_arm, circle, placement, some, through, two_links_by_a_wall};
 use crate::robot_texts::add_text;
@@ -63,7 +63,7 @@ fn way(arm: &Arm, random: &mut Random) -> (Vec<Placement<f64>>, [Vec<f64>; 2], b
     (points, [first, last], kind > 1)
 }
 
-fn options() -> u64 {
+fn options() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2031));
     let arms = arms();
     for case in 0..100 {
@@ -159,7 +159,7 @@ fn options() -> u64 {
 }
 
 /// Rings that are entered anywhere, round and round.
-fn rings() -> u64 {
+fn rings() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2035));
     let arms = arms();
     for case in 0..60 {
@@ -185,7 +185,7 @@ fn rings() -> u64 {
 }
 
 /// Rows of joints that may rest anywhere, under limits of some of them.
-fn times() -> u64 {
+fn times() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2032));
     for _ in 0..40 {
         let (joints, count) = (1 + random.below(3), random.below(7));
@@ -230,7 +230,7 @@ pub(crate) fn row_times(
 }
 
 /// Keys of splines, and what a path keeps.
-fn splines() -> u64 {
+fn splines() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2033));
     for _ in 0..24 {
         let count = random.below(5);
@@ -265,7 +265,7 @@ fn splines() -> u64 {
 }
 
 /// Tables of drawn columns in any order, with a cell changed at times.
-fn tables() -> u64 {
+fn tables() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2034));
     let turns = [
         "1,0,0,0",

@@ -18,7 +18,7 @@ use support::skins::Vertices;
 use support::small_rig::{JSON, SmallRig};
 
 use crate::animated::{check_single, local, number, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::drawn::{at_times, one_of};
 
 /// A tree of bones whose scales are even, so that a skeleton can be made of it.
@@ -50,7 +50,7 @@ fn turned(random: &mut Random) -> Quat {
     }
 }
 
-fn configurations() -> u64 {
+fn configurations() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2081));
     for case in 0..200 {
         let body = body(&mut random, 1 + case % 6);
@@ -105,7 +105,7 @@ fn configurations() -> u64 {
 }
 
 /// Keys of which some are out of order, not numbers, or of another count.
-fn curves() -> u64 {
+fn curves() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2082));
     for _ in 0..300 {
         let count = random.below(4);
@@ -197,7 +197,7 @@ fn curves() -> u64 {
 }
 
 /// Blend shapes and morph targets in buffers that hold other things.
-fn shapes() -> u64 {
+fn shapes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2083));
     let weight =
         |random: &mut Random| one_of(random, &[0.0, 0.25, 0.5, 1.0, -0.5, 0.5, 0.25, f32::NAN]);
@@ -271,7 +271,7 @@ fn shapes() -> u64 {
 }
 
 /// A rig whose mesh has normals, into whichever buffers there are.
-fn rigs() -> u64 {
+fn rigs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2084));
     let mut rig: Rig = SmallRig::with_json(JSON).parse().unwrap();
     let bare = rig.mesh.take().unwrap();

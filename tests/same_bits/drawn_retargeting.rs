@@ -11,7 +11,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::{at_times, one_of};
 use crate::retargeting::{add, add_fitted};
 use crate::robot_texts::add_text;
@@ -133,7 +133,7 @@ fn at_limits(random: &mut Random, robot: &Robot, q: &mut [f64]) {
     }
 }
 
-fn movements() -> u64 {
+fn movements() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2061));
     let feet = [
         ["", ""],
@@ -222,7 +222,7 @@ fn movements() -> u64 {
 }
 
 /// Texts of maps, of which pieces are left out, doubled and changed.
-fn texts() -> u64 {
+fn texts() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2062));
     let pieces = [
         r#""about": "a map""#,

@@ -9,7 +9,7 @@ use kinopt::{Solver, Workspace};
 use support::methods::solvers;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::one_of;
 use crate::every_joint::vector;
 use crate::mixed_arms::{INF, rarely};
@@ -116,7 +116,7 @@ fn changes(
 ) {
     let own = match SolutionDerivative::new(question, q, memory) {
         Ok(own) => own,
-        Err(error) => return digest.bytes(error.to_string()),
+        Err(error) => return digest.text(error.to_string()),
     };
     let own = match random.below(2) {
         0 => Ok(own),
@@ -124,7 +124,7 @@ fn changes(
     };
     let mut own = match own {
         Ok(own) => own,
-        Err(error) => return digest.bytes(error.to_string()),
+        Err(error) => return digest.text(error.to_string()),
     };
     digest.bytes(format!("{} {:?}", own.existence(), own.existence()));
     let mut rates = own.parameters();
@@ -150,11 +150,11 @@ fn changes(
     origins.for_each(|origin| digest.doubles(origin.to_array()));
     match own.by_target(random.below(4)) {
         Ok(matrix) => digest.doubles(matrix.iter().copied()),
-        Err(error) => digest.bytes(error.to_string()),
+        Err(error) => digest.text(error.to_string()),
     }
 }
 
-fn mixes(seed: u64, cases: usize) -> [u64; 3] {
+fn mixes(seed: u64, cases: usize) -> [Value; 3] {
     let mut digests = [(); 3].map(|()| Digest::new());
     let (mut random, mut workspace) = (Random::new(seed), Workspace::new());
     let mut memory = DerivativeWorkspace::default();
@@ -167,7 +167,7 @@ fn mixes(seed: u64, cases: usize) -> [u64; 3] {
         let problem = match problem {
             Ok(problem) => problem,
             Err(error) => {
-                told.bytes(error.to_string());
+                told.text(error.to_string());
                 continue;
             }
         };
@@ -210,7 +210,7 @@ fn mixes(seed: u64, cases: usize) -> [u64; 3] {
                 (1, Ok(moves)) => match ProblemInstance::from(&other).with_moves(moves) {
                     Ok(question) => question,
                     Err(error) => {
-                        told.bytes(error.to_string());
+                        told.text(error.to_string());
                         continue;
                     }
                 },

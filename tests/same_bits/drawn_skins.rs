@@ -13,7 +13,7 @@ use support::random::Random;
 use support::skins::{Vertices, weights};
 
 use crate::animated::{check_single, mesh, number, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::drawn::{at_times, one_of};
 use crate::skins::rigid;
 
@@ -58,7 +58,7 @@ fn asked(random: &mut Random, rest: &Vertices) -> (Vertices, Vertices) {
     (own, room)
 }
 
-fn skins() -> u64 {
+fn skins() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2071));
     for case in 0..70 {
         let (vertices, bones) = (1 + 3 * (case % 9), 1 + case % 5);
@@ -130,7 +130,7 @@ fn closed(random: &mut Random) -> TriangleMesh {
     TriangleMesh::new(corners.collect(), Vec::new(), box_triangles()).unwrap()
 }
 
-fn closed_meshes() -> u64 {
+fn closed_meshes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2072));
     for case in 0..30 {
         let mut own = closed(&mut random);

@@ -13,7 +13,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LookAt, Orientation, Point, Pose, Posture, Quantity, Residual, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::one_of;
 use crate::every_joint::{place, vector};
 use crate::mixed_arms::rarely;
@@ -137,7 +137,7 @@ fn asked(
     match tasks.build() {
         Ok(problem) => Some(problem),
         Err(error) => {
-            digest.bytes(error.to_string());
+            digest.text(error.to_string());
             None
         }
     }
@@ -175,7 +175,7 @@ fn method(random: &mut Random) -> Box<dyn Geometric> {
     }
 }
 
-fn mixes(cases: usize) -> u64 {
+fn mixes(cases: usize) -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(1241));
     for _ in 0..cases {
         let (model, joints, frames) = tree(&mut random);
@@ -211,9 +211,9 @@ fn mixes(cases: usize) -> u64 {
                     false => ControlFlow::Continue(()),
                 }
             });
-            digest.bytes(method.name());
+            digest.text(method.name());
             digest.answered(found);
-            digest.word(seen.value());
+            digest.word(seen.value().numbers);
         }
     }
     digest.value()

@@ -7,9 +7,9 @@ use support::random::Random;
 
 use crate::animated::{armature, bone, check_single, pose};
 use crate::clips::varied;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
-fn edited() -> u64 {
+fn edited() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(115));
     let body = armature(16, &mut random);
     let small = armature(2, &mut random);

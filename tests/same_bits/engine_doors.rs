@@ -9,7 +9,7 @@ use support::arms::Random;
 
 use crate::arm_doors::refused;
 use crate::arms::turned;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 fn joint(kind: JointKind, lower: f64, upper: f64) -> ChainJoint {
     ChainJoint {
@@ -22,7 +22,7 @@ fn joint(kind: JointKind, lower: f64, upper: f64) -> ChainJoint {
 }
 
 /// The lane engine under options that are not usual, and what it refuses.
-fn engine() -> u64 {
+fn engine() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(73));
     let turning = joint(JointKind::Revolute, -2.0, 2.5);
     let tip = Placement::translation(Vector3::new(0.0, 0.1, 0.1));

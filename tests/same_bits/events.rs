@@ -11,9 +11,9 @@ use kinopt::animation::{
 use support::random::Random;
 
 use crate::animated::{armature, check_single};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
-fn angles() -> u64 {
+fn angles() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(104));
     let body = armature(4, &mut random);
     let bone = |index| body.bone_at(index).unwrap();
@@ -101,7 +101,7 @@ fn angles() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(105));
     let body = armature(3, &mut random);
     let far = armature(9, &mut random).bone_at(7).unwrap();
@@ -145,7 +145,7 @@ fn refused() -> u64 {
     ];
     let clips = names.map(named);
     for name in ["Walk", "Walk.001", "001", "x Run", "Run2", "Armature|Walk"] {
-        digest.bytes(Clip::named(&clips, name).unwrap().name());
+        digest.text(Clip::named(&clips, name).unwrap().name());
     }
     for name in ["Run", "", "Wlak", "alk"] {
         digest.refused(Clip::named(&clips, name));
@@ -153,7 +153,7 @@ fn refused() -> u64 {
     digest.value()
 }
 
-fn events() -> u64 {
+fn events() -> Value {
     let mut digest = Digest::new();
     let body = armature(1, &mut Random::new(106));
     let clip = |span: [f32; 2], times: &[f32]| {
@@ -184,7 +184,7 @@ fn events() -> u64 {
                     let passage = head.advance(step);
                     digest.debug((passage, head.elapsed()));
                     for fired in clip.fired(playback, passage) {
-                        digest.bytes(&fired.event.name);
+                        digest.text(&fired.event.name);
                         digest.doubles([fired.elapsed, f64::from(fired.event.time)]);
                     }
                 }

@@ -24,7 +24,7 @@ use kinopt::{Problem, Scalar};
 use support::methods::solvers;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// Unit quaternions by additions, products and roots only.
 fn rotation(random: &mut Random) -> Quat {
@@ -32,7 +32,7 @@ fn rotation(random: &mut Random) -> Quat {
     Quat::from_vec4(v.normalize())
 }
 
-fn elementary() -> u64 {
+fn elementary() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(1));
     for _ in 0..2000 {
         let [x, y] = [random.within(-20.0, 20.0), random.within(-3.0, 3.0)];
@@ -43,7 +43,7 @@ fn elementary() -> u64 {
     digest.value()
 }
 
-fn rotations() -> u64 {
+fn rotations() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(2));
     for _ in 0..300 {
         let [a, b, c, d] = [(); 4].map(|()| rotation(&mut random));
@@ -92,7 +92,7 @@ fn chain() -> Chain {
     Chain::new(joints, Placement::translation([0.0, 0.0, 0.1].into())).unwrap()
 }
 
-fn lanes() -> [u64; 2] {
+fn lanes() -> [Value; 2] {
     let chain = chain();
     let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
     let mut random = Random::new(3);
@@ -121,7 +121,7 @@ fn lanes() -> [u64; 2] {
     [alone.value(), batch.value()]
 }
 
-fn bodies(rig: &Rig) -> [u64; 2] {
+fn bodies(rig: &Rig) -> [Value; 2] {
     let (skeleton, rest) = (&rig.skeleton, rig.skeleton.model().neutral());
     let (hand, head) = (
         skeleton.bone("left_hand").unwrap(),
@@ -153,7 +153,7 @@ fn bodies(rig: &Rig) -> [u64; 2] {
     [solved.value(), geometric.value()]
 }
 
-fn clip(rig: &Rig) -> u64 {
+fn clip(rig: &Rig) -> Value {
     let armature = Armature::of_skeleton(&rig.skeleton);
     let mut keys = Clip::builder("keys", &armature);
     keys.euler_clip(&rig.clip).unwrap();
@@ -170,7 +170,7 @@ fn clip(rig: &Rig) -> u64 {
 }
 
 /// With the packed kernels, and with those for any number of influences.
-fn skins(rig: &Rig) -> [u64; 2] {
+fn skins(rig: &Rig) -> [Value; 2] {
     let mesh = rig.mesh.as_ref().unwrap();
     let mut bind = AutomaticWeights::default();
     bind.smoothing_steps = 2;
@@ -212,7 +212,7 @@ fn digests_of_answers_are_those_of_every_other_machine() {
     let rig = Rig::read(root.join("../models/humanoid/humanoid.json")).unwrap();
     let ([alone, batch], [solved, geometric], [packed, skin]) =
         (lanes(), bodies(&rig), skins(&rig));
-    let found: [(&str, u64); 9] = [
+    let found: [(&str, Value); 9] = [
         ("sines, arc tangents, exponentials", elementary()),
         ("rotations and Euler angles", rotations()),
         ("lane engine, one question at a time", alone),

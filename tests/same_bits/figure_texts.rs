@@ -9,7 +9,7 @@ use support::state_machines::clips;
 use support::{changed_json, changed_text};
 
 use crate::animated::check_single;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::machines::GAIT;
 use crate::robot_texts::{add_error, add_text};
 use crate::{captures, rigs};
@@ -32,7 +32,7 @@ fn capture(digest: &mut Digest, bytes: &[u8]) {
     }
 }
 
-fn figures() -> u64 {
+fn figures() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(931));
     for order in [
         "4 Xrotation Yrotation Xrotation Yrotation",
@@ -54,7 +54,7 @@ fn figures() -> u64 {
     digest.value()
 }
 
-fn rigs() -> u64 {
+fn rigs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(932));
     let text = rigs::text();
     let mut add = |rig: SmallRig| match rig.parse() {
@@ -113,7 +113,7 @@ fn rigs() -> u64 {
 }
 
 /// Tables of text and of bytes, each damaged.
-fn tables() -> u64 {
+fn tables() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(933));
     let table = dmat::from_bytes(b"3 2\n1\n-0.5\n1e-3\n0\n2.5\n7\n", "t.dmat").unwrap();
     for encoding in [dmat::DmatEncoding::Text, dmat::DmatEncoding::Binary] {
@@ -144,7 +144,7 @@ fn tables() -> u64 {
 const CONES: &str = r#"{"arm": {"swing": 90, "twist": [-60, 60]}, "elbow": {"axis": [0, 1, 0], "swing": 2, "twist": [-150, 0], "angle": 170},
  "neck": {"swing": [45, 25], "about": [1, 0, 0], "twist": [-70, 70]}, "q\"\\": {"angle": 30}, "\\": {"twist": [1, 1], "axis": [0, 0, 2]}}"#;
 
-fn objects() -> u64 {
+fn objects() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(934));
     let mut texts = changed_json::changed(CONES, 150, &mut random);
     texts.extend(changed_text::changed(CONES, 70, &mut random));

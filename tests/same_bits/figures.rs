@@ -15,12 +15,12 @@ use kinopt::motion::trajectory::Windows;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 use crate::walking_person::{BOXES, biped, capture};
 
 /// Captures that are none, and what a fitting refuses.
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let mut digest = Digest::new();
     let names = |names: &[&str]| {
         names
@@ -98,7 +98,7 @@ fn refusals() -> u64 {
 }
 
 /// Movements on figures of either kind, and back as clips.
-fn figures() -> u64 {
+fn figures() -> Value {
     let mut digest = Digest::new();
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
@@ -163,7 +163,7 @@ fn figures() -> u64 {
 }
 
 /// A folder's question as it is noted, and what of another is told.
-fn folders() -> u64 {
+fn folders() -> Value {
     let mut digest = Digest::new();
     let root = std::env::temp_dir().join(format!("kinopt-same-folders-{}", std::process::id()));
     let _ = fs::remove_dir_all(&root);

@@ -7,7 +7,7 @@ use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, HeldBy, Jump, Search, ServoStatus
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, robot};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// Targets out of reach, mostly: places of the arm further out.
 fn missed(digest: &mut Digest, builder: ArmBuilder<'_>, random: &mut Random, count: usize) {
@@ -23,7 +23,7 @@ fn missed(digest: &mut Digest, builder: ArmBuilder<'_>, random: &mut Random, cou
     }
 }
 
-fn misses() -> u64 {
+fn misses() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(31));
     let [iiwa, cobra] = ["kuka_iiwa14", "adept_cobra_s600"].map(robot);
     let tool = Placement::translation(Vector3::new(0.03, -0.05, 0.4));
@@ -63,7 +63,7 @@ fn misses() -> u64 {
 }
 
 /// Joints that follow one another go through the core.
-fn misses_of_the_core() -> u64 {
+fn misses_of_the_core() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random(32));
     let nao = robot("aldebaran_nao");
     let builder = || Arm::builder(&nao, "left_sole", "right_sole");
@@ -140,7 +140,7 @@ impl Digest {
                 _ => unreachable!("a new status"),
             });
             for (joint, by) in step.held() {
-                self.bytes(joint);
+                self.text(joint);
                 self.bytes(match by {
                     HeldBy::Limit(side) => format!("limit {side:?}"),
                     HeldBy::Speed(side) => format!("speed {side:?}"),
@@ -188,7 +188,7 @@ fn courses(
     steps: usize,
     options: impl for<'m> Fn(ArmBuilder<'m>, usize) -> ArmBuilder<'m>,
     mut go: impl FnMut(&mut Digest, &Arm, &Course),
-) -> u64 {
+) -> Value {
     let mut digest = Digest::new();
     for (name, start, way) in WAYS {
         let robot = robot(name);

@@ -5,7 +5,7 @@ use kinopt::io::gltf::{self, Scene};
 use support::gltf_text::{read, small};
 
 use crate::animated::{changed, check_single, mesh};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 /// All of a scene.
 pub(crate) fn add(digest: &mut Digest, scene: &Scene) {
@@ -28,7 +28,7 @@ pub(crate) fn add(digest: &mut Digest, scene: &Scene) {
     digest.debug(scene.turning_bones());
 }
 
-fn changes() -> u64 {
+fn changes() -> Value {
     let mut digest = Digest::new();
     let (numbers, rest) = small();
     let text = numbers.document(&rest);
@@ -163,7 +163,7 @@ fn changes() -> u64 {
     digest.value()
 }
 
-fn containers() -> u64 {
+fn containers() -> Value {
     let mut digest = Digest::new();
     let (numbers, rest) = small();
     let good = numbers.glb(&rest);
@@ -186,7 +186,7 @@ fn containers() -> u64 {
     digest.refused(read(&good[..10]));
     digest.refused(read(&good[..good.len() - 1]));
     let scene = read(&good).unwrap();
-    digest.bytes(scene.clip("bend").unwrap().name());
+    digest.text(scene.clip("bend").unwrap().name());
     digest.refused(scene.clip("bent"));
     digest.value()
 }

@@ -11,7 +11,7 @@ use kinopt::motion::clip_ik::{ClipIkError, EditedKeys, KeyframeIk, Reach};
 use kinopt::skeleton::{Bone, BoneId, Skeleton};
 use kinopt::spatial::{Placement, Vector3};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 
 /// A trunk that branches into an arm of three bones and a head.
@@ -104,7 +104,7 @@ pub(crate) fn add(digest: &mut Digest, solved: Result<EditedKeys, ClipIkError>) 
 }
 
 /// Under each interpolation, and each thing that is asked.
-fn asked() -> u64 {
+fn asked() -> Value {
     let mut digest = Digest::new();
     let skeleton = skeleton();
     let id = |name: &str| skeleton.bone(name).unwrap();
@@ -169,7 +169,7 @@ fn asked() -> u64 {
 }
 
 /// Keys that are beyond their limits, all of them, one, the first, the last, alternately.
-fn beyond() -> u64 {
+fn beyond() -> Value {
     let mut digest = Digest::new();
     let skeleton = skeleton();
     let hand = skeleton.bone("hand").unwrap();
@@ -193,7 +193,7 @@ fn beyond() -> u64 {
     digest.value()
 }
 
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let mut digest = Digest::new();
     let skeleton = skeleton();
     let id = |name: &str| skeleton.bone(name).unwrap();

@@ -13,7 +13,7 @@ use kinopt::task::{
 use kinopt::{Solver, Workspace};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, map, masses, model, vector};
 use crate::searches::places;
 
@@ -69,7 +69,7 @@ fn first(
     }
 }
 
-fn levels() -> [u64; 2] {
+fn levels() -> [Value; 2] {
     let (mut met, mut told, mut random) = (Digest::new(), Digest::new(), Random::new(181));
     let mut workspace = Workspace::new();
     for case in 0..20 {

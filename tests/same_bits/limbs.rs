@@ -13,7 +13,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{Goal, LookAt, Orientation, Point, Pose, Quantity, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, place, vector};
 use crate::searches::places;
 
@@ -123,7 +123,7 @@ fn asked(model: &Model, map: ParameterMap, case: usize, random: &mut Random) -> 
 }
 
 fn told(digest: &mut Digest, method: &dyn Geometric, problem: &Problem, start: &[f64]) {
-    digest.bytes(method.name());
+    digest.text(method.name());
     let mut steps = 0;
     let mut seen = |step: &Iteration<'_>| {
         digest.word(step.index as u64);
@@ -143,7 +143,7 @@ fn told(digest: &mut Digest, method: &dyn Geometric, problem: &Problem, start: &
     }
 }
 
-fn sweeps() -> [u64; 2] {
+fn sweeps() -> [Value; 2] {
     let (mut ccd, mut fabrik, mut random) = (Digest::new(), Digest::new(), Random::new(163));
     for case in 0..30 {
         let model = tree(&mut random, case % 2 == 0);
@@ -174,7 +174,7 @@ fn sweeps() -> [u64; 2] {
 }
 
 /// Limbs of two bones: a hinge, a hinge about any axis, a shoulder of three hinges, ends that stop it.
-fn two_bones() -> u64 {
+fn two_bones() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(164));
     let [x, y, z] = Vector3::UNITS;
     for case in 0..24 {
@@ -224,7 +224,7 @@ fn two_bones() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(165));
     let bodies = [
         tree(&mut random, true),

@@ -11,7 +11,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, looped, model, place, vector};
 
 /// A bar on a ball and a slide between two posts, welded to one; a crank and a rocker, pinned.
@@ -54,7 +54,7 @@ fn joints(model: &Model, names: &[&str]) -> Vec<JointId> {
         .collect()
 }
 
-fn closed() -> u64 {
+fn closed() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(171));
     for welded in [false, true] {
         let model = linkages(&mut random, welded);
@@ -111,7 +111,7 @@ fn closed() -> u64 {
 }
 
 /// Goals of bodies whose loops have to close as well.
-fn searched() -> u64 {
+fn searched() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(172));
     let bodies = [
         linkages(&mut random, false),
@@ -139,7 +139,7 @@ fn searched() -> u64 {
     digest.value()
 }
 
-fn stances() -> u64 {
+fn stances() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(173));
     for free in [true, false] {
         let mut grown = crate::every_joint::builder(&mut random, free);

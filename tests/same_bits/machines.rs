@@ -9,7 +9,7 @@ use support::random::Random;
 use support::state_machines::{armature, clips, run_of};
 
 use crate::animated::{self, check_single};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 fn note(digest: &mut Digest, run: &StateMachineRun) {
     digest.bytes(run.state());
@@ -55,7 +55,7 @@ pub(crate) const GAIT: &str = r#"{
   {"from": "frozen", "to": "idle", "after_seconds": 0.5, "seconds": 0.1, "easing": "quadratic_out"}
  ]}"#;
 
-fn runs() -> u64 {
+fn runs() -> Value {
     let mut digest = Digest::new();
     let mut random = Random::new(131);
     for seed in 0..6 {
@@ -81,7 +81,7 @@ fn runs() -> u64 {
 }
 
 /// Rings, fades that are broken off, in every way, and more events than are told.
-fn odd_ways() -> u64 {
+fn odd_ways() -> Value {
     let mut digest = Digest::new();
     let ring = r#"{"parameters": {"go": true}, "initial": "a",
       "states": [{"name": "a", "clip": "stand"}, {"name": "b", "clip": "walk"}, {"name": "c", "clip": "run", "speed": 3000}],
@@ -154,7 +154,7 @@ fn odd_ways() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let mut digest = Digest::new();
     let mut all = clips();
     let wide = animated::armature(2, &mut Random::new(132));

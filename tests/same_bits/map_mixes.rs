@@ -6,7 +6,7 @@ use kinopt::spatial::{Placement, Vector3};
 use support::changed_json;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, map, model};
 use crate::robot_texts::{add_error, add_text};
 
@@ -71,7 +71,7 @@ fn add(digest: &mut Digest, model: &Model, map: &ParameterMap, random: &mut Rand
     }
 }
 
-fn mixes() -> u64 {
+fn mixes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(951));
     let models = [model(&mut random, false), model(&mut random, true)];
     let foreign = models[1].joint_ids().last().unwrap();
@@ -134,7 +134,7 @@ fn mixes() -> u64 {
     digest.value()
 }
 
-fn files() -> u64 {
+fn files() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(952));
     let model = model(&mut random, true);
     for text in changed_json::changed(
@@ -176,7 +176,7 @@ fn files() -> u64 {
 }
 
 /// Rings of hinges, slides of every range and fixed joints on two branches, some of which cannot close.
-fn rings() -> u64 {
+fn rings() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(953));
     let [x, y, z] = Vector3::UNITS;
     for _ in 0..180 {

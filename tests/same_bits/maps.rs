@@ -5,7 +5,7 @@
 use kinopt::model::{JointId, Limits, Model, ParameterMap, ParameterMapBuilder};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, map, model, place};
 
 pub(crate) fn joints<const N: usize>(model: &Model, names: [&str; N]) -> [JointId; N] {
@@ -40,7 +40,7 @@ fn told(digest: &mut Digest, model: &Model, map: &ParameterMap, random: &mut Ran
     digest.word((back == *map).into());
 }
 
-fn maps() -> u64 {
+fn maps() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(131));
     for free in [false, true] {
         let model = model(&mut random, free);
@@ -96,7 +96,7 @@ fn maps() -> u64 {
     digest.value()
 }
 
-fn refused_maps() -> u64 {
+fn refused_maps() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(132));
     let model = model(&mut random, false);
     let q = configuration(&model, &mut random);

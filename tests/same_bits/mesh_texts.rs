@@ -7,7 +7,7 @@ use support::changed_text::changed;
 use support::changed_xml::Element;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 
 /// Two parts that touch in a point that stands twice, polygons, every way to name a corner, lines that go on.
@@ -62,7 +62,7 @@ fn add(digest: &mut Digest, bytes: &[u8], file: &str, random: &mut Random) {
     }
 }
 
-fn words() -> u64 {
+fn words() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(901));
     for (text, file, count) in [
         (OBJ, "two.obj", 120),
@@ -87,7 +87,7 @@ fn words() -> u64 {
 }
 
 /// One triangle and another, with a header that announces more, fewer or as many.
-fn binary_stl() -> u64 {
+fn binary_stl() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(902));
     for round in 0..80 {
         let begin = [&b"solid x"[..], b"", b"  solid", b"\0solid"][round % 4];
@@ -117,7 +117,7 @@ fn binary_stl() -> u64 {
     digest.value()
 }
 
-fn documents() -> u64 {
+fn documents() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(903));
     add(&mut digest, DAE.as_bytes(), "a.dae", &mut random);
     // Without a scene, without scenes, numbers as words, in the order of words.
@@ -150,7 +150,7 @@ fn documents() -> u64 {
 }
 
 /// PLY in every encoding, damaged a byte at a time, as our own reader of meshes has it.
-fn binary_ply() -> u64 {
+fn binary_ply() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(904));
     let mesh = ply::from_bytes(PLY.as_bytes(), "a.ply").unwrap();
     let bare = kinopt::mesh::TriangleMesh::new(

@@ -14,7 +14,7 @@ use support::classics::{
 };
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// Two curves that do not meet, and one that both variables bend: a residual that stays large.
 struct Apart;
@@ -84,7 +84,7 @@ fn searched(
     stopping: &Stopping,
     state: &mut SolverState,
 ) {
-    digest.bytes(method.name());
+    digest.text(method.name());
     digest.word(method.needs_jacobian().into());
     let mut seen = |step: &Iteration<'_>| {
         digest.word(step.index as u64);
@@ -105,7 +105,7 @@ fn searched(
     digest.doubles(sound(state.jacobian().as_slice()));
 }
 
-fn by_steps() -> [u64; 2] {
+fn by_steps() -> [Value; 2] {
     let (mut plain, mut bounded) = (Digest::new(), Digest::new());
     let mut state = SolverState::default();
     let mut random = Random::new(141);
@@ -164,7 +164,7 @@ fn by_steps() -> [u64; 2] {
 }
 
 /// Every way that a search ends, and what is refused before one begins.
-fn ends() -> u64 {
+fn ends() -> Value {
     let mut digest = Digest::new();
     let mut state = SolverState::default();
     let few = Stopping::default();

@@ -6,7 +6,7 @@ use kinopt::collision::{Checker, CollisionModel};
 use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Robot};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text, changed, told};
 
 const WEIGHTS: &str = include_str!("robots/weights.xml");
@@ -27,7 +27,7 @@ fn add(digest: &mut Digest, text: &str, file: &str) {
 }
 
 /// The document and, of those with one thing changed, one of so many.
-fn each_change(text: &str, file: &str, of: usize) -> u64 {
+fn each_change(text: &str, file: &str, of: usize) -> Value {
     let mut digest = Digest::new();
     add(&mut digest, text, file);
     for text in changed(text, &VALUES).iter().step_by(of) {
@@ -37,7 +37,7 @@ fn each_change(text: &str, file: &str, of: usize) -> u64 {
 }
 
 /// What touches what.
-fn contacts() -> u64 {
+fn contacts() -> Value {
     let mut digest = Digest::new();
     let texts = changed(
         TOUCHING,
@@ -90,7 +90,7 @@ fn contacts() -> u64 {
 }
 
 /// Documents of all options of the compiler, and words for the faults of few lines.
-fn compilers() -> u64 {
+fn compilers() -> Value {
     let mut digest = Digest::new();
     let options = [
         "angle=\"degree\"",
@@ -234,7 +234,7 @@ fn compilers() -> u64 {
 }
 
 /// Files that include others, and their text with those put in.
-fn included() -> u64 {
+fn included() -> Value {
     let mut digest = Digest::new();
     for name in ["gripper", "quoted", "walker"] {
         let path = format!("mjcf/files/{name}.xml");

@@ -9,11 +9,11 @@ use kinopt::model::{
 use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{builder, model, place};
 
 /// What limits say, and how they are put together.
-fn ranges() -> u64 {
+fn ranges() -> Value {
     let mut digest = Digest::new();
     let ends = [
         f64::NEG_INFINITY,
@@ -45,7 +45,7 @@ fn ranges() -> u64 {
         JointKind::Prismatic,
         JointKind::Ball,
     ] {
-        digest.bytes(kind.name());
+        digest.text(kind.name());
         digest.noted(&(kind.moves(), kind.turns(), kind.slides(), kind.is_ball()));
         digest.noted(&(kind.coordinates(), kind.degrees_of_freedom()));
     }
@@ -56,7 +56,7 @@ fn ranges() -> u64 {
 /// What builds a model on a revolute joint `first` and frames `tip` and `base`, and then goes wrong.
 type Wrong = fn(&mut ModelBuilder, Joint);
 
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(113));
     let far = Placement::translation([1.0, 0.0, 0.0].into());
     let x = Vector3::UNITS[0];
@@ -214,7 +214,7 @@ fn refusals() -> u64 {
 }
 
 /// Names that are not there, and those that may have been meant.
-fn names() -> u64 {
+fn names() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(114));
     let model = model(&mut random, true);
     for name in [

@@ -10,11 +10,11 @@ use kinopt::model::{Limits, Model, ModelBuilder, ParameterMap};
 use kinopt::scalar::Dual;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, looped, map, masses, model, place, vector};
 
 /// Where frames stand and how they move, at configurations and under a map, with memory used again.
-fn moved() -> u64 {
+fn moved() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(111));
     for free in [false, true] {
         let model = model(&mut random, free);
@@ -93,7 +93,7 @@ fn moved() -> u64 {
 }
 
 /// Configurations moved, compared, drawn, held against limits.
-fn configurations() -> u64 {
+fn configurations() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(112));
     for free in [true, false] {
         let model = model(&mut random, free);
@@ -150,7 +150,7 @@ fn configurations() -> u64 {
 }
 
 /// What serde writes and what of it is read back, models grown and changed.
-fn written() -> u64 {
+fn written() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(115));
     let model = looped(&mut random);
     for closed in model.loops() {

@@ -10,7 +10,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{Point, Pose};
 use support::arms::robot;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 fn add(digest: &mut Digest, solved: &MotionSolution) {
     digest.doubles(solved.q().iter().copied());
@@ -26,7 +26,7 @@ fn add(digest: &mut Digest, solved: &MotionSolution) {
     }
     for frame in 0..solved.frames() {
         for limit in solved.active_limits(frame) {
-            digest.bytes(limit.joint);
+            digest.text(limit.joint);
             digest.bytes(format!("{:?} {:?}", limit.bound, limit.side));
             digest.doubles([limit.push]);
         }
@@ -34,7 +34,7 @@ fn add(digest: &mut Digest, solved: &MotionSolution) {
 }
 
 /// Joints too slow for a leap, in two windows, with a frame that stands still and a fixed one.
-fn arm_in_a_hurry() -> u64 {
+fn arm_in_a_hurry() -> Value {
     let mut digest = Digest::new();
     let robot = robot("universal_ur5e");
     let model = robot.model();
@@ -64,7 +64,7 @@ fn arm_in_a_hurry() -> u64 {
 }
 
 /// A free body within a room and a limit of speed along one axis.
-fn free_body() -> u64 {
+fn free_body() -> Value {
     let mut digest = Digest::new();
     let mut builder = Model::builder("body");
     let room = [Limits::new(-0.8, 0.9); 3];

@@ -8,11 +8,11 @@ use kinopt::solver::Stopping;
 use kinopt::{Solver, Workspace};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::searches::problems;
 
 /// Searches that may go only so far from where they start.
-fn moves() -> u64 {
+fn moves() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(153));
     for free in [false, true] {
         let (model, problems) = problems(&mut random, free);

@@ -10,7 +10,7 @@ use kinopt::spatial::{
 };
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::vector;
 
 type D3 = Dual<3>;
@@ -62,7 +62,7 @@ fn functions<S: Scalar>(a: S, b: S, positive: S) -> Vec<S> {
     ]
 }
 
-fn scalars() -> u64 {
+fn scalars() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(101));
     for _ in 0..40 {
         let [a, b] = [(); 2].map(|()| dual(&mut random, -4.0, 4.0));
@@ -151,7 +151,7 @@ fn turns(random: &mut Random) -> Vec<Vector3<f64>> {
     all
 }
 
-fn rotations() -> u64 {
+fn rotations() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(102));
     let matrix = |digest: &mut Digest, m: Matrix3<f64>| {
         digest.placement(&Placement::new(m, Vector3::zero()));

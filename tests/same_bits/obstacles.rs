@@ -6,13 +6,13 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::random::Random;
 
 use crate::arms::turned;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::worlds::vector;
 
 pub(crate) fn obstacle(digest: &mut Digest, world: &World) {
     digest.word(world.len() as u64);
     for obstacle in world.obstacles() {
-        digest.bytes(&obstacle.name);
+        digest.text(&obstacle.name);
         let Placement {
             rotation,
             translation,
@@ -87,7 +87,7 @@ pub(crate) fn told<T, E: ToString>(digest: &mut Digest, found: Result<T, E>) {
     digest.bytes(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
 }
 
-fn edits() -> u64 {
+fn edits() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(61));
     let mut world = full(&mut random);
     obstacle(&mut digest, &world);
@@ -188,7 +188,7 @@ allowed_collision_matrix:
   default_entry_values: [true]
 ";
 
-fn files() -> u64 {
+fn files() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(62));
     let text = full(&mut random).to_json();
     digest.bytes(&text);
@@ -230,7 +230,7 @@ fn files() -> u64 {
     ] {
         match World::from_json(more.as_bytes(), "more.json") {
             Ok(world) => obstacle(&mut digest, &world),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     for (from, to) in [
@@ -276,7 +276,7 @@ fn files() -> u64 {
         assert_ne!(changed, SCENE, "{from}");
         match World::from_moveit(changed.as_bytes(), "scene.yaml") {
             Ok(world) => obstacle(&mut digest, &world),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     digest.value()

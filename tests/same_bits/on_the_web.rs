@@ -10,10 +10,10 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::task::Point;
 use support::arms::{Random, robot};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 /// 200 poses of the Panda from as many starts, by two ways of searching.
-fn poses(search: Search) -> u64 {
+fn poses(search: Search) -> Value {
     let robot = robot("franka_panda");
     let arm = Arm::builder(&robot, "base", "flange").with_search(search);
     let arm = arm.build().unwrap();
@@ -28,7 +28,7 @@ fn poses(search: Search) -> u64 {
 }
 
 /// The humanoid's left hand on its way across and out of reach, the other pins held.
-fn drag() -> u64 {
+fn drag() -> Value {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (skeleton, rest) = (&rig.skeleton, rig.skeleton.model().neutral());
     let hand = skeleton.bone("left_hand").unwrap();

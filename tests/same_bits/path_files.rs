@@ -7,7 +7,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::paths::{bare_arm, placement};
 use crate::robot_texts::{add_error, add_text};
 
@@ -77,7 +77,7 @@ fn add_read(digest: &mut Digest, text: &str) {
     }
 }
 
-fn tables() -> u64 {
+fn tables() -> Value {
     let mut digest = Digest::new();
     TABLES.iter().for_each(|text| add_read(&mut digest, text));
     for header in HEADERS {
@@ -106,7 +106,7 @@ fn tables() -> u64 {
     digest.value()
 }
 
-fn curves() -> u64 {
+fn curves() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(31));
     let base_from_path = placement(&mut random, 0.5);
     for count in [1, 2, 3, 6] {
@@ -168,7 +168,7 @@ fn curves() -> u64 {
     digest.value()
 }
 
-fn times() -> u64 {
+fn times() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(32));
     let inf = f64::INFINITY;
     for count in [0, 1, 2, 3, 9] {
@@ -209,7 +209,7 @@ fn times() -> u64 {
 }
 
 /// Errors of options, each by its text.
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let mut digest = Digest::new();
     let robot = robot("universal_ur5e");
     let arm = bare_arm(&robot, "base", "flange");

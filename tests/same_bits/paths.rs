@@ -13,7 +13,7 @@ use support::arms::{planar_with_hand, robot};
 use support::follower_chains::follower_chain;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::add_text;
 
 pub(crate) fn placement(random: &mut Random, size: f64) -> Placement<f64> {
@@ -83,7 +83,7 @@ pub(crate) fn add(digest: &mut Digest, found: &PathSolution) {
 }
 
 /// Arms of six and seven joints and one with a slide through far configurations.
-fn options() -> [u64; 2] {
+fn options() -> [Value; 2] {
     let (mut plain, mut asked, mut random) = (Digest::new(), Digest::new(), Random::new(41));
     for (name, samples) in [
         ("universal_ur5e", 64),
@@ -130,7 +130,7 @@ fn options() -> [u64; 2] {
 }
 
 /// Rings, and paths that may be entered anywhere.
-fn rings() -> u64 {
+fn rings() -> Value {
     let mut digest = Digest::new();
     let ur5e = robot("universal_ur5e");
     let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
@@ -204,7 +204,7 @@ fn rings() -> u64 {
 }
 
 /// Several tools, goals that leave room, a path that stands still, one of two far points.
-fn goals() -> u64 {
+fn goals() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(43));
     let ur5e = robot("universal_ur5e");
     let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
@@ -267,7 +267,7 @@ fn goals() -> u64 {
 }
 
 /// Chains whose joints follow others.
-fn followers() -> u64 {
+fn followers() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(44));
     for number in [5, 11] {
         let (text, tip) = follower_chain(number);
@@ -288,7 +288,7 @@ fn followers() -> u64 {
 }
 
 /// Points out of reach, among obstacles, and where only a limit is in the way.
-fn misses() -> u64 {
+fn misses() -> Value {
     let mut digest = Digest::new();
     let planar = planar_with_hand(Limits::new(-0.2, 0.6));
     let there = planar.base_from_tool(&[0.1, 1.2, 0.3]).unwrap();

@@ -6,10 +6,10 @@ use kinopt::spatial::{Matrix3, Placement, Quaternion, Vector3};
 use nalgebra as na;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::place;
 
-fn conversions() -> u64 {
+fn conversions() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(103));
     for _ in 0..12 {
         let own = place(&mut random, 1.0);
@@ -62,7 +62,7 @@ fn conversions() -> u64 {
 }
 
 /// Maps that are nearly rigid, and that are not.
-fn rigid() -> u64 {
+fn rigid() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(104));
     for off in [
         0.0,

@@ -8,9 +8,9 @@ use kinopt::animation::{
 use support::random::Random;
 
 use crate::animated::{armature, bone, check_single, local, pose, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
-fn faded() -> u64 {
+fn faded() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(111));
     let (body, small) = (armature(19, &mut random), armature(2, &mut random));
     let mask = BoneMask::all(&body).with_bone(bone(&body, 3), 0.4).unwrap();
@@ -84,7 +84,7 @@ fn faded() -> u64 {
     digest.value()
 }
 
-fn weighted() -> u64 {
+fn weighted() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(112));
     let body = armature(5, &mut random);
     let mut poses = [(); 3].map(|()| pose(&body, &mut random));
@@ -126,7 +126,7 @@ fn weighted() -> u64 {
     digest.value()
 }
 
-fn placed() -> u64 {
+fn placed() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(113));
     let body = armature(9, &mut random);
     let mut own = pose(&body, &mut random);
@@ -203,7 +203,7 @@ fn placed() -> u64 {
     digest.value()
 }
 
-fn armatures() -> u64 {
+fn armatures() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(114));
     let body = armature(4, &mut random);
     let weighed = body.clone().with_rest_morph_weights(&[0.25, 0.5]).unwrap();

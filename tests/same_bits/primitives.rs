@@ -4,11 +4,11 @@
 use support::gltf_text::{Numbers, read};
 
 use crate::animated::check_single;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::gltf::add;
 
 /// Primitives of every mode, numbers of every size, weights that are put right, and names that are shared.
-fn varied() -> u64 {
+fn varied() -> Value {
     let mut digest = Digest::new();
     let mut numbers = Numbers::default();
     let corners = [
@@ -133,7 +133,7 @@ fn varied() -> u64 {
         let found = read(numbers.document(&rest(&primitives, "")).as_bytes());
         match found {
             Ok(scene) => add(&mut digest, &scene),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     // Memory out of proportion, more than can be counted, and a curve that is none.
@@ -153,7 +153,7 @@ fn varied() -> u64 {
             let text = own.document(&format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#));
             match read(text.as_bytes()) {
                 Ok(scene) => add(&mut digest, &scene),
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
         }
     }

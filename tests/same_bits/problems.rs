@@ -10,13 +10,13 @@ use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Quantity, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, map, model, place, vector};
 use crate::maps::joints;
 use crate::tasks::evaluate;
 
 /// Problems restated: weights, origins, bounds, tolerances.
-fn restated() -> u64 {
+fn restated() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(133));
     let model = model(&mut random, true);
     let q = configuration(&model, &mut random);
@@ -111,7 +111,7 @@ fn restated() -> u64 {
 }
 
 /// What a builder says that has no problem.
-fn refused_problems() -> u64 {
+fn refused_problems() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(134));
     let model = model(&mut random, false);
     let [chest, hip, plate] = joints(&model, ["chest", "hip", "plate"]);

@@ -11,7 +11,7 @@ use support::random::Random;
 
 use crate::animated::{armature, bone_named as bone, check_single, number, rotation, turn, vector};
 use crate::crowds::skeleton;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 /// The limb's armature in a pose with its elbow bent about z, more or less, and scaled alike.
 pub(crate) fn bent(body: &Armature, random: &mut Random, off: f64) -> Pose {
@@ -28,7 +28,7 @@ pub(crate) fn bent(body: &Armature, random: &mut Random, off: f64) -> Pose {
     pose
 }
 
-fn limbs() -> u64 {
+fn limbs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(121));
     let body = arm();
     let [upper, lower, hand] = ["upper", "lower", "hand"].map(|name| bone(&body, name));
@@ -98,7 +98,7 @@ fn limbs() -> u64 {
     digest.value()
 }
 
-fn aims() -> u64 {
+fn aims() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(122));
     let body = arm();
     let hand = bone(&body, "hand");
@@ -150,7 +150,7 @@ fn aims() -> u64 {
     digest.value()
 }
 
-fn layers() -> u64 {
+fn layers() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(123));
     let body = arm();
     let skeleton = skeleton(&body);

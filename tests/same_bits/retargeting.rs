@@ -11,7 +11,7 @@ use kinopt::motion::trajectory::Windows;
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 use crate::walking_person::{BOXES, biped, capture, places};
 
@@ -46,7 +46,7 @@ fn guessed(robot: &Robot, captured: &Capture) -> BodyMap {
 }
 
 /// A movement of few frames by each option, frame by frame.
-fn by_options() -> [u64; 2] {
+fn by_options() -> [Value; 2] {
     let (mut one_by_one, mut whole) = (Digest::new(), Digest::new());
     let robot = biped(BOXES[0], BOXES[1]);
     let (upright, lying) = (capture(26, false), capture(26, true));
@@ -96,7 +96,7 @@ fn by_options() -> [u64; 2] {
 }
 
 /// On feet of every shape, and on none.
-fn by_feet() -> u64 {
+fn by_feet() -> Value {
     let mut digest = Digest::new();
     let captured = capture(20, false);
     let geoms = [
@@ -132,7 +132,7 @@ fn by_feet() -> u64 {
 }
 
 /// The shapes of a foot that only a collision model has, and what is written of options and answers.
-fn shapes_and_files() -> u64 {
+fn shapes_and_files() -> Value {
     let mut digest = Digest::new();
     let robot = biped("", "");
     let toe = robot.model().frame("left_toe").unwrap();
@@ -191,7 +191,7 @@ fn shapes_and_files() -> u64 {
 }
 
 /// By maps that leave parts out, lead other points, count them differently, and say what stands.
-fn by_maps() -> u64 {
+fn by_maps() -> Value {
     let mut digest = Digest::new();
     let robot = biped(BOXES[0], BOXES[1]);
     let captured = capture(14, false);
@@ -248,7 +248,7 @@ fn by_maps() -> u64 {
 }
 
 /// Live, with a frame of nobody, and the follower by itself.
-fn live() -> u64 {
+fn live() -> Value {
     let mut digest = Digest::new();
     let robot = biped(BOXES[0], BOXES[1]);
     let captured = capture(24, false);
@@ -297,7 +297,7 @@ fn changed_capture(frames: usize, change: impl Fn(usize, &mut [Vector3<f64>; 17]
 }
 
 /// Hands that are led through the body, which is kept clear of them, from the first frame on or later.
-fn clear() -> u64 {
+fn clear() -> Value {
     let mut digest = Digest::new();
     let robot = biped(BOXES[0], BOXES[1]);
     let shapes = CollisionModel::of(&robot).unwrap();
@@ -326,7 +326,7 @@ fn clear() -> u64 {
 }
 
 /// Feet that stand while the body is drawn away from them, where nothing but smoothness counts, come back and are lifted.
-fn given_up() -> u64 {
+fn given_up() -> Value {
     let mut digest = Digest::new();
     let robot = biped(BOXES[0], BOXES[1]);
     let captured = changed_capture(18, |frame, own| {
@@ -354,7 +354,7 @@ fn given_up() -> u64 {
 
 /// A body that crouches over standing feet until ankles end, stands up, steps and crouches again; and feet whose ankles are pressed into
 /// the ground while they slide.
-fn pressed() -> u64 {
+fn pressed() -> Value {
     let mut digest = Digest::new();
     let robot = biped(BOXES[0], BOXES[1]);
     let crouched = changed_capture(30, |frame, own| {
@@ -391,7 +391,7 @@ fn pressed() -> u64 {
 }
 
 /// Values at limits of position and speed, and just beside them.
-fn limits_met() -> u64 {
+fn limits_met() -> Value {
     let mut digest = Digest::new();
     let robot = biped("", "");
     let captured = capture(9, false);

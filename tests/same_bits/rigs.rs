@@ -12,7 +12,7 @@ use support::random::Random;
 use support::small_rig::{JSON, SmallRig};
 
 use crate::animated::{changed, check_single, mesh};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 /// The small rig with names, every interpolation and a root beside it.
 pub(crate) fn text() -> String {
@@ -41,7 +41,7 @@ pub(crate) fn add(digest: &mut Digest, rig: &Rig) {
     digest.debug(rig.weights_table());
 }
 
-fn read() -> u64 {
+fn read() -> Value {
     let mut digest = Digest::new();
     let text = text();
     let read = |text: &str| SmallRig::with_json(text).parse();
@@ -147,7 +147,7 @@ fn buffers(positions: &mut [Vec3]) -> PosedVertices<'_> {
     }
 }
 
-fn posed() -> u64 {
+fn posed() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(191));
     let small = SmallRig::with_json(&text()).parse().unwrap();
     let mut bare = small.clone();
@@ -187,7 +187,7 @@ fn posed() -> u64 {
     digest.value()
 }
 
-fn weighed() -> u64 {
+fn weighed() -> Value {
     let mut digest = Digest::new();
     let mut rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let q: Vec<f64> = (0..rig.skeleton.angles())
@@ -214,7 +214,7 @@ fn weighed() -> u64 {
     digest.value()
 }
 
-fn written() -> u64 {
+fn written() -> Value {
     let mut digest = Digest::new();
     let folder = std::env::temp_dir().join(format!("kinopt-same-rigs-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

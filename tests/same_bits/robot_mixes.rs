@@ -9,7 +9,7 @@ use support::changed_text;
 use support::changed_xml::Element;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text, told};
 
 const TEXTS: [(&str, usize); 7] = [
@@ -129,7 +129,7 @@ fn changed(mut robot: Robot, digest: &mut Digest, random: &mut Random) -> Robot 
     robot
 }
 
-fn robots() -> u64 {
+fn robots() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(961));
     for (text, count) in TEXTS {
         for round in 0..count {
@@ -172,7 +172,7 @@ fn robots() -> u64 {
 }
 
 /// What a file says of groups and states, of a robot on some base, with some of its joints freed or driven.
-fn groups() -> u64 {
+fn groups() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(962));
     let leg = Robot::parse(TEXTS[3].0, "leg.urdf").unwrap();
     for round in 0..90 {
@@ -215,7 +215,7 @@ fn groups() -> u64 {
 }
 
 /// Links that hang on any other, on themselves, or in a ring that hangs on nothing.
-fn trees() -> u64 {
+fn trees() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(963));
     for _ in 0..60 {
         let mut text = "<robot name='t'><link name='root'/>".to_owned();

@@ -4,7 +4,7 @@
 
 use kinopt::robot::Robot;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text, changed, told};
 
 const JOINTS: &str = include_str!("robots/joints.urdf");
@@ -45,7 +45,7 @@ fn add(digest: &mut Digest, text: &str, file: &str) {
 }
 
 /// Each document as it is, and with one thing changed at a time.
-fn urdf(texts: &[(&str, &str)]) -> u64 {
+fn urdf(texts: &[(&str, &str)]) -> Value {
     let mut digest = Digest::new();
     for (text, file) in texts {
         add(&mut digest, text, file);
@@ -59,7 +59,7 @@ fn urdf(texts: &[(&str, &str)]) -> u64 {
 }
 
 /// What a lenient reader alone can read, and what neither can.
-fn mended() -> u64 {
+fn mended() -> Value {
     let mut digest = Digest::new();
     add(&mut digest, MENDED, "mended.urdf");
     let lines: Vec<&str> = MENDED.lines().collect();

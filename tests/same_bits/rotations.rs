@@ -14,9 +14,9 @@ use kinopt::animation::{
 use support::random::Random;
 
 use crate::animated::{check_single, rotation, turn, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
-fn written() -> u64 {
+fn written() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(92));
     let axis_angle = |digest: &mut Digest, own: AxisAngle| {
         digest.doubles(own.axis.to_array());
@@ -64,7 +64,7 @@ fn written() -> u64 {
     digest.value()
 }
 
-fn arcs() -> u64 {
+fn arcs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(93));
     for _ in 0..20 {
         let a = rotation(&mut random);
@@ -96,7 +96,7 @@ fn arcs() -> u64 {
     digest.value()
 }
 
-fn keyed() -> u64 {
+fn keyed() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(94));
     for count in [1, 2, 5] {
         let times: Vec<f32> = [-1.0, 0.5, 0.75, 2.0, 2.5][..count].to_vec();
@@ -156,7 +156,7 @@ fn keyed() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let mut digest = Digest::new();
     let (two, one, zero) = (
         || vec![0.0, 1.0],
@@ -195,7 +195,7 @@ fn refused() -> u64 {
     digest.value()
 }
 
-fn affine() -> u64 {
+fn affine() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(95));
     let mut space = || {
         let mut numbers = || random.within(-1.5, 1.5);

@@ -6,13 +6,12 @@ use glam::Vec3;
 use kinopt::animation::{Clip, Pose};
 use kinopt::io::gltf::{self, SceneFile, ScenePosing, WriteOptions};
 use kinopt::skinning::SkinningMethod;
-use serde_json::Value;
 use support::changed_json;
 use support::gltf_text::{Numbers, read, small};
 use support::random::Random;
 
 use crate::animated::{check_single, mesh, pose};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::gltf::add;
 use crate::robot_texts::{add_error, add_text};
 use crate::scenes::file;
@@ -149,17 +148,17 @@ fn amend(digest: &mut Digest, mut own: SceneFile, random: &mut Random) {
     }
 }
 
-fn scenes() -> u64 {
+fn scenes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(941));
     for ((numbers, rest), count) in [(large(), 150), (small(), 40)] {
-        let whole: Value = serde_json::from_str(&numbers.document(&rest)).unwrap();
+        let whole: serde_json::Value = serde_json::from_str(&numbers.document(&rest)).unwrap();
         let (mut whole, buffers) = (whole.clone(), whole["buffers"].clone());
         whole.as_object_mut().unwrap().remove("buffers");
         let glb = numbers.glb(&rest);
         let mut texts = changed_json::changed(&whole.to_string(), count, &mut random);
         texts.insert(0, whole.to_string());
         for (round, text) in texts.iter().enumerate() {
-            let mut own: Value = serde_json::from_str(text).unwrap();
+            let mut own: serde_json::Value = serde_json::from_str(text).unwrap();
             if let Some(own) = own.as_object_mut() {
                 own.entry("buffers").or_insert(buffers.clone());
             }

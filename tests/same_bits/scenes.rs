@@ -14,7 +14,7 @@ use support::small_rig::{JSON, SmallRig};
 
 use crate::animated::{armature, bone, check_single, local, mesh, pose, vector};
 use crate::clips::varied;
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::gltf::add;
 
 /// A GLB file but for the library's version, and whether its lengths are right.
@@ -134,7 +134,7 @@ fn more_clips(body: &Armature, random: &mut Random) -> Vec<Clip> {
     clips.collect()
 }
 
-fn written() -> u64 {
+fn written() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(201));
     let scene = scene(&mut random);
     let mut options = WriteOptions::default();
@@ -178,7 +178,7 @@ fn read(bytes: &[u8]) -> Scene {
     support::gltf_text::read(bytes).unwrap()
 }
 
-fn posed() -> u64 {
+fn posed() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(202));
     let mut scene = scene(&mut random);
     for method in SkinningMethod::ALL {
@@ -193,7 +193,7 @@ fn posed() -> u64 {
             let parts = match posing.meshes(&own) {
                 Ok(parts) => parts,
                 Err(error) => {
-                    digest.bytes(error.to_string());
+                    digest.text(error.to_string());
                     continue;
                 }
             };
@@ -235,7 +235,7 @@ fn posed() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(203));
     let good = scene(&mut random);
     let mut options = WriteOptions::default();
@@ -287,7 +287,7 @@ fn refused() -> u64 {
         change(&mut odd);
         match gltf::to_bytes(&odd, &options) {
             Ok(bytes) => file(&mut digest, &bytes),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
         let posing = ScenePosing::new(&odd, SkinningMethod::LinearBlend).map(|_| ());
         digest.bytes(posing.map_or_else(|error| error.to_string(), |()| String::new()));

@@ -19,7 +19,7 @@ use kinopt::task::{
 use kinopt::{Solver, Workspace};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, map, model, vector};
 
 /// Where the frames of a model are at a configuration.
@@ -112,7 +112,7 @@ pub(crate) fn problems(random: &mut Random, free: bool) -> (Model, Vec<(Problem,
     (model, all)
 }
 
-fn searches() -> [u64; 2] {
+fn searches() -> [Value; 2] {
     let (mut by_restarts, mut by_methods) = (Digest::new(), Digest::new());
     let mut random = Random::new(151);
     let mut workspace = Workspace::new();
@@ -171,7 +171,7 @@ impl NumericResidual for Lost {
 }
 
 /// Searches that are stopped, that have no number to go by, that may not begin.
-fn stopped() -> u64 {
+fn stopped() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(152));
     let (model, problems) = problems(&mut random, true);
     let mut workspace = Workspace::new();

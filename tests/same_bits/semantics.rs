@@ -6,7 +6,7 @@ use kinopt::model::{Limits, Loop};
 use kinopt::robot::{BaseJoint, Robot, Srdf};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text, changed, told};
 
 const JOINTS: &str = include_str!("robots/joints.urdf");
@@ -15,7 +15,7 @@ const LINKS: &str = include_str!("robots/links.urdf");
 const LEG: &str = include_str!("robots/leg.urdf");
 const LEG_SRDF: &str = include_str!("robots/leg.srdf");
 
-fn srdf() -> u64 {
+fn srdf() -> Value {
     let mut digest = Digest::new();
     let leg = Robot::parse(LEG, "leg.urdf").unwrap();
     let free = leg.clone().with_base_joint(BaseJoint::FREE).unwrap();
@@ -79,7 +79,7 @@ fn srdf() -> u64 {
 }
 
 /// Files of limits for some joints of a robot.
-fn limits() -> u64 {
+fn limits() -> Value {
     let mut digest = Digest::new();
     let robot = Robot::parse(JOINTS, "joints.urdf").unwrap();
     let entries = [
@@ -129,7 +129,7 @@ fn limits() -> u64 {
 }
 
 /// Under every kind of base.
-fn bases() -> u64 {
+fn bases() -> Value {
     let mut digest = Digest::new();
     let [joints, chains] = [JOINTS, CHAINS].map(|text| Robot::parse(text, "x.urdf").unwrap());
     let joints = joints.with_passive_joints(["turn", "round"]).unwrap();
@@ -181,7 +181,7 @@ fn bases() -> u64 {
 }
 
 /// Ways through the tree, tools, and what asks for names.
-fn ways() -> u64 {
+fn ways() -> Value {
     let mut digest = Digest::new();
     let robots = [JOINTS, CHAINS, LINKS].map(|text| Robot::parse(text, "x.urdf").unwrap());
     for robot in &robots {

@@ -9,7 +9,7 @@ use support::box_sides::box_triangles;
 use support::random::Random;
 
 use crate::arms::turned;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::worlds::vector;
 
 /// Corners of a block from `low` to `high`, and its sides wound outwards.
@@ -61,7 +61,7 @@ fn shapes(random: &mut Random) -> Vec<Shape> {
     .collect()
 }
 
-fn around() -> u64 {
+fn around() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(51));
     for shape in shapes(&mut random) {
         let scaled = shape.scaled(2.5).unwrap();
@@ -100,7 +100,7 @@ fn around() -> u64 {
 }
 
 /// Where directions are many or none: one place, one axis, faces on faces, tiny turns, and far away.
-fn in_line() -> u64 {
+fn in_line() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(52));
     let all = shapes(&mut random);
     let quarter = turned_about_x();
@@ -137,7 +137,7 @@ fn turned_about_x() -> kinopt::spatial::Matrix3<f64> {
 }
 
 /// How high things stand over a place, along upright and other ways.
-fn tops() -> u64 {
+fn tops() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(53));
     let mut world = World::new();
     for (k, shape) in shapes(&mut random).into_iter().enumerate() {
@@ -168,7 +168,7 @@ fn told<T, E: ToString>(digest: &mut Digest, found: Result<T, E>, notes: impl Fn
     });
 }
 
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let mut digest = Digest::new();
     let notes = |shape: &Shape| {
         let notes = shape.notes().iter().map(ToString::to_string);
@@ -307,7 +307,7 @@ fn dae(nodes: &str) -> String {
     )
 }
 
-fn files() -> u64 {
+fn files() -> Value {
     let mut digest = Digest::new();
     let [a, b, c, d] = [
         [0.0, 0.0, 0.0],
@@ -380,7 +380,7 @@ fn files() -> u64 {
                     digest.bytes(format!("{:?}", mesh.triangles));
                 }
             }
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     digest.value()

@@ -11,7 +11,7 @@ use support::random::Random;
 use support::{changed_json, changed_text, changed_xml::Element};
 
 use crate::checkers::{ROBOT, spheres_of};
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 
 fn add_model(digest: &mut Digest, model: &CollisionModel) {
@@ -55,7 +55,7 @@ fn make(folder: &Path) {
     }
 }
 
-fn mixes() -> u64 {
+fn mixes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(921));
     let folder = std::env::temp_dir().join(format!("kinopt-same-shapes-{}", std::process::id()));
     make(&folder);
@@ -136,7 +136,7 @@ fn mixes() -> u64 {
                 );
                 digest.word(model.notes().len() as u64);
                 for object in model.objects() {
-                    digest.bytes(&object.name);
+                    digest.text(&object.name);
                     let ball = object.shape.bounding_sphere();
                     digest.doubles([ball.centre.x, ball.centre.y, ball.centre.z, ball.radius]);
                 }
@@ -149,7 +149,7 @@ fn mixes() -> u64 {
 }
 
 /// Shapes of every kind on links, as serde has them, and with something changed.
-fn serialised() -> u64 {
+fn serialised() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(922));
     let robot = Robot::parse(ROBOT, "r.urdf").unwrap();
     let points = [
@@ -220,7 +220,7 @@ const SPHERE_ROBOT: &str = "<robot name=\"s\"><link name=\"hand\"><collision><or
 <link name=\"wrist\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision><collision><origin xyz=\"1 0 0\"/><geometry><sphere radius=\"0.3\"/></geometry></collision></link><link name=\"base\"/>
 <joint name=\"a\" type=\"fixed\"><parent link=\"base\"/><child link=\"wrist\"/></joint><joint name=\"b\" type=\"fixed\"><parent link=\"wrist\"/><child link=\"hand\"/></joint></robot>";
 
-fn spheres() -> u64 {
+fn spheres() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(923));
     let bodies = CollisionModel::of(&Robot::parse(ROBOT, "r.urdf").unwrap()).unwrap();
     // A link without shapes more, none of them its neighbour's.
@@ -284,7 +284,7 @@ fn of_meshes_of_robots() {
 }
 
 /// Cylinders with balls about their ends, of which some make capsules, and clouds of points alone and beside others.
-fn capsules() -> u64 {
+fn capsules() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(924));
     for _ in 0..40 {
         let mut text = "<robot name='r'><link name='a'>".to_owned();
@@ -338,7 +338,7 @@ fn capsules() -> u64 {
 }
 
 /// Plates, of which the first balls that are found make some needless that came before.
-fn plates() -> u64 {
+fn plates() -> Value {
     let (mut digest, robot) = (Digest::new(), Robot::parse(ROBOT, "r.urdf").unwrap());
     let link = robot.model().frame("hand").unwrap();
     for size in [[0.4, 0.4, 0.05], [0.5, 0.3, 0.06]] {

@@ -7,7 +7,7 @@ use kinopt::spatial::{Placement, Vector3};
 use support::box_sides::box_triangles;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{place, vector};
 
 /// So many kinds of shapes are drawn.
@@ -101,7 +101,7 @@ fn beside(random: &mut Random, size: f64) -> Placement<f64> {
     }
 }
 
-fn pairs() -> u64 {
+fn pairs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(901));
     for first_kind in 0..KINDS {
         for second_kind in 0..KINDS {
@@ -137,7 +137,7 @@ fn pairs() -> u64 {
 }
 
 /// Boxes and balls around shapes and distances of places from them, before and after they are scaled.
-fn alone() -> u64 {
+fn alone() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(902));
     for kind in (0..KINDS).chain(0..KINDS) {
         let size = [1.0, 1e-4, 300.0][random.below(3)];

@@ -7,7 +7,7 @@ use kinopt::skinning::{BlendShapes, CageBinding, MorphTarget, MorphTargets};
 use support::random::Random;
 
 use crate::animated::{check_single, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 fn points(random: &mut Random, count: usize) -> Vec<Vec3> {
     (0..count).map(|_| vector(random, 1.0).into()).collect()
@@ -44,7 +44,7 @@ fn cage(top: f32) -> TriangleMesh {
     TriangleMesh::new(corners, Vec::new(), triangles).unwrap()
 }
 
-fn meshes() -> u64 {
+fn meshes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(161));
     let solid = cage(0.2);
     let mut open = solid.triangles().to_vec();
@@ -90,7 +90,7 @@ fn meshes() -> u64 {
     digest.value()
 }
 
-fn morphs() -> u64 {
+fn morphs() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(162));
     let mut target = |name: &str, vertices: Vec<u32>, normals: bool, tangents: bool| {
         let mut deltas = |given: bool| points(&mut random, if given { vertices.len() } else { 0 });
@@ -174,7 +174,7 @@ fn morphs() -> u64 {
     digest.value()
 }
 
-fn blends() -> u64 {
+fn blends() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(163));
     let shapes = ["calm", "smile", "frown"].map(|name| (name.to_owned(), points(&mut random, 4)));
     let shapes = BlendShapes::new(shapes.to_vec()).unwrap();
@@ -207,7 +207,7 @@ fn blends() -> u64 {
     digest.value()
 }
 
-fn cages() -> u64 {
+fn cages() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(164));
     for top in [1.0, 0.2, 1.8] {
         let cage = cage(top);

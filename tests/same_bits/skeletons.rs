@@ -11,7 +11,7 @@ use kinopt::spatial::{Matrix3, Placement, Quaternion, Vector3};
 use support::random::Random;
 
 use crate::animated::{check_single, rotation};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 fn placed(random: &mut Random, size: f64) -> Placement<f64> {
     let turned = Quaternion::from(rotation(random).as_dquat().normalize());
@@ -79,7 +79,7 @@ fn read_again(skeleton: &Skeleton) -> Skeleton {
 }
 
 fn add_model(digest: &mut Digest, model: &Model) {
-    digest.bytes(model.name());
+    digest.text(model.name());
     digest.debug((model.length_unit().symbol(), model.joints(), model.frames()));
     digest.debug((
         model.moving_joints(),
@@ -110,7 +110,7 @@ fn add_pose(digest: &mut Digest, skeleton: &Skeleton, pose: &BonePlacements) {
     skin.iter().for_each(|own| add_placement(digest, own));
 }
 
-fn hinges() -> u64 {
+fn hinges() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(211));
     let body = body(&mut random);
     add_model(&mut digest, body.model());
@@ -147,7 +147,7 @@ fn hinges() -> u64 {
     digest.value()
 }
 
-fn held() -> u64 {
+fn held() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(212));
     let figures = [
         body(&mut random),
@@ -172,7 +172,7 @@ fn held() -> u64 {
                     digest.doubles(map.lower().iter().chain(map.upper()).copied());
                     digest.debug((map.variables(), map.sources()));
                 }
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
         }
     }
@@ -183,7 +183,7 @@ fn held() -> u64 {
     digest.value()
 }
 
-fn balls() -> u64 {
+fn balls() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(213));
     let body = body(&mut random);
     let cone = |swing| BallLimits::cone(swing, Limits::new(-0.5, 0.75));
@@ -221,7 +221,7 @@ fn balls() -> u64 {
             digest.debug((figure.tail(bone), figure.tip(bone)));
         }
         digest.debug(figure.bone("hand").unwrap());
-        digest.bytes(figure.skeleton().model().name());
+        digest.text(figure.skeleton().model().name());
         let mut posing = figure.posing();
         for seed in 0..2 {
             let mut q = figure.model().neutral();
@@ -264,7 +264,7 @@ fn balls() -> u64 {
     digest.value()
 }
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(214));
     let own = body(&mut random);
     let second = own.bone_at(1).unwrap();
@@ -277,7 +277,7 @@ fn refused() -> u64 {
         change(&mut bones);
         match Skeleton::new("odd", bones) {
             Ok(skeleton) => add_model(&mut digest, skeleton.model()),
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     };
     odd(&|bones| bones[0].parent = Some(second));

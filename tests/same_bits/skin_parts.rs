@@ -12,10 +12,10 @@ use kinopt::spatial::Placement;
 use support::random::Random;
 
 use crate::animated::{check_single, number, rotation, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 use crate::skins::{BONES, Skins, rigid};
 
-fn refused() -> u64 {
+fn refused() -> Value {
     let mut digest = Digest::new();
     let own = Skins::new(145);
     let with = |change: &dyn Fn(&mut Vec<Affine3A>)| {
@@ -97,7 +97,7 @@ fn refused() -> u64 {
     digest.value()
 }
 
-fn parts() -> u64 {
+fn parts() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(146));
     let own = Skins::new(147);
     for transforms in [&own.rigid, &own.stretched] {

@@ -11,7 +11,7 @@ use support::random::Random;
 use support::skins::{Vertices, weights};
 
 use crate::animated::{check_single, rotation, turn, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 const VERTICES: usize = 53;
 pub(crate) const BONES: usize = 6;
@@ -109,7 +109,7 @@ fn add(digest: &mut Digest, vertices: &Vertices) {
     digest.singles(vertices.tangents.iter().flat_map(|v| v.to_array()));
 }
 
-fn any() -> u64 {
+fn any() -> Value {
     let mut digest = Digest::new();
     for seed in [141, 142] {
         let own = Skins::new(seed);
@@ -132,7 +132,7 @@ fn any() -> u64 {
     digest.value()
 }
 
-fn packed() -> [u64; 2] {
+fn packed() -> [Value; 2] {
     let mut both = [Digest::new(), Digest::new()];
     for (portable, digest) in both.iter_mut().enumerate() {
         let own = Skins::new(143);
@@ -168,7 +168,7 @@ fn packed() -> [u64; 2] {
 }
 
 /// A mesh of the vertices, and buffers.
-fn meshes() -> u64 {
+fn meshes() -> Value {
     let mut digest = Digest::new();
     let own = Skins::new(144);
     let triangles = (0..VERTICES as u32 - 2)

@@ -12,7 +12,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{LimitCentring, Point, Posture, Quantity, Task};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drags::{Floor, told};
 use crate::every_joint::vector;
 use crate::searches::places;
@@ -42,7 +42,7 @@ pub(crate) fn chain(random: &mut Random, links: usize, planar: bool, limits: Opt
     own.build().unwrap()
 }
 
-fn stuck() -> [u64; 2] {
+fn stuck() -> [Value; 2] {
     let (mut frames, mut settled, mut random) = (Digest::new(), Digest::new(), Random::new(201));
     for case in 0..24 {
         let limits = [None, Some(2.5), Some(0.8)][case % 3];
@@ -119,7 +119,7 @@ fn stuck() -> [u64; 2] {
 }
 
 /// Arms that begin under a floor, or are led under one, some of which have to go on down before they can come up.
-fn under() -> u64 {
+fn under() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(202));
     for case in 0..14 {
         let model = match case % 2 {

@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use support::random::Random;
 
 use crate::animated::{changed, check_single, mesh, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 const PLY: &str = "ply
 format ascii 1.0
@@ -41,7 +41,7 @@ end_header
 9
 ";
 
-fn meshes() -> u64 {
+fn meshes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(181));
     let read = |text: &str| ply::from_bytes(text.as_bytes(), "own.ply");
     changed(
@@ -118,7 +118,7 @@ fn meshes() -> u64 {
     digest.value()
 }
 
-fn tables() -> u64 {
+fn tables() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(182));
     let add = |digest: &mut Digest, table: &DMatrix<f64>| {
         digest.debug(table.shape());
@@ -172,7 +172,7 @@ fn tables() -> u64 {
             digest.bytes(&bytes);
             match dmat::from_bytes(&bytes, "again.dmat") {
                 Ok(again) => add(&mut digest, &again),
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
             let mut more = bytes.clone();
             more.extend(b" 7");
@@ -197,7 +197,7 @@ const CONES: &str = r#"{
  "free": {"angle": 180}
 }"#;
 
-fn figures() -> u64 {
+fn figures() -> Value {
     let mut digest = Digest::new();
     let read = |text: &str| cones::from_bytes(text.as_bytes(), "man.json");
     let add = |digest: &mut Digest, cones: &Cones| digest.debug(cones);

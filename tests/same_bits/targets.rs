@@ -12,12 +12,12 @@ use kinopt::task::{
 };
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, masses, model, place, vector};
 use crate::tasks::{Own, camera};
 
 /// Targets set anew, in the problem's own and in a copy's.
-fn targets() -> u64 {
+fn targets() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(122));
     let model = model(&mut random, false);
     let q = configuration(&model, &mut random);
@@ -143,7 +143,7 @@ fn targets() -> u64 {
 }
 
 /// What a task says that cannot be one.
-fn refused() -> u64 {
+fn refused() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(123));
     let model = model(&mut random, false);
     let masses: Masses = masses(&model, &mut random);

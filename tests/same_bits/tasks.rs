@@ -14,7 +14,7 @@ use kinopt::task::{
 use nalgebra::DMatrix;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{configuration, frames, map, masses, model, place, vector};
 
 /// Residual, derivatives and gradient at variables.
@@ -256,7 +256,7 @@ fn joints(model: &Model) -> usize {
     all.len()
 }
 
-fn every_residual() -> [u64; 2] {
+fn every_residual() -> [Value; 2] {
     let (mut digests, mut random) = ([Digest::new(), Digest::new()], Random::new(121));
     for (free, body) in [(false, false), (true, false), (false, true), (true, true)] {
         let model = model(&mut random, free);

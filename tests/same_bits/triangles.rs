@@ -5,10 +5,10 @@ use kinopt::geometric::{Span, fabrik, triangle};
 use kinopt::spatial::Vector3;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::vector;
 
-fn triangles() -> u64 {
+fn triangles() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(161));
     for case in 0..80 {
         let root = vector(&mut random, 0.2);
@@ -35,7 +35,7 @@ fn triangles() -> u64 {
     digest.value()
 }
 
-fn points() -> u64 {
+fn points() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(162));
     for count in [0, 1, 2, 3, 5, 6] {
         for case in 0..6 {

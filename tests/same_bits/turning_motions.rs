@@ -7,7 +7,7 @@ use kinopt::motion::trajectory::{MotionError, MotionProblem, MotionSolver, RateC
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{Point, Pose};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::add_error;
 use crate::whole_motions::{Ask, STEP, solve};
 
@@ -40,7 +40,7 @@ fn one(add: impl Fn(&mut ModelBuilder) -> JointId) -> Model {
 }
 
 /// Balls under each kind of limit, free bodies, planar ones.
-fn turning() -> u64 {
+fn turning() -> Value {
     let mut digest = Digest::new();
     let here = Placement::identity();
     let x = Vector3::UNITS[0];
@@ -141,7 +141,7 @@ fn turning() -> u64 {
 }
 
 /// Linkages of both kinds, closed in every frame, or never.
-fn loops() -> u64 {
+fn loops() -> Value {
     let mut digest = Digest::new();
     let z = Vector3::UNITS[2];
     let along = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));

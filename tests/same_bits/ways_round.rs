@@ -11,13 +11,13 @@ use support::arms::robot;
 use support::random::Random;
 
 use crate::clear_body_mixes::chain;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drags::told;
 use crate::every_joint::{place, vector};
 use crate::paths::bare_arm;
 use crate::searches::places;
 
-fn tracks() -> u64 {
+fn tracks() -> Value {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
@@ -49,7 +49,7 @@ fn tracks() -> u64 {
     digest.value()
 }
 
-fn pierced() -> u64 {
+fn pierced() -> Value {
     let mut digest = Digest::new();
     // Two find no way out but through plates that they are not in; in frames of each only the goals alone lead on.
     for case in [2, 13, 17, 83, 87] {

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use support::random::Random;
 
 use crate::animated::{check_single, vector};
-use crate::digest::Digest;
+use crate::digest::{Digest, Value};
 
 fn add(digest: &mut Digest, weights: &SkinWeights) {
     digest.debug((
@@ -66,7 +66,7 @@ fn bones(random: &mut Random, count: usize) -> Vec<[DVec3; 2]> {
     all
 }
 
-fn made() -> [u64; 2] {
+fn made() -> [Value; 2] {
     let mut random = Random::new(151);
     let (mut distance, mut heat) = (Digest::new(), Digest::new());
     let tube = TwistedTube {
@@ -160,7 +160,7 @@ fn given(random: &mut Random, vertices: usize, bones: usize) -> DMatrix<f64> {
     table
 }
 
-fn kept() -> u64 {
+fn kept() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(152));
     let table = given(&mut random, 7, 9);
     let weights = SkinWeights::from_table(&table).unwrap();
@@ -196,7 +196,7 @@ fn kept() -> u64 {
             Ok(weights) => add(digest, &weights),
             Err(error) => {
                 let error: kinopt::skinning::WeightsError = error;
-                digest.bytes(error.to_string());
+                digest.text(error.to_string());
             }
         };
         told(build(&triples).build(), &mut digest);
@@ -205,7 +205,7 @@ fn kept() -> u64 {
                 add(&mut digest, &weights);
                 digest.debug((&repair, repair.is_empty()));
             }
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     let builder = || -> SkinWeightsBuilder { SkinWeights::builder(2, 3) };
@@ -215,7 +215,7 @@ fn kept() -> u64 {
     digest.value()
 }
 
-fn volumes() -> u64 {
+fn volumes() -> Value {
     let mut digest = Digest::new();
     let tube = TwistedTube {
         sides: 7,
@@ -246,7 +246,7 @@ fn volumes() -> u64 {
                     digest.doubles(own.centre.to_array());
                 }
             }
-            Err(error) => digest.bytes(error.to_string()),
+            Err(error) => digest.text(error.to_string()),
         }
     }
     digest.refused(bone_volumes(&TriangleMesh::default(), &weights));

@@ -6,9 +6,9 @@ use std::path::Path;
 use kinopt::io::rig::Rig;
 use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, bone_volumes};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
-fn of_weights(weights: &SkinWeights) -> u64 {
+fn of_weights(weights: &SkinWeights) -> Value {
     let mut digest = Digest::new();
     for influence in weights.iter().flatten() {
         digest.word(influence.bone.into());

@@ -9,7 +9,7 @@ use kinopt::motion::trajectory::{
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture, Quantity, Task};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::robot_texts::{add_error, add_text};
 
 pub(crate) const STEP: f64 = 1.0 / 20.0;
@@ -89,7 +89,7 @@ fn asked(
 }
 
 /// One thing is asked after another.
-fn each_ask() -> u64 {
+fn each_ask() -> Value {
     let mut digest = Digest::new();
     let model = arm();
     let tip = model.frame("tip").unwrap();
@@ -185,7 +185,7 @@ fn each_ask() -> u64 {
 }
 
 /// By solvers of other settings, of few frames, and near to what is known.
-fn solvers() -> u64 {
+fn solvers() -> Value {
     let mut digest = Digest::new();
     let model = arm();
     let start = [0.3, 0.5, 0.1, 0.0];
@@ -244,7 +244,7 @@ fn solvers() -> u64 {
 }
 
 /// What cannot be asked.
-fn refusals() -> u64 {
+fn refusals() -> Value {
     let mut digest = Digest::new();
     let model = arm();
     let tip = model.frame("tip").unwrap();

@@ -10,7 +10,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::Random as ArmRandom;
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::drawn::{at_times, one_of};
 use crate::paths::{add, bare_arm, through};
 
@@ -30,7 +30,7 @@ fn planar(links: usize) -> Arm {
     bare_arm(&robot, "base", "tool")
 }
 
-fn paths() -> u64 {
+fn paths() -> Value {
     let mut digest = Digest::new();
     let arms = [3, 4, 5].map(planar);
     let tool = Placement::new(

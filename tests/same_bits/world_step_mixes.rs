@@ -7,7 +7,7 @@ use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::every_joint::{place, vector};
 use crate::shape_mixes::{KINDS, shape};
 
@@ -98,7 +98,7 @@ fn step(world: &mut World, random: &mut Random) -> Result<(), String> {
 const BEGIN: &str = r#"{"spheres": [{"name": "can", "radius": 0.1, "may_touch": ["ghost", "left"]}, {"name": "cup", "radius": 0.3, "position": [0.2, 0, 0.5]}],
 "boxes": [{"name": "pen", "size": [0.2, 0.3, 0.5], "attached": "lower"}], "order": ["cup", "pen", "can"], "may_be_missing": ["ghost"]}"#;
 
-fn steps() -> u64 {
+fn steps() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(941));
     for case in 0..30 {
         let mut checker = grasping(&mut random);
@@ -130,7 +130,7 @@ fn steps() -> u64 {
             }
             match checker.clone().with_world(&world) {
                 Ok(changed) => checker = changed,
-                Err(error) => digest.bytes(error.to_string()),
+                Err(error) => digest.text(error.to_string()),
             }
             let q = model.random_configuration(case * 100 + turn);
             digest.noted(&checker.collisions(&q).unwrap());

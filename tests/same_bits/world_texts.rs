@@ -7,7 +7,7 @@ use kinopt::spatial::Placement;
 use support::random::Random;
 use support::{changed_json, changed_text};
 
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 use crate::obstacles::{SCENE, full, obstacle, told};
 use crate::robot_texts::{add_error, add_text};
 
@@ -45,7 +45,7 @@ fn small() -> String {
         .to_owned()
 }
 
-fn json() -> u64 {
+fn json() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(911));
     let large = full(&mut random).to_json();
     for (text, count) in [(small(), 120), (large, 12)] {
@@ -122,7 +122,7 @@ allowed_collision_matrix:
 ";
 
 /// The value of a flag or number of each pair, on its own; and words of it changed.
-fn scenes() -> u64 {
+fn scenes() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(912));
     for (text, count) in [(SCENE, 40), (MORE, 160)] {
         add(
@@ -203,7 +203,7 @@ fn scenes() -> u64 {
 }
 
 /// Hundreds of obstacles, of which most go again, here and there.
-fn crowded() -> u64 {
+fn crowded() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(914));
     let mut world = World::new();
     let mut names: Vec<String> = (0..420).map(|k| format!("s{k}")).collect();
@@ -228,7 +228,7 @@ fn crowded() -> u64 {
 }
 
 /// Worlds in files, with meshes beside them.
-fn in_files() -> u64 {
+fn in_files() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(913));
     let folder = std::env::temp_dir().join(format!("kinopt-same-worlds-{}", std::process::id()));
     std::fs::create_dir_all(folder.join("sub")).unwrap();

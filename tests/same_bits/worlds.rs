@@ -13,7 +13,7 @@ use support::random::Random;
 use support::trees::configuration_of;
 
 use crate::arms::turned;
-use crate::digest::{Digest, check};
+use crate::digest::{Digest, Value, check};
 
 pub(crate) fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     Vector3::from([(); 3].map(|()| random.within(-size, size)))
@@ -39,7 +39,7 @@ fn shapes(random: &mut Random) -> Vec<Shape> {
     all
 }
 
-fn distances() -> u64 {
+fn distances() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(3));
     for _ in 0..12 {
         let all = shapes(&mut random);
@@ -77,7 +77,7 @@ fn checker(world: &World) -> Checker {
     Checker::new(bodies).with_world(world).unwrap()
 }
 
-fn spheres() -> u64 {
+fn spheres() -> Value {
     let mut digest = Digest::new();
     let bodies = CollisionModel::of(&robot("franka_panda")).unwrap();
     let cover = SphereModel::of(&bodies, Resolution::Overhang(0.01)).unwrap();
@@ -98,7 +98,7 @@ fn among(file: &str) -> Arm {
     arm.with_checker(&checker(&world), &rest).unwrap()
 }
 
-fn answers() -> u64 {
+fn answers() -> Value {
     let (mut digest, mut random) = (Digest::new(), Random::new(4));
     let model = robot("franka_panda");
     for file in ["table", "window"] {
@@ -138,7 +138,7 @@ fn add_path(digest: &mut Digest, found: &PathSolution) {
     }
 }
 
-fn paths() -> u64 {
+fn paths() -> Value {
     let mut digest = Digest::new();
     let file = "../models/paths/pipe_seam.csv";
     let (seam, _) = CartesianPath::read(file, QuaternionOrder::WFirst).unwrap();
