@@ -8,7 +8,7 @@
 use std::time::{Duration, Instant};
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 
@@ -99,7 +99,10 @@ fn main() {
         ("distinct", arm().with_search(distinct)),
         ("bounded moves", arm().with_max_move(&[0.3; 7])),
         ("posture", arm().with_posture(&[0.3; 7])),
-        ("free axis", arm().with_goal(Goal::free_about(Axis::Z))),
+        (
+            "free axis",
+            arm().with_goal(PoseBounds::free_about(Axis::Z)),
+        ),
         ("follower", hips.clone()),
         ("follower nearest", hips.with_search(Search::Nearest)),
     ];

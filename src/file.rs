@@ -9,9 +9,6 @@ use std::sync::Arc;
 /// Largest file that is read if the caller sets no limit, bytes.
 pub(crate) const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The result of reading a file.
-pub(crate) type FromFile<T> = Result<T, ReadError>;
-
 /// A file that could not be read.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{file}: {place}{problem}")]

@@ -6,7 +6,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::file::{FromFile, MAX_FILE_BYTES, Place, ReadError, ReadProblem, read_bytes};
+use crate::file::{MAX_FILE_BYTES, Place, ReadError, ReadProblem, read_bytes};
 
 /// Rules for the files that a reader may open: allowed folders and the largest size.
 ///
@@ -67,8 +67,8 @@ impl FileAccess {
     pub(crate) fn read_with<T>(
         &self,
         path: &Path,
-        parse: impl FnOnce(&[u8], &str) -> FromFile<T>,
-    ) -> FromFile<T> {
+        parse: impl FnOnce(&[u8], &str) -> Result<T, ReadError>,
+    ) -> Result<T, ReadError> {
         crate::file::read_with(path, self.max_bytes, parse)
     }
 
@@ -116,7 +116,7 @@ impl AllowedFiles {
     }
 
     /// The contents of a referenced file.
-    pub(crate) fn open(&self, reference: &str) -> FromFile<Vec<u8>> {
+    pub(crate) fn open(&self, reference: &str) -> Result<Vec<u8>, ReadError> {
         let path = self.folder.join(reference);
         let renamed = |error: ReadError| ReadError {
             file: path.display().to_string(),
@@ -149,7 +149,7 @@ impl AllowedFiles {
     }
 
     /// The real path of a file below the allowed folders. Nothing outside of them is looked at, as far as the path's text shows.
-    pub(crate) fn resolve(&self, path: &Path) -> FromFile<PathBuf> {
+    pub(crate) fn resolve(&self, path: &Path) -> Result<PathBuf, ReadError> {
         let file = path.display().to_string();
         let fail = |problem: ReadProblem| ReadError::new(&file, Place::File, problem);
         let outside = || {
@@ -196,8 +196,8 @@ fn without_dots(path: &Path) -> Option<PathBuf> {
 ///
 /// It checks the text only, so it works for any file system.
 pub(crate) fn below_folder(
-    mut open: impl FnMut(&str) -> FromFile<Vec<u8>>,
-) -> impl FnMut(&str) -> FromFile<Vec<u8>> {
+    mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+) -> impl FnMut(&str) -> Result<Vec<u8>, ReadError> {
     move |reference| match is_below_folder(reference) {
         true => open(reference),
         false => {

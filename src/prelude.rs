@@ -15,7 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub use crate::arm::{Arm, Goal};
+pub use crate::arm::{Arm, PoseBounds};
 pub use crate::ik::{Drag, Solution, Solver, Workspace};
 pub use crate::kinematics::{ForwardKinematics, frame_jacobian};
 pub use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use saphyr_parser::{Event, Parser};
 
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 
 /// Largest nesting depth of lists and maps.
 const DEPTH: usize = 64;
@@ -32,7 +32,7 @@ struct Open<'t> {
 }
 
 /// The first document of a text.
-pub(crate) fn parse<'t>(text: &'t str, file: &str) -> FromFile<Node<'t>> {
+pub(crate) fn parse<'t>(text: &'t str, file: &str) -> Result<Node<'t>, ReadError> {
     let fail = |line: usize, problem: &str| ReadError::malformed(file, Place::Line(line), problem);
     let mut open: Vec<Open<'t>> = Vec::new();
     for event in Parser::new_from_str(text) {

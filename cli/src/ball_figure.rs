@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use kinopt::animation::{Armature, Pose, PoseAngles, PoseTurns, ReachError};
+use kinopt::animation::{Armature, BallPoseMap, EulerPoseMap, Pose, ReachError};
 use kinopt::io::cones;
 use kinopt::skeleton::{BallSkeleton, Cones, SkeletonRoot};
 
@@ -86,8 +86,8 @@ impl LoadedModel {
 /// From the configurations of a figure to poses of its armature.
 #[derive(Clone, Debug)]
 pub(crate) enum FigurePosing {
-    Angles(PoseAngles),
-    Turns(Box<PoseTurns>),
+    Angles(EulerPoseMap),
+    Turns(Box<BallPoseMap>),
 }
 
 impl FigurePosing {
@@ -95,8 +95,8 @@ impl FigurePosing {
     pub(crate) fn of(loaded: &LoadedModel, armature: &Armature) -> Option<Self> {
         let rig = loaded.rig.as_ref()?;
         Some(match &loaded.balls {
-            Some(balls) => Self::Turns(Box::new(PoseTurns::new(armature, balls))),
-            None => Self::Angles(PoseAngles::new(&rig.skeleton)),
+            Some(balls) => Self::Turns(Box::new(BallPoseMap::new(armature, balls))),
+            None => Self::Angles(EulerPoseMap::new(&rig.skeleton)),
         })
     }
 

@@ -1,4 +1,4 @@
-//! `--base-joint` and `--base-room`: joint between a robot's root and the world.
+//! `--base-joint` and `--base-bounds`: joint between a robot's root and the world.
 
 use clap::{Args, ValueEnum};
 use kinopt::model::Limits;
@@ -21,7 +21,7 @@ pub(crate) struct BaseJointOptions {
     /// Where that base may stand, metres along the world's axes: `x=-1..1,z=0.5..1.2`. Default: anywhere.
     #[arg(long, value_name = "AXIS=LOW..HIGH,…", value_delimiter = ',', value_parser = Room::parse,
         requires = "base_joint", help_heading = MODEL, hide_short_help = true)]
-    base_room: Vec<Room>,
+    base_bounds: Vec<Room>,
 }
 
 /// The kinds of base joints.
@@ -67,7 +67,7 @@ impl BaseJointOptions {
 
     /// Where the base may stand along an axis.
     fn along(&self, axis: usize) -> Limits {
-        let rooms = self.base_room.iter().filter(|room| room.axis == axis);
+        let rooms = self.base_bounds.iter().filter(|room| room.axis == axis);
         let whole = Limits::UNBOUNDED;
         rooms.fold(whole, |limits, room| limits.intersection(&room.limits))
     }
@@ -77,8 +77,8 @@ impl BaseJointOptions {
         let room = [0, 1, 2].map(|axis| self.along(axis));
         match self.base_joint {
             Some(BaseKind::Free) => Ok(SkeletonRoot::Free { room }),
-            None | Some(BaseKind::Fixed) if self.base_room.is_empty() => Ok(SkeletonRoot::Fixed),
-            None | Some(BaseKind::Fixed) => Err(usage!("--base-room: this root does not move")),
+            None | Some(BaseKind::Fixed) if self.base_bounds.is_empty() => Ok(SkeletonRoot::Fixed),
+            None | Some(BaseKind::Fixed) => Err(usage!("--base-bounds: this root does not move")),
             Some(_) => Err(usage!(
                 "--base-joint of a figure is free or fixed; the others are for robots"
             )),
@@ -89,11 +89,11 @@ impl BaseJointOptions {
     pub(crate) fn put_under(&self, robot: Robot, file: &str) -> Outcome<Robot> {
         let kind = self.base_joint.and_then(|kind| kind.to_possible_value());
         let kind = kind.as_ref().map_or("fixed", |kind| kind.get_name());
-        let ranges = self.base_room.iter();
+        let ranges = self.base_bounds.iter();
         let ranges = ranges.map(|room| (AXES[room.axis], room.limits));
         let base = BaseJoint::named(kind, ranges).map_err(|unknown| {
             let axis = unknown.name;
-            usage!("--base-room {axis}=…: this base does not move along {axis}")
+            usage!("--base-bounds {axis}=…: this base does not move along {axis}")
         })?;
         let robot = robot.with_base_joint(base);
         robot.map_err(|error| failure!("{file}: base joint: {error}"))

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::animation::PoseTurns;
+use kinopt::animation::BallPoseMap;
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
@@ -198,7 +198,7 @@ fn configuration(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Vec<f64
             let clip = animated.clip(arguments.clip.as_deref())?;
             let pose = animated.pose_at(clip, time, playback(arguments.looped))?;
             let mut q = Vec::new();
-            PoseTurns::new(&animated.armature, balls).configuration_of(&pose, &mut q)?;
+            BallPoseMap::new(&animated.armature, balls).configuration_of(&pose, &mut q)?;
             Ok(q)
         }
         (Some(time), _) => loaded.keyframes_at(time, playback(arguments.looped)),

@@ -21,12 +21,12 @@ const EXAMPLES: &str = "\
 Examples:
   kinopt spheres robot.urdf --out spherised.urdf     the same robot, of spheres that stick out by a
                                                      fiftieth of its reach at most
-  kinopt spheres robot.urdf --overhang 0.02 --out spheres.yml
+  kinopt spheres robot.urdf --max_protrusion 0.02 --out spheres.yml
                                                      by 2 cm, for cuRobo
   kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
                                                      at most six a link, meshes of ROS packages";
 
-/// The overhang, unless given, as a share of the robot's reach.
+/// The max_protrusion, unless given, as a share of the robot's reach.
 const SHARE: f64 = 0.02;
 /// And where a link is too large for that, as a share of the radius around the largest shape.
 const SHARE_OF_LARGEST: f64 = 0.05;
@@ -58,9 +58,9 @@ pub(crate) struct Arguments {
     /// As few spheres as are found that stick out by at most this, in metres. Default: a fiftieth of
     /// the robot's reach, and more where a link is too large for that.
     #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
-    overhang: Option<f64>,
+    max_protrusion: Option<f64>,
 
-    /// At most so many spheres a link, sticking out as little as is found. Default: as --overhang.
+    /// At most so many spheres a link, sticking out as little as is found. Default: as --max_protrusion.
     #[arg(long, value_name = "N")]
     spheres: Option<usize>,
 
@@ -88,7 +88,7 @@ enum Format {
 struct Document<'a> {
     out: &'a Path,
     spheres: usize,
-    overhang: f64,
+    max_protrusion: f64,
     links: Vec<Link<'a>>,
     pairs: Vec<[&'a str; 2]>,
     notes: &'a [String],
@@ -106,9 +106,9 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let loaded = LoadedModel::read(path, &arguments.model_options)?;
     let robot = loaded.robot_with_shapes("spheres")?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
-    let spheres = match (arguments.overhang, arguments.spheres) {
-        (Some(overhang), _) => SphereModel::of(&model, Resolution::Overhang(overhang))
-            .map_err(|wrong| failure!("--overhang {overhang}: {}", wrong.allowed))?,
+    let spheres = match (arguments.max_protrusion, arguments.spheres) {
+        (Some(max_protrusion), _) => SphereModel::of(&model, Resolution::Overhang(max_protrusion))
+            .map_err(|wrong| failure!("--max_protrusion {max_protrusion}: {}", wrong.allowed))?,
         (_, Some(count)) => SphereModel::of(&model, Resolution::PerLink(count))
             .map_err(|wrong| failure!("--spheres {count}: {}", wrong.allowed))?,
         _ => as_fine_as_may_be(&model, robot.model().reach())?,
@@ -139,19 +139,22 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
     let largest = sizes
         .map(|object| object.shape.bounding_sphere().radius)
         .fold(0.0, f64::max);
-    let mut overhang = finest;
+    let mut max_protrusion = finest;
     for _ in 0..DOUBLINGS {
-        if let Ok(spheres) = SphereModel::of(model, Resolution::Overhang(overhang)) {
-            if overhang > finest {
+        if let Ok(spheres) = SphereModel::of(model, Resolution::Overhang(max_protrusion)) {
+            if max_protrusion > finest {
                 output::message(&format!(
-                    "note: the spheres stick out by up to {overhang} m: some link is too large for {finest} m, a fiftieth of the reach"
+                    "note: the spheres stick out by up to {max_protrusion} m: some link is too large for {finest} m, a fiftieth of the reach"
                 ));
             }
             return Ok(spheres);
         }
-        overhang = (2.0 * overhang).max(SHARE_OF_LARGEST * largest);
+        max_protrusion = (2.0 * max_protrusion).max(SHARE_OF_LARGEST * largest);
     }
-    Ok(SphereModel::of(model, Resolution::Overhang(overhang))?)
+    Ok(SphereModel::of(
+        model,
+        Resolution::Overhang(max_protrusion),
+    )?)
 }
 
 fn report(
@@ -170,7 +173,7 @@ fn report(
     let document = || Document {
         out: &arguments.out,
         spheres: spheres.count(),
-        overhang: spheres.overhang(),
+        max_protrusion: spheres.max_protrusion(),
         links: (groups.iter())
             .map(|group| Link {
                 name: &group.name,
@@ -200,7 +203,7 @@ fn report(
             1 => "1 pair of links is checked".to_owned(),
             count => format!("{count} pairs of links are checked"),
         };
-        let millimetres = 1e3 * spheres.overhang();
+        let millimetres = 1e3 * spheres.max_protrusion();
         format!(
             "{count} on {}, sticking out by {millimetres:.1} mm at most; {pairs}\n\n{}\n{} written\n",
             counted(groups.len(), "link"),

@@ -14,18 +14,18 @@ use crate::output;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TouchOption {
     /// Let a link of the robot and an obstacle of --world touch, or two obstacles, however deep; repeat it for several pairs.
-    /// Default: what the file's own `may_touch` says.
+    /// Default: what the file's own `allow_collision` says.
     #[arg(long, value_name = "NAME=NAME", value_parser = pair, requires = "world", help_heading = COLLISIONS, hide_short_help = true)]
-    may_touch: Vec<[String; 2]>,
+    allow_collision: Vec<[String; 2]>,
 }
 
 impl TouchOption {
     /// As [`read`], with what may touch besides.
     pub(crate) fn read(&self, file: Option<&Path>) -> Outcome<World> {
         let mut world = read(file)?;
-        for [one, other] in &self.may_touch {
-            let allowed = world.allow_touch(one, other);
-            allowed.map_err(|error| usage!("--may-touch {one}={other}: {error}"))?;
+        for [one, other] in &self.allow_collision {
+            let allowed = world.allow_collision(one, other);
+            allowed.map_err(|error| usage!("--allow-collision {one}={other}: {error}"))?;
         }
         Ok(world)
     }

@@ -54,8 +54,8 @@ class ArmQuestion:
         """Pulls gradients with respect to N configurations back to their targets."""
         derivative = self.arm.derivative(targets[0], q)
         slopes = np.einsum("nd,ndk->nk", by_q, derivative.by_target)
-        for index, existence in enumerate(derivative.existence):
-            slopes[index] = _kept(slopes[index], existence, index, self.missing)
+        for index, existence in enumerate(derivative.differentiability):
+            slopes[index] = _kept(slopes[index], differentiability, index, self.missing)
         return [np.stack([_on_target(*pair) for pair in zip(targets[0], slopes, strict=True)])]
 
 
@@ -139,7 +139,7 @@ class ProblemQuestion:
         gradient = derivative.gradient(by_q=by_q[index])
 
         def kept(slope: Floats) -> Floats:
-            return _kept(slope, derivative.existence, index, self.missing)
+            return _kept(slope, derivative.differentiability, index, self.missing)
 
         slopes = []
         for name in self.names:
@@ -252,7 +252,7 @@ def _summed(slope: Floats, shape: tuple[int, ...]) -> Floats:
     return summed
 
 
-def _kept(slope: Floats, existence: str, index: int, missing: Missing) -> Floats:
+def _kept(slope: Floats, differentiability: str, index: int, missing: Missing) -> Floats:
     if existence in ("unique", "shortest_of_many"):
         return slope
     if missing == "raise":

@@ -8,7 +8,7 @@ Frames and joints are given by name. Every task has these keywords:
     factor of its rows: a number, or a dict by quantity such as ``{"metres": 1.0, "radians": 0.2}``. The default is 1
     per metre, pixel and joint unit, and a quarter of the model's reach per radian. Rows of weight 0 report their error
     but never count as missed.
-``times``
+``scale``
     factor of all its weights, given or default.
 ``tolerance``
     the error, before weighting, within which it counts as reached: a number, or a dict by quantity.
@@ -36,7 +36,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._kinopt import Goal, Model
+from ._kinopt import PoseBounds, Model
 from ._kinopt import tasks as _compiled
 from ._kinopt.tasks import Camera
 from .errors import InvalidValueError
@@ -58,7 +58,7 @@ class Task:
 
     name: str | None = field(default=None, kw_only=True)
     weight: float | Mapping[str, float] | None = field(default=None, kw_only=True)
-    times: float = field(default=1.0, kw_only=True)
+    scale: float = field(default=1.0, kw_only=True)
     tolerance: float | Mapping[str, float] | None = field(default=None, kw_only=True)
     role: Literal["goal", "preference"] | None = field(default=None, kw_only=True)
     level: int = field(default=0, kw_only=True)
@@ -74,7 +74,7 @@ class Task:
                     self._check_name(f"a quantity of {named}", quantity, optional=False)
                     _check_number(f"{named} per {quantity}", number)
                 self._keep(named, dict(value))
-        _check_number("times", self.times)
+        _check_number("scale", self.scale)
         self._keep("level", _level(self.level))
 
     def _with(self, given: Mapping[str, object]) -> Task:
@@ -168,7 +168,7 @@ class Pose(Task):
     """Pose of ``frame`` at ``target``, a placement of shape (4, 4): three rows in metres, three in radians.
 
     ``tool``, shape (4, 4), is the placement in the frame that goes to the target; by default the frame itself.
-    ``goal``, a ``kinopt.Goal``, sets the goal bounds. The target is in the world, or in the frame ``base``, which may
+    ``goal``, a ``kinopt.PoseBounds``, sets the goal bounds. The target is in the world, or in the frame ``base``, which may
     move with the joints.
 
     Raises ``InvalidValueError`` for other shapes and for names that are not texts.
@@ -177,7 +177,7 @@ class Pose(Task):
     frame: str
     target: PlacementLike
     tool: PlacementLike | None = field(default=None, kw_only=True)
-    goal: Goal | None = field(default=None, kw_only=True)
+    goal: PoseBounds | None = field(default=None, kw_only=True)
     base: str | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "pose"
@@ -188,8 +188,8 @@ class Pose(Task):
         self._keep("target", _compiled.placement(self.target, "target"))
         if self.tool is not None:
             self._keep("tool", _compiled.placement(self.tool, "tool"))
-        if not (self.goal is None or isinstance(self.goal, Goal)):
-            raise InvalidValueError(f"goal must be a kinopt.Goal, not {self.goal!r}")
+        if not (self.goal is None or isinstance(self.goal, PoseBounds)):
+            raise InvalidValueError(f"goal must be a kinopt.PoseBounds, not {self.goal!r}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -401,7 +401,7 @@ class RelativePose(Task):
     base: str
     target: PlacementLike
     tool: PlacementLike | None = field(default=None, kw_only=True)
-    goal: Goal | None = field(default=None, kw_only=True)
+    goal: PoseBounds | None = field(default=None, kw_only=True)
 
     _kind: ClassVar[str] = "pose"
 
@@ -412,8 +412,8 @@ class RelativePose(Task):
         self._keep("target", _compiled.placement(self.target, "target"))
         if self.tool is not None:
             self._keep("tool", _compiled.placement(self.tool, "tool"))
-        if not (self.goal is None or isinstance(self.goal, Goal)):
-            raise InvalidValueError(f"goal must be a kinopt.Goal, not {self.goal!r}")
+        if not (self.goal is None or isinstance(self.goal, PoseBounds)):
+            raise InvalidValueError(f"goal must be a kinopt.PoseBounds, not {self.goal!r}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -595,7 +595,7 @@ class Manipulability(Task):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Within(Task):
+class Bounded(Task):
     """Interval of another task: its rows cost only the part outside it, as for a workspace, a floor, a least distance.
 
     ``half_width`` is the interval from -half_width to half_width; otherwise it is from ``lower`` to ``upper``, either
@@ -607,7 +607,7 @@ class Within(Task):
         beyond = tasks.Residual(lambda q: [q[0] + 0.5 * q[1] - 1.2], joints=["wrist", "elbow"], rows={"radians": 1})
         problem = kinopt.Problem(robot, [tasks.Within.at_most(beyond, 0.0), tasks.Point("hand", [0.4, 0.1, 0.3])])
 
-    Raises ``InvalidValueError`` for another object than a task, for a nested ``Within``, and for an interval given
+    Raises ``InvalidValueError`` for another object than a task, for a nested ``Bounded``, and for an interval given
     twice.
     """
 

@@ -1,4 +1,4 @@
-//! Goal bounds: components of a pose that are constrained.
+//! PoseBounds bounds: components of a pose that are constrained.
 
 use kinopt::task::Axis;
 use pyo3::prelude::*;
@@ -11,32 +11,32 @@ use crate::pickling;
 /// Allowed offset of a frame's pose from its target, for each component, along the target's axes. Tolerances are added
 /// to it.
 ///
-/// Created by `Goal.pose()`, `Goal.position()`, `Goal.free_about("z")`, `Goal.free_along("x")` or
-/// `Goal.within(half_widths)`.
+/// Created by `PoseBounds.pose()`, `PoseBounds.position()`, `PoseBounds.free_about("z")`, `PoseBounds.free_along("x")` or
+/// `PoseBounds.within(half_widths)`.
 #[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Goal {
-    pub(crate) inner: kinopt::task::Goal,
+pub(crate) struct PoseBounds {
+    pub(crate) inner: kinopt::task::PoseBounds,
 }
 
-impl From<kinopt::task::Goal> for Goal {
-    fn from(inner: kinopt::task::Goal) -> Self {
+impl From<kinopt::task::PoseBounds> for PoseBounds {
+    fn from(inner: kinopt::task::PoseBounds) -> Self {
         Self { inner }
     }
 }
 
 #[pymethods]
-impl Goal {
+impl PoseBounds {
     /// Position and orientation, exactly.
     #[classmethod]
     fn pose(_class: &Bound<'_, PyType>) -> Self {
-        kinopt::task::Goal::pose().into()
+        kinopt::task::PoseBounds::pose().into()
     }
 
     /// Exact position, any orientation.
     #[classmethod]
     fn position(_class: &Bound<'_, PyType>) -> Self {
-        kinopt::task::Goal::position().into()
+        kinopt::task::PoseBounds::position().into()
     }
 
     /// The full pose except for rotations about one axis of the frame, "x", "y" or "z", which are free: for a drill, a
@@ -45,7 +45,7 @@ impl Goal {
     /// Raises `UnknownNameError` for another axis.
     #[classmethod]
     fn free_about(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
-        Ok(kinopt::task::Goal::free_about(self::axis(axis)?).into())
+        Ok(kinopt::task::PoseBounds::free_about(self::axis(axis)?).into())
     }
 
     /// The full pose except for translations along one axis of the frame, "x", "y" or "z", which are free.
@@ -53,7 +53,7 @@ impl Goal {
     /// Raises `UnknownNameError` for another axis.
     #[classmethod]
     fn free_along(_class: &Bound<'_, PyType>, axis: &str) -> PyResult<Self> {
-        Ok(kinopt::task::Goal::free_along(self::axis(axis)?).into())
+        Ok(kinopt::task::PoseBounds::free_along(self::axis(axis)?).into())
     }
 
     /// An interval of plus and minus a half width for each component: shape (6,), three in metres along the axes x, y,
@@ -64,7 +64,7 @@ impl Goal {
         let half_widths = arrays::array(half_widths, "half_widths")?;
         let bad = |value: &f64| value.is_nan() || *value < 0.0;
         match half_widths.iter().find(|value| bad(value)) {
-            None => Ok(kinopt::task::Goal::within(half_widths).into()),
+            None => Ok(kinopt::task::PoseBounds::within(half_widths).into()),
             Some(value) => Err(invalid(format!(
                 "half_widths holds {value}, which is no number of at least 0"
             ))),
@@ -92,7 +92,7 @@ impl Goal {
     }
 
     fn __repr__(&self) -> String {
-        format!("Goal.within({:?})", self.half_widths())
+        format!("PoseBounds.within({:?})", self.half_widths())
     }
 }
 

@@ -59,7 +59,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::collision::{CollisionModel, SphereModel};
     #[pymodule_export]
-    use super::goal::Goal;
+    use super::goal::PoseBounds;
     #[pymodule_export]
     use super::io::io;
     #[pymodule_export]
@@ -89,9 +89,9 @@ mod _kinopt {
     #[pymodule_export]
     use super::skinning::skinning;
     #[pymodule_export]
-    use super::solution::{ActiveLimit, Collision, Counts, RowsReport, Solution, TaskReport};
+    use super::solution::{ActiveLimit, Collision, Counts, RowBlockReport, Solution, TaskReport};
     #[pymodule_export]
-    use super::solver::{Drag, Iteration, Leap, Solutions, Solver};
+    use super::solver::{Drag, DragJump, Iteration, Solutions, Solver};
     #[pymodule_export]
     use super::srdf::Srdf;
     #[pymodule_export]

@@ -160,7 +160,7 @@ def test_a_servo_keeps_its_speeds(arm, targets):
 
 
 def test_options_are_keywords_and_checked(robot, arm, targets):
-    held = kinopt.Arm(robot, "base", "flange", locked={"joint3": 0.25}, goal=kinopt.Goal.position())
+    held = kinopt.Arm(robot, "base", "flange", locked={"joint3": 0.25}, goal=kinopt.PoseBounds.position())
     assert held.joint_names == [name for name in arm.joint_names if name != "joint3"]
     tool = np.eye(4)
     tool[2, 3] = 0.1

@@ -144,9 +144,9 @@ def test_what_may_touch_is_passed_over(panda: kinopt.Robot) -> None:
     touching = {pair.first for pair in arm.with_world(world).collisions(Q)}
     assert touching
     for link in sorted(touching):
-        world.allow_touch(link, "ball")
-    assert sorted(touching) == sorted(world["ball"].may_touch)
-    assert world.may_touch("ball", min(touching))
+        world.allow_collision(link, "ball")
+    assert sorted(touching) == sorted(world["ball"].allow_collision)
+    assert world.allow_collision("ball", min(touching))
     assert arm.with_world(world).collisions(Q) == []
     assert arm.with_world(pickle.loads(pickle.dumps(world))).collisions(Q) == []
     world.forbid_touch("ball", min(touching))
@@ -154,8 +154,8 @@ def test_what_may_touch_is_passed_over(panda: kinopt.Robot) -> None:
     with pytest.raises(InvalidValueError, match="kept apart"):
         world.forbid_touch("ball", min(touching))
     with pytest.raises(UnknownNameError, match="neither"):
-        world.allow_touch("hand", "bal")
-    world.allow_touch("ball", "hnad")
+        world.allow_collision("hand", "bal")
+    world.allow_collision("ball", "hnad")
     with pytest.raises(UnknownNameError, match="did you mean `hand`"):
         arm.with_world(world)
 

@@ -40,7 +40,7 @@ def things():
         arm.track([pose, pose], q),
         arm.follower(q),
         arm.servo(q, 1e-3),
-        kinopt.Goal.position(),
+        kinopt.PoseBounds.position(),
         kinopt.ForwardKinematics(robot),
         kinopt.Jacobian(robot, ["flange"]),
         kinopt.ModelBuilder("model"),

@@ -42,7 +42,7 @@ def test_spheres_hold_points_of_shapes(ur5e: kinopt.Robot) -> None:
     model = ur5e.collision_model()
     spheres = model.spheres(0.03)
     assert len(spheres) == spheres.count == sum(len(own) for own in spheres.spheres.values())
-    assert 0 < spheres.overhang <= 0.03
+    assert 0 < spheres.max_protrusion <= 0.03
     assert spheres.pairs == model.pairs
     # The base's cylinder of radius 0.075 from z = 0 to 0.09.
     random = np.random.default_rng(3)
@@ -82,9 +82,9 @@ def test_spheres_go_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
         read = kinopt.SphereModel.read(tmp_path / name, model)
         assert read.pairs == spheres.pairs
         assert all(np.array_equal(read.spheres[link], own) for link, own in spheres.spheres.items())
-        assert read.overhang == pytest.approx(spheres.overhang, abs=1e-12)
+        assert read.max_protrusion == pytest.approx(spheres.max_protrusion, abs=1e-12)
     own = kinopt.Robot.from_urdf(tmp_path / "ur5e.urdf").collision_model().spheres(0.1)
-    assert own.overhang == 0.0 and own.count == spheres.count
+    assert own.max_protrusion == 0.0 and own.count == spheres.count
     with pytest.raises(FileError):
         kinopt.SphereModel.read(tmp_path / "none.yml", model)
     (tmp_path / "bad.yml").write_text("collision_spheres:\n  palm:\n    - {center: [0, 0, 0], radius: 1}\n")
@@ -164,7 +164,7 @@ def test_models_and_spheres_are_pickled(ur5e: kinopt.Robot) -> None:
 def test_what_cannot_be_is_refused(ur5e: kinopt.Robot) -> None:
     model = ur5e.collision_model()
     for bad in (0.0, -1.0, float("nan")):
-        with pytest.raises(InvalidValueError, match="overhang"):
+        with pytest.raises(InvalidValueError, match="max_protrusion"):
             model.spheres(bad)
     with pytest.raises(InvalidValueError, match="either"):
         model.spheres()

@@ -31,12 +31,12 @@ def test_a_hand_follows_the_mouse(robot):
         mouse = place.copy()
         mouse[1, 3] += 0.002 * step
         solution = drag.advance({"hand": mouse})
-        assert solution.reached and drag.leap is None
+        assert solution.reached and drag.jump is None
         before, start = start, drag.q
         assert np.abs(start - before).max() <= 0.15 + 1e-12
         assert np.array_equal(solution.q, start) and np.array_equal(drag.solution.q, start)
     drag.advance()
-    assert drag.rests and not drag.catching_up
+    assert drag.is_at_rest and not drag.is_speed_limited
 
 
 def test_a_target_that_leaps_is_caught_up_with(robot):
@@ -44,10 +44,10 @@ def test_a_target_that_leaps_is_caught_up_with(robot):
     place[0, 3] -= 0.2
     drag.set_targets({"hand": place})
     solution = drag.advance()
-    assert drag.catching_up and not solution.reached
+    assert drag.is_speed_limited and not solution.reached
     assert any(limit.kind == "move" for limit in solution.active_limits)
     assert drag.follow().reached
-    drag.stand_at(start)
+    drag.set_configuration(start)
     assert np.array_equal(drag.q, start)
     assert drag.settle(frames=200).reached
 
@@ -110,7 +110,7 @@ def test_many_threads_may_hold_one_drag(robot):
     drag = kinopt.Drag(kinopt.Problem(robot, [task]), robot.neutral())
     with ThreadPoolExecutor(4) as pool:
         frames = [pool.submit(drag.advance) for _ in range(40)]
-        looks = [pool.submit(lambda: (drag.q, drag.solution, drag.rests, drag.leap)) for _ in range(40)]
+        looks = [pool.submit(lambda: (drag.q, drag.solution, drag.is_at_rest, drag.jump)) for _ in range(40)]
         assert all(frame.result().q.size for frame in frames) and all(look.result() for look in looks)
     assert drag.advance().reached
 
@@ -124,6 +124,6 @@ def test_what_is_wrong_is_said(robot, given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Drag(drag.problem, given.pop("start", start), **given)
     with pytest.raises(kinopt.KinoptError):
-        drag.stand_at(np.zeros(4))
+        drag.set_configuration(np.zeros(4))
     with pytest.raises(kinopt.KinoptError):
         drag.advance({"foot": np.eye(4)})

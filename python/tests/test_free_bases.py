@@ -103,7 +103,7 @@ def test_the_jacobian_is_what_moving_along_a_velocity_does(free: kinopt.Robot) -
 
 def test_a_base_keeps_to_its_room_and_everything_travels() -> None:
     room = {"x": (-0.1, 0.2), "y": (-1.0, 1.0)}
-    robot = kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_room=room)
+    robot = kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_bounds=room)
     for same in (pickle.loads(pickle.dumps(robot)), copy.deepcopy(robot)):
         assert same.joint_names == robot.joint_names and np.array_equal(same.upper, robot.upper)
     problem = kinopt.Problem(robot, [tasks.Point("flange", [3.0, -2.0, 1.5])])
@@ -170,12 +170,12 @@ def test_what_is_wrong_is_named(free: kinopt.Robot) -> None:
     with pytest.raises(UnknownNameError, match="planar"):
         kinopt.Robot.from_urdf(UR5E, base_joint="hovering")  # type: ignore[arg-type]
     with pytest.raises(UnknownNameError, match="x, y, yaw"):
-        kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_room={"z": (0.0, 1.0)})
+        kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_bounds={"z": (0.0, 1.0)})
     with pytest.raises(InvalidValueError, match="root_joint/x"):
-        kinopt.Robot.from_urdf(UR5E, base_joint="free", base_room={"x": (1.0, 0.0)})
+        kinopt.Robot.from_urdf(UR5E, base_joint="free", base_bounds={"x": (1.0, 0.0)})
     for room in ((float("nan"), 1.0), (0.0, float("nan"))):
-        with pytest.raises(kinopt.InvalidValueError, match="base_room along z"):
-            kinopt.Robot.from_urdf(UR5E, base_joint="free", base_room={"z": room})
+        with pytest.raises(kinopt.InvalidValueError, match="base_bounds along z"):
+            kinopt.Robot.from_urdf(UR5E, base_joint="free", base_bounds={"z": room})
     builder = kinopt.ModelBuilder("arm")
     builder.ball("shoulder", swing=4.0)
     with pytest.raises(InvalidValueError, match="shoulder"):
@@ -273,7 +273,7 @@ def test_a_robot_that_moves_freely_has_its_free_base(tmp_path: Path) -> None:
         <body name="arm"><joint name="shoulder"/></body></body></worldbody></mujoco>"""
     )
     plain = kinopt.Robot.from_mjcf(file)
-    free = kinopt.Robot.from_mjcf(file, base_joint="free", base_room={"z": (0.2, 1.5)})
+    free = kinopt.Robot.from_mjcf(file, base_joint="free", base_bounds={"z": (0.2, 1.5)})
     assert free.joint_names == plain.joint_names and free.lower[2] == 0.2
     with pytest.raises(InvalidValueError, match="`float/x` moves the whole of `body` freely already"):
         kinopt.Robot.from_mjcf(file, base_joint="planar")

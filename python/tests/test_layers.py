@@ -18,7 +18,7 @@ from kinopt.animation import (
     LimbGoal,
     PlayingClip,
     Pose,
-    PoseAngles,
+    EulerPoseMap,
     ReachLayer,
     StateMachine,
     StateMachineRun,
@@ -149,7 +149,7 @@ def test_a_reach_layer_brings_tips_to_their_goals_within_limits():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     skeleton = rig.skeleton
     armature = Armature.of_skeleton(skeleton)
-    angles = PoseAngles(skeleton)
+    angles = EulerPoseMap(skeleton)
     layer = ReachLayer(skeleton, ["left_hand", "right_foot"], held=["head"])
     pose = armature.rest
     assert layer.apply(pose) is None
@@ -175,7 +175,7 @@ def test_a_reach_layer_brings_tips_to_their_goals_within_limits():
 
 def test_angles_go_into_poses_and_back():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
-    angles = pickle.loads(pickle.dumps(PoseAngles(rig.skeleton)))
+    angles = pickle.loads(pickle.dumps(EulerPoseMap(rig.skeleton)))
     armature = Armature.of_skeleton(rig.skeleton)
     q = 0.3 * np.clip(rig.model.random_configuration(4, 5), -1, 1)
     poses = angles.pose_of(q)
@@ -231,7 +231,7 @@ def test_what_is_wrong_is_said(leg):
         (kinopt.InvalidValueError, lambda: LimbGoal([0, 0])),
         (kinopt.InvalidValueError, lambda: Aim(leg, "foot", [0, 0, 0])),
         (kinopt.InvalidValueError, lambda: Aim(leg, "foot", [0, 0, 1], up=[0, 0, 2])),
-        (kinopt.InvalidValueError, lambda: Aim(leg, "foot", [0, 0, 1], muzzle=[np.inf, 0, 0])),
+        (kinopt.InvalidValueError, lambda: Aim(leg, "foot", [0, 0, 1], offset=[np.inf, 0, 0])),
         (kinopt.InvalidValueError, lambda: Crowd(leg).advance(0.1, threads=0)),
     ]
     for error, call in wrong:

@@ -36,7 +36,7 @@ def leap(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
     } | options
     work = [
         tasks.Point(tip, at, name="reach"),
-        tasks.Posture(rest, name="rest", times=0.01),
+        tasks.Posture(rest, name="rest", scale=0.01),
     ]
     return kinopt.MotionProblem(arm, FRAMES, STEP, work, **given)  # type: ignore[arg-type]
 
@@ -80,7 +80,7 @@ def test_a_foot_stands_and_fixed_frames_are_fixed() -> None:
         nao,
         frames,
         STEP,
-        [tasks.Point(hand, at, name="hand"), tasks.Posture(start, times=0.05)],
+        [tasks.Point(hand, at, name="hand"), tasks.Posture(start, scale=0.05)],
         targets={"hand": aims},
         weights={"hand": np.linspace(0, 1, frames)},
         velocity=(1e-3, {nao.coordinate_names[0]: 2.0}),
@@ -162,7 +162,7 @@ def test_free_bases_and_balls_keep_their_speeds() -> None:
     goal = np.eye(4)
     goal[:3, 3] = [0.6, 0.3, 0.2]
     goal[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
-    work = [tasks.Pose(frame, goal, name="base"), tasks.Posture(start, times=0.01)]
+    work = [tasks.Pose(frame, goal, name="base"), tasks.Posture(start, scale=0.01)]
     motion = kinopt.MotionProblem(
         free, FRAMES, STEP, work, acceleration=1e-3, first=start, max_speeds={"root_joint": (0.9, 1.3)}
     )
@@ -186,7 +186,7 @@ def test_two_hands_hold_one_box_all_the_way() -> None:
         robot,
         FRAMES,
         STEP,
-        [tasks.Point("left_tool", at, name="hand"), tasks.Posture(start, times=0.01)],
+        [tasks.Point("left_tool", at, name="hand"), tasks.Posture(start, scale=0.01)],
         targets={"hand": aims},
         acceleration=1e-4,
         first=start,

@@ -102,7 +102,7 @@ def test_it_takes_room_weights_and_roles_as_any_task(robot):
     look = tasks.Point("flange", TARGET + 0.1)
     solution = kinopt.Solver().solve(kinopt.Problem(robot, [look, wish]), robot.neutral())
     assert solution.reached and solution.tasks[1].role == "preference"
-    room = kinopt.Problem(robot, [tasks.Within(own(), 0.05)])
+    room = kinopt.Problem(robot, [tasks.Bounded(own(), 0.05)])
     solution = kinopt.Solver().solve(room, robot.neutral())
     place = kinopt.frame_placement(robot, "tool", solution.q)
     assert solution.reached and np.abs(place[:3, 3] - TARGET).max() < 0.05 + 1e-6

@@ -81,7 +81,7 @@ def test_a_table_says_which_tool_a_point_is_for(arm: kinopt.Arm, tmp_path: Path)
     table = tmp_path / "two.csv"
     rows = [f"{x!r},{y!r},{z!r},{tool}" for (x, y, z), tool in zip(path[:, :3, 3].tolist(), tools)]
     table.write_text("\n".join(["x,y,z,tool", *rows]))
-    seeking = [each.with_goal(kinopt.Goal.position()) for each in (arm, drilling)]
+    seeking = [each.with_goal(kinopt.PoseBounds.position()) for each in (arm, drilling)]
     both = kinopt.solve_path(seeking[0], table, tools=seeking[1:])
     assert both.is_whole and "tools from column 4" in (both.read_as or "")
     assert np.allclose(drilling.base_from_tool(both.q[30:])[:, :3, 3], path[30:, :3, 3], atol=2e-6)

@@ -109,7 +109,7 @@ def test_wrong_options_are_told(robot, target, given):
 
 
 def test_a_problem_travels_and_answers_the_same_bits(robot, target):
-    posture = tasks.Posture(robot.neutral(), times=0.1)
+    posture = tasks.Posture(robot.neutral(), scale=0.1)
     parameters = kinopt.ParameterMap(robot, lock={"joint3": 0.25})
     problem = kinopt.Problem(
         robot,
@@ -161,7 +161,7 @@ def test_every_kind_of_target_moves(robot):
         (tasks.Pixel("tool", camera, [1, 2]), [3, 4]),
         (tasks.Posture(rest), rest + 0.1),
         (tasks.Smoothness(rest, 0.1), rest + 0.1),
-        (tasks.Within(tasks.Point("tool", first), 0.01), other),
+        (tasks.Bounded(tasks.Point("tool", first), 0.01), other),
         (tasks.Residual(lambda q: q - 1, joints="all", rows=9), lambda q: q - 2),
     ]
     problem = kinopt.Problem(robot.model, [task for task, _ in pairs])
@@ -176,7 +176,7 @@ def test_every_kind_of_target_moves(robot):
 def stated_with(task, target):
     """The task with another target from the start."""
     match task:
-        case tasks.Within():
+        case tasks.Bounded():
             return replace(task, task=stated_with(task.task, target))
         case tasks.Plane():
             return replace(task, point=target[0], normal=target[1])

@@ -80,12 +80,12 @@ def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> Non
         # The reported errors equal those of forward kinematics.
         assert found.driven == ["hips", "left", "right"] and found.errors.shape == (30, 3)
         assert np.isclose(found.errors.mean(), found.mean_error)
-        assert found.standing == ["left_sole", "right_sole"] and found.contacts.all()
+        assert found.contact_frames == ["left_sole", "right_sole"] and found.contacts.all()
         assert found.standing_at.shape == (2, 3) and not found.standing_at.any()
-        soles = kinopt.ForwardKinematics(nao, found.standing).place(found.q)[:, :, :3, 3]
+        soles = kinopt.ForwardKinematics(nao, found.contact_frames).place(found.q)[:, :, :3, 3]
         slip = np.linalg.norm(soles - soles[0], axis=2).max()
         assert np.isclose(slip, found.slip, atol=1e-9) and slip < 1e-3
-        assert found.given_up == [] and 0 <= found.sunk < 1e-3
+        assert found.lost_contacts == [] and 0 <= found.ground_penetration < 1e-3
 
 
 def test_what_is_met_is_at_its_limit(nao: kinopt.Robot) -> None:
@@ -159,7 +159,7 @@ def test_a_file_of_motion_capture_and_its_clip_are_the_same(nao: kinopt.Robot, t
     for source in (read, read_capture(read.clip, fps=25)):
         assert np.array_equal(kinopt.retarget(source, nao, {"drives": MAP["drives"]}).q, found.q)
     # No joint has the name of a foot, so there are no contacts without a map.
-    assert found.contacts.shape == (5, 0) and found.standing == []
+    assert found.contacts.shape == (5, 0) and found.contact_frames == []
 
 
 def test_the_body_that_ships_is_known(nao: kinopt.Robot) -> None:

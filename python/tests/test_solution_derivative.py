@@ -50,10 +50,10 @@ def test_an_arm_follows_its_target(arm, targets):
     q = arm.solve_batch(targets, START).q
     many = arm.derivative(targets, q)
     assert many.by_target.shape == (5, 6, 6)
-    assert many.is_unique.all() and many.existence == ["unique"] * 5
+    assert many.is_unique.all() and many.differentiability == ["unique"] * 5
     for k in range(5):
         one = arm.derivative(targets[k], q[k])
-        assert one.is_unique is True and one.existence == "unique"
+        assert one.is_unique is True and one.differentiability == "unique"
         np.testing.assert_array_equal(one.by_target, many.by_target[k])
         followed = arm.jacobian(q[k]) @ one.by_target
         np.testing.assert_allclose(followed, own_axes(targets[k]), atol=1e-8)
@@ -78,7 +78,7 @@ def test_velocity_gradient_and_matrix_are_one(problem):
     solution = kinopt.Solver().solve(problem, START)
     assert solution.reached
     derivative = problem.derivative(solution.q)
-    assert derivative.is_unique and derivative.existence == "unique"
+    assert derivative.is_unique and derivative.differentiability == "unique"
     assert "differentiable" in derivative.explain()
     by_hand = derivative.by_target("hand")
     assert by_hand.shape == (6, 3)
@@ -130,7 +130,7 @@ def test_what_there_is_not_is_refused(problem):
 def test_a_place_that_is_no_solution_is_told(problem):
     far = {"hand": [3.0, 0.0, 0.0]}
     derivative = problem.derivative(START, far)
-    assert derivative.existence == "not_stationary" and not derivative.is_unique
+    assert derivative.differentiability == "not_stationary" and not derivative.is_unique
 
 
 def test_a_free_base_turns_slopes_by_quaternions_into_its_own(robot):

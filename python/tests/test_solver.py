@@ -196,7 +196,7 @@ def test_a_solution_tells_all(robot, problem):
         at = solution.q[robot.joint_names.index(limit.joint)]
         assert at == limit.value and limit.side in ("lower", "upper") and limit.push > 0
         assert limit.joint in solution.explain() and (limit.kind, limit.is_angle) == ("limit", True)
-    wish = tasks.Posture(robot.neutral(), name="rest", times=10.0)
+    wish = tasks.Posture(robot.neutral(), name="rest", scale=10.0)
     both = [problem.tasks[0], wish]
     traded = kinopt.Solver().solve(kinopt.Problem(robot, both, preferences="traded"), start)
     assert not traded.reached and traded.pulling_preferences == ["rest"]

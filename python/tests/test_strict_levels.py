@@ -70,10 +70,10 @@ def test_what_add_is_given_stands_for_the_tasks_own(robot: kinopt.Robot) -> None
     problem.add(task)
     problem.add(task, 1)
     problem.add(task, level=0, weight={"metres": 5.0})
-    problem.add(tasks.Within(task, 0.1), level=0)
+    problem.add(tasks.Bounded(task, 0.1), level=0)
     assert [task.level for task in problem.tasks] == [3, 1, 0, 0]
     assert [task.weight for task in problem.tasks] == [2.0, 2.0, {"metres": 5.0}, 2.0]
-    assert task.level == 3 and tasks.Within(task, 0.1).level == 3
+    assert task.level == 3 and tasks.Bounded(task, 0.1).level == 3
 
 
 USES: dict[str, Callable[[kinopt.Problem, np.ndarray], Any]] = {
@@ -158,7 +158,7 @@ def test_a_lower_level_costs_the_first_one_nothing_however_heavy_it_is(robot: ki
         tool, elbow = place(robot, "tool", there), place(robot, "link4", elsewhere)[:3, 3]
         alone = kinopt.Problem(robot, [tasks.Pose("tool", tool)])
         both = kinopt.Problem(robot)
-        both.add(tasks.Point("link4", elbow, times=1000.0), level=1)
+        both.add(tasks.Point("link4", elbow, scale=1000.0), level=1)
         both.add(tasks.Pose("tool", tool), level=0)
         by_itself, solution = solver.solve(alone, start), solver.solve(both, start)
         first = solution.tasks[1]

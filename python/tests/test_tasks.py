@@ -103,7 +103,7 @@ def cases(robot):
             lambda f, q: pose(np.linalg.inv(f["link2"]) @ f["flange"] @ TOOL),
         ),
         "pose with a free axis": (
-            tasks.Pose("tool", POSE, goal=kinopt.Goal.within([0.1, 0, np.inf, 0, 0, np.pi])),
+            tasks.Pose("tool", POSE, goal=kinopt.PoseBounds.within([0.1, 0, np.inf, 0, 0, np.pi])),
             None,
         ),
         "orientation": (
@@ -135,7 +135,7 @@ def cases(robot):
             lambda f, q: (q - rest) / ((upper - lower) / 2),
         ),
         "within": (
-            tasks.Within(tasks.Point("tool", TARGET), 0.2),
+            tasks.Bounded(tasks.Point("tool", TARGET), 0.2),
             lambda f, q: beyond(f["tool"][:3, 3] - TARGET, -0.2, 0.2),
         ),
         "relative pose": (
@@ -247,7 +247,7 @@ def test_weights_tolerances_roles_and_names_count():
     robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
     q = robot.random_configuration(1)
     place = kinopt.frame_placement(robot, "tool", q)
-    whole = tasks.Pose("tool", place, name="hand", weight={"metres": 2.0, "radians": 0.5}, times=3.0)
+    whole = tasks.Pose("tool", place, name="hand", weight={"metres": 2.0, "radians": 0.5}, scale=3.0)
     problem = kinopt.Problem(robot.model, [whole])
     x = robot.random_configuration(2)
     plain = kinopt.Problem(robot.model, [tasks.Pose("tool", place, weight=1.0)]).residual(x)
@@ -314,7 +314,7 @@ WRONG = {
     "no axes": lambda: [tasks.Orientation("tool", np.eye(2))],
     "mirrored axes": lambda: [tasks.Orientation("tool", -np.eye(3))],
     "goal": lambda: [tasks.Pose("tool", np.eye(4), goal="free")],
-    "all free": lambda: [tasks.Pose("tool", np.eye(4), goal=kinopt.Goal.within([np.inf] * 6))],
+    "all free": lambda: [tasks.Pose("tool", np.eye(4), goal=kinopt.PoseBounds.within([np.inf] * 6))],
     "axis": lambda: [tasks.LookAt("tool", [0, 0, 0], [1, 1, 1])],
     "negative distance": lambda: [tasks.Distance("tool", "base", -1.0)],
     "distance of words": lambda: [tasks.Distance("tool", "base", "far")],
@@ -357,17 +357,17 @@ WRONG = {
     "weight of another joint": lambda: [tasks.Posture({"joint1": 0.0}, joint_weights={"joint2": 1.0})],
     "negative weight of a joint": lambda: [tasks.Posture({"joint1": 0.0}, joint_weights=[-1.0])],
     "weights by words": lambda: [tasks.Posture(np.zeros(9), joint_weights="evenly")],
-    "empty interval": lambda: [tasks.Within(tasks.Point("tool", [0, 0, 0]), -1.0)],
-    "two intervals": lambda: [tasks.Within(tasks.Point("tool", [0, 0, 0]), 1.0, lower=0.0)],
-    "room in room": lambda: [tasks.Within(tasks.Within(tasks.Point("tool", [0, 0, 0]), 1.0), 1.0)],
+    "empty interval": lambda: [tasks.Bounded(tasks.Point("tool", [0, 0, 0]), -1.0)],
+    "two intervals": lambda: [tasks.Bounded(tasks.Point("tool", [0, 0, 0]), 1.0, lower=0.0)],
+    "room in room": lambda: [tasks.Bounded(tasks.Bounded(tasks.Point("tool", [0, 0, 0]), 1.0), 1.0)],
     "weight": lambda: [tasks.Point("tool", [0, 0, 0], weight=-1.0)],
     "weight of words": lambda: [tasks.Point("tool", [0, 0, 0], weight="much")],
     "weight of what is not there": lambda: [tasks.Point("tool", [0, 0, 0], weight={"radians": 1.0})],
     "unknown quantity": lambda: [tasks.Point("tool", [0, 0, 0], weight={"miles": 1.0})],
     "weights of words": lambda: [tasks.Point("tool", [0, 0, 0], weight={"metres": "much"})],
     "weights by numbers": lambda: [tasks.Point("tool", [0, 0, 0], weight={3: 1.0})],
-    "times of words": lambda: [tasks.Point("tool", [0, 0, 0], times="often")],
-    "times": lambda: [tasks.Point("tool", [0, 0, 0], times=np.inf)],
+    "scale of words": lambda: [tasks.Point("tool", [0, 0, 0], scale="often")],
+    "scale": lambda: [tasks.Point("tool", [0, 0, 0], scale=np.inf)],
     "tolerance": lambda: [tasks.Point("tool", [0, 0, 0], tolerance=np.nan)],
     "role": lambda: [tasks.Point("tool", [0, 0, 0], role="wish")],
     "name": lambda: [tasks.Point("tool", [0, 0, 0], name=5)],

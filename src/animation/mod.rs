@@ -71,8 +71,8 @@ pub use crowd::{Character, Crowd, PlayingClip};
 pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerInterpolation, EulerKey, EulerTrack, SampleError};
 pub use ik_layer::{
-    Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseAngles,
-    PoseTurns, ReachError, ReachLayer,
+    Aim, AimError, AimGoal, BallPoseMap, EndRotation, EulerPoseMap, Limb, LimbError, LimbGoal,
+    NoEffector, ReachError, ReachLayer,
 };
 pub(crate) use ik_layer::{Corrected, ShearCorrection};
 pub(crate) use ik_layer::{bone_angles, bone_rotation};

@@ -9,7 +9,7 @@ use super::rate_limits::RateLimits;
 use super::seed_table::SeedTable;
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
-use super::{ArmError, QueryError, Reply};
+use super::{ArmError, QueryError};
 use crate::clock::Instant;
 use crate::ik::Solution;
 use crate::model::{JointId, Limits};
@@ -202,7 +202,10 @@ impl Arm {
     }
 
     /// Runs a function with a workspace from the pool, or with a new one.
-    pub(super) fn with_workspace<R>(&self, run: impl FnOnce(&mut ArmWorkspace) -> R) -> Reply<R> {
+    pub(super) fn with_workspace<R>(
+        &self,
+        run: impl FnOnce(&mut ArmWorkspace) -> R,
+    ) -> Result<R, QueryError> {
         let lock = || {
             self.workspaces
                 .0
@@ -224,7 +227,7 @@ impl Arm {
         what: &'static str,
         given: usize,
         expected: usize,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         if given == expected {
             return Ok(());
         }
@@ -241,7 +244,7 @@ impl Arm {
         clippy::eq_op,
         reason = "what is not finite leaves itself no zero, and all are asked at once"
     )]
-    pub(super) fn check_finite(&self, what: &'static str, q: &[f64]) -> Reply<()> {
+    pub(super) fn check_finite(&self, what: &'static str, q: &[f64]) -> Result<(), QueryError> {
         let all = q
             .iter()
             .fold(0, |left, value| left | (value - value).to_bits());
@@ -267,7 +270,7 @@ impl Arm {
         query: usize,
         target: &Placement<f64>,
         start: &[f64],
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         if let Some(bad) = start.iter().position(|value| !value.is_finite()) {
             return Err(QueryError::StartNotFinite {
                 query,

@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::dispatch::QUICK;
 use super::workspace::Errors;
-use super::{PoseOutcome, QueryError, Reply};
+use super::{PoseOutcome, QueryError};
 use crate::ik::Solution;
 use crate::search::SearchResult;
 use crate::simd_ik::{Attempts, Work};
@@ -110,8 +110,8 @@ impl Arm {
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
-        run: impl FnOnce(Vec<Chunk<'_>>, &AnswerChunk<'_>) -> Reply<()>,
-    ) -> Reply<Vec<Solution>> {
+        run: impl FnOnce(Vec<Chunk<'_>>, &AnswerChunk<'_>) -> Result<(), QueryError>,
+    ) -> Result<Vec<Solution>, QueryError> {
         self.check_batch(targets, starts)?;
         let mut solutions = vec![Solution::default(); targets.len()];
         let chunks = targets
@@ -127,7 +127,7 @@ impl Arm {
         Ok(solutions)
     }
 
-    fn answer_chunk(&self, chunk: Chunk<'_>) -> Reply<()> {
+    fn answer_chunk(&self, chunk: Chunk<'_>) -> Result<(), QueryError> {
         let Chunk {
             targets,
             starts,
@@ -142,7 +142,7 @@ impl Arm {
         for ((target, start), ((q, outcome), solution)) in queries.zip(answers) {
             if together && outcome.reached {
                 solution.q.extend_from_slice(q);
-                self.tell(&self.found_by(outcome), Errors::of(outcome), solution);
+                self.record(&self.found_by(outcome), Errors::of(outcome), solution);
             } else {
                 self.answer(&self.query(target, start), solution)?;
             }
@@ -160,7 +160,7 @@ impl Arm {
         starts: &[f64],
         q: &mut [f64],
         outcomes: &mut [PoseOutcome],
-    ) -> Reply<bool> {
+    ) -> Result<bool, QueryError> {
         let options = &self.options;
         let plain = self.is_plain() && options.time_limit.is_none() && options.budget() >= QUICK;
         let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
@@ -186,7 +186,7 @@ impl Arm {
         starts: &[f64],
         q: &mut [f64],
         outcomes: &mut [PoseOutcome],
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let n = self.joint_count();
         let together = self.run_together(targets, starts, q, outcomes)?;
         let mut solution = self.with_workspace(|workspace| std::mem::take(&mut workspace.spare))?;
@@ -208,13 +208,13 @@ impl Arm {
         starts: &[f64],
         q: &[f64],
         outcomes: &[PoseOutcome],
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         self.check_batch(targets, starts)?;
         self.check_length("q", q.len(), self.joint_count() * targets.len())?;
         self.check_length("outcomes", outcomes.len(), targets.len())
     }
 
-    fn check_batch(&self, targets: &[Placement<f64>], starts: &[f64]) -> Reply<()> {
+    fn check_batch(&self, targets: &[Placement<f64>], starts: &[f64]) -> Result<(), QueryError> {
         let n = self.joint_count();
         self.check_length("starts", starts.len(), n * targets.len())?;
         for (query, (target, start)) in targets.iter().zip(starts.chunks(n)).enumerate() {

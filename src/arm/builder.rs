@@ -9,7 +9,7 @@ use super::kinematic_path::{self, Part};
 use super::options::{ATTEMPTS, Options, Search};
 use super::rate_limits::RateLimits;
 use super::serial_chain::{Serial, source_of};
-use super::{ArmError, Goal};
+use super::{ArmError, PoseBounds};
 use crate::model::{FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName};
 use crate::problem::NEARBY;
 use crate::robot::{Mimic, coupled};
@@ -126,7 +126,7 @@ impl ArmBuilder<'_> {
             self.options.given_metres_per_radian = metres.into();
         }
         /// Sets the components of the pose that count, and their bounds. Default: the full pose.
-        pub fn with_goal(mut self, goal: Goal) { self.options.goal = goal }
+        pub fn with_goal(mut self, goal: PoseBounds) { self.options.goal = goal }
         /// Sets the preference among several solutions. Default [`Search::Start`].
         pub fn with_search(mut self, search: Search) { self.options.search = search }
         /// Sets the weights of a radian or metre of each joint in joint distances: one positive number per joint.

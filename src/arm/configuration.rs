@@ -1,7 +1,7 @@
 //! Conversion between joint values of an arm and configurations of the whole model.
 
+use super::QueryError;
 use super::arm::Arm;
-use super::{QueryError, Reply};
 use crate::Buffer;
 use crate::model::Source;
 
@@ -41,7 +41,7 @@ impl Arm {
         self.check_finite("q", q_arm)
     }
 
-    fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Reply<()> {
+    fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Result<(), QueryError> {
         let freedoms = self.coordinates.degrees_of_freedom;
         self.check_length("q_arm", q_arm.len(), self.joint_count())?;
         self.check_length("q_model", q_model.len(), freedoms)

@@ -1,6 +1,6 @@
 //! Batch operations for whole paths: continuation of many configurations, attempts at one target, null-space data.
 
-use super::Reply;
+use super::QueryError;
 use super::arm::Arm;
 use super::dispatch::Query;
 use crate::buffer::refill;
@@ -36,7 +36,7 @@ impl Arm {
         targets: &[Placement<f64>],
         starts: &[f64],
         ends: &mut Ends,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let n = self.joint_count();
         refill(&mut ends.q, targets.len() * n, 0.0);
         refill(&mut ends.outcomes, targets.len(), PoseOutcome::default());
@@ -71,7 +71,7 @@ impl Arm {
         target: &Placement<f64>,
         starts: &[f64],
         ends: &mut Ends,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let count = starts.len() / self.joint_count();
         let Some(lanes) = (self.lanes.as_ref()).filter(|_| self.options.goal.is_full_pose()) else {
             return self.continue_all(&vec![*target; count], starts, ends);
@@ -98,7 +98,7 @@ impl Arm {
         first: u32,
         count: u32,
         ends: &mut Ends,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         ends.q.clear();
         ends.outcomes.clear();
         let (q, outcomes) = (&mut ends.q, &mut ends.outcomes);
@@ -130,7 +130,7 @@ impl Arm {
         first: u32,
         count: u32,
         mut take: impl FnMut(&[f64], &PoseOutcome),
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let query = Query {
             target,
             start,
@@ -157,7 +157,7 @@ impl Arm {
         /// Number of joints beyond the rows of the goal.
         pub(crate) fn spare_joints(&self) -> usize = self.joint_count().saturating_sub(self.options.goal.rows());
         /// Bounds of the pose's components.
-        pub(crate) fn goal(&self) -> crate::task::Goal = self.options.goal;
+        pub(crate) fn goal(&self) -> crate::task::PoseBounds = self.options.goal;
     }
 
     /// Flags of the prismatic joints.
@@ -176,7 +176,11 @@ impl Arm {
     }
 
     /// Errors at a configuration against a target: metres, radians, and true if both are within tolerance.
-    pub(crate) fn errors_at(&self, target: &Placement<f64>, q: &[f64]) -> Reply<(f64, f64, bool)> {
+    pub(crate) fn errors_at(
+        &self,
+        target: &Placement<f64>,
+        q: &[f64],
+    ) -> Result<(f64, f64, bool), QueryError> {
         self.with_workspace(|workspace| {
             workspace.aim(target);
             let errors = workspace.judge(q);
@@ -205,7 +209,7 @@ impl Arm {
         target: &Placement<f64>,
         q: &[f64],
         slopes: &mut [f64],
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         if let (Some(lanes), true) = (&self.lanes, self.options.goal.is_full_pose()) {
             lanes.write_twists(q, self.options.metres_per_radian, slopes);
             return Ok(());

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::QueryError;
 use super::arm::Arm;
-use crate::ik::{Existence, SolutionDerivative};
+use crate::ik::{Differentiability, SolutionDerivative};
 use crate::spatial::Placement;
 
 /// Derivative of an arm's solution with respect to its target.
@@ -15,14 +15,14 @@ pub struct ArmDerivative {
     ///
     /// The columns are translations along (metres) and rotations about (radians) the target's own axes.
     pub by_target: DMatrix<f64>,
-    /// Existence of the derivative: check it before using `by_target`.
-    pub existence: Existence,
+    /// Differentiability of the derivative: check it before using `by_target`.
+    pub differentiability: Differentiability,
 }
 
 impl Arm {
     /// Derivative of the solution `q` with respect to its target, which may be unreached.
     ///
-    /// For a redundant arm it is the [shortest](Existence::ShortestOfMany) of many. A joint held by a limit stays
+    /// For a redundant arm it is the [shortest](Differentiability::ShortestOfMany) of many. A joint held by a limit stays
     /// there.
     ///
     /// ```
@@ -33,7 +33,7 @@ impl Arm {
     /// let target = arm.base_from_tool(&[0.4, -1.2, 1.1, -0.8, 1.2, 0.5])?;
     /// let solution = arm.solve(target, &[0.3, -1.1, 1.0, -0.9, 1.1, 0.4])?;
     /// let derivative = arm.derivative(target, &solution.q)?;
-    /// assert!(derivative.existence.is_unique());
+    /// assert!(derivative.differentiability.is_unique());
     /// assert_eq!(derivative.by_target.shape(), (6, 6));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -59,14 +59,14 @@ impl Arm {
             let Ok(mut derivative) = derivative else {
                 return ArmDerivative::nowhere(joints);
             };
-            let existence = derivative.existence().clone();
+            let differentiability = derivative.differentiability().clone();
             let Ok(all) = derivative.by_target(0) else {
                 return ArmDerivative::nowhere(joints);
             };
             // The chain has no ball joint, so velocities are rates of coordinates.
             ArmDerivative {
                 by_target: all.select_rows(map.leaders()),
-                existence,
+                differentiability,
             }
         })
     }
@@ -76,7 +76,7 @@ impl ArmDerivative {
     fn nowhere(joints: usize) -> Self {
         Self {
             by_target: DMatrix::zeros(joints, 6),
-            existence: Existence::DoesNotExist(crate::ik::NoDerivative::NotFinite),
+            differentiability: Differentiability::DoesNotExist(crate::ik::NoDerivative::NotFinite),
         }
     }
 }

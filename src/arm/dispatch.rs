@@ -1,11 +1,11 @@
 //! Dispatch of a query to the SIMD solver and the general solver.
 
-use super::Reply;
+use super::QueryError;
 use super::arm::Arm;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::clock::{Instant, is_past};
-use crate::ik::{RowsReport, Solution};
+use crate::ik::{RowBlockReport, Solution};
 use crate::problem::Anchor;
 use crate::scalar::elementary;
 use crate::search::SearchResult;
@@ -118,7 +118,7 @@ impl Arm {
         &self,
         query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Reply<(SearchResult, Errors)> {
+    ) -> Result<(SearchResult, Errors), QueryError> {
         #[cfg(feature = "collision")]
         if let Some(collisions) = &self.collisions {
             return self.answer_clear_of(collisions, query, solution);
@@ -131,7 +131,7 @@ impl Arm {
         &self,
         query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Reply<(SearchResult, Errors)> {
+    ) -> Result<(SearchResult, Errors), QueryError> {
         let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
             return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
         };
@@ -150,7 +150,7 @@ impl Arm {
         if outcome.reached {
             solution.q.truncate(n);
             let errors = Errors::of(&outcome);
-            self.tell(&found, errors, solution);
+            self.record(&found, errors, solution);
             return Ok((found, errors));
         }
         self.with_workspace(|workspace| {
@@ -266,20 +266,20 @@ impl Arm {
     }
 
     /// Records all results but `q` and the active limits of a failure.
-    pub(super) fn tell(&self, found: &SearchResult, errors: Errors, solution: &mut Solution) {
+    pub(super) fn record(&self, found: &SearchResult, errors: Errors, solution: &mut Solution) {
         let options = &self.options;
-        let metres = RowsReport::of_goal(
+        let metres = RowBlockReport::of_goal(
             Quantity::Metres,
             errors.position,
             options.position_tolerance,
         );
         let turned = options.orientation_tolerance;
-        let radians = RowsReport::of_goal(Quantity::Radians, errors.orientation, turned);
+        let radians = RowBlockReport::of_goal(Quantity::Radians, errors.orientation, turned);
         let metres = options.goal.has_position().then_some(metres);
         let radians = options.goal.has_orientation().then_some(radians);
         solution.record_errors(&self.names, metres.into_iter().chain(radians));
         solution.cost = found.cost;
-        solution.tell(&SearchResult {
+        solution.record(&SearchResult {
             // An iteration evaluates one residual and one Jacobian, in both solvers.
             counts: Counts {
                 residuals: found.iterations,
@@ -300,7 +300,7 @@ impl Arm {
         solution: &mut Solution,
     ) {
         workspace.x.clone_into(&mut solution.q);
-        self.tell(found, workspace.errors, solution);
+        self.record(found, workspace.errors, solution);
         if !solution.reached {
             let negligible = workspace.take_slope();
             let (x, question) = (&workspace.x, workspace.question.ask());

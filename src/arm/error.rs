@@ -89,9 +89,6 @@ pub enum ArmError {
     Lanes(#[from] LaneError),
 }
 
-/// Result of a query.
-pub(crate) type Reply<T> = Result<T, QueryError>;
-
 /// Error of a query. An unreached target is not an error: see [`Solution::reached`](crate::Solution).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]

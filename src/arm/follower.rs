@@ -4,11 +4,11 @@
 //! leads straight through singular configurations where branches meet. The null-space part of a redundant arm's motion
 //! goes to the [nominal posture](super::redundancy) instead. The solver corrects the pose.
 
+use super::QueryError;
 use super::arm::Arm;
 use super::branch::Branch;
 use super::redundancy::SHARE;
 use super::workspace::Errors;
-use super::{QueryError, Reply};
 use crate::ik::Solution;
 use crate::search::SearchResult;
 use crate::solver::Termination;
@@ -165,7 +165,11 @@ impl Follower<'_> {
     }
 
     /// Moves the joints that are outside their limits towards them, by at most [`LONG_STEP`]; the other joints stay.
-    fn return_to_limits(&mut self, target: &Placement<f64>, solution: &mut Solution) -> Reply<()> {
+    fn return_to_limits(
+        &mut self,
+        target: &Placement<f64>,
+        solution: &mut Solution,
+    ) -> Result<(), QueryError> {
         let (arm, q) = (self.arm, &self.q);
         arm.with_workspace(|workspace| {
             workspace.aim(target);
@@ -186,7 +190,11 @@ impl Follower<'_> {
     }
 
     /// Advances on the current branch in short steps. Returns true if that reaches the target.
-    fn settle(&mut self, target: &Placement<f64>, solution: &mut Solution) -> Reply<bool> {
+    fn settle(
+        &mut self,
+        target: &Placement<f64>,
+        solution: &mut Solution,
+    ) -> Result<bool, QueryError> {
         self.arm
             .keep_to_branch(target, &self.q, &mut self.branch, solution)?;
         Ok(solution.reached)
@@ -206,7 +214,7 @@ impl Follower<'_> {
             distance,
             continuous,
         });
-        self.stand_at(target, &solution.q);
+        self.set_configuration(target, &solution.q);
         if jump.is_some() {
             self.branch.jump_to(&solution.q, solution.reached);
         } else if solution.reached {
@@ -220,7 +228,7 @@ impl Follower<'_> {
         &mut self,
         target: Placement<f64>,
         solution: &mut Solution,
-    ) -> Reply<Option<Jump>> {
+    ) -> Result<Option<Jump>, QueryError> {
         if !self.goes_far(&target)? {
             return self.advance(target, solution);
         }
@@ -235,7 +243,7 @@ impl Follower<'_> {
     }
 
     /// Returns true if a target is far from the last one, or from the tool at the first step.
-    fn goes_far(&self, target: &Placement<f64>) -> Reply<bool> {
+    fn goes_far(&self, target: &Placement<f64>) -> Result<bool, QueryError> {
         let last = match self.target {
             Some(last) => last,
             None => self.arm.base_from_tool(&self.q)?,
@@ -263,13 +271,13 @@ impl Follower<'_> {
         let outcome = lanes.own_attempt(target, &self.seed, arm.deadline(), &mut solution.q);
         let kept = outcome.reached && arm.longest_move(&self.q, &solution.q).1 <= LONG_STEP;
         if kept {
-            arm.tell(&arm.found_by(&outcome), Errors::of(&outcome), solution);
+            arm.record(&arm.found_by(&outcome), Errors::of(&outcome), solution);
         }
         kept
     }
 
     /// Records a configuration as the end of a step.
-    pub(super) fn stand_at(&mut self, target: &Placement<f64>, q: &[f64]) {
+    pub(super) fn set_configuration(&mut self, target: &Placement<f64>, q: &[f64]) {
         let last = self.target.replace(*target);
         self.path = last.map_or(0.0, |last| self.arm.pose_distance(target, &last));
         self.before.copy_from_slice(&self.q);

@@ -58,13 +58,13 @@ mod with_tool;
 mod workspace;
 
 pub use crate::simd_ik::PoseOutcome;
-pub use crate::task::{Axis, Goal};
+pub use crate::task::{Axis, PoseBounds};
 pub use arm::Arm;
 pub use arm_model::ArmModel;
 pub use builder::{ArmBuilder, Base};
 pub(crate) use continuation::{ChainMotion, Ends};
 pub use derivative::ArmDerivative;
-pub(crate) use error::Reply;
+pub(crate) use error::QueryError;
 pub use error::{ArmError, QueryError};
 pub use follower::{Follower, Jump};
 pub use options::Search;

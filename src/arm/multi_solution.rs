@@ -227,7 +227,7 @@ impl Arm {
                 termination: ended,
                 ..self.found_by(outcome)
             };
-            self.tell(&found, Errors::of(outcome), &mut solution);
+            self.record(&found, Errors::of(outcome), &mut solution);
             chosen.push(solution);
         }
         chosen

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{ArmError, Goal};
+use super::{ArmError, PoseBounds};
 use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption, NOT_NEGATIVE, POSITIVE, Range};
 
 /// Preference among several solutions.
@@ -83,7 +83,7 @@ pub(super) struct Options {
     pub(super) metres_per_radian: f64,
     /// As given; the default depends on the arm's reach.
     pub(super) given_metres_per_radian: Option<f64>,
-    pub(super) goal: Goal,
+    pub(super) goal: PoseBounds,
     pub(super) search: Search,
     /// One weight per joint.
     pub(super) weights: Vec<f64>,
@@ -109,7 +109,7 @@ impl Default for Options {
             orientation_tolerance: 1e-6,
             metres_per_radian: 1.0,
             given_metres_per_radian: None,
-            goal: Goal::pose(),
+            goal: PoseBounds::pose(),
             search: Search::Start,
             weights: Vec::new(),
             max_move: None,
@@ -190,7 +190,7 @@ impl Options {
 }
 
 /// Checks the half widths of a goal, and that some component counts.
-pub(super) fn check_goal(goal: &Goal) -> Result<(), ArmError> {
+pub(super) fn check_goal(goal: &PoseBounds) -> Result<(), ArmError> {
     if let Some((_, value)) = goal.bad_half_width() {
         let allowed = "half widths are numbers of at least 0";
         return check("goal", &[value], (|_| false, allowed));

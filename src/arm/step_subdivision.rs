@@ -1,6 +1,6 @@
 //! Fallbacks of a path step whose attempt fails.
 
-use super::Reply;
+use super::QueryError;
 use super::arm::Arm;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
@@ -34,7 +34,7 @@ impl Arm {
         from: &[f64],
         branch: &mut Branch,
         solution: &mut Solution,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let deadline = self.deadline();
         self.with_workspace(|workspace| {
             workspace.aim(target);
@@ -63,7 +63,7 @@ impl Arm {
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
-    ) -> Reply<bool> {
+    ) -> Result<bool, QueryError> {
         let (Some(lanes), true) = (&self.lanes, self.follows_by_lanes()) else {
             return Ok(false);
         };
@@ -91,7 +91,7 @@ impl Arm {
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         self.answer(&self.query(target, from), solution)?;
         if !(solution.reached && self.follows_by_lanes()) {
             return Ok(());
@@ -116,7 +116,7 @@ impl Arm {
         target: &Placement<f64>,
         from: &[f64],
         count: usize,
-    ) -> Reply<Vec<Solution>> {
+    ) -> Result<Vec<Solution>, QueryError> {
         if !self.follows_by_lanes() {
             return Ok(Vec::new());
         }

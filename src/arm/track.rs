@@ -1,8 +1,8 @@
 //! Tracking of whole paths on one branch, if there is one.
 
+use super::QueryError;
 use super::arm::Arm;
 use super::follower::{Follower, Jump, LONG_STEP};
-use super::{QueryError, Reply};
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
@@ -73,7 +73,7 @@ impl Arm {
         &'a self,
         follower: &mut Follower<'a>,
         base_from_tools: &[Placement<f64>],
-    ) -> Reply<Track> {
+    ) -> Result<Track, QueryError> {
         let mut track = Track::default();
         track.solutions.reserve(base_from_tools.len());
         let mut back_left = LOOK_BACK * base_from_tools.len();
@@ -104,7 +104,11 @@ impl Arm {
 
     /// Track of the arm without its checker, if it is complete and collision-free.
     #[cfg(feature = "collision")]
-    fn plain_if_free(&self, targets: &[Placement<f64>], start: &[f64]) -> Reply<Option<Track>> {
+    fn plain_if_free(
+        &self,
+        targets: &[Placement<f64>],
+        start: &[f64],
+    ) -> Result<Option<Track>, QueryError> {
         let mut plain = self.clone();
         plain.collisions = None;
         let track = plain.follow(&mut plain.follower(start)?, targets)?;
@@ -134,7 +138,7 @@ impl Arm {
         step: usize,
         track: &mut Track,
         back_left: &mut usize,
-    ) -> Reply<bool> {
+    ) -> Result<bool, QueryError> {
         let Some(last) = step.checked_sub(1) else {
             return Ok(false);
         };
@@ -165,9 +169,9 @@ impl Arm {
         pull: f64,
         track: &Track,
         back_left: &mut usize,
-    ) -> Reply<Option<Vec<Solution>>> {
+    ) -> Result<Option<Vec<Solution>>, QueryError> {
         let mut follower = self.follower(&other.q)?;
-        follower.stand_at(&targets[step], &other.q);
+        follower.set_configuration(&targets[step], &other.q);
         let mut way = vec![other.clone()];
         for (target, known) in targets.iter().zip(&track.solutions).take(step).rev() {
             if *back_left == 0 {
@@ -188,7 +192,7 @@ impl Arm {
             if !self.goes_free(&solution.q, next)? {
                 break;
             }
-            follower.stand_at(target, &solution.q);
+            follower.set_configuration(target, &solution.q);
             way.push(solution);
         }
         Ok(None)
@@ -196,7 +200,7 @@ impl Arm {
 
     /// Returns true if the motion between two configurations is collision-free.
     #[cfg(feature = "collision")]
-    fn goes_free(&self, from: &[f64], to: &[f64]) -> Reply<bool> {
+    fn goes_free(&self, from: &[f64], to: &[f64]) -> Result<bool, QueryError> {
         Ok(self.in_the_way(from, to)?.is_none())
     }
 
@@ -207,7 +211,7 @@ impl Arm {
         clippy::unnecessary_wraps,
         reason = "as the one that looks"
     )]
-    fn goes_free(&self, _: &[f64], _: &[f64]) -> Reply<bool> {
+    fn goes_free(&self, _: &[f64], _: &[f64]) -> Result<bool, QueryError> {
         Ok(true)
     }
 
@@ -217,12 +221,12 @@ impl Arm {
         targets: &[Placement<f64>],
         step: usize,
         track: &Track,
-    ) -> Reply<Follower<'_>> {
+    ) -> Result<Follower<'_>, QueryError> {
         let first = step.saturating_sub(2);
         let mut follower = self.follower(&track.solutions[first].q)?;
         follower.set_ease(&track.solutions[0].q);
         for (target, solution) in targets[first..=step].iter().zip(&track.solutions[first..]) {
-            follower.stand_at(target, &solution.q);
+            follower.set_configuration(target, &solution.q);
         }
         follower.set_steps(step + 1);
         Ok(follower)

@@ -4,7 +4,7 @@ use super::arm::Arm;
 use super::builder::check_tool;
 use super::options::{Options, Search, check_goal};
 use super::serial_chain::Serial;
-use super::{ArmError, Goal};
+use super::{ArmError, PoseBounds};
 use crate::simd_ik::{LaneOptions, PoseSolver};
 use crate::spatial::Placement;
 
@@ -18,14 +18,14 @@ impl Arm {
     /// Returns an error for a placement that is not a rigid motion.
     ///
     /// ```
-    /// # use kinopt::arm::{Arm, Goal};
+    /// # use kinopt::arm::{Arm, PoseBounds};
     /// # use kinopt::robot::Robot;
     /// use kinopt::spatial::{Placement, Vector3};
     ///
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;
     /// let arm = Arm::new(&robot, "base", "flange")?;
     /// let drill = Placement::translation(Vector3::new(0.0, 0.0, 0.12));
-    /// let drilling = arm.with_tool(drill)?.with_goal(Goal::free_about(kinopt::arm::Axis::Z))?;
+    /// let drilling = arm.with_tool(drill)?.with_goal(PoseBounds::free_about(kinopt::arm::Axis::Z))?;
     /// let q = [0.1, -1.2, 1.0, -1.3, -1.5, 0.2];
     /// let flange = arm.base_from_tool(&q)?;
     /// let tip = drilling.base_from_tool(&q)?;
@@ -43,7 +43,7 @@ impl Arm {
     ///
     /// # Errors
     /// Returns an error for a goal without components, or half widths that are NaN or negative.
-    pub fn with_goal(&self, goal: Goal) -> Result<Self, ArmError> {
+    pub fn with_goal(&self, goal: PoseBounds) -> Result<Self, ArmError> {
         check_goal(&goal)?;
         let mut options = self.options.clone();
         options.goal = goal;

@@ -75,7 +75,7 @@ pub(super) fn solve(
         &mut search,
     );
     let mut solution = Solution::default();
-    solution.tell(&found);
+    solution.record(&found);
     let end = End {
         question,
         x: &search.keeper.x,

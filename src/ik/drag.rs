@@ -37,8 +37,8 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 /// bounded number of steps and without restarts, so that a frame that misses costs no more than a few
 /// that reach. No joint moves further in a frame than [`with_max_move`](Self::with_max_move) says:
 /// where a target leaps or a branch ends, the body follows over several frames, which
-/// [`catching_up`](Self::catching_up) tells. It leaps only where [`with_search`](Self::with_search)
-/// asks for a global search on a miss, and then [`leap`](Self::leap) says so.
+/// [`is_speed_limited`](Self::is_speed_limited) tells. It leaps only where [`with_search`](Self::with_search)
+/// asks for a global search on a miss, and then [`jump`](Self::jump) says so.
 ///
 /// A body that [keeps clear](crate::problem::ProblemBuilder::keep_clear) goes only where the straight way of each frame is free, on
 /// which all joints move evenly, and so slides along what is in the way; its solution is then not reached and names that
@@ -48,7 +48,7 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 ///
 /// Where it comes to rest a little short of targets that it could reach, limits of several joints being in its way, the
 /// frames that follow look for a way out on the same branch, one attempt each, and go there as far in a frame as joints may
-/// move; [`rests`](Self::rests) waits for that.
+/// move; [`is_at_rest`](Self::is_at_rest) waits for that.
 ///
 /// ```
 /// use kinopt::ik::Drag;
@@ -118,7 +118,7 @@ pub struct Drag {
 /// asked for and found better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Leap<'a> {
+pub struct DragJump<'a> {
     /// The joint that moved furthest for what it may.
     pub joint: &'a str,
     /// How far, in radians or metres.
@@ -163,7 +163,7 @@ impl Drag {
             moved_joints: MovedJoints::default(),
             problem,
         };
-        drag.stand_at(start)?;
+        drag.set_configuration(start)?;
         // Its memory before the first frame that needs it, so that frames allocate nothing.
         let look = Stopping::default().with_max_iterations(0);
         let look = Solver::default().with_stopping(look);
@@ -220,7 +220,7 @@ impl Drag {
     ///
     /// The limits come before all tasks. Joints that lag behind their goals by different times move pinned frames: targets that are
     /// themselves within the limits leave pinned frames in place, targets that jump do not. [`settle`](Self::settle) is
-    /// [`follow`](Self::follow), and [`stand_at`](Self::stand_at) starts again at rest.
+    /// [`follow`](Self::follow), and [`set_configuration`](Self::set_configuration) starts again at rest.
     ///
     /// # Errors
     /// A time step that is not a positive number; another number of limits than a configuration has numbers; a limit that is negative or
@@ -238,7 +238,7 @@ impl Drag {
     }
 
     /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
-    /// a thousandth of the cost: reported as a [`leap`](Self::leap). Such a frame costs what a whole
+    /// a thousandth of the cost: reported as a [`jump`](Self::jump). Such a frame costs what a whole
     /// solve costs. Without it a drag never leaps.
     ///
     /// # Errors
@@ -295,7 +295,7 @@ impl Drag {
 
     /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.
     #[must_use]
-    pub fn catching_up(&self) -> bool {
+    pub fn is_speed_limited(&self) -> bool {
         self.goal_catches_up() || self.lags()
     }
 
@@ -306,17 +306,17 @@ impl Drag {
 
     /// The leap of the last frame, if it leapt.
     #[must_use]
-    pub fn leap(&self) -> Option<Leap<'_>> {
+    pub fn jump(&self) -> Option<DragJump<'_>> {
         let (variable, distance) = self.leap?;
         let joint = self.problem.names().joints.get(variable)?;
-        Some(Leap { joint, distance })
+        Some(DragJump { joint, distance })
     }
 
     /// Goes on from another configuration (degrees of freedom; projected into the limits).
     ///
     /// # Errors
     /// One of the wrong length, or one that is not finite.
-    pub fn stand_at(&mut self, q: &[f64]) -> Result<(), SolveError> {
+    pub fn set_configuration(&mut self, q: &[f64]) -> Result<(), SolveError> {
         check_start(&self.problem, q)?;
         self.problem.parameters().gather(q, &mut self.x);
         ProblemInstance::from(&self.problem)
@@ -422,7 +422,7 @@ impl Drag {
     /// Whether the last frame moved no joint, nor did nudges where it missed, or reached its targets with
     /// nothing else to come: the next would do nothing.
     #[must_use]
-    pub fn rests(&self) -> bool {
+    pub fn is_at_rest(&self) -> bool {
         let stays = !self.moved_joints.any() || self.moved < REST;
         let done = self.workspace.solution.reached && !self.problem.has_preferences() && stays;
         let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;

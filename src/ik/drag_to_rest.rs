@@ -70,7 +70,9 @@ impl Drag {
             let mut first = self.standing();
             (self.x, self.q) = start;
             self.misses = 0;
-            all += self.go_on(frames, &late, |drag, _| drag.rests().then_some(Ended::Done));
+            all += self.go_on(frames, &late, |drag, _| {
+                drag.is_at_rest().then_some(Ended::Done)
+            });
             if !self.workspace.solution.reached {
                 let second = self.standing();
                 if creeping && !late() {
@@ -96,10 +98,10 @@ impl Drag {
         let deadline = self.solver.stopping().deadline();
         let late = || is_past(deadline);
         let all = self.go_on(frames, &late, |drag, last_cost| {
-            if drag.catching_up() {
+            if drag.is_speed_limited() {
                 return None;
             }
-            let there = drag.workspace.solution.reached || drag.rests();
+            let there = drag.workspace.solution.reached || drag.is_at_rest();
             let flat = drag.is_cut() && drag.workspace.searched_cost() >= BETTER * last_cost;
             (there || flat).then_some(Ended::Done)
         });
@@ -115,7 +117,7 @@ impl Drag {
         let done = self.go_on(frames, late, |drag, last_cost| {
             let slow = drag.is_cut() && drag.workspace.searched_cost() > CREEPS * last_cost;
             creeping = if slow { creeping + 1 } else { 0 };
-            match drag.rests() {
+            match drag.is_at_rest() {
                 true => Some(Ended::Done),
                 false => (up_to_creeping && creeping >= CREEPING).then_some(Ended::Creeping),
             }

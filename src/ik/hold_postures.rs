@@ -35,7 +35,7 @@ impl Holds {
         .filter(|(_, joints, _)| !joints.is_empty())
         .map(|(name, joints, weight)| {
             Task::new(Posture::of_joints(joints))
-                .times(weight)
+                .scale(weight)
                 .named(name)
         });
         Ok(tasks.collect())

@@ -24,17 +24,17 @@ mod step_guard;
 mod workspace;
 
 pub use crate::search::{
-    ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowsReport, Side,
-    Solution, SolveError, TaskReport,
+    ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowBlockReport,
+    Side, Solution, SolveError, TaskReport,
 };
-pub use drag::{Drag, Leap};
+pub use drag::{Drag, DragJump};
 pub use loop_closure::LoopClosure;
 pub use loop_gap::{LoopClosureError, LoopGap};
 pub(crate) use minimiser::Minimiser;
 pub use motion_limits::MotionLimits;
 pub use solution_derivative::{
-    DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative,
+    DerivativeError, DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
 };
 pub use solver::Solver;
-pub use stance::{StanceError, bent_stance};
+pub use stance::{StanceError, crouched_configuration};
 pub use workspace::Workspace;

@@ -38,7 +38,7 @@ pub enum StanceError {
 ///
 /// # Errors
 /// Returns an error if the configuration, frames or parameter map do not belong to `model`.
-pub fn bent_stance(
+pub fn crouched_configuration(
     model: &Model,
     parameters: &ParameterMap,
     feet: &[FrameId],

@@ -107,7 +107,7 @@ impl Workspace {
             },
             residual,
         };
-        solution.tell(found);
+        solution.record(found);
         let slope = solution.measure(&end, stopping, scratch, &mut self.memory);
         if solution.reached || !found.termination.is_settled() {
             solution.agreeing = 0;

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use super::{FromFile, MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
+use super::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
 
 /// Encoding of the values of a DMAT file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +87,7 @@ fn header_line(
     start: usize,
     line: usize,
     name: &str,
-) -> FromFile<((usize, usize), usize)> {
+) -> Result<((usize, usize), usize), ReadError> {
     let rest = bytes.get(start..).unwrap_or(&[]);
     let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
     let text = rest.get(..length).unwrap_or(&[]);
@@ -111,7 +111,7 @@ fn checked_count(
     width: u128,
     available: usize,
     name: &str,
-) -> FromFile<usize> {
+) -> Result<usize, ReadError> {
     let place = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
     let what = format!("{columns} columns of {rows} values");
     // Otherwise a size such as 0 × 10¹² would need no bytes and pass.
@@ -138,7 +138,7 @@ fn text_values(
     body: usize,
     (columns, rows): (usize, usize),
     name: &str,
-) -> FromFile<DMatrix<f64>> {
+) -> Result<DMatrix<f64>, ReadError> {
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), TEXT_WIDTH, rest.len(), name)?;
     let mut values = Vec::with_capacity(count);
@@ -171,7 +171,7 @@ fn binary_values(
     body: usize,
     (columns, rows): (usize, usize),
     name: &str,
-) -> FromFile<DMatrix<f64>> {
+) -> Result<DMatrix<f64>, ReadError> {
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), 8, rest.len(), name)?;
     let fail = |value: usize, problem| {

@@ -2,9 +2,9 @@
 
 use serde::de::DeserializeOwned;
 
-use super::{FromFile, Place, ReadError};
+use super::{Place, ReadError};
 
-pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> FromFile<T> {
+pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
     parse_by(|json| serde_json::from_slice(json), json, name)
 }
 
@@ -13,7 +13,7 @@ pub(super) fn parse_by<T>(
     reader: impl FnOnce(&[u8]) -> serde_json::Result<T>,
     json: &[u8],
     name: &str,
-) -> FromFile<T> {
+) -> Result<T, ReadError> {
     reader(json).map_err(|error| {
         let lines = json.split_inclusive(|byte| *byte == b'\n');
         let before: usize = lines

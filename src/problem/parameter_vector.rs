@@ -59,7 +59,7 @@ impl ParameterVector {
         /// Entries of the weights, one for each of [`Solution::rows`](crate::Solution).
         ///
         /// A weight multiplies these rows; [`Task::weight`](crate::task::Task::weight) and
-        /// [`times`](crate::task::Task::times) set it.
+        /// [`scale`](crate::task::Task::scale) set it.
         pub fn weights(&self) -> &[f64] = &self.weights;
         /// Entries of the weights, mutable.
         pub fn weights_mut(&mut self) -> &mut [f64] = &mut self.weights;

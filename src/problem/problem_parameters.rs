@@ -10,7 +10,7 @@ use crate::model::Model;
 impl Problem {
     /// The factors on the rows, one for each of [`Solution::rows`](crate::Solution).
     ///
-    /// [`Task::weight`](crate::task::Task::weight) and [`times`](crate::task::Task::times) set them.
+    /// [`Task::weight`](crate::task::Task::weight) and [`scale`](crate::task::Task::scale) set them.
     #[must_use]
     pub fn weights(&self) -> Vec<f64> {
         let blocks = self.tasks.iter().flat_map(CompiledTask::blocks);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::solution::Blocked;
-use super::{BoundKind, RowsReport, Solution};
+use super::{BoundKind, RowBlockReport, Solution};
 use crate::problem::{Evaluation, ProblemInstance, ReportNames, Scratch, TaskSubset};
 use crate::solver::{Edge, Side, SolverState, Stopping, half_squared, negligible_slope};
 use crate::task::{Quantity, Role};
@@ -49,7 +49,7 @@ impl Solution {
         let errors = problem.errors(TaskSubset::All, end.residual);
         self.record_errors(
             problem.names(),
-            errors.map(|block| RowsReport {
+            errors.map(|block| RowBlockReport {
                 task: block.task,
                 quantity: block.quantity,
                 error: block.error,
@@ -94,7 +94,7 @@ impl Solution {
     pub(crate) fn record_errors(
         &mut self,
         names: &Arc<ReportNames>,
-        errors: impl Iterator<Item = RowsReport>,
+        errors: impl Iterator<Item = RowBlockReport>,
     ) {
         self.rows.clear();
         self.rows.extend(errors);
@@ -157,7 +157,7 @@ impl Solution {
     }
 }
 
-impl RowsReport {
+impl RowBlockReport {
     /// Report of the only required task.
     pub(crate) fn of_goal(quantity: Quantity, error: f64, tolerance: f64) -> Self {
         Self {

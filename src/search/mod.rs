@@ -37,4 +37,4 @@ pub use open_loops::OpenLoop;
 pub(crate) use preference_conflicts::PreferenceConflict;
 pub use restarts::Restarts;
 pub(crate) use schedule::Schedule;
-pub use solution::{ActiveLimit, BoundKind, RowsReport, Solution, TaskReport};
+pub use solution::{ActiveLimit, BoundKind, RowBlockReport, Solution, TaskReport};

@@ -60,7 +60,7 @@ pub(super) struct Blocked {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct RowsReport {
+pub struct RowBlockReport {
     pub(super) task: usize,
     /// Quantity of the error, which gives its unit.
     pub quantity: Quantity,
@@ -89,7 +89,7 @@ pub struct TaskReport<'a> {
     /// True if all rows with a weight are within tolerance.
     pub reached: bool,
     /// Errors by quantity.
-    pub rows: &'a [RowsReport],
+    pub rows: &'a [RowBlockReport],
 }
 
 impl TaskReport<'_> {
@@ -139,7 +139,7 @@ pub struct Solution {
     pub agreeing: usize,
     /// Total number of evaluations of all attempts.
     pub counts: Counts,
-    pub(super) rows: Vec<RowsReport>,
+    pub(super) rows: Vec<RowBlockReport>,
     pub(super) blocked: Vec<Blocked>,
     /// Soft tasks that are weighted against the required tasks and keep them from being reached, strongest first.
     pub(crate) pulling: Vec<usize>,
@@ -180,7 +180,7 @@ impl Solution {
     }
 
     /// Takes the result of a search, except its configuration.
-    pub(crate) fn tell(&mut self, found: &SearchResult) {
+    pub(crate) fn record(&mut self, found: &SearchResult) {
         self.termination = found.termination;
         self.projected_gradient = found.projected_gradient;
         self.iterations = found.iterations;

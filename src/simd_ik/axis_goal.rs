@@ -1,7 +1,7 @@
 //! Weights and dead bands of the six components of a pose.
 
 use crate::bad_option::{BadOption, NOT_NEGATIVE};
-use crate::task::Goal;
+use crate::task::PoseBounds;
 
 /// Weights and dead bands of a pose's components, in the target's axes.
 ///
@@ -24,9 +24,9 @@ pub struct AxisGoal {
     pub orientation_half_widths: [f64; 3],
 }
 
-impl From<Goal> for AxisGoal {
+impl From<PoseBounds> for AxisGoal {
     /// Free components have weight 0, all others 1.
-    fn from(goal: Goal) -> Self {
+    fn from(goal: PoseBounds) -> Self {
         let [px, py, pz, rx, ry, rz] = goal.bands();
         let weights =
             |bands: [f64; 3]| bands.map(|band| f64::from(u8::from(band != f64::INFINITY)));

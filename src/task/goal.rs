@@ -19,20 +19,20 @@ pub enum Axis {
 ///
 /// Tolerances are added to the bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Goal {
+pub struct PoseBounds {
     half_widths: [f64; 6],
     /// Half widths in the measure of the rows: angles as chords 2 sin(θ/2); infinite for a free component.
     bands: [f64; 6],
 }
 
-impl Default for Goal {
+impl Default for PoseBounds {
     /// Bounds of zero on all six components.
     fn default() -> Self {
         Self::pose()
     }
 }
 
-impl Goal {
+impl PoseBounds {
     /// Exact position and orientation. The default.
     #[must_use]
     pub fn pose() -> Self {

@@ -7,6 +7,7 @@
 //! A [`Residual`] is written once over the [`Scalar`](crate::Scalar), which gives exact derivatives. A residual known
 //! by its values only is [`Numeric`]. A [`Task`] adds weights, tolerances and a name.
 
+mod bounded;
 mod by_dual_numbers;
 mod centre_of_mass;
 mod convex_polygon;
@@ -36,8 +37,8 @@ mod smoothness;
 mod support_polygon;
 mod upright;
 mod weighted;
-mod within;
 
+pub use bounded::Bounded;
 pub(crate) use by_dual_numbers::{CHUNK, DualScratch};
 pub use centre_of_mass::CentreOfMass;
 pub use distance::Distance;
@@ -45,7 +46,7 @@ pub(crate) use erased::ErasedResidual;
 pub(crate) use frame_goal::FrameGoal;
 pub use frame_velocity::FrameVelocity;
 pub use gaze::Gaze;
-pub use goal::{Axis, Goal};
+pub use goal::{Axis, PoseBounds};
 pub use inequality::Inequality;
 pub use joint_coupling::JointCoupling;
 pub use limit_centring::LimitCentring;
@@ -66,4 +67,3 @@ pub use residual::{Residual, Role};
 pub use smoothness::Smoothness;
 pub use support_polygon::SupportPolygon;
 pub use weighted::Task;
-pub use within::Within;

@@ -1,6 +1,6 @@
 //! Pose task for a frame: position and orientation.
 
-use super::goal::Goal;
+use super::goal::PoseBounds;
 use super::orientation::check_rotation;
 use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
 use super::within::beyond;
@@ -11,14 +11,14 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacob
 
 /// r = (x − x_target, log(R R_targetᵀ)): three rows in metres, then three of a rotation vector in radians.
 ///
-/// The rows are in world axes, or in those of the [base](Self::relative_to). With a [`Goal`] they are in the target's
+/// The rows are in world axes, or in those of the [base](Self::relative_to). With a [`PoseBounds`] they are in the target's
 /// axes: r = (R_targetᵀ (x − x_target), log(R_targetᵀ R)), each beyond its bounds. If a component is bounded or free,
 /// `2 v` replaces the logarithm. Here v is the vector part of the quaternion, so `2 v = 2 sin(θ/2) n`.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
-/// # use kinopt::task::{Axis, Goal, Pose};
+/// # use kinopt::task::{Axis, PoseBounds, Pose};
 /// # use kinopt::{Problem, Solver};
 /// # let mut builder = Model::builder("wrist");
 /// # let (mut joint, at) = (None, Placement::translation([0.0, 0.0, 0.3].into()));
@@ -32,7 +32,7 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacob
 /// let hole = Placement::translation([0.4, 0.3, 1.4].into());
 /// let drilling = Pose::new(flange, hole)
 ///     .with_tool(drill)
-///     .with_goal(Goal::free_about(Axis::Z));
+///     .with_goal(PoseBounds::free_about(Axis::Z));
 /// let mut tasks = Problem::builder(&model);
 /// tasks.add(drilling);
 /// let solution = Solver::default().solve_once(&tasks.build()?, &[0.1; 6])?;
@@ -44,7 +44,7 @@ pub struct Pose {
     frame: FrameId,
     base: Option<FrameId>,
     frame_from_tool: Option<Placement<f64>>,
-    goal: Option<Goal>,
+    goal: Option<PoseBounds>,
     target: Placement<f64>,
 }
 
@@ -70,14 +70,14 @@ impl Pose {
             self.frame_from_tool = Some(frame_from_tool.into());
         }
         /// Sets the bounds on the components of the pose.
-        pub fn with_goal(mut self, goal: Goal) { self.goal = Some(goal) }
+        pub fn with_goal(mut self, goal: PoseBounds) { self.goal = Some(goal) }
     }
 
     getters! {
         /// The target pose of the frame, or of its tool (world_from_frame or base_from_frame).
         pub fn target(&self) -> Placement<f64> = self.target;
         /// The bounds on the components, if they were set.
-        pub fn goal(&self) -> Option<Goal> = self.goal;
+        pub fn goal(&self) -> Option<PoseBounds> = self.goal;
         /// The frame of the target's coordinates; `None` for the world.
         pub fn base(&self) -> Option<FrameId> = self.base;
     }
@@ -137,7 +137,7 @@ impl Pose {
     /// see [`rotation_log_jacobian`]). That of twice a quaternion's vector part is `w − [v]` (from q' = ½ ω q).
     fn differentiate_goal(
         &self,
-        goal: &Goal,
+        goal: &PoseBounds,
         placed: &Placement<f64>,
         lever: Option<Vector3<f64>>,
         jacobian: &mut LocalJacobian,

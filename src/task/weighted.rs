@@ -41,7 +41,7 @@ impl<R: Residual> Task<R> {
             self.weights.push((quantity, weight));
         }
         /// Multiplies all weights of the task, given or default. The factor must be finite and not negative.
-        pub fn times(mut self, factor: f64) { self.factor *= factor }
+        pub fn scale(mut self, factor: f64) { self.factor *= factor }
         /// Sets the error at which the rows of a quantity count as reached, in the quantity's unit before weighting.
         ///
         /// It must not be negative; infinity accepts any error.

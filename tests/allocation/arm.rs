@@ -4,7 +4,7 @@
 
 use crate::counting_allocator::allocations;
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
+use kinopt::arm::{Arm, ArmBuilder, PoseBounds, PoseOutcome, Search};
 use kinopt::spatial::Placement;
 use support::arms::{Random, panda, robot};
 
@@ -59,7 +59,7 @@ fn solves_with_any_options_allocate_nothing() {
     assert_later_rounds_allocate_nothing("start", builder());
     assert_later_rounds_allocate_nothing("first", builder().with_search(Search::First));
     assert_later_rounds_allocate_nothing("nearest", builder().with_search(Search::Nearest));
-    assert_later_rounds_allocate_nothing("position", builder().with_goal(Goal::position()));
+    assert_later_rounds_allocate_nothing("position", builder().with_goal(PoseBounds::position()));
     assert_later_rounds_allocate_nothing("bounded moves", builder().with_max_move(&[0.5; 7]));
     assert_later_rounds_allocate_nothing("posture", builder().with_posture(&[0.3; 7]));
     let limit = std::time::Duration::from_secs(3600);

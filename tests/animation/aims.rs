@@ -104,20 +104,20 @@ fn up_axis_is_upright_then_twisted() {
 fn line_from_an_offset_passes_the_target() {
     let mut short = 0;
     for (armature, hand, pose, before, mut random) in cases(300) {
-        let (forward, muzzle) = (direction(&mut random), vector(&mut random, 0.3));
+        let (forward, offset) = (direction(&mut random), vector(&mut random, 0.3));
         let target = before.translation + direction(&mut random) * random.within(0.02, 2.0) as f32;
         let aim = Aim::new(&armature, hand, forward).unwrap();
-        let aim = aim.with_muzzle(muzzle).unwrap();
+        let aim = aim.with_offset(offset).unwrap();
         let after = turned(&aim, &armature, &pose, &AimGoal::at(target));
         let Some((_, after)) = after else {
             // No point of the ray is that near to the joint.
             let distance = (target - before.translation).length();
-            let ahead = (-muzzle.dot(forward)).max(0.0);
-            assert!((muzzle + forward * ahead).length() > distance - 1e-5);
+            let ahead = (-offset.dot(forward)).max(0.0);
+            assert!((offset + forward * ahead).length() > distance - 1e-5);
             short += 1;
             continue;
         };
-        let from = after.transform_point3a(muzzle);
+        let from = after.transform_point3a(offset);
         let points = after.transform_vector3a(forward);
         let way = target - from;
         assert!(points.cross(way).length() < 2e-5 && points.dot(way) > -1e-5);
@@ -135,12 +135,12 @@ fn scaled_bone_aims_from_its_offset() {
             pose.set_local(bone, local).unwrap();
         }
         let before = model_by_ancestors(&armature, &pose)[hand.index()];
-        let (forward, muzzle) = (direction(&mut random), vector(&mut random, 0.1));
+        let (forward, offset) = (direction(&mut random), vector(&mut random, 0.1));
         let target = before.translation + direction(&mut random) * 4.0;
         let aim = Aim::new(&armature, hand, forward).unwrap();
-        let aim = aim.with_muzzle(muzzle).unwrap();
+        let aim = aim.with_offset(offset).unwrap();
         let (_, after) = turned(&aim, &armature, &pose, &AimGoal::at(target)).unwrap();
-        let way = target - after.transform_point3a(muzzle);
+        let way = target - after.transform_point3a(offset);
         let points = after.transform_vector3a(forward).normalize();
         assert!(points.cross(way).length() < 2e-5 && points.dot(way) > 0.0);
     }
@@ -201,7 +201,7 @@ fn invalid_aims_are_named() {
         aim.with_up(Vec3A::ZERO),
         Err(AimError::BadAxis { axis: "up" })
     );
-    assert_eq!(aim.with_muzzle(Vec3A::NAN), Err(AimError::BadMuzzle));
+    assert_eq!(aim.with_offset(Vec3A::NAN), Err(AimError::BadMuzzle));
     let mut foreign = other.rest().clone();
     assert!(
         aim.turn(&armature, &mut foreign, &AimGoal::at(Vec3A::X))

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, EulerRot, Quat, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseAngles, ReachLayer};
+use kinopt::animation::{Armature, ArmatureBone, EulerPoseMap, LocalTransform, Pose, ReachLayer};
 use kinopt::model::Limits;
 use kinopt::spatial::Vector3;
 use support::random::Random;
@@ -42,7 +42,7 @@ fn skeleton_and_armature_poses_agree() {
     for _ in 0..20 {
         let armature = armature(12, random);
         let skeleton = armature.skeleton("one", |_| FREE).unwrap();
-        let bridge = PoseAngles::new(&skeleton);
+        let bridge = EulerPoseMap::new(&skeleton);
         let mut pose = armature.rest().clone();
         for round in 0..5 {
             let turn = f64::from(round.min(1)) * 3.0;

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Quat, Vec3A};
-use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose, PoseTurns};
+use kinopt::animation::{Armature, ArmatureBone, BallPoseMap, LocalTransform, Pose};
 use kinopt::model::{BallLimits, Limits};
 use kinopt::skeleton::{BallSkeleton, BoneCone, Cones, SkeletonError, SkeletonRoot};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -93,7 +93,7 @@ fn kinematics_equal_the_armatures_matrices() {
         let armature = armature(random);
         for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
             let figure = figure(&armature, &Cones::new(), root);
-            let bridge = PoseTurns::new(&armature, &figure);
+            let bridge = BallPoseMap::new(&armature, &figure);
             let mut pose = any_pose(&armature, root != SkeletonRoot::Fixed, random);
             if round == 0 {
                 pose = armature.rest().clone();
@@ -132,7 +132,7 @@ fn neutral_configuration_is_the_rest_pose() {
     for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
         let figure = figure(&armature, &Cones::new(), root);
         let mut q = Vec::new();
-        PoseTurns::new(&armature, &figure)
+        BallPoseMap::new(&armature, &figure)
             .configuration_of(armature.rest(), &mut q)
             .unwrap();
         for (ours, neutral) in q.iter().zip(figure.model().neutral()) {

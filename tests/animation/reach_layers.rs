@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::{
-    Armature, ArmatureBone, LocalTransform, Pose, PoseAngles, ReachError, ReachLayer,
+    Armature, ArmatureBone, EulerPoseMap, LocalTransform, Pose, ReachError, ReachLayer,
 };
 use kinopt::model::Limits;
 use kinopt::problem::ProblemError;
@@ -19,7 +19,10 @@ use support::random::Random;
 fn angles_and_local_rotations_agree() {
     for seed in 0..20 {
         let skeleton = RandomRig::new(seed).skeleton;
-        let (armature, bridge) = (Armature::of_skeleton(&skeleton), PoseAngles::new(&skeleton));
+        let (armature, bridge) = (
+            Armature::of_skeleton(&skeleton),
+            EulerPoseMap::new(&skeleton),
+        );
         let mut random = Random::new(seed);
         let limits: Vec<_> = skeleton.model().limits().collect();
         let q: Vec<f64> = limits
@@ -91,7 +94,7 @@ fn angles_are_chosen_within_limits() {
             limits,
         });
         let skeleton = builder.build().unwrap();
-        let bridge = PoseAngles::new(&skeleton);
+        let bridge = EulerPoseMap::new(&skeleton);
         let q = limits.map(|own| random.within(own.lower, own.upper));
         let mut pose = Armature::of_skeleton(&skeleton).rest().clone();
         bridge.pose_of(&q, &mut pose).unwrap();
@@ -116,7 +119,7 @@ fn reach_layer_moves_tips_by_their_weights() {
     for seed in 0..8 {
         let rig = RandomRig::new(100 + seed);
         let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
-        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), EulerPoseMap::new(skeleton));
         let mut random = Random::new(seed);
         let limits: Vec<_> = skeleton.model().limits().collect();
         let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
@@ -180,7 +183,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
     for seed in 0..8 {
         let rig = RandomRig::new(200 + seed);
         let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
-        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), EulerPoseMap::new(skeleton));
         let mut random = Random::new(seed);
         let within = |random: &mut Random, low: f64, high: f64| -> Vec<f64> {
             let limits = skeleton.model().limits();
@@ -255,7 +258,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
 fn weights_are_clamped_to_0_and_1() {
     let rig = RandomRig::new(301);
     let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
-    let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+    let (armature, bridge) = (Armature::of_skeleton(skeleton), EulerPoseMap::new(skeleton));
     let inward = |share: f64| -> Vec<f64> {
         let limits = skeleton.model().limits();
         limits
@@ -351,7 +354,7 @@ fn tip_distance_includes_the_bones_scale() {
     for seed in 0..6 {
         let rig = RandomRig::new(300 + seed);
         let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
-        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), EulerPoseMap::new(skeleton));
         let middle: Vec<f64> = skeleton
             .model()
             .limits()
@@ -413,7 +416,7 @@ fn reused_layer_notices_longer_bones() {
         let limits = skeleton.model().limits();
         let middle: Vec<f64> = limits.map(|l| 0.5 * (l.lower + l.upper)).collect();
         let mut pose = armature.rest().clone();
-        PoseAngles::new(skeleton)
+        EulerPoseMap::new(skeleton)
             .pose_of(&middle, &mut pose)
             .unwrap();
         let mut longer = pose.clone();

@@ -5,7 +5,7 @@
 
 use glam::{Quat, Vec3A};
 use kinopt::Solver;
-use kinopt::animation::{Armature, ArmatureBone, Cursor, Playback, Pose, PoseAngles, ReachLayer};
+use kinopt::animation::{Armature, ArmatureBone, Cursor, EulerPoseMap, Playback, Pose, ReachLayer};
 use kinopt::io::bvh;
 use kinopt::model::Limits;
 use kinopt::skeleton::{BoneId, Skeleton};
@@ -39,7 +39,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
     for seed in 0..8 {
         let rig = RandomRig::new(400 + seed);
         let (skeleton, tips) = (&rig.skeleton, &rig.tips[..2]);
-        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), EulerPoseMap::new(skeleton));
         let mut random = Random::new(seed);
         let mut within = |low: f64, high: f64| -> Vec<f64> {
             let limits = skeleton.model().limits();

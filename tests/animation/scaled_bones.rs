@@ -5,8 +5,8 @@
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::Solver;
 use kinopt::animation::{
-    Aim, AimGoal, Armature, ArmatureBone, Clip, Limb, LimbGoal, LocalTransform, Pose, PoseAngles,
-    PoseTurns, ReachLayer,
+    Aim, AimGoal, Armature, ArmatureBone, BallPoseMap, Clip, EulerPoseMap, Limb, LimbGoal,
+    LocalTransform, Pose, ReachLayer,
 };
 use kinopt::ik::Drag;
 use kinopt::model::Limits;
@@ -111,10 +111,10 @@ fn mirrored_skeleton_turns_as_its_armature() {
         let skeleton = armature
             .skeleton("one", |_| [Limits::UNBOUNDED; 3])
             .unwrap();
-        let angles = PoseAngles::new(&skeleton);
+        let angles = EulerPoseMap::new(&skeleton);
         let root = SkeletonRoot::FREE;
         let figure = BallSkeleton::new(skeleton.clone(), &Cones::new(), root).unwrap();
-        let turns = PoseTurns::new(&armature, &figure);
+        let turns = BallPoseMap::new(&armature, &figure);
         for _ in 0..20 {
             let pose = turned(&armature, 1.0, random);
             let (mut q, mut balls) = (Vec::new(), Vec::new());
@@ -170,7 +170,7 @@ fn drag_brings_the_scaled_armature_there() {
     each_scale(25, |armature, random, case| {
         let free = |_| [Limits::UNBOUNDED; 3];
         let mut skeleton = armature.skeleton("one", free).unwrap();
-        let angles = PoseAngles::new(&skeleton);
+        let angles = EulerPoseMap::new(&skeleton);
         let hand = bone(armature, 4);
         let wanted = places(armature, &turned(armature, 0.4, random));
         let target = wanted[4].translation;
@@ -181,7 +181,7 @@ fn drag_brings_the_scaled_armature_there() {
         let mut drag = Drag::new(problem.build().unwrap(), &start).unwrap();
         let mut pose = armature.rest().clone();
         let mut frames = 0;
-        while frames == 0 || !drag.rests() && frames < 300 {
+        while frames == 0 || !drag.is_at_rest() && frames < 300 {
             let q = drag.advance().q.clone();
             angles.pose_of(&q, &mut pose).unwrap();
             skeleton = skeleton.standing_in(&pose).unwrap();
@@ -238,8 +238,8 @@ fn aim_points_the_axis_that_the_pose_shows() {
     each_scale(50, |armature, random, case| {
         let head = bone(armature, 4);
         let aim = Aim::new(armature, head, Vec3A::Z).unwrap();
-        let muzzle = Vec3A::new(0.0, 0.05, 0.1);
-        let aim = aim.with_muzzle(muzzle).unwrap();
+        let offset = Vec3A::new(0.0, 0.05, 0.1);
+        let aim = aim.with_offset(offset).unwrap();
         let target = Vec3A::from_array([0; 3].map(|_| 3.0 * random.within(-1.0, 1.0) as f32));
         let mut pose = armature.rest().clone();
         assert!(
@@ -247,7 +247,7 @@ fn aim_points_the_axis_that_the_pose_shows() {
             "{case}"
         );
         let placed = places(armature, &pose)[4];
-        let from = placed.transform_point3a(muzzle);
+        let from = placed.transform_point3a(offset);
         let along = placed.transform_vector3a(Vec3A::Z).normalize();
         let off = (target - from).reject_from_normalized(along).length();
         assert!(

@@ -2,7 +2,7 @@
 //! solutions from it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::arm::{Arm, Goal};
+use kinopt::arm::{Arm, PoseBounds};
 use kinopt::robot::{Robot, Srdf};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, robot};
@@ -29,7 +29,7 @@ fn default_start_is_the_middle_of_the_limits() {
     let copy = arm
         .with_tool(tool)
         .unwrap()
-        .with_goal(Goal::position())
+        .with_goal(PoseBounds::position())
         .unwrap();
     assert_eq!(copy.default_start(), arm.default_start());
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Arm;
-use kinopt::ik::Existence;
+use kinopt::ik::Differentiability;
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
 use support::arms::{Random, panda, robot};
@@ -27,7 +27,7 @@ fn derivative_of_six_joints_is_exact() {
         let q = random.configuration(&arm);
         let target = arm.base_from_tool(&q).unwrap();
         let derivative = arm.derivative(target, &q).unwrap();
-        assert_eq!(derivative.existence, Existence::Unique);
+        assert_eq!(derivative.differentiability, Differentiability::Unique);
         let followed = jacobian.at(&q).unwrap() * &derivative.by_target;
         let off = (followed - own_axes(&target)).amax();
         assert!(off < 1e-9 * (1.0 + derivative.by_target.amax()), "{off}");
@@ -44,8 +44,8 @@ fn derivative_of_seven_joints_has_minimum_norm() {
         let q = random.configuration(&arm);
         let target = arm.base_from_tool(&q).unwrap();
         let derivative = arm.derivative(target, &q).unwrap();
-        let many = Existence::ShortestOfMany { directions: 1 };
-        assert_eq!(derivative.existence, many);
+        let many = Differentiability::ShortestOfMany { directions: 1 };
+        assert_eq!(derivative.differentiability, many);
         let inverse = jacobian.at(&q).unwrap().clone().pseudo_inverse(1e-12);
         let shortest = inverse.unwrap() * own_axes(&target);
         let off = (&derivative.by_target - &shortest).amax();
@@ -63,7 +63,11 @@ fn derivative_of_a_miss_matches_repeated_solves() {
     let solution = arm.solve(target, &start).unwrap();
     assert!(!solution.reached);
     let derivative = arm.derivative(target, &solution.q).unwrap();
-    assert!(derivative.existence.is_unique(), "{}", derivative.existence);
+    assert!(
+        derivative.differentiability.is_unique(),
+        "{}",
+        derivative.differentiability
+    );
     let step = 1e-3;
     for axis in 0..3 {
         let along = |share: f64| {

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Axis, Goal};
+use kinopt::arm::{Arm, Axis, PoseBounds};
 use kinopt::spatial::Placement;
 use support::arms::{Random, distance, robot};
 
@@ -82,7 +82,10 @@ fn jumps_are_short_and_leave_no_state() {
 fn reported_jumps_are_those_of_the_track() {
     let robot = robot("franka_panda");
     let (mut reported, mut tracks) = (0, 0);
-    for (goal, seed) in [(Goal::default(), 147), (Goal::free_about(Axis::Z), 178)] {
+    for (goal, seed) in [
+        (Goal::default(), 147),
+        (PoseBounds::free_about(Axis::Z), 178),
+    ] {
         let arm = Arm::builder(&robot, "base", "flange").with_goal(goal);
         let arm = arm.with_atlas(false).with_global_search_on_miss(true);
         let arm = arm.build().unwrap();

@@ -4,7 +4,7 @@
 //! Longer run: `KINOPT_CASES=2500 cargo test --release --test arm mimic_chains`.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, Goal, Search};
+use kinopt::arm::{Arm, PoseBounds, Search};
 use kinopt::robot::Robot;
 use support::arms::{Random, robot, within_limits};
 use support::follower_chains::follower_chain;
@@ -68,7 +68,7 @@ fn attempts_end_in_different_solutions() {
         };
         let arm = Arm::builder(&robot, "l0", &tip)
             .with_atlas(false)
-            .with_goal(Goal::position())
+            .with_goal(PoseBounds::position())
             .with_attempts(ATTEMPTS)
             .with_search(search)
             .build()
@@ -319,7 +319,7 @@ fn any_source_joint_keeps_its_turn() {
         text.concat()
     );
     let robot = Robot::parse(&text, "leaders.urdf").unwrap();
-    let goal = kinopt::arm::Goal::position();
+    let goal = kinopt::arm::PoseBounds::position();
     let arm = Arm::builder(&robot, "l0", "l5").with_goal(goal);
     let arm = arm.with_atlas(false).build().unwrap();
     let mut random = Random(9);

@@ -282,7 +282,7 @@ fn more_attempts_never_worsen_a_miss() {
 /// Goals with inequalities measure rotation by its chord, and all entry points report the cost of a miss accordingly.
 #[test]
 fn miss_of_an_inequality_goal_costs_its_chord() {
-    use kinopt::arm::{Axis, Goal};
+    use kinopt::arm::{Axis, PoseBounds};
     use kinopt::model::{Limits, Model};
     let mut builder = Model::builder("wrist");
     let (at, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
@@ -291,7 +291,10 @@ fn miss_of_an_inequality_goal_costs_its_chord() {
     builder.frame("tip", Some(wrist), at);
     let robot = kinopt::robot::Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tip").with_metres_per_radian(0.25);
-    let arm = arm.with_goal(Goal::free_about(Axis::X)).build().unwrap();
+    let arm = arm
+        .with_goal(PoseBounds::free_about(Axis::X))
+        .build()
+        .unwrap();
     // 1.2 rad beyond the limit.
     let turned = kinopt::spatial::Matrix3::identity().rotated_about_z(2.2_f64.sin_cos());
     let target = Placement::new(turned, at.translation);
@@ -311,9 +314,9 @@ fn miss_of_an_inequality_goal_costs_its_chord() {
 /// A target out of reach whose bounds contain reachable poses is reached from any start.
 #[test]
 fn reachable_goal_bounds_are_found() {
-    use kinopt::arm::Goal;
+    use kinopt::arm::PoseBounds;
     let (robot, base, tip) = panda();
-    let goal = Goal::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
+    let goal = PoseBounds::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, base, tip).with_goal(goal);
     let arm = arm.build().unwrap();
     let (mut random, mut asked) = (Random(52), 0);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Goal};
+use kinopt::arm::{Arm, PoseBounds};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -31,7 +31,7 @@ fn crane(limit_avoidance: f64) -> Arm {
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tip").with_atlas(false);
     let arm = arm
-        .with_goal(Goal::position())
+        .with_goal(PoseBounds::position())
         .with_metres_per_radian(METRES);
     arm.with_limit_avoidance(limit_avoidance).build().unwrap()
 }
@@ -102,7 +102,7 @@ fn null_space_motion_with_a_blocked_joint() {
     posture[4] -= 0.6;
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange").with_atlas(false);
-    let arm = arm.with_goal(Goal::position()).with_posture(&posture);
+    let arm = arm.with_goal(PoseBounds::position()).with_posture(&posture);
     let arm = arm.build().unwrap();
     let mut target = arm.base_from_tool(&start).unwrap();
     let mut servo = arm.servo(&start, 0.05).unwrap();

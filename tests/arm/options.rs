@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
 use nalgebra::{DMatrix, DVector};
@@ -97,7 +97,7 @@ fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> 
 #[test]
 fn position_goal_leaves_orientation_free() {
     let mut turned = 0;
-    let all = solved(Goal::position(), 30, |wanted, found| {
+    let all = solved(PoseBounds::position(), 30, |wanted, found| {
         let (metres, radians) = apart(wanted, found);
         assert!(metres <= 1e-6, "{metres:e}");
         turned += usize::from(radians > 0.1);
@@ -109,7 +109,7 @@ fn position_goal_leaves_orientation_free() {
 fn free_rotation_about_any_tool_axis() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut turned = 0;
-        let all = solved(Goal::free_about(axis), 18, |wanted, found| {
+        let all = solved(PoseBounds::free_about(axis), 18, |wanted, found| {
             let (metres, radians) = apart(wanted, found);
             let tilt = angle(column(wanted, j), column(found, j));
             assert!(
@@ -126,7 +126,7 @@ fn free_rotation_about_any_tool_axis() {
 fn free_translation_along_any_tool_axis() {
     for (axis, j) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         let mut slid = 0;
-        let all = solved(Goal::free_along(axis), 12, |wanted, found| {
+        let all = solved(PoseBounds::free_along(axis), 12, |wanted, found| {
             let mut off = column(&product(&inverse(wanted), found), 3);
             slid += usize::from(off[j].abs() > 0.01);
             off[j] = 0.0;
@@ -150,7 +150,7 @@ fn goal_bounds_in_the_tool_frame_hold() {
         [inf, 0.03, 0.0, 0.2, pi, 0.0],
     ] {
         let mut used = 0;
-        let all = solved(Goal::within(half_widths), 9, |wanted, found| {
+        let all = solved(PoseBounds::within(half_widths), 9, |wanted, found| {
             let off = product(&inverse(wanted), found);
             let excess = |value: f64, room: f64| (value.abs() - room).max(0.0);
             let (p, v) = (column(&off, 3), quaternion_vector(&off));
@@ -422,14 +422,14 @@ fn option_out_of_range_is_named() {
         (b().with_orientation_tolerance(inf), "orientation_tolerance"),
         (b().with_metres_per_radian(0.0), "metres_per_radian"),
         (
-            b().with_goal(Goal::within([nan, 0.0, 0.0, 0.0, 0.0, 0.0])),
+            b().with_goal(PoseBounds::within([nan, 0.0, 0.0, 0.0, 0.0, 0.0])),
             "goal",
         ),
         (
-            b().with_goal(Goal::within([0.0, 0.0, 0.0, 0.0, -0.1, 0.0])),
+            b().with_goal(PoseBounds::within([0.0, 0.0, 0.0, 0.0, -0.1, 0.0])),
             "goal",
         ),
-        (b().with_goal(Goal::within([inf; 6])), "goal"),
+        (b().with_goal(PoseBounds::within([inf; 6])), "goal"),
         (b().with_attempts(0), "attempts"),
         (b().with_iterations(0), "iterations"),
         (b().with_limit_avoidance(-1e-9), "limit_avoidance"),
@@ -508,7 +508,7 @@ fn move_limits_hold_in_every_path_step() {
 #[test]
 fn posture_uses_the_freedom_of_a_position_goal() {
     let robot = support::arms::robot("universal_ur5e");
-    let builder = || Arm::builder(&robot, "base", "flange").with_goal(Goal::position());
+    let builder = || Arm::builder(&robot, "base", "flange").with_goal(PoseBounds::position());
     let posture = [0.1, -1.0, 0.9, -1.2, -0.7, 0.3];
     let plain = builder().build().unwrap();
     let led = builder().with_posture(&posture).build().unwrap();

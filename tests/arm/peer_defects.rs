@@ -1,7 +1,7 @@
 //! Promise: known defects of other solvers are absent here.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, Goal, QueryError};
+use kinopt::arm::{Arm, PoseBounds, QueryError};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
@@ -191,7 +191,7 @@ fn two_joints_converge() {
     b.frame("tip", Some(second), along(1.0, 0.0, 0.0));
     let model = b.build().unwrap();
     let arm = Arm::builder(&model, "base", "tip")
-        .with_goal(Goal::position())
+        .with_goal(PoseBounds::position())
         .build()
         .unwrap();
     let mut random = Random(11);

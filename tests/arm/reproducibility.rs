@@ -2,7 +2,7 @@
 //! and with 1, 2 and 8 threads.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
+use kinopt::arm::{Arm, ArmBuilder, PoseBounds, PoseOutcome, Search};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::spatial::Placement;
 use kinopt::task::{Point, Posture};
@@ -123,7 +123,7 @@ fn general_solver_options_are_reproducible() {
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 2));
     the_same_bits(&builder().with_max_move(&[0.5; 7]), cases(6, 2));
-    let goal = Goal::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
+    let goal = PoseBounds::within([0.01, 0.0, 0.0, 0.2, 0.0, 0.3]);
     the_same_bits(&builder().with_goal(goal).with_seed(5), cases(6, 2));
 }
 
@@ -184,7 +184,7 @@ fn reused_solution_keeps_nothing() {
         plain
             .clone()
             .with_search(Search::Nearest)
-            .with_goal(Goal::position()),
+            .with_goal(PoseBounds::position()),
     ];
     let arms = arms.map(|arm| arm.build().unwrap());
     let mut asked = Vec::new();

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
+use kinopt::arm::{Arm, ArmBuilder, PoseBounds, PoseOutcome, Search};
 use kinopt::collision::{Checker, World};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
@@ -57,7 +57,7 @@ fn derived_arms_keep_velocity_limits() {
     let held = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
     let others = [
         arm.with_tool(held).unwrap(),
-        arm.with_goal(Goal::position()).unwrap(),
+        arm.with_goal(PoseBounds::position()).unwrap(),
     ];
     for arm in std::iter::once(&arm).chain(&others) {
         assert_eq!(arm.velocity_limits(), speeds);
@@ -87,9 +87,9 @@ fn reused_arm_with_any_option() {
         "posture",
         builder().with_posture(&[0.0, 0.3, 0.0, -1.8, 0.1, 1.5, 0.4]),
     );
-    let room = Goal::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
+    let room = PoseBounds::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
     assert_reuse_equals_new("room", builder().with_goal(room));
-    assert_reuse_equals_new("position", builder().with_goal(Goal::position()));
+    assert_reuse_equals_new("position", builder().with_goal(PoseBounds::position()));
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn reused_solution_drops_active_limits() {
     builder.frame("base", None, Placement::identity());
     builder.frame("tip", Some(second), link);
     let model = builder.build().unwrap();
-    let arm = Arm::builder(&model, "base", "tip").with_goal(Goal::position());
+    let arm = Arm::builder(&model, "base", "tip").with_goal(PoseBounds::position());
     let arm = arm.build().unwrap();
     let (mut follower, mut solution) = (arm.follower(&[0.4; 2]).unwrap(), Solution::default());
     for (place, held) in [([0.3, 0.8, 0.0], true), ([0.89, 0.43, 0.0], false)] {

@@ -2,7 +2,7 @@
 //! `KINOPT_CASES` sets the number of cases for each robot (best with `--release`).
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, PoseBounds, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -124,7 +124,7 @@ fn nearest_search_uses_the_goal_bounds() {
     builder.frame("tip", Some(second), at);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tip");
-    let arm = arm.with_goal(Goal::within([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let arm = arm.with_goal(PoseBounds::within([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]));
     let arm = arm.with_joint_weights(&[1.0, 2.0]);
     let arm = arm.with_search(Search::Nearest).build().unwrap();
     let target = Placement::translation(Vector3::new(0.9, 0.0, 0.0));

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Goal, ServoStatus};
+use kinopt::arm::{Arm, PoseBounds, ServoStatus};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -29,7 +29,7 @@ fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::builder(&robot, "base", "tip").with_atlas(false);
     let arm = arm
-        .with_goal(Goal::position())
+        .with_goal(PoseBounds::position())
         .with_position_tolerance(1e-6 * unit);
     arm.build().unwrap()
 }

@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, PoseBounds, Search};
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
 use support::arms::{Random, panda, robot, within_limits};
@@ -98,7 +98,9 @@ fn zero_time_ends_every_search() {
     ends_at_once("nearest", nearest, COMPARED + LOCK_STEP);
     let distinct = builder().with_search(DISTINCT);
     ends_at_once("distinct", distinct, COMPARED + LOCK_STEP);
-    let mut free = builder().with_goal(Goal::position()).with_atlas(false);
+    let mut free = builder()
+        .with_goal(PoseBounds::position())
+        .with_atlas(false);
     free = free.with_time_limit(Duration::ZERO);
     let solution = free
         .build()

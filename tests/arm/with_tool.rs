@@ -6,7 +6,7 @@
     clippy::print_stdout
 )]
 
-use kinopt::arm::{Arm, ArmError, ArmModel, Axis, Goal, Search};
+use kinopt::arm::{Arm, ArmError, ArmModel, Axis, PoseBounds, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::{Random, robot};
@@ -96,7 +96,7 @@ fn tool_beyond_rounding_is_never_reached() {
     let q = [0.3, -1.2, 1.1, -1.0, -1.4, 0.2];
     for (metres, reached) in [(1e6, true), (1e9, false)] {
         let tool = Placement::translation(Vector3::new(metres, 0.0, 0.0));
-        let builder = || Arm::builder(&robot, "base", "flange").with_goal(Goal::position());
+        let builder = || Arm::builder(&robot, "base", "flange").with_goal(PoseBounds::position());
         let rebuilt = builder().with_tool(tool).build().unwrap();
         let changed = builder().build().unwrap().with_tool(tool).unwrap();
         for arm in [rebuilt, changed] {
@@ -115,8 +115,8 @@ fn changed_goal_equals_a_built_arm() {
     let tool = tools()[1];
     let arm = builder().build().unwrap();
     for goal in [
-        Goal::free_about(Axis::Z),
-        Goal::within([0.0, 0.01, f64::INFINITY, 0.1, 0.0, 0.0]),
+        PoseBounds::free_about(Axis::Z),
+        PoseBounds::within([0.0, 0.01, f64::INFINITY, 0.1, 0.0, 0.0]),
     ] {
         let rebuilt = builder().with_tool(tool).with_goal(goal).build().unwrap();
         let changed = arm.with_goal(goal).unwrap().with_tool(tool).unwrap();
@@ -176,12 +176,14 @@ fn invalid_tools_and_goals_are_rejected() {
     stretched.rotation.x = UNIT_Z;
     let error = arm.with_tool(stretched).unwrap_err();
     assert!(matches!(error, ArmError::Tool(_)), "{error}");
-    let error = arm.with_goal(Goal::within([f64::INFINITY; 6])).unwrap_err();
+    let error = arm
+        .with_goal(PoseBounds::within([f64::INFINITY; 6]))
+        .unwrap_err();
     assert!(
         error.to_string().contains("some component must count"),
         "{error}"
     );
-    let error = arm.with_goal(Goal::within([-1.0; 6])).unwrap_err();
+    let error = arm.with_goal(PoseBounds::within([-1.0; 6])).unwrap_err();
     assert!(error.to_string().contains("half widths"), "{error}");
 }
 

@@ -72,8 +72,8 @@ fn only_allowed_collisions_are_ignored() {
             for link in &links {
                 if random.below(2) == 0 {
                     match random.below(2) {
-                        0 => lenient.allow_touch(&name, link).unwrap(),
-                        _ => lenient.allow_touch(link, &name).unwrap(),
+                        0 => lenient.allow_collision(&name, link).unwrap(),
+                        _ => lenient.allow_collision(link, &name).unwrap(),
                     }
                     allowed.push((link.clone(), name.clone()));
                 }
@@ -116,7 +116,7 @@ fn sphere_permissions_hold_among_many_obstacles() {
     let under = bare.base_from_tool(&Q).unwrap().translation - Vector3::new(0.0, 0.0, 0.30);
     world.add_box("table", [0.3, 0.3, 0.15], under).unwrap();
     for name in ["link7", "hand", "finger_left", "finger_right"] {
-        world.allow_touch("table", name).unwrap();
+        world.allow_collision("table", name).unwrap();
     }
     let arm_among = |world: &World| {
         let checker = Checker::of(&robot).unwrap().with_world(world).unwrap();
@@ -157,7 +157,7 @@ fn arm_reaches_into_an_allowed_obstacle() {
     world.add_box("table", [0.3, 0.3, 0.2], below).unwrap();
     let strict = Checker::of(&robot).unwrap().with_world(&world).unwrap();
     for name in ["hand", "finger_left", "finger_right"] {
-        world.allow_touch("table", name).unwrap();
+        world.allow_collision("table", name).unwrap();
     }
     let lenient = strict.clone().with_world(&world).unwrap();
     let down = |k: usize| {
@@ -213,20 +213,20 @@ fn attached_object_may_touch_its_container() {
     let apart = |world: &World| reported(&checker.clone().with_world(world).unwrap());
     // In either order.
     let mut other = world.clone();
-    world.allow_touch("bin", "can").unwrap();
-    other.allow_touch("can", "bin").unwrap();
+    world.allow_collision("bin", "can").unwrap();
+    other.allow_collision("can", "bin").unwrap();
     assert!(!apart(&world) && !apart(&other));
     other.forbid_touch("bin", "can").unwrap();
     assert!(apart(&other));
     // The permission survives moving, detaching and attaching, but not removing and adding.
     world.detach("can", Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
-    assert!(!apart(&world) && world.may_touch("can", "bin"));
+    assert!(!apart(&world) && world.allow_collision("can", "bin"));
     let shape = world.obstacle("can").unwrap().shape.clone();
     world.remove("can").unwrap();
     world.add("can", shape, Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
-    assert!(apart(&world) && !world.may_touch("can", "bin"));
+    assert!(apart(&world) && !world.allow_collision("can", "bin"));
     // Set before the second object exists.
     for names in [["can", "bin"], ["bin", "can"]] {
         let mut world = World::new();
@@ -241,7 +241,7 @@ fn attached_object_may_touch_its_container() {
                     .unwrap(),
             }
             if place == 0 {
-                world.allow_touch(name, names[1]).unwrap();
+                world.allow_collision(name, names[1]).unwrap();
             }
         }
         assert!(!apart(&world), "{names:?}");
@@ -262,7 +262,7 @@ fn permissions_do_not_depend_on_insertion_order() {
     let mut world = World::new();
     world.add_sphere("plate", 0.04, held).unwrap();
     world.attach("plate", "hand", held).unwrap();
-    world.allow_touch("plate", "can").unwrap();
+    world.allow_collision("plate", "can").unwrap();
     let mut checker = Checker::of(&robot).unwrap();
     for (names, near, touched) in [
         (["can", "cup"], "can", None),
@@ -305,7 +305,7 @@ fn robot_stands_in_a_floor_its_feet_may_touch() {
     let feet: Vec<&str> = found.iter().map(|pair| &*pair.first).collect();
     assert!(!feet.is_empty() && found.iter().all(|pair| pair.second == "floor"));
     for foot in feet {
-        world.allow_touch("floor", foot).unwrap();
+        world.allow_collision("floor", foot).unwrap();
     }
     let lenient = strict.clone().with_world(&world).unwrap();
     assert!(lenient.collisions(&rest).unwrap().is_empty());
@@ -336,7 +336,10 @@ fn robot_stands_in_a_floor_its_feet_may_touch() {
 fn unknown_names_are_reported() {
     let mut world = World::new();
     world.add_box("table", [0.1; 3], Vector3::zero()).unwrap();
-    let message = world.allow_touch("hand", "tabel").unwrap_err().to_string();
+    let message = world
+        .allow_collision("hand", "tabel")
+        .unwrap_err()
+        .to_string();
     assert!(
         ["hand", "tabel", "table"]
             .iter()
@@ -349,10 +352,10 @@ fn unknown_names_are_reported() {
         matches!(&message, WorldError::KeptApart(names) if names[0] == "hand"),
         "{message}"
     );
-    world.allow_touch("haand", "table").unwrap();
-    world.allow_touch("table", "haand").unwrap();
-    assert_eq!(world.obstacle("table").unwrap().may_touch, ["haand"]);
-    let message = world.allow_touch("table", " ").unwrap_err().to_string();
+    world.allow_collision("haand", "table").unwrap();
+    world.allow_collision("table", "haand").unwrap();
+    assert_eq!(world.obstacle("table").unwrap().allow_collision, ["haand"]);
+    let message = world.allow_collision("table", " ").unwrap_err().to_string();
     assert!(message.contains("\" \""), "{message}");
     let robot = robot("franka_panda");
     let ignored = CollisionModel::of(&robot)
@@ -360,7 +363,7 @@ fn unknown_names_are_reported() {
         .with_ignored("hand", "table");
     let message = ignored.unwrap_err().to_string();
     assert!(
-        message.contains("`table`") && message.contains("allow_touch"),
+        message.contains("`table`") && message.contains("allow_collision"),
         "{message}"
     );
     let checker = Checker::of(&robot).unwrap();
@@ -382,9 +385,9 @@ fn permission_of_two_obstacles_is_mutual() {
     for name in ["can", "table"] {
         world.add_box(name, [0.1; 3], Vector3::zero()).unwrap();
     }
-    let of = |world: &World, name: &str| world.obstacle(name).unwrap().may_touch.clone();
-    world.allow_touch("can", "table").unwrap();
-    world.allow_touch("table", "can").unwrap();
+    let of = |world: &World, name: &str| world.obstacle(name).unwrap().allow_collision.clone();
+    world.allow_collision("can", "table").unwrap();
+    world.allow_collision("table", "can").unwrap();
     assert_eq!(
         (of(&world, "can"), of(&world, "table")),
         (vec!["table".to_owned()], vec!["can".to_owned()])
@@ -399,21 +402,24 @@ fn permission_of_two_obstacles_is_mutual() {
 #[test]
 fn files_and_scaled_worlds_keep_permissions() {
     let text = r#"{
-        "boxes": [{"name": "table", "size": [1, 1, 0.1], "may_touch": ["hand", "can"]}],
-        "cylinders": [{"name": "can", "radius": 0.03, "length": 0.1, "may_touch": ["table"]}]
+        "boxes": [{"name": "table", "size": [1, 1, 0.1], "allow_collision": ["hand", "can"]}],
+        "cylinders": [{"name": "can", "radius": 0.03, "length": 0.1, "allow_collision": ["table"]}]
     }"#;
     let world = World::from_json(text.as_bytes(), "w.json").unwrap();
-    assert_eq!(world.obstacle("table").unwrap().may_touch, ["hand", "can"]);
-    assert!(world.may_touch("can", "table") && !world.may_touch("can", "hand"));
+    assert_eq!(
+        world.obstacle("table").unwrap().allow_collision,
+        ["hand", "can"]
+    );
+    assert!(world.allow_collision("can", "table") && !world.allow_collision("can", "hand"));
     let again = World::from_json(world.to_json().as_bytes(), "w.json").unwrap();
     assert_eq!(again.to_json(), world.to_json());
-    assert!(again.may_touch("hand", "table"));
-    assert!(world.scaled(2.0).unwrap().may_touch("hand", "table"));
+    assert!(again.allow_collision("hand", "table"));
+    assert!(world.scaled(2.0).unwrap().allow_collision("hand", "table"));
     // A world without permissions writes none.
     let mut plain = world.clone();
     plain.forbid_touch("hand", "table").unwrap();
     plain.forbid_touch("table", "can").unwrap();
-    assert!(!plain.to_json().contains("may_touch"));
+    assert!(!plain.to_json().contains("allow_collision"));
 }
 
 /// A link with spheres from a file and no shapes may touch as well.
@@ -442,6 +448,6 @@ fn link_with_spheres_only_may_touch() {
         clear[0]
     };
     assert!(!is_clear(&world));
-    world.allow_touch("ball", "link7").unwrap();
+    world.allow_collision("ball", "link7").unwrap();
     assert!(is_clear(&world));
 }

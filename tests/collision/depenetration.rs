@@ -80,7 +80,7 @@ fn arms_intersecting_plates_get_free() {
             // Once free it never touches again, and it is not reached while in contact.
             assert!(!(touching && (is_out || drag.solution().reached)));
             is_out |= !touching;
-            if drag.rests() {
+            if drag.is_at_rest() {
                 break;
             }
         }
@@ -108,7 +108,7 @@ fn drag_without_exit_comes_to_rest() {
     let mut drag = Drag::new(tasks.build().unwrap(), &[-0.2, 0.1]).unwrap();
     let rests = (0..200).position(|_| {
         drag.advance();
-        drag.rests()
+        drag.is_at_rest()
     });
     assert!(rests.is_some_and(|frames| frames < 100), "{rests:?}");
     assert!(!drag.solution().reached && !drag.solution().collisions().is_empty());

@@ -19,11 +19,11 @@ struct Panda {
 }
 
 impl Panda {
-    fn covered(overhang: f64) -> Self {
+    fn covered(max_protrusion: f64) -> Self {
         let robot = robot("franka_panda");
         let bodies = CollisionModel::of(&robot).unwrap();
         let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-        let spheres = SphereModel::of(&bodies, Resolution::Overhang(overhang)).unwrap();
+        let spheres = SphereModel::of(&bodies, Resolution::Overhang(max_protrusion)).unwrap();
         Self {
             checker: Checker::new(bodies).with_spheres(spheres),
             rest: vec![0.0; robot.model().configuration_len()],

@@ -2,7 +2,7 @@
 //! collision-free in and between frames, and slides along obstacles.
 
 use kinopt::collision::{Checker, Clearance, CollisionModel, CollisionObject, Shape, World};
-use kinopt::ik::{Drag, Restarts, bent_stance};
+use kinopt::ik::{Drag, Restarts, crouched_configuration};
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Limits, Loop, Model, ParameterMap};
@@ -30,7 +30,8 @@ impl Nao {
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|foot| model.frame(foot).unwrap());
         let up = Vector3::UNITS[2];
-        let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+        let stance =
+            crouched_configuration(model, robot.map(), &feet, &model.neutral(), up).unwrap();
         let mut kinematics = ForwardKinematics::new(model);
         let placed = kinematics.place(&stance).unwrap().to_vec();
         let bodies = CollisionModel::of(&robot).unwrap();
@@ -60,7 +61,7 @@ impl Nao {
         let hand = tasks.add(Task::new(hand).at_level(level));
         for foot in ["left_sole", "right_sole"] {
             let frame = model.frame(foot).unwrap();
-            tasks.add(Task::new(Pose::new(frame, self.at(foot))).times(10.0));
+            tasks.add(Task::new(Pose::new(frame, self.at(foot))).scale(10.0));
         }
         tasks.add(Posture::new(model, &self.stance).upright(model));
         if let Some(checker) = checker {
@@ -635,7 +636,7 @@ fn jump_is_reported_only_if_made() {
             drag.advance();
             let moved = drag.q().iter().zip(&before).map(|(a, b)| (a - b).abs());
             let moved = moved.fold(0.0, f64::max);
-            let reported = drag.leap().map_or(0.0, |jump| jump.distance);
+            let reported = drag.jump().map_or(0.0, |jump| jump.distance);
             match reported > 0.0 {
                 true => assert!((moved - reported).abs() < 1e-12, "{moved} {reported}"),
                 false => assert!(moved <= 0.15 + 1e-12, "{moved}"),

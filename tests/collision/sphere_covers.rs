@@ -94,7 +94,7 @@ fn holds(model: &CollisionModel, spheres: &SphereModel, points: usize, random: &
             };
             let nearest = objects.iter().map(from).fold(f64::INFINITY, f64::min);
             assert!(
-                nearest <= spheres.overhang() + 1e-9,
+                nearest <= spheres.max_protrusion() + 1e-9,
                 "{}: {nearest}",
                 group.name
             );
@@ -121,7 +121,7 @@ fn spheres_cover_shipped_robots() {
     for name in part(robots, 2) {
         let model = CollisionModel::of(&robot(name)).unwrap();
         let spheres = SphereModel::of(&model, Resolution::Overhang(0.03)).unwrap();
-        assert!(spheres.overhang() <= 0.03, "{name}");
+        assert!(spheres.max_protrusion() <= 0.03, "{name}");
         assert_eq!(spheres.groups().len(), model.links().len());
         assert_eq!(spheres.pairs().len(), model.pairs().len());
         holds(&model, &spheres, cases(100_000, 5_000), &mut random);
@@ -154,7 +154,9 @@ fn spheres_cover_random_shapes() {
         };
         let spheres = SphereModel::of(&model, fineness).unwrap();
         match fineness {
-            Resolution::Overhang(overhang) => assert!(spheres.overhang() <= overhang),
+            Resolution::Overhang(max_protrusion) => {
+                assert!(spheres.max_protrusion() <= max_protrusion)
+            }
             Resolution::PerLink(most) => {
                 assert!(spheres.count() <= most.max(count), "{}", spheres.count())
             }
@@ -180,7 +182,7 @@ fn spheres_cover_large_hulls() {
         let shapes = own.map(|placed| (Shape::convex(&corners).unwrap(), placed));
         let model = one_link(shapes);
         let spheres = SphereModel::of(&model, Resolution::Overhang(0.03)).unwrap();
-        assert!(spheres.overhang() <= 0.03);
+        assert!(spheres.max_protrusion() <= 0.03);
         holds(&model, &spheres, 4000, &mut random);
     }
 }
@@ -190,7 +192,7 @@ fn sphere_shapes_are_kept() {
     let at = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
     let model = one_link([(Shape::sphere(0.25).unwrap(), at)]);
     let spheres = SphereModel::of(&model, Resolution::Overhang(0.5)).unwrap();
-    assert_eq!((spheres.count(), spheres.overhang()), (1, 0.0));
+    assert_eq!((spheres.count(), spheres.max_protrusion()), (1, 0.0));
     assert_eq!(spheres.groups()[0].spheres[0].radius, 0.25);
     assert_eq!(SphereModel::of_spheres(&model), Some(spheres));
     let capsule = one_link([(Shape::capsule(0.1, 1.0).unwrap(), at)]);
@@ -232,7 +234,7 @@ fn protrusion_of_capsules_is_the_maximum() {
     ] {
         let model = one_link(capsules);
         let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
-        let reported = spheres.overhang();
+        let reported = spheres.max_protrusion();
         assert!((reported - expected).abs() < 1e-9, "{reported} {expected}");
     }
 }
@@ -251,7 +253,7 @@ fn invalid_resolution_is_rejected() {
         let message = SphereModel::of(&model, Resolution::Overhang(bad))
             .unwrap_err()
             .to_string();
-        assert!(message.contains("overhang"), "{message}");
+        assert!(message.contains("max_protrusion"), "{message}");
     }
     assert!(SphereModel::of(&model, Resolution::PerLink(0)).is_err());
 }

@@ -51,9 +51,9 @@ fn curobo_spheres_are_read() {
     // The hand is a capsule of radius 0.033 along y at z = 0.03: 0.05 - 0.033. The base is a box 0.14 high and 0.19
     // wide, centred at x = -0.035 and z = 0.07: 0.05 from the bottom, 0.12 - 0.05.
     assert!(
-        (spheres.overhang() - 0.07).abs() < 1e-12,
+        (spheres.max_protrusion() - 0.07).abs() < 1e-12,
         "{}",
-        spheres.overhang()
+        spheres.max_protrusion()
     );
 }
 
@@ -324,8 +324,8 @@ fn enlarged_spheres_stay_in_their_bound() {
     let checker = Checker::new(shapes).with_spheres(small.clone());
     let grown = checker.spheres().unwrap();
     assert_eq!(grown.gap(), 0.0);
-    let sticks_out = small.overhang() + small.gap();
-    assert!((grown.overhang() - sticks_out).abs() < 1e-12 && small.gap() > 0.0);
+    let sticks_out = small.max_protrusion() + small.gap();
+    assert!((grown.max_protrusion() - sticks_out).abs() < 1e-12 && small.gap() > 0.0);
     for ((group, small), gap) in grown.groups().iter().zip(small.groups()).zip(gaps) {
         for (ball, before) in group.spheres.iter().zip(&small.spheres) {
             assert_eq!(

@@ -62,8 +62,8 @@ fn rebuilt(world: &World) -> World {
         }
     }
     for obstacle in world.obstacles() {
-        for other in &obstacle.may_touch {
-            anew.allow_touch(&obstacle.name, other).unwrap();
+        for other in &obstacle.allow_collision {
+            anew.allow_collision(&obstacle.name, other).unwrap();
         }
     }
     anew
@@ -83,12 +83,16 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
             let links = ["link5", "hand", "link3", "finger_left"];
             let other = any(world, random).filter(|_| random.below(2) == 0);
             let other = other.unwrap_or_else(|| links[random.below(4)].to_owned());
-            world.allow_touch(&name, &other).unwrap();
+            world.allow_collision(&name, &other).unwrap();
         }
         11 => {
-            let let_touch = world.obstacles().find(|own| !own.may_touch.is_empty());
+            let let_touch = world
+                .obstacles()
+                .find(|own| !own.allow_collision.is_empty());
             if let Some(own) = let_touch.cloned() {
-                world.forbid_touch(&own.may_touch[0], &own.name).unwrap();
+                world
+                    .forbid_touch(&own.allow_collision[0], &own.name)
+                    .unwrap();
             }
         }
         0 | 1 => {

@@ -388,7 +388,7 @@ fn prismatic_joint_moves_to_the_weighted_mean() {
     let mut tasks = Problem::builder(&model);
     let asked = [(one, 0.8, 2.0), (other, -0.7, 0.5)];
     for (frame, place, weight) in asked {
-        tasks.add(Task::new(Point::new(frame, [place, 0.0, 0.0])).times(weight));
+        tasks.add(Task::new(Point::new(frame, [place, 0.0, 0.0])).scale(weight));
     }
     let problem = tasks.build().unwrap();
     let solution = one_sweep().solve(&problem, &[0.2]).unwrap();

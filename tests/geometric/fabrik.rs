@@ -300,7 +300,7 @@ fn success_with_a_higher_cost_is_returned() {
     let (near, much) = (0.01, 100.0);
     let mut tasks = Problem::builder(&model);
     for ((tip, aim), weight) in tips.into_iter().zip(aims).zip([1.0, much]) {
-        let task = Task::new(Point::new(tip, aim)).times(weight);
+        let task = Task::new(Point::new(tip, aim)).scale(weight);
         tasks.add(task.tolerance(Quantity::Metres, near));
     }
     let problem = tasks.build().unwrap();

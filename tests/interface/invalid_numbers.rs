@@ -5,8 +5,8 @@
 use std::error::Error;
 
 use kinopt::animation::{
-    Armature, ArmatureBone, BoneMask, EulerClip, LocalTransform, Playback, Pose, PoseAngles,
-    PoseTurns,
+    Armature, ArmatureBone, BallPoseMap, BoneMask, EulerClip, EulerPoseMap, LocalTransform,
+    Playback, Pose,
 };
 use kinopt::arm::{Arm, Base};
 use kinopt::collision::{CollisionModel, MeshUse};
@@ -147,7 +147,7 @@ fn configuration_functions(q: &[f64]) -> Vec<(&'static str, Outcome)> {
 fn angle_functions(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let skeleton = skeleton();
     let holds = skeleton.holds(&[]);
-    let bridge = PoseAngles::new(&skeleton);
+    let bridge = EulerPoseMap::new(&skeleton);
     let mut pose = Armature::of_skeleton(&skeleton).rest().clone();
     vec![
         ("pose", skeleton.pose(q).map(drop).map_err(Into::into)),
@@ -221,7 +221,7 @@ fn invalid_poses_and_masks_are_rejected() {
     assert!(armature.skinning_transforms(&[], &mut Vec::new()).is_err());
 
     let skeleton = skeleton();
-    let bridge = PoseAngles::new(&skeleton);
+    let bridge = EulerPoseMap::new(&skeleton);
     assert!(bridge.angles_of(other.rest(), &mut Vec::new()).is_err());
     assert!(bridge.angles_of(&pose, &mut [7.0; 5]).is_err());
     assert!(bridge.angles_of(&pose, &mut [7.0; 7]).is_err());
@@ -241,7 +241,7 @@ fn invalid_poses_and_masks_are_rejected() {
     assert!(bridge.pose_of(&[0.0; 6], &mut more).is_ok());
     assert!(bridge.angles_of(&more, &mut Vec::new()).is_ok());
     let balls = BallSkeleton::new(skeleton, &Cones::new(), SkeletonRoot::Fixed).unwrap();
-    let turns = PoseTurns::new(&armature, &balls);
+    let turns = BallPoseMap::new(&armature, &balls);
     assert!(
         turns
             .configuration_of(other.rest(), &mut Vec::new())

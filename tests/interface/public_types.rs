@@ -95,20 +95,20 @@ each! { value:
     task::Gaze, task::JointCoupling, task::Manipulability, task::SupportPolygon, task::LimitCentring, task::LookAt,
     task::Orientation, task::Pixel, task::Plane, task::Point, task::Pose, task::Posture,
     task::Quantity, task::Ray, task::Role, task::RowBlock, task::Smoothness,
-    arm::ArmBuilder<'static>, arm::Goal, arm::Jump, arm::ServoStatus, arm::Track,
+    arm::ArmBuilder<'static>, arm::PoseBounds, arm::Jump, arm::ServoStatus, arm::Track,
     simd_ik::Chain, simd_ik::LaneOptions,
 }
 
 each! { value:
     motion::ContactDetection, motion::trajectory::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
-    motion::clip_ik::Led, motion::clip_ik::Reach, motion::clip_ik::Stance, motion::path::Blocked,
+    motion::clip_ik::ReachResult, motion::clip_ik::Reach, motion::clip_ik::FootPlant, motion::path::Blocked,
     motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
     motion::path::MissReason, motion::path::Missed, motion::path::PathSolution,
     motion::path::PathSolver<'static>, motion::path::QuaternionOrder, motion::path::Reconfiguration,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,
     motion::retarget::Capture, motion::retarget::Drive, motion::retarget::FigureTarget,
-    motion::retarget::FootShapes, motion::retarget::GivenUp, motion::retarget::KnownSkeleton,
+    motion::retarget::FootShapes, motion::retarget::LostContact, motion::retarget::KnownSkeleton,
     motion::retarget::LimitMet, motion::retarget::LiveFollower, motion::retarget::MapGuess,
     motion::retarget::RetargetOptions, motion::retarget::Retargeted, motion::retarget::Retargeting<'static>,
     motion::retarget::Touching, motion::retarget::UpAxis, motion::retarget::folder::FolderQuestion<'static>,
@@ -116,15 +116,15 @@ each! { value:
 }
 
 each! { value:
-    animation::KeyTolerance, animation::ParameterDefault, animation::PoseAngles, animation::PoseTurns,
+    animation::KeyTolerance, animation::ParameterDefault, animation::EulerPoseMap, animation::BallPoseMap,
     animation::RootMotion, arm::Arm, arm::ArmDerivative, arm::Axis, arm::Base<'static>,
     arm::Follower<'static>, arm::HeldBy, arm::PoseOutcome, arm::Search, arm::Servo<'static>,
     arm::ServoStep<'static>, motion::path::TimingLimits<'static>, motion::path::Trajectory,
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,
     collision::CollisionModelBuilder<'static>, collision::Resolution, collision::MeshUse, collision::MotionCheck,
     collision::MotionChecker, geometric::Reaching, geometric::Span, geometric::Triangle, ik::BoundKind,
-    ik::DerivativeWorkspace, ik::Drag, ik::Existence, ik::Leap<'static>, ik::MotionLimits, ik::MoveLimits, ik::NoDerivative,
-    ik::RowsReport, ik::Side, io::gltf::SceneFile, kinematics::Jacobian, simd_ik::AxisGoal, simd_ik::ChainJoint,
+    ik::DerivativeWorkspace, ik::Drag, ik::Differentiability, ik::DragJump<'static>, ik::MotionLimits, ik::MoveLimits, ik::NoDerivative,
+    ik::RowBlockReport, ik::Side, io::gltf::SceneFile, kinematics::Jacobian, simd_ik::AxisGoal, simd_ik::ChainJoint,
     simd_ik::JointKind, simd_ik::PoseSolver, simd_ik::Prefer, simd_ik::lane::LaneMask<4>,
     simd_ik::lane::Lanes<4, false>, model::Reference<'static, model::FrameId>, problem::ParameterVector,
     problem::ProblemInstance<'static>, robot::BaseJoint, robot::DisabledPair, robot::EndEffector, robot::Group,
@@ -133,7 +133,7 @@ each! { value:
     solver::Counts, solver::Damping, solver::FirstStep, solver::GaussNewtonState,
     solver::Iteration<'static>, solver::LevenbergMarquardtState, solver::Outcome,
     solver::ProjectedGradientState, solver::Silent, solver::SolverState, solver::Step, task::LocalJacobian,
-    task::Numeric<task::Point>, task::Inequality, task::Task<task::Point>, task::Within<task::Point>,
+    task::Numeric<task::Point>, task::Inequality, task::Task<task::Point>, task::Bounded<task::Point>,
 }
 
 // Each borrows the caller's memory exclusively.

@@ -207,7 +207,7 @@ fn lift(rest: f64, apart: Option<f64>) -> (MotionSolution, Robot) {
         let share = frame as f64 / (FRAMES - 1) as f64;
         point.set_target([x, y, z + 0.15 * share]);
     });
-    motion.add(Task::new(Posture::new(model, &start)).times(rest));
+    motion.add(Task::new(Posture::new(model, &start)).scale(rest));
     if let Some(apart) = apart {
         motion.add(Point::new(tools[1], [x, y - apart, z]));
     }

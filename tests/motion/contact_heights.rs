@@ -47,7 +47,7 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
             .iter()
             .position(|name| name == "left_toe")
             .unwrap();
-        let stands = |frame: usize| found.contacts[frame * found.standing.len() + toe];
+        let stands = |frame: usize| found.contacts[frame * found.contact_frames.len() + toe];
         assert!(stands(20) && stands(290) && !stands(75), "{height}");
         assert_eq!(stands(150), stands_aloft, "{height}");
         // Its support is as high as the subject is lifted; elsewhere it is the ground.

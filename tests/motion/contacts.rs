@@ -38,7 +38,7 @@ fn tool_in_contact_is_still_for_any_weight() {
     let (model, tool) = slide();
     for weight in [1.0, 1e2, 1e4] {
         let mut motion = MotionProblem::builder(&model, 12, 0.1);
-        let pull = motion.add(Task::new(Point::new(tool, [0.0; 3])).times(weight));
+        let pull = motion.add(Task::new(Point::new(tool, [0.0; 3])).scale(weight));
         motion.follow(pull, |frame, point| {
             point.set_target([0.1 * (frame as f64).sin(), 0.0, 0.0])
         });

@@ -45,7 +45,7 @@ fn frame_weights_of_a_single_task_count() {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
         if beside {
             // With a negligible weight.
-            motion.add(Task::new(Point::new(tool, [0.0; 3])).times(1e-9));
+            motion.add(Task::new(Point::new(tool, [0.0; 3])).scale(1e-9));
         }
         let task = motion.add(Point::new(tool, [0.0; 3]));
         motion.follow(task, |frame, point| {

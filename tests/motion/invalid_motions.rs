@@ -38,7 +38,7 @@ fn invalid_motions_are_named() {
     let reported = |frames, ask: &dyn Fn(&mut MotionProblemBuilder)| {
         build_motion(&model, frames, ask).unwrap_err().to_string()
     };
-    let jerk = RateCost::jerk(1.0).times("wrist", 2.0);
+    let jerk = RateCost::jerk(1.0).scale("wrist", 2.0);
     let backwards = RateCost::velocity(-1.0);
     let below = Task::new(Point::new(tip, [0.0; 3]))
         .named("gaze")

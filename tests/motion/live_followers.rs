@@ -150,7 +150,7 @@ fn limits_and_errors_are_reported_correctly() {
     let errors = retargeting.errors(&found).unwrap();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!((mean - found.mean_error).abs() < 1e-12);
-    let met = retargeting.limits_met(&found);
+    let met = retargeting.active_limits(&found);
     let model = robot.model();
     let most = robot.moves_within(1.0 / 30.0);
     assert!(
@@ -353,7 +353,7 @@ fn reported_slip_is_the_largest() {
             }
         }
     }
-    assert!(found.given_up.is_empty() && most > 0.0);
+    assert!(found.lost_contacts.is_empty() && most > 0.0);
     assert!((found.slip - most).abs() <= 1e-9, "{} {most}", found.slip);
 }
 

@@ -2,7 +2,7 @@
 //! points is farther from the path, and the bound is close. A spline's bound refers to the curve itself.
 
 use kinopt::Arm;
-use kinopt::arm::{Axis, Goal};
+use kinopt::arm::{Axis, PoseBounds};
 use kinopt::model::{Limits, Model};
 use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
 use kinopt::robot::Robot;
@@ -110,7 +110,7 @@ fn deviation_between_points_is_tightly_bounded() {
 fn free_directions_do_not_count_as_deviation() {
     let robot = robot("universal_ur5e");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
-    let arm = arm.with_goal(Goal::free_about(Axis::Z)).unwrap();
+    let arm = arm.with_goal(PoseBounds::free_about(Axis::Z)).unwrap();
     let begin = arm
         .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.4])
         .unwrap();
@@ -257,7 +257,7 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
     let hand = builder.revolute("hand", Some(across), origin, z, Limits::new(-3.0, 3.0));
     builder.frame("tool", Some(hand), origin);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
-    let goal = Goal::within([0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let goal = PoseBounds::within([0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     let arm = arm.build().unwrap().with_goal(goal).unwrap();
     for turn in [0.3_f64, 0.6] {

@@ -2,7 +2,7 @@
 //! certainly free.
 
 use kinopt::Arm;
-use kinopt::arm::Goal;
+use kinopt::arm::PoseBounds;
 use kinopt::collision::{Checker, CollisionModel, Resolution, SphereModel, World};
 use kinopt::motion::path::{CartesianPath, MissReason, PathError, PathSolver};
 use kinopt::robot::Robot;
@@ -135,7 +135,7 @@ fn branch_free_by_its_shapes_is_found() {
     let robot = Robot::parse(&text.concat(), "elbow.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.05)).unwrap();
-    let arm = Arm::builder(&robot, "base", "tool").with_goal(Goal::position());
+    let arm = Arm::builder(&robot, "base", "tool").with_goal(PoseBounds::position());
     let arm = arm.build().unwrap();
     let points = (0..5).map(|k| {
         let x = 0.8 + 0.002 * f64::from(k);
@@ -167,7 +167,7 @@ fn shapes_decide_where_spheres_touch() {
     let robot = Robot::parse(GANTRY, "gantry.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
-    let arm = Arm::builder(&robot, "base", "cube").with_goal(Goal::position());
+    let arm = Arm::builder(&robot, "base", "cube").with_goal(PoseBounds::position());
     let arm = arm.build().unwrap();
     let along = (0..=40).map(|k| {
         let y = 0.015 * f64::from(k) - 0.3;
@@ -259,7 +259,7 @@ fn reported_contacts_have_no_easily_found_solution() {
 /// Walls between two points that cannot be avoided: the first one is reported, and the path is not whole.
 #[test]
 fn wall_between_two_points_is_reported() {
-    use kinopt::arm::Goal;
+    use kinopt::arm::PoseBounds;
     use kinopt::model::{Limits, Model};
     use kinopt::robot::Robot;
     let mut builder = Model::builder("gantry");
@@ -279,7 +279,7 @@ fn wall_between_two_points_is_reported() {
         world.add_box(wall, [0.004, 2.0, 1.0], wall_at).unwrap();
     }
     let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
-    let arm = Arm::builder(&robot, "base", "tool").with_goal(Goal::position());
+    let arm = Arm::builder(&robot, "base", "tool").with_goal(PoseBounds::position());
     let arm = arm.with_atlas(false).build().unwrap();
     let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
     let points = |from: f64, by: f64| -> CartesianPath {

@@ -1,7 +1,7 @@
 //! Promise: a point that cannot be reached is reported with the reason, and all other points are reached.
 
 use kinopt::Arm;
-use kinopt::arm::Goal;
+use kinopt::arm::PoseBounds;
 use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{robot, within_limits};
@@ -83,7 +83,7 @@ fn free_position_is_never_beyond_reach() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_only(["joint1"], &whole);
     let arm = arm
-        .with_goal(Goal::within([inf, inf, inf, 0.0, 0.0, 0.0]))
+        .with_goal(PoseBounds::within([inf, inf, inf, 0.0, 0.0, 0.0]))
         .build()
         .unwrap();
     let begin = arm.base_from_tool(&[0.3]).unwrap();

@@ -62,14 +62,14 @@ fn factor_affects_only_its_joint() {
         let apart = [&hinge, &ball].map(|own| largest_difference(&plain, &strong, own.clone()));
         assert!(apart.iter().all(|apart| *apart > 1e-2), "{apart:?}");
         for (name, own, other) in [("hinge", &hinge, &ball), ("ball", &ball, &hinge)] {
-            let (mixed, _) = followed(make(weight).times(name, 3.0));
+            let (mixed, _) = followed(make(weight).scale(name, 3.0));
             let [own, other] = [
                 largest_difference(&mixed, &strong, own.clone()),
                 largest_difference(&mixed, &plain, other.clone()),
             ];
             assert!(own < 1e-6 && other < 1e-6, "{name}: {own} {other}");
         }
-        let both = make(weight).times("hinge", 3.0).times("ball", 3.0);
+        let both = make(weight).scale("hinge", 3.0).scale("ball", 3.0);
         let (_, reported) = followed(both);
         assert!((reported - cost).abs() < 1e-6 * cost, "{reported} {cost}");
     }

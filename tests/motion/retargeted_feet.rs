@@ -158,14 +158,14 @@ fn ankles_and_toes_are_in_contact_together() {
     let found = retargeting.per_frame().unwrap();
     check_limits(&robot, &found);
     // The feet, of which the ankles' points on the shanks are none.
-    assert_eq!(found.standing, ["left_toe", "right_toe"]);
-    assert!(found.given_up.is_empty(), "{:?}", found.given_up);
+    assert_eq!(found.contact_frames, ["left_toe", "right_toe"]);
+    assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
     assert!(found.slip < 1e-3, "{} m", found.slip);
     // Knees bend over feet that stand: held shins would leave it at twice that.
     assert!(found.mean_error < 0.045, "{} m", found.mean_error);
     // Told anew from the configurations.
     let mut kinematics = ForwardKinematics::new(robot.model());
-    for (k, name) in found.standing.iter().enumerate() {
+    for (k, name) in found.contact_frames.iter().enumerate() {
         let frame = robot.model().frame(name).unwrap();
         let mut stood = None;
         let mut standing = 0;
@@ -204,10 +204,10 @@ fn ankle_frame_on_the_foot_is_in_contact() {
     let feet = ["left_foot", "left_toe", "right_foot", "right_toe"];
     assert_eq!(names(retargeting.driven()), feet);
     let found = retargeting.per_frame().unwrap();
-    let mut standing = found.standing.clone();
+    let mut standing = found.contact_frames.clone();
     standing.sort();
     assert_eq!(standing, feet);
-    for (k, name) in found.standing.iter().enumerate() {
+    for (k, name) in found.contact_frames.iter().enumerate() {
         let stands = found.contacts.chunks(4).filter(|contacts| contacts[k]);
         assert!(stands.count() > FRAMES / 2, "{name}");
     }

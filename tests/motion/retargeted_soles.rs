@@ -59,10 +59,13 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
     let fitted =
         |robot| Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
     let without = fitted(&bare).per_frame().unwrap();
-    assert_eq!(without.sunk, 0.0);
+    assert_eq!(without.ground_penetration, 0.0);
     // The ground was where the toes' point is, 1 cm over the sole; so much is no roll.
-    let sunk = deepest(&heights(&bare, &without)) - 0.01;
-    assert!(sunk > 2e-3, "without its shape it sinks by {sunk} m");
+    let ground_penetration = deepest(&heights(&bare, &without)) - 0.01;
+    assert!(
+        ground_penetration > 2e-3,
+        "without its shape it sinks by {ground_penetration} m"
+    );
 
     let with = fitted(&shaped);
     for found in [with.per_frame().unwrap(), with.whole().unwrap()] {
@@ -71,9 +74,9 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
         let deepest = deepest(&heights);
         assert!(deepest < 1.5e-3, "{deepest} m");
         // As it is told, of corners that are the sole's own.
-        assert!((deepest.max(0.0) - found.sunk).abs() < 1e-12);
+        assert!((deepest.max(0.0) - found.ground_penetration).abs() < 1e-12);
         assert!(found.slip < 1e-3, "{} m", found.slip);
-        assert!(found.given_up.is_empty(), "{:?}", found.given_up);
+        assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
         assert!(
             found.mean_error < 1.2 * without.mean_error,
             "{} m",
@@ -121,9 +124,13 @@ fn foot_at_its_ankle_limit_stays_above_the_ground() {
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
         check_limits(&robot, &found);
-        assert!(found.sunk < 1.5e-3, "{} m", found.sunk);
+        assert!(
+            found.ground_penetration < 1.5e-3,
+            "{} m",
+            found.ground_penetration
+        );
         assert!(found.slip < 1e-3, "{} m", found.slip);
-        assert!(found.given_up.is_empty(), "{:?}", found.given_up);
+        assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
     }
 }
 
@@ -279,7 +286,7 @@ fn heavier_weight_lands_a_foot_flatter() {
         let options = RetargetOptions::default().with_landing_weight(landing_weight);
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.per_frame().unwrap();
-        let names = &found.standing;
+        let names = &found.contact_frames;
         let left = names.iter().position(|name| name == "left_foot").unwrap();
         let stands = |frame: usize| found.contacts[frame * names.len() + left];
         let landing = (1..found.frames())
@@ -346,8 +353,8 @@ fn ellipsoid_is_equal_under_swapped_axes() {
     let off = off.fold(0.0, f64::max);
     assert!(off < 1e-6, "{off}");
     assert!(
-        found.iter().all(|found| found.sunk < 0.01),
+        found.iter().all(|found| found.ground_penetration < 0.01),
         "{} m",
-        found[0].sunk
+        found[0].ground_penetration
     );
 }

@@ -106,7 +106,7 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
     for (found, most) in [(&live, 1e-3), (&whole, 1e-3)] {
         check_limits(&robot, found);
         assert_eq!(found.frames(), 90);
-        assert_eq!(found.standing, ["left_sole", "right_sole"]);
+        assert_eq!(found.contact_frames, ["left_sole", "right_sole"]);
         assert!(found.slip < most, "{} m", found.slip);
         assert!(found.mean_error < 0.03, "{} m", found.mean_error);
         // The right foot stands all the time, the left one before and after its step.

@@ -135,7 +135,7 @@ fn end_of_the_clip_is_kept() {
 /// Bones with the limits of a skeleton reach within them; without these they rotate freely.
 #[test]
 fn limits_of_a_skeleton_are_kept() {
-    use kinopt::animation::{Armature, PoseAngles};
+    use kinopt::animation::{Armature, EulerPoseMap};
     use kinopt::model::Limits;
     use kinopt::skeleton::{Bone, Skeleton};
     use kinopt::spatial::{Placement, Vector3};
@@ -161,7 +161,7 @@ fn limits_of_a_skeleton_are_kept() {
     builder.span(0.0, 0.5).unwrap();
     let clip = builder.build();
     let hand = armature.bone("hand").unwrap();
-    let bridge = PoseAngles::new(&skeleton);
+    let bridge = EulerPoseMap::new(&skeleton);
     let limits: Vec<_> = skeleton.model().limits().collect();
     let outside = |edited: &Clip| {
         let mut most = 0.0_f64;

@@ -1,6 +1,6 @@
 //! A small humanoid on a free base that sways and steps, as a motion of a number of frames.
 
-use kinopt::ik::bent_stance;
+use kinopt::ik::crouched_configuration;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
 use kinopt::motion::trajectory::{Contact, MotionProblem, RateCost};
@@ -27,7 +27,8 @@ impl Walker {
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
         let up = Vector3::UNITS[2];
-        let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+        let stance =
+            crouched_configuration(model, robot.map(), &feet, &model.neutral(), up).unwrap();
         Self {
             stance,
             feet,
@@ -62,7 +63,7 @@ impl Walker {
             );
         });
         let [left, right] = self.feet;
-        motion.add(Task::new(Pose::new(left, placed[left.index()])).times(10.0));
+        motion.add(Task::new(Pose::new(left, placed[left.index()])).scale(10.0));
         let stood = placed[right.index()];
         let step = motion.add(Pose::new(right, stood));
         motion.follow(step, move |frame, pose| {
@@ -71,7 +72,7 @@ impl Walker {
             place.translation += Vector3::new(0.02 * phase.sin(), 0.02 * phase.cos(), 0.0);
             pose.set_target(place);
         });
-        motion.add(Task::new(Posture::new(model, &self.stance)).times(0.05));
+        motion.add(Task::new(Posture::new(model, &self.stance)).scale(0.05));
         motion.rate_cost(RateCost::acceleration(2e-5));
         if let Some(span) = held {
             motion.contact(Contact::new(right, span).at(SOLE));

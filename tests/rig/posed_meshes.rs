@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use kinopt::animation::{Armature, PoseAngles};
+use kinopt::animation::{Armature, EulerPoseMap};
 use kinopt::io::rig::{Rig, RigPosing, RigPosingError};
 use kinopt::skinning::{MeshWeights, PosedVertices, SkinningMethod, single_precision_transform};
 use kinopt::task::Point;
@@ -46,7 +46,7 @@ fn solution_poses_the_mesh() {
         let mut posing = rig.posing(method).unwrap();
         assert!(!posing.has_automatic_weights());
         let mut pose = Armature::of_skeleton(skeleton).rest().clone();
-        PoseAngles::new(skeleton)
+        EulerPoseMap::new(skeleton)
             .pose_of(&solution.q, &mut pose)
             .unwrap();
         let of_pose = posing.mesh_of_pose(&pose).unwrap();

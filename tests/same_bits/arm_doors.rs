@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::simd_ik::PoseOutcome;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -63,7 +63,7 @@ fn told(digest: &mut Digest, robot: &Robot, arm: &Arm, random: &mut Random) {
         let mut target = there;
         target.translation += Vector3::new(0.0, 0.01, 0.0) * f64::from(k);
         let derivative = arm.derivative(target, &q).unwrap();
-        digest.text(derivative.existence.name());
+        digest.text(derivative.differentiability.name());
         digest.doubles(derivative.by_target.iter().copied());
         let ends: Vec<f64> = arm.limits().map(|limits| limits.upper.min(3.0)).collect();
         let derivative = arm.derivative(target, &ends).unwrap();
@@ -92,7 +92,7 @@ fn of_themselves() -> Value {
         (&mixed, builder(&mixed, "tip", "base")),
         (
             &mixed,
-            builder(&mixed, "aside", "tip").with_goal(Goal::position()),
+            builder(&mixed, "aside", "tip").with_goal(PoseBounds::position()),
         ),
         (
             &mixed,
@@ -126,13 +126,13 @@ fn given_others() -> Value {
         let tooled = arm.with_tool(tool).unwrap();
         let all = [
             tooled.with_tool(Placement::identity()).unwrap(),
-            tooled.with_goal(Goal::free_about(Axis::X)).unwrap(),
-            tooled.with_goal(Goal::free_along(Axis::Y)).unwrap(),
-            tooled.with_goal(Goal::position()).unwrap(),
+            tooled.with_goal(PoseBounds::free_about(Axis::X)).unwrap(),
+            tooled.with_goal(PoseBounds::free_along(Axis::Y)).unwrap(),
+            tooled.with_goal(PoseBounds::position()).unwrap(),
             tooled
-                .with_goal(Goal::within([0.3, 0.3, 0.3, 0.0, 0.0, 0.1]))
+                .with_goal(PoseBounds::within([0.3, 0.3, 0.3, 0.0, 0.0, 0.1]))
                 .unwrap(),
-            arm.with_goal(Goal::within([0.0, 0.03, 0.0, 0.0, 0.4, 0.0]))
+            arm.with_goal(PoseBounds::within([0.0, 0.03, 0.0, 0.0, 0.4, 0.0]))
                 .unwrap(),
             arm.with_search(Search::First).unwrap(),
             arm.with_search(Search::Nearest).unwrap(),
@@ -213,7 +213,7 @@ fn refusals_of_arms() -> Value {
         refuse(&mut digest, builder().with_posture(&seven));
         let mut six = [0.0; 6];
         six[4] = value;
-        refuse(&mut digest, builder().with_goal(Goal::within(six)));
+        refuse(&mut digest, builder().with_goal(PoseBounds::within(six)));
         refuse(&mut digest, builder().with_locked("joint2", value));
         refuse(
             &mut digest,
@@ -240,7 +240,7 @@ fn refusals_of_arms() -> Value {
     );
     refuse(
         &mut digest,
-        builder().with_goal(Goal::within([f64::INFINITY; 6])),
+        builder().with_goal(PoseBounds::within([f64::INFINITY; 6])),
     );
     refuse(&mut digest, builder().with_tool(bent));
     refuse(&mut digest, builder().with_tool(lost));

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Axis, PoseBounds, Search};
 use kinopt::robot::Robot;
 use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
@@ -188,13 +188,13 @@ fn options() -> Value {
             .with_posture(&[0.3; 7])
             .with_joint_weights(&weights),
         builder().with_max_move(&[0.9; 7]).with_seed(3),
-        builder().with_goal(Goal::within([0.01, 0.0, 0.2, 0.2, 0.0, 0.3])),
+        builder().with_goal(PoseBounds::within([0.01, 0.0, 0.2, 0.2, 0.0, 0.3])),
         builder()
-            .with_goal(Goal::free_about(Axis::Z))
+            .with_goal(PoseBounds::free_about(Axis::Z))
             .with_search(Search::Nearest)
             .with_attempts(16),
         builder()
-            .with_goal(Goal::position())
+            .with_goal(PoseBounds::position())
             .with_metres_per_radian(0.1),
         builder().with_locked(iiwa.model().joints()[2].name.as_str(), 0.4),
     ];
@@ -203,7 +203,7 @@ fn options() -> Value {
     }
     let ur = robot("universal_ur5e");
     let builder = || Arm::builder(&ur, "base", "flange").with_atlas(false);
-    let room = Goal::within([0.05, 0.0, 0.02, 0.2, 0.1, 0.3]);
+    let room = PoseBounds::within([0.05, 0.0, 0.02, 0.2, 0.1, 0.3]);
     let loose = builder()
         .with_position_tolerance(1e-6)
         .with_orientation_tolerance(0.6);
@@ -242,7 +242,7 @@ fn atlases() -> Value {
         reached(&mut digest, &arm.with_tool(long).unwrap(), &mut random, 4);
         reached(
             &mut digest,
-            &tooled.with_goal(Goal::free_about(Axis::Z)).unwrap(),
+            &tooled.with_goal(PoseBounds::free_about(Axis::Z)).unwrap(),
             &mut random,
             4,
         );
@@ -258,7 +258,7 @@ fn followers() -> Value {
     reached(&mut digest, &built(builder.with_seed(2)), &mut random, 3);
     let builder = Arm::builder(&nao, "torso", "left_hand");
     let nearest = builder
-        .with_goal(Goal::position())
+        .with_goal(PoseBounds::position())
         .with_search(Search::Nearest);
     reached(
         &mut digest,

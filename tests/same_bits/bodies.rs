@@ -4,7 +4,7 @@
 
 use kinopt::Solver;
 use kinopt::ik::{
-    DerivativeWorkspace, Drag, LoopClosure, Restarts, SolutionDerivative, bent_stance,
+    DerivativeWorkspace, Drag, LoopClosure, Restarts, SolutionDerivative, crouched_configuration,
 };
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Limits, Loop, Masses, Model, ParameterMap, PointMass};
@@ -43,7 +43,8 @@ impl Standing {
         });
         let feet = [frame("left_sole"), frame("right_sole")];
         let up = [0.0, 0.0, 1.0];
-        let start = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+        let start =
+            crouched_configuration(model, robot.map(), &feet, &model.neutral(), up).unwrap();
         let hand = frame("left_hand");
         let frames = [feet[0], feet[1], hand];
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).unwrap();
@@ -99,7 +100,7 @@ fn levels() -> [Value; 2] {
         let question = ProblemInstance::from(&problem);
         let mut derivative =
             SolutionDerivative::new(question, &solution.q, &mut workspace).unwrap();
-        differentiated.text(derivative.existence().name());
+        differentiated.text(derivative.differentiability().name());
         for task in 0..4 {
             if let Ok(matrix) = derivative.by_target(task) {
                 differentiated.doubles(matrix.iter().copied());
@@ -175,7 +176,7 @@ fn retargeted() -> [Value; 2] {
     [retargeting.per_frame(), retargeting.whole()].map(|found| {
         let (found, mut digest) = (found.unwrap(), Digest::new());
         digest.doubles(found.q);
-        digest.doubles([found.mean_error, found.slip, found.sunk]);
+        digest.doubles([found.mean_error, found.slip, found.ground_penetration]);
         found
             .contacts
             .iter()

@@ -56,7 +56,7 @@ impl Digest {
             self.text(&own.name);
             self.placement(&own.placement);
             let ball = own.shape.bounding_sphere();
-            self.noted(&(&own.attached, &own.may_touch, ball));
+            self.noted(&(&own.attached, &own.allow_collision, ball));
         }
         self.noted(&(
             world.len(),
@@ -108,11 +108,13 @@ pub(crate) fn edit(digest: &mut Digest, world: &mut World, random: &mut Random, 
         7 => world.remove(&one),
         8 => world.attach(&one, LINKS[random.below(LINKS.len())], at),
         9 => world.detach(&one, at),
-        10 | 11 => world.allow_touch(&one, &other),
-        12 => world.allow_touch(&one, LINKS[random.below(LINKS.len())]),
+        10 | 11 => world.allow_collision(&one, &other),
+        12 => world.allow_collision(&one, LINKS[random.below(LINKS.len())]),
         _ => {
-            let touching = world.obstacles().find(|own| !own.may_touch.is_empty());
-            let pair = touching.map(|own| [own.name.clone(), own.may_touch[0].clone()]);
+            let touching = world
+                .obstacles()
+                .find(|own| !own.allow_collision.is_empty());
+            let pair = touching.map(|own| [own.name.clone(), own.allow_collision[0].clone()]);
             let [one, other] = pair.unwrap_or([one, other]);
             world.forbid_touch(&other, &one)
         }
@@ -254,7 +256,7 @@ fn checkers() -> [Value; 2] {
         worlds.bytes(&text);
         worlds.world(&World::from_json(text.as_bytes(), "world.json").unwrap());
         let (one, other) = (name(&mut random, &world), name(&mut random, &world));
-        worlds.noted(&world.may_touch(&one, &other));
+        worlds.noted(&world.allow_collision(&one, &other));
         worlds.refusal(world.obstacle(&one));
     }
     [digest.value(), worlds.value()]

@@ -111,7 +111,7 @@ fn checkers() -> Value {
             .attach("bar", "lower", Vector3::new(0.2, 0.0, 0.3))
             .unwrap();
         other.remove("cup").unwrap();
-        other.allow_touch("lower", "box").unwrap();
+        other.allow_collision("lower", "box").unwrap();
         let checker = checker.with_world(&other).unwrap();
         checked(&mut digest, &checker, &mut random, 4);
         for k in 0..20_u32 {
@@ -137,7 +137,7 @@ fn checkers() -> Value {
     wrong.attach("s", "hands", Vector3::zero()).unwrap();
     told(&mut digest, plain.clone().with_world(&wrong));
     wrong.attach("s", "hand", Vector3::zero()).unwrap();
-    wrong.allow_touch("s", "lefts").unwrap();
+    wrong.allow_collision("s", "lefts").unwrap();
     told(&mut digest, plain.with_world(&wrong));
     digest.value()
 }
@@ -218,7 +218,7 @@ pub(crate) fn spheres_of(digest: &mut Digest, spheres: &SphereModel) {
         }
         digest.doubles([group.gap]);
     }
-    digest.doubles([spheres.overhang(), spheres.gap()]);
+    digest.doubles([spheres.max_protrusion(), spheres.gap()]);
     digest.bytes(format!(
         "{} {:?} {:?}",
         spheres.count(),

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Axis, Goal, Search};
+use kinopt::arm::{Arm, Axis, PoseBounds, Search};
 use kinopt::collision::{Checker, CollisionModel, Resolution, Shape, SphereModel, World};
 use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
 use kinopt::robot::Robot;
@@ -52,7 +52,7 @@ fn change(world: &mut World, random: &mut Random, links: &[&str]) {
     // What is refused leaves the world as it is.
     let _ = match random.below(if world.len() > 100 { 9 } else { 7 }) {
         0 => world.add(&new, shape(random, 12, 1.0), Vector3::new(0.0, 0.0, -0.02)),
-        1 => world.allow_touch(&name, link),
+        1 => world.allow_collision(&name, link),
         2 => world.attach(&name, links[links.len() - 1], hand),
         3 => world.detach(&name, aside(random)),
         4 => world.remove(&name),
@@ -104,8 +104,8 @@ fn arm(robot: &Robot, tip: &str, random: &mut Random) -> Arm {
         own = own.with_tool(Placement::translation(Vector3::new(0.0, 0.02, 0.1)));
     }
     own = own.with_goal(match random.below(5) {
-        0 => Goal::free_about(Axis::Z),
-        1 => Goal::position(),
+        0 => PoseBounds::free_about(Axis::Z),
+        1 => PoseBounds::position(),
         _ => Goal::default(),
     });
     let distinct = Search::Distinct {

@@ -48,7 +48,7 @@ fn problem(
     match random.below(4) {
         0 => {
             let at = placed[foot.index()].translation;
-            tasks.add(Task::new(Point::new(foot, at)).times(3.0));
+            tasks.add(Task::new(Point::new(foot, at)).scale(3.0));
         }
         1 => {
             let held = Task::new(Point::new(foot, placed[foot.index()].translation));
@@ -64,7 +64,7 @@ fn problem(
             tasks.add(Posture::new(model, &model.neutral()));
         }
         1 => {
-            tasks.add(Task::new(LimitCentring::new(model)).times(0.1));
+            tasks.add(Task::new(LimitCentring::new(model)).scale(0.1));
         }
         2 => {
             let own = Clearance::new(checker, random.within(0.05, 0.4));
@@ -142,7 +142,7 @@ fn bodies() -> [Value; 2] {
         drag.settle(1);
         told(&mut dragged, &drag);
         if random.below(2) == 0 {
-            drag.stand_at(&model.random_configuration(900 + case as u64))
+            drag.set_configuration(&model.random_configuration(900 + case as u64))
                 .unwrap();
             drag.advance();
             told(&mut dragged, &drag);

@@ -53,7 +53,7 @@ fn every_task(
         Task::new(Point::new(frame, near).at(vector(random, 0.1))).weight(Quantity::Metres, 2.0),
     );
     tasks.add(Task::new(Pose::new(other, at)).tolerance(Quantity::Radians, 0.3));
-    tasks.add(Task::new(LookAt::new(frame, vector(random, 1.0), near)).times(0.5));
+    tasks.add(Task::new(LookAt::new(frame, vector(random, 1.0), near)).scale(0.5));
     tasks.add(Task::new(Orientation::new(other, at.rotation)).named("stance"));
     tasks.add(Plane::new(frame, near, vector(random, 1.0)));
     tasks.add(Task::new(Distance::new(frame, other, 0.2)).weight(Quantity::Metres, 0.0));
@@ -63,10 +63,10 @@ fn every_task(
         [500.0, 480.0],
         [320.0, 240.0],
     );
-    tasks.add(Task::new(Pixel::new(frame, camera, [300.0, 200.0])).times(1e-3));
+    tasks.add(Task::new(Pixel::new(frame, camera, [300.0, 200.0])).scale(1e-3));
     tasks.add(Task::new(Posture::new(model, &q)).preference());
     tasks.add(Task::new(Smoothness::new(model, &q, 0.5)).preference());
-    tasks.add(Task::new(LimitCentring::new(model)).times(0.3).preference());
+    tasks.add(Task::new(LimitCentring::new(model)).scale(0.3).preference());
     tasks.preferences(preferences);
     tasks.build().unwrap()
 }
@@ -138,7 +138,7 @@ fn to_the_end() -> [Value; 2] {
         ));
         if case % 4 > 1 {
             tasks.add(Task::new(Posture::new(model, &model.neutral())).preference());
-            tasks.add(Task::new(LimitCentring::new(model)).times(0.1).preference());
+            tasks.add(Task::new(LimitCentring::new(model)).scale(0.1).preference());
         }
         if case == 7 {
             tasks.preferences(Preferences::Traded);
@@ -214,14 +214,14 @@ fn drags(rig: &Skeleton) -> Value {
             let target = stands[hand.index()].translation + Vector3::new(1.6 - out, 0.3, 0.1 * out);
             drag.target_mut(goal).unwrap().set_target(target);
             digest.solution(drag.advance());
-            digest.word(u64::from(drag.catching_up()) + 2 * u64::from(drag.rests()));
-            if let Some(leap) = drag.leap() {
+            digest.word(u64::from(drag.is_speed_limited()) + 2 * u64::from(drag.is_at_rest()));
+            if let Some(leap) = drag.jump() {
                 digest.text(leap.joint);
                 digest.doubles([leap.distance]);
             }
             digest.doubles(drag.q().iter().copied());
         }
-        drag.stand_at(&rest).unwrap();
+        drag.set_configuration(&rest).unwrap();
         digest.solution(drag.settle(5));
     }
     digest.value()

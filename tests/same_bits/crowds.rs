@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3A};
 use kinopt::Skeleton;
-use kinopt::animation::{Armature, Crowd, Limb, Playback, PlayingClip, PoseAngles, PoseTurns};
+use kinopt::animation::{Armature, BallPoseMap, Crowd, EulerPoseMap, Limb, Playback, PlayingClip};
 use kinopt::model::{BallLimits, Limits};
 use kinopt::skeleton::{BallSkeleton, BoneCone, BoneId, Cones, SkeletonRoot};
 use support::limbs::arm;
@@ -38,7 +38,7 @@ fn between() -> Value {
     digest.json(&hinges);
     let turning: BTreeSet<BoneId> = ["spine", "upper", "lower"].map(|n| bone(&body, n)).into();
     digest.json(&body.turning_skeleton("some", &turning).unwrap());
-    let angles = PoseAngles::new(&hinges);
+    let angles = EulerPoseMap::new(&hinges);
     let mut q = vec![0.0; 2];
     for case in 0..12 {
         let mut pose = bent(&body, &mut random, 0.5);
@@ -76,7 +76,7 @@ fn between() -> Value {
     }
     let raised = body.clone().at_rest_in(&raised).unwrap();
     digest.json(&raised.turning_skeleton("raised", &turning).unwrap());
-    let angles = PoseAngles::new(&skeleton(&raised));
+    let angles = EulerPoseMap::new(&skeleton(&raised));
     for _ in 0..4 {
         let pose = bent(&raised, &mut random, 0.5);
         angles.angles_of(&pose, &mut q).unwrap();
@@ -89,7 +89,7 @@ fn between() -> Value {
         // The hips stand still, so that a free root has a parent.
         let skeleton = raised.turning_skeleton("balls", &turning).unwrap();
         let figure = BallSkeleton::new(skeleton, &cones, root).unwrap();
-        let turns = PoseTurns::new(&raised, &figure);
+        let turns = BallPoseMap::new(&raised, &figure);
         let mut q = Vec::new();
         for _ in 0..4 {
             let mut pose = bent(&raised, &mut random, 0.5);

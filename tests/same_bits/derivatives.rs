@@ -7,8 +7,9 @@ use kinopt::problem::{Preferences, Problem, ProblemBuilder, ProblemInstance};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Camera, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LookAt, Orientation,
-    Pixel, Plane, Point, Pose, Posture, Quantity, Ray, Smoothness, SupportPolygon, Task, Within,
+    Bounded, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LookAt,
+    Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray, Smoothness,
+    SupportPolygon, Task,
 };
 use kinopt::{Solver, Workspace};
 use support::random::Random;
@@ -41,21 +42,21 @@ fn everything(
                     .relative_to(back),
             );
             tasks.add(
-                Task::new(Orientation::new(head, Matrix3::identity()).relative_to(hand)).times(0.3),
+                Task::new(Orientation::new(head, Matrix3::identity()).relative_to(hand)).scale(0.3),
             );
         }
         1 => {
             let tool = Placement::new(near.rotation, aside);
             tasks.add(Pose::new(hand, near).with_tool(tool).relative_to(foot));
-            let room = Goal::within([0.1, 0.0, 0.0, 0.3, 0.0, 3.2]);
+            let room = PoseBounds::within([0.1, 0.0, 0.0, 0.3, 0.0, 3.2]);
             tasks.add(Pose::new(foot, low).with_goal(room));
-            tasks.add(Task::new(Posture::new(model, q).by_range(model)).times(0.2));
+            tasks.add(Task::new(Posture::new(model, q).by_range(model)).scale(0.2));
         }
         2 => {
             tasks.add(LookAt::new(head, x, near.translation + aside));
             tasks.add(Gaze::at(hand, aside, mid.translation, 0.2));
             tasks.add(Gaze::along(foot, aside, x, 0.4));
-            tasks.add(Within::new(Plane::new(back, aside, x), 0.05));
+            tasks.add(Bounded::new(Plane::new(back, aside, x), 0.05));
             tasks.add(Ray::new(hand, aside, near.translation));
             tasks.add(Posture::new(model, &model.neutral()));
         }
@@ -63,8 +64,8 @@ fn everything(
             tasks.add(Distance::new(hand, foot, 0.3));
             let eye = Placement::new(near.rotation, near.translation - near.rotation.z * 3.0);
             let camera = Camera::pinhole(&eye, [50.0, 47.0], [32.0, 24.0]);
-            tasks.add(Task::new(Pixel::new(back, camera, [30.0, 20.0])).times(0.01));
-            tasks.add(Task::new(FrameVelocity::new(foot, low, 0.1, (aside, x))).times(0.1));
+            tasks.add(Task::new(Pixel::new(back, camera, [30.0, 20.0])).scale(0.01));
+            tasks.add(Task::new(FrameVelocity::new(foot, low, 0.1, (aside, x))).scale(0.1));
             tasks.add(CentreOfMass::new(&masses, aside).relative_to(foot));
             tasks.add(Smoothness::new(model, q, 0.2));
             tasks.preferences(Preferences::Traded);
@@ -76,7 +77,7 @@ fn everything(
                     .goal()
                     .tolerance(Quantity::JointUnits, 1e-3),
             );
-            tasks.add(Task::new(Point::new(hand, near.translation)).times(0.1));
+            tasks.add(Task::new(Point::new(hand, near.translation)).scale(0.1));
         }
         _ => {
             tasks.add(Task::new(Point::new(foot, low.translation)));
@@ -133,11 +134,11 @@ fn derivatives() -> [Value; 2] {
         };
         existing.bytes(format!(
             "{} {} {:?}",
-            own.existence(),
-            own.existence().name(),
-            own.existence()
+            own.differentiability(),
+            own.differentiability().name(),
+            own.differentiability()
         ));
-        existing.word(own.existence().is_unique().into());
+        existing.word(own.differentiability().is_unique().into());
         let n = own.degrees_of_freedom();
         let mut rates = own.parameters();
         rates
@@ -177,7 +178,7 @@ fn derivatives() -> [Value; 2] {
         gradient.clear();
         existing.noted(&gradient);
         let resumed = SolutionDerivative::resume(&problem, &mut memory);
-        existing.noted(&resumed.map(|own| own.existence().clone()));
+        existing.noted(&resumed.map(|own| own.differentiability().clone()));
         existing.refusal(SolutionDerivative::new(question, &q[1..], &mut memory));
     }
     [found.value(), existing.value()]
@@ -210,7 +211,7 @@ fn without() -> Value {
                 0 => drop(tasks.add(Point::new(tip, to)).index()),
                 1 => drop(tasks.add(Point::new(tip, to * 3.0)).index()),
                 2 => {
-                    tasks.add(Within::at_most(Plane::new(tip, to, [0.0, 1.0, 0.0]), 0.0));
+                    tasks.add(Bounded::at_most(Plane::new(tip, to, [0.0, 1.0, 0.0]), 0.0));
                     tasks.add(Posture::new(&planar, &[0.3, 0.4, 0.2]));
                 }
                 3 => {
@@ -228,7 +229,11 @@ fn without() -> Value {
                 let own = SolutionDerivative::new(&problem, &q, &mut memory);
                 match own {
                     Ok(mut own) => {
-                        digest.bytes(format!("{} {:?}\n", own.existence(), own.existence()));
+                        digest.bytes(format!(
+                            "{} {:?}\n",
+                            own.differentiability(),
+                            own.differentiability()
+                        ));
                         for task in 0..problem.tasks() {
                             digest.doubles(own.by_target(task).unwrap().iter().copied());
                         }

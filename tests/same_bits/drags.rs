@@ -21,7 +21,7 @@ use crate::searches::places;
 pub(crate) fn told(digest: &mut Digest, drag: &Drag) {
     digest.told(drag.solution());
     digest.doubles(drag.q().iter().copied());
-    digest.noted(&(drag.catching_up(), drag.rests(), drag.leap()));
+    digest.noted(&(drag.is_speed_limited(), drag.is_at_rest(), drag.jump()));
     digest.noted(&(
         drag.solution().collisions(),
         drag.problem().tasks(),
@@ -42,7 +42,7 @@ fn tasks(model: &Model, q: &[f64], case: usize) -> (Problem, TaskId<Point>, Vect
     tasks.add(if case == 7 { held.at_level(1) } else { held });
     if case % 2 == 1 {
         tasks.add(Posture::new(model, q));
-        tasks.add(Task::new(LimitCentring::new(model)).times(0.1));
+        tasks.add(Task::new(LimitCentring::new(model)).scale(0.1));
     }
     (tasks.build().unwrap(), goal, from)
 }
@@ -93,7 +93,7 @@ fn drags() -> Value {
         drag.target_mut(goal).unwrap().set_target(from - way * 0.3);
         drag.follow(2);
         told(&mut digest, &drag);
-        drag.stand_at(&q).unwrap();
+        drag.set_configuration(&q).unwrap();
         drag.target_mut(goal).unwrap().set_target(from + way * 9.0);
         drag.settle(2);
         told(&mut digest, &drag);
@@ -111,7 +111,7 @@ fn refused() -> Value {
     let (problem, _, _) = tasks(&model, &q, 0);
     let new = || Drag::new(problem.clone(), &q).unwrap();
     digest.refusal(Drag::new(problem.clone(), &q[1..]));
-    digest.refusal(new().stand_at(&q[1..]));
+    digest.refusal(new().set_configuration(&q[1..]));
     for radians in [0.0, -1.0, f64::NAN] {
         digest.refusal(new().with_max_move(radians));
     }

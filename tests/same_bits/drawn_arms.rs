@@ -5,7 +5,7 @@
 use std::fmt::Display;
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, Goal, PoseOutcome, Search};
+use kinopt::arm::{Arm, PoseBounds, PoseOutcome, Search};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
@@ -129,7 +129,7 @@ fn ask(digest: &mut Digest, arm: &Arm, robot: &Robot, random: &mut Random, used:
             for q in [&solution.q, &from] {
                 match arm.derivative(at, q) {
                     Ok(own) => {
-                        digest.noted(&own.existence);
+                        digest.noted(&own.differentiability);
                         digest.doubles(own.by_target.iter().copied());
                     }
                     Err(error) => digest.text(error.to_string()),
@@ -163,9 +163,9 @@ fn changed(arm: &Arm, random: &mut Random) -> Result<Arm, kinopt::arm::ArmError>
         2 => arm.with_goal(one_of(
             random,
             &[
-                Goal::pose(),
-                Goal::position(),
-                Goal::within([0.0, 0.1, 0.0, 0.0, INF, 0.2]),
+                PoseBounds::pose(),
+                PoseBounds::position(),
+                PoseBounds::within([0.0, 0.1, 0.0, 0.0, INF, 0.2]),
             ],
         )),
         3 => arm.with_search(one_of(

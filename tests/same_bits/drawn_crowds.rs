@@ -221,14 +221,14 @@ fn limbs_and_aims() -> Value {
             aim = digest.answer(up).unwrap_or(aim);
         }
         if at_times(&mut random, 0.5) {
-            let muzzles = [
+            let offsets = [
                 Vec3A::Y * 0.2,
                 Vec3A::new(0.1, 0.1, 0.4),
                 -Vec3A::Z,
                 Vec3A::INFINITY,
             ];
-            let muzzle = aim.with_muzzle(one_of(&mut random, &muzzles));
-            aim = digest.answer(muzzle).unwrap_or(aim);
+            let offset = aim.with_offset(one_of(&mut random, &offsets));
+            aim = digest.answer(offset).unwrap_or(aim);
         }
         for _ in 0..4 {
             let mut own = stretched(&body, &mut random);

@@ -71,7 +71,7 @@ fn led_about(
                 if rarely(random, 3) {
                     other[0] = f64::NAN;
                 }
-                digest.refusal(drag.stand_at(&other));
+                digest.refusal(drag.set_configuration(&other));
             }
             5 => way = vector(random, wide),
             6 => drag = tuned(drag, random, digest),
@@ -110,7 +110,7 @@ fn asked(model: &Model, q: &[f64], random: &mut Random) -> (Problem, TaskId<Poin
     match random.below(6) {
         0 => drop(tasks.add(Posture::new(model, q)).index()),
         1 => {
-            let centred = Task::new(LimitCentring::new(model)).times(0.3).goal();
+            let centred = Task::new(LimitCentring::new(model)).scale(0.3).goal();
             tasks.add(centred.tolerance(Quantity::Ratio, one_of(random, &[0.1, 0.6])));
         }
         2 => drop(

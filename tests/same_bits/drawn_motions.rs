@@ -100,7 +100,7 @@ fn rate_cost(random: &mut Random, model: &Model) -> RateCost {
     };
     for _ in 0..random.below(3) {
         let factor = one_of(random, &[3.0, 0.0, 0.5]);
-        cost = cost.times(joint_name(random, model).as_str(), factor);
+        cost = cost.scale(joint_name(random, model).as_str(), factor);
     }
     cost
 }
@@ -161,7 +161,7 @@ fn ask(random: &mut Random, model: &Model, frames: usize, motion: &mut MotionPro
         9 => _ = motion.last(&model.neutral()),
         10 => _ = motion.parameters(map(random, model)),
         11 => {
-            let posture = Task::new(Posture::new(model, &model.neutral())).times(0.3);
+            let posture = Task::new(Posture::new(model, &model.neutral())).scale(0.3);
             let posture = match at_times(random, 0.5) {
                 true => posture.preference(),
                 false => posture,
@@ -173,7 +173,7 @@ fn ask(random: &mut Random, model: &Model, frames: usize, motion: &mut MotionPro
             let task = motion.add(
                 Task::new(Point::new(tip, [1.0, 0.2, 0.1]))
                     .named(name)
-                    .times(0.5),
+                    .scale(0.5),
             );
             let size = random.within(0.1, 0.6);
             if at_times(random, 0.5) {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Arm;
-use kinopt::arm::{Axis, Goal};
+use kinopt::arm::{Axis, PoseBounds};
 use kinopt::model::Limits;
 use kinopt::motion::path::{
     CartesianPath, PathSolver, QuaternionOrder, TimingLimits, Trajectory, Traversal,
@@ -28,9 +28,9 @@ fn arms() -> Vec<Arm> {
         planar_with_hand(Limits::new(-0.4, 0.9)),
         two_links_by_a_wall(),
         bare_arm(&scara, "base", "flange"),
-        flange(Goal::free_about(Axis::Z)),
-        flange(Goal::position()),
-        flange(Goal::within([0.02, 0.0, 0.01, 0.0, 0.0, 0.4])),
+        flange(PoseBounds::free_about(Axis::Z)),
+        flange(PoseBounds::position()),
+        flange(PoseBounds::within([0.02, 0.0, 0.01, 0.0, 0.0, 0.4])),
         bare_arm(&robot("universal_ur5e"), "base", "flange"),
         bare_arm(&robot("franka_panda"), "base", "flange"),
     ]
@@ -150,7 +150,7 @@ fn options() -> Value {
                 joints.map(|_| random.within(0.3, 3.0)).collect()
             };
             let (velocities, accelerations) = (limits(), limits());
-            if let Some(times) = digest.answer(found.times(&velocities, &accelerations)) {
+            if let Some(times) = digest.answer(found.scale(&velocities, &accelerations)) {
                 digest.doubles(times);
             }
         }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use glam::{Quat, Vec3, Vec3A, Vec4};
 use kinopt::animation::curve::{BezierHandle, KeyedCurve, TensionContinuityBias, repair_keys};
 use kinopt::animation::rotation::RotationCurve;
-use kinopt::animation::{Armature, ArmatureBone, Easing, PoseAngles, PoseTurns};
+use kinopt::animation::{Armature, ArmatureBone, BallPoseMap, Easing, EulerPoseMap};
 use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
@@ -67,7 +67,7 @@ fn configurations() -> Value {
             continue;
         };
         digest.json(&skeleton);
-        let angles = PoseAngles::new(&skeleton);
+        let angles = EulerPoseMap::new(&skeleton);
         let turning: BTreeSet<BoneId> = body
             .bone_ids()
             .filter(|_| at_times(&mut random, 0.6))
@@ -93,7 +93,7 @@ fn configurations() -> Value {
             angles.pose_of(&q, &mut again).unwrap();
             digest.pose(&again);
             let Some(figure) = &figure else { continue };
-            let turns = PoseTurns::new(&body, figure);
+            let turns = BallPoseMap::new(&body, figure);
             turns.configuration_of(&pose, &mut q).unwrap();
             digest.doubles(q.iter().copied());
             let mut again = body.rest().clone();

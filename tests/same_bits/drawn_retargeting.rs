@@ -185,7 +185,7 @@ fn movements() -> Value {
         if let Some(mut found) = digest.answer(found) {
             add(&mut digest, &asked, &found);
             at_limits(&mut random, robot, &mut found.q);
-            add_text(&mut digest, &format!("{:?}", asked.limits_met(&found)));
+            add_text(&mut digest, &format!("{:?}", asked.active_limits(&found)));
         }
         if let Some(mut follower) = digest.answer(asked.follower()) {
             let count = follower.places();

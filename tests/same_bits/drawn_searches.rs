@@ -126,7 +126,11 @@ fn changes(
         Ok(own) => own,
         Err(error) => return digest.text(error.to_string()),
     };
-    digest.bytes(format!("{} {:?}", own.existence(), own.existence()));
+    digest.bytes(format!(
+        "{} {:?}",
+        own.differentiability(),
+        own.differentiability()
+    ));
     let mut rates = own.parameters();
     let mut draw = |values: &mut [f64]| {
         values
@@ -253,7 +257,7 @@ fn mixes(seed: u64, cases: usize) -> [Value; 3] {
             }
         }
         let resumed = SolutionDerivative::resume(&problem, &mut memory);
-        changed.noted(&resumed.map(|own| own.existence().clone()));
+        changed.noted(&resumed.map(|own| own.differentiability().clone()));
     }
     digests.map(|digest| digest.value())
 }

@@ -84,7 +84,7 @@ fn weighed<R: Residual>(own: R, random: &mut Random) -> Task<R> {
         own = match random.below(4) {
             0 => own.weight(quantity, one_of(random, &[0.0, 0.2, 3.0])),
             1 => own.tolerance(quantity, one_of(random, &[1e-9, 1e-3, 0.1, 0.3])),
-            2 => own.times(one_of(random, &[0.5, 2.0])),
+            2 => own.scale(one_of(random, &[0.5, 2.0])),
             _ => own.named("led"),
         };
     }

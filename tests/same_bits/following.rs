@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Axis, Goal, HeldBy, Jump, Search, ServoStatus};
+use kinopt::arm::{Arm, ArmBuilder, Axis, HeldBy, Jump, PoseBounds, Search, ServoStatus};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, robot};
 
@@ -53,8 +53,8 @@ fn misses() -> Value {
             everywhere().with_max_move(&moves[..n]),
             builder().with_posture(&vec![0.1; n]),
             builder().with_tool(tool).with_metres_per_radian(0.1),
-            builder().with_goal(Goal::free_about(Axis::Z)),
-            builder().with_goal(Goal::position()),
+            builder().with_goal(PoseBounds::free_about(Axis::Z)),
+            builder().with_goal(PoseBounds::position()),
         ] {
             missed(&mut digest, builder, &mut random, 1);
         }

@@ -7,8 +7,8 @@ use kinopt::problem::{Preferences, Problem, ProblemBuilder};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    CentreOfMass, Gaze, Goal, LimitCentring, Orientation, Plane, Point, Pose, Posture,
-    SupportPolygon, Task, Within,
+    Bounded, CentreOfMass, Gaze, LimitCentring, Orientation, Plane, Point, Pose, PoseBounds,
+    Posture, SupportPolygon, Task,
 };
 use kinopt::{Solver, Workspace};
 use support::random::Random;
@@ -35,7 +35,7 @@ fn first(
     match case {
         0 => drop(tasks.add(Pose::new(foot, low)).index()),
         1 => {
-            let room = Goal::within([0.1, 0.05, 0.0, 0.3, 3.2, 0.2]);
+            let room = PoseBounds::within([0.1, 0.05, 0.0, 0.3, 3.2, 0.2]);
             tasks.add(Pose::new(foot, low).with_goal(room));
             tasks.add(
                 SupportPolygon::new(masses)
@@ -45,8 +45,8 @@ fn first(
         }
         2 => {
             let plane = Plane::new(hand, near.translation, [0.3, 0.1, 1.0]);
-            tasks.add(Within::at_most(plane, 0.02));
-            tasks.add(Within::new(Point::new(back, mid.translation), 0.05));
+            tasks.add(Bounded::at_most(plane, 0.02));
+            tasks.add(Bounded::new(Point::new(back, mid.translation), 0.05));
             tasks.add(Gaze::along(hand, [1.0, 0.0, 0.0], near.rotation.x, 0.3));
         }
         3 => drop(

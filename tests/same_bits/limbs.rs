@@ -10,7 +10,7 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::Problem;
 use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Goal, LookAt, Orientation, Point, Pose, Quantity, Task};
+use kinopt::task::{LookAt, Orientation, Point, Pose, PoseBounds, Quantity, Task};
 use support::random::Random;
 
 use crate::digest::{Digest, Value, check};
@@ -103,7 +103,7 @@ fn asked(model: &Model, map: ParameterMap, case: usize, random: &mut Random) -> 
         ),
         1 => {
             tasks.add(Point::new(left, near(random, left).translation).at(vector(random, 0.1)));
-            tasks.add(Task::new(Point::new(right, near(random, right).translation)).times(0.5));
+            tasks.add(Task::new(Point::new(right, near(random, right).translation)).scale(0.5));
         }
         2 => {
             tasks
@@ -115,7 +115,7 @@ fn asked(model: &Model, map: ParameterMap, case: usize, random: &mut Random) -> 
         }
         _ => {
             tasks.add(Point::new(palm, near(random, palm).translation));
-            tasks.add(Task::new(Point::new(left, vector(random, 1.0))).times(0.0));
+            tasks.add(Task::new(Point::new(left, vector(random, 1.0))).scale(0.0));
             tasks.add(Point::new(right, near(random, right).translation));
         }
     }
@@ -240,7 +240,7 @@ fn refused() -> Value {
         all[1].add(Orientation::new(frame, at.rotation));
         all[2].add(LookAt::new(frame, [0.0, 0.0, 1.0], at.translation));
         all[3].add(Point::new(frame, at.translation).relative_to(base));
-        all[4].add(Pose::new(frame, at).with_goal(Goal::position()));
+        all[4].add(Pose::new(frame, at).with_goal(PoseBounds::position()));
         all[5].add(Task::new(Pose::new(frame, at)).weight(Quantity::Metres, 0.0));
         all[6].add(Task::new(Point::new(frame, at.translation)).named("reach"));
         all[6].add(Pose::new(base, at).relative_to(frame));

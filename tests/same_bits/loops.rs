@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solver;
-use kinopt::ik::{LoopClosure, Restarts, bent_stance};
+use kinopt::ik::{LoopClosure, Restarts, crouched_configuration};
 use kinopt::model::{BallLimits, JointId, Limits, Loop, Model, ParameterMap};
 use kinopt::problem::Problem;
 use kinopt::solver::Stopping;
@@ -162,8 +162,8 @@ fn stances() -> Value {
             (&Vec::new(), [0.0, 0.0, 1.0]),
         ] {
             let q = model.random_configuration(3);
-            digest.doubles(bent_stance(&model, &map, feet, &q, up).unwrap());
-            digest.refusal(bent_stance(&model, &map, feet, &q[1..], up));
+            digest.doubles(crouched_configuration(&model, &map, feet, &q, up).unwrap());
+            digest.refusal(crouched_configuration(&model, &map, feet, &q[1..], up));
         }
     }
     digest.value()

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use kinopt::arm::{Arm, ArmBuilder, Axis, Base, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Axis, Base, PoseBounds, Search};
 use kinopt::collision::{Checker, CollisionModel, Resolution, SphereModel, World};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -93,12 +93,12 @@ pub(crate) fn robot(random: &mut Random, joints: usize) -> Robot {
 fn goal(random: &mut Random) -> Goal {
     let axis = one_of(random, &[Axis::X, Axis::Y, Axis::Z]);
     match random.below(7) {
-        0 => Goal::pose(),
-        1 => Goal::position(),
-        2 => Goal::free_about(axis),
-        3 => Goal::free_along(axis),
-        4 => Goal::within([INF, INF, INF, 0.0, 0.0, one_of(random, &[0.0, INF])]),
-        _ => Goal::within([(); 6].map(|()| one_of(random, &[0.0, 0.0, 0.05, 0.3, 4.0, INF]))),
+        0 => PoseBounds::pose(),
+        1 => PoseBounds::position(),
+        2 => PoseBounds::free_about(axis),
+        3 => PoseBounds::free_along(axis),
+        4 => PoseBounds::within([INF, INF, INF, 0.0, 0.0, one_of(random, &[0.0, INF])]),
+        _ => PoseBounds::within([(); 6].map(|()| one_of(random, &[0.0, 0.0, 0.05, 0.3, 4.0, INF]))),
     }
 }
 

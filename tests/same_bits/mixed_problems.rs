@@ -7,9 +7,9 @@ use kinopt::model::{FrameId, JointId, Limits, Masses, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Preferences, Problem, ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LimitCentring, LookAt,
-    Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture, Ray, Residual,
-    Smoothness, SupportPolygon, Task, Within,
+    Axis, Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring,
+    LookAt, Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture,
+    Ray, Residual, Smoothness, SupportPolygon, Task,
 };
 use support::random::Random;
 
@@ -65,7 +65,7 @@ fn put<R: Residual>(tasks: &mut ProblemBuilder<'_>, own: R, random: &mut Random)
         own = match random.below(8) {
             0 => own.named(one_of(random, &["led", "pose of `hand`", ""])),
             1 => own.weight(quantity, one_of(random, &[0.0, 0.3, 2.0])),
-            2 => own.times(one_of(random, &[0.1, 0.5, 4.0, 0.0])),
+            2 => own.scale(one_of(random, &[0.1, 0.5, 4.0, 0.0])),
             3 | 4 => own.tolerance(quantity, one_of(random, &[0.0, 1e-4, 0.05, 0.5, INF])),
             5 => own.preference(),
             6 if rarely(random, 3) => own.at_level(one_of(random, &[0, 1, 3])),
@@ -93,9 +93,13 @@ fn of_frames(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random) {
     let turned = Placement::new(place(random, 0.1).rotation, to);
     let goal = one_of(
         random,
-        &[Goal::pose(), Goal::free_about(axis), Goal::free_along(axis)],
+        &[
+            PoseBounds::pose(),
+            PoseBounds::free_about(axis),
+            PoseBounds::free_along(axis),
+        ],
     );
-    let room = Goal::within([(); 6].map(|()| one_of(random, &[0.0, 0.1, 0.4, INF])));
+    let room = PoseBounds::within([(); 6].map(|()| one_of(random, &[0.0, 0.1, 0.4, INF])));
     match random.below(18) {
         0 => drop(put(tasks, Point::new(one, to).at(off), random)),
         1 => drop(put(
@@ -131,9 +135,9 @@ fn of_frames(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random) {
             let [low, high] = [one_of(random, &[-0.3, 0.0]), one_of(random, &[0.1, INF])];
             match random.below(4) {
                 0 => drop(put(tasks, plane, random)),
-                1 => drop(put(tasks, Within::at_least(plane, low), random)),
-                2 => drop(put(tasks, Within::at_most(plane, high), random)),
-                _ => drop(put(tasks, Within::between(plane, low, high), random)),
+                1 => drop(put(tasks, Bounded::at_least(plane, low), random)),
+                2 => drop(put(tasks, Bounded::at_most(plane, high), random)),
+                _ => drop(put(tasks, Bounded::between(plane, low, high), random)),
             }
         }
         12 => drop(put(
@@ -156,7 +160,7 @@ fn of_frames(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random) {
             put(tasks, own, random);
         }
         16 => {
-            let own = Within::new(Point::new(one, to).relative_to(other), 0.1);
+            let own = Bounded::new(Point::new(one, to).relative_to(other), 0.1);
             put(tasks, own, random);
         }
         _ => {

@@ -22,7 +22,10 @@ pub(crate) fn obstacle(digest: &mut Digest, world: &World) {
                 .iter()
                 .flat_map(|v| v.to_array()),
         );
-        digest.bytes(format!("{:?} {:?}", obstacle.attached, obstacle.may_touch));
+        digest.bytes(format!(
+            "{:?} {:?}",
+            obstacle.attached, obstacle.allow_collision
+        ));
         let ball = obstacle.shape.bounding_sphere();
         digest.doubles(ball.centre.to_array());
         digest.doubles([ball.radius]);
@@ -78,7 +81,7 @@ pub(crate) fn full(random: &mut Random) -> World {
         ("lid", "cup"),
         ("stone", "hand"),
     ] {
-        world.allow_touch(one, other).unwrap();
+        world.allow_collision(one, other).unwrap();
     }
     world
 }
@@ -114,9 +117,9 @@ fn edits() -> Value {
     told(&mut digest, world.detach("cup", far));
     told(&mut digest, world.remove("nothing"));
     told(&mut digest, world.obstacle("nothing"));
-    told(&mut digest, world.allow_touch("hand", "base"));
-    told(&mut digest, world.allow_touch("ball", " "));
-    told(&mut digest, world.allow_touch("cup", "left"));
+    told(&mut digest, world.allow_collision("hand", "base"));
+    told(&mut digest, world.allow_collision("ball", " "));
+    told(&mut digest, world.allow_collision("cup", "left"));
     told(&mut digest, world.forbid_touch("box", "can"));
     told(&mut digest, world.forbid_touch("hand", "base"));
     told(&mut digest, World::new().remove("nothing"));
@@ -126,7 +129,7 @@ fn edits() -> Value {
         ("hand", "floor"),
         ("stone", "hand"),
     ] {
-        digest.word(world.may_touch(one, other).into());
+        digest.word(world.allow_collision(one, other).into());
     }
     digest.word(world.revision());
     let before = world.clone();
@@ -201,7 +204,7 @@ fn files() -> Value {
         ("\"radius\": 0.08", "\"radius\": -0.08"),
         ("\"ball\"", "\"box\""),
         ("\"size\"", "\"sizes\""),
-        ("\"may_touch\"", "\"order\""),
+        ("\"allow_collision\"", "\"order\""),
         ("\"order\"", "\"orders\""),
         ("\"columns\": 3", "\"columns\": 4"),
         ("\"position\"", "\"quaternion\""),
@@ -225,7 +228,7 @@ fn files() -> Value {
         r#"{"meshes": [{"name": "m", "scale": [1, 2, -3], "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}]}"#,
         r#"{"planes": [{"name": "p"}], "spheres": [{"name": "s", "radius": 1}, {"name": "r", "radius": 2}], "order": ["r", "p"]}"#,
         r#"{"planes": [{"name": "p"}], "order": ["q"]}"#,
-        r#"{"spheres": [{"name": "s", "radius": 1, "may_touch": ["x"]}], "may_be_missing": ["x"]}"#,
+        r#"{"spheres": [{"name": "s", "radius": 1, "allow_collision": ["x"]}], "may_be_missing": ["x"]}"#,
         r#"{"spheres": [["s", 1]]}"#,
     ] {
         match World::from_json(more.as_bytes(), "more.json") {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Arm;
-use kinopt::arm::{Axis, Goal};
+use kinopt::arm::{Axis, PoseBounds};
 use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::model::Limits;
 use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, Traversal};
@@ -229,9 +229,9 @@ fn goals() -> Value {
             .unwrap(),
     );
     for goal in [
-        Goal::position(),
-        Goal::free_about(Axis::Z),
-        Goal::within([0.01, 0.0, 0.02, 0.0, 0.3, f64::INFINITY]),
+        PoseBounds::position(),
+        PoseBounds::free_about(Axis::Z),
+        PoseBounds::within([0.01, 0.0, 0.02, 0.0, 0.3, f64::INFINITY]),
     ] {
         let free = Arm::builder(&ur5e, "base", "flange")
             .with_atlas(false)
@@ -352,7 +352,7 @@ pub(crate) fn two_links_by_a_wall() -> Arm {
     let checker = Checker::new(CollisionModel::of(&robot).unwrap());
     let checker = checker.with_world(&world.unwrap()).unwrap();
     let arm = Arm::builder(&robot, "base", "tip")
-        .with_goal(Goal::position())
+        .with_goal(PoseBounds::position())
         .with_atlas(false);
     arm.build()
         .unwrap()

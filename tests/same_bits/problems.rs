@@ -32,10 +32,10 @@ fn restated() -> Value {
     );
     tasks.add(
         Task::new(Point::new(foot, vector(&mut random, 0.5)))
-            .times(2.0)
+            .scale(2.0)
             .named("step"),
     );
-    tasks.add(Task::new(Posture::new(&model, &q)).times(0.1));
+    tasks.add(Task::new(Posture::new(&model, &q)).scale(0.1));
     tasks
         .bound(elbow, Limits::new(0.4, 9.0))
         .bound(plate, Limits::new(-1.0, 1.0));
@@ -54,10 +54,10 @@ fn restated() -> Value {
     );
     tasks.add(
         Task::new(Point::new(foot, vector(&mut random, 0.5)))
-            .times(2.0)
+            .scale(2.0)
             .named("step"),
     );
-    tasks.add(Task::new(Posture::new(&model, &q)).times(0.1));
+    tasks.add(Task::new(Posture::new(&model, &q)).scale(0.1));
     tasks
         .bound(elbow, Limits::new(0.4, 9.0))
         .bound(plate, Limits::new(-1.0, 1.0))

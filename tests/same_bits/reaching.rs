@@ -103,13 +103,13 @@ fn aims() -> Value {
     let body = arm();
     let hand = bone(&body, "hand");
     let aim = || Aim::new(&body, hand, Vec3A::new(2.0, 0.1, 0.0)).unwrap();
-    let muzzle = Vec3A::new(0.05, 0.1, -0.02);
+    let offset = Vec3A::new(0.05, 0.1, -0.02);
     let aims = [
         aim(),
         aim().with_up(Vec3A::Y * 3.0).unwrap(),
-        aim().with_muzzle(muzzle).unwrap(),
+        aim().with_offset(offset).unwrap(),
         aim()
-            .with_muzzle(muzzle)
+            .with_offset(offset)
             .unwrap()
             .with_up(Vec3A::Z)
             .unwrap(),
@@ -145,7 +145,7 @@ fn aims() -> Value {
     digest.refused(Aim::new(&body, hand, Vec3A::ZERO));
     digest.refused(aim().with_up(Vec3A::NAN));
     digest.refused(aim().with_up(Vec3A::new(-4.0, -0.2, 0.0)));
-    digest.refused(aim().with_muzzle(Vec3A::NAN));
+    digest.refused(aim().with_offset(Vec3A::NAN));
     digest.refused(aim().turn(&body, &mut small.rest().clone(), &back));
     digest.value()
 }

@@ -21,7 +21,7 @@ pub(crate) fn add(digest: &mut Digest, retargeting: &Retargeting<'_>, found: &Re
     let mut rest = found.clone();
     rest.q.clear();
     add_text(digest, &format!("{rest:?} {}", found.frames()));
-    add_text(digest, &format!("{:?}", retargeting.limits_met(found)));
+    add_text(digest, &format!("{:?}", retargeting.active_limits(found)));
 }
 
 pub(crate) fn add_fitted(digest: &mut Digest, retargeting: &Retargeting<'_>) {
@@ -326,7 +326,7 @@ fn clear() -> Value {
 }
 
 /// Feet that stand while the body is drawn away from them, where nothing but smoothness counts, come back and are lifted.
-fn given_up() -> Value {
+fn lost_contacts() -> Value {
     let mut digest = Digest::new();
     let robot = biped(BOXES[0], BOXES[1]);
     let captured = changed_capture(18, |frame, own| {
@@ -347,7 +347,7 @@ fn given_up() -> Value {
     let options = options.with_windows(Windows::new(6, 2));
     let retargeting = Retargeting::new(&robot, &map, &captured, options).unwrap();
     let found = retargeting.whole().unwrap();
-    assert!(!found.given_up.is_empty());
+    assert!(!found.lost_contacts.is_empty());
     add(&mut digest, &retargeting, &found);
     digest.value()
 }
@@ -391,7 +391,7 @@ fn pressed() -> Value {
 }
 
 /// Values at limits of position and speed, and just beside them.
-fn limits_met() -> Value {
+fn active_limits() -> Value {
     let mut digest = Digest::new();
     let robot = biped("", "");
     let captured = capture(9, false);
@@ -427,7 +427,7 @@ fn limits_met() -> Value {
     }
     add_text(
         &mut digest,
-        &format!("{:?}", retargeting.limits_met(&found)),
+        &format!("{:?}", retargeting.active_limits(&found)),
     );
     digest.value()
 }
@@ -458,8 +458,8 @@ fn of_movements_live_and_clear() {
     check(&[
         ("retargeting: live, step by step", live()),
         ("retargeting: clear of oneself", clear()),
-        ("retargeting: what is given up", given_up()),
+        ("retargeting: what is given up", lost_contacts()),
         ("retargeting: feet that are pressed", pressed()),
-        ("retargeting: limits that are met", limits_met()),
+        ("retargeting: limits that are met", active_limits()),
     ]);
 }

@@ -168,7 +168,7 @@ fn posed() -> Value {
                 owned.deform(&q, buffers(&mut room)).unwrap();
                 assert_eq!(room, by_angles.positions());
                 let mut pose = Armature::of_skeleton(&rig.skeleton).rest().clone();
-                kinopt::animation::PoseAngles::new(&rig.skeleton)
+                kinopt::animation::EulerPoseMap::new(&rig.skeleton)
                     .pose_of(&q, &mut pose)
                     .unwrap();
                 let by_pose = posing.mesh_of_pose(&pose).unwrap();

@@ -52,8 +52,8 @@ fn asked(
         }
         2 => {
             tasks.add(Point::new(hand, near.translation));
-            tasks.add(Task::new(Point::new(hand, near.translation + far)).times(0.5));
-            tasks.add(Task::new(Posture::new(model, q)).times(0.1));
+            tasks.add(Task::new(Point::new(hand, near.translation + far)).scale(0.5));
+            tasks.add(Task::new(Posture::new(model, q)).scale(0.1));
         }
         3 => {
             let turned = rotation_exp(vector(random, 2.5)) * at[head.index()].rotation;
@@ -62,7 +62,7 @@ fn asked(
         }
         4 => {
             tasks.add(Task::new(Pose::new(hand, near)).tolerance(Quantity::Metres, 0.01));
-            tasks.add(Task::new(LimitCentring::new(model)).times(0.2).preference());
+            tasks.add(Task::new(LimitCentring::new(model)).scale(0.2).preference());
             tasks.add(Smoothness::new(model, &model.neutral(), 0.5));
             tasks.preferences(Preferences::Traded);
         }
@@ -71,7 +71,7 @@ fn asked(
             tasks.add(
                 Task::new(Posture::new(model, &model.neutral()).by_range(model)).named("rest"),
             );
-            tasks.add(Task::new(LimitCentring::new(model)).times(2.0));
+            tasks.add(Task::new(LimitCentring::new(model)).scale(2.0));
             tasks.preferences(Preferences::Traded);
         }
         6 => {

@@ -64,13 +64,13 @@ fn stuck() -> [Value; 2] {
             5 => {
                 tasks.add(
                     Task::new(LimitCentring::new(&model))
-                        .times(0.3)
+                        .scale(0.3)
                         .goal()
                         .tolerance(Quantity::Ratio, 0.4),
                 );
             }
             6 => {
-                tasks.add(Task::new(Posture::new(&model, &q)).times(0.1));
+                tasks.add(Task::new(Posture::new(&model, &q)).scale(0.1));
                 tasks.preferences(Preferences::Traded);
             }
             _ => {}
@@ -102,15 +102,15 @@ fn stuck() -> [Value; 2] {
                 drag.advance();
                 frames.solution(drag.solution());
                 frames.doubles(drag.q().iter().copied());
-                frames.noted(&(drag.catching_up(), drag.rests(), drag.leap()));
+                frames.noted(&(drag.is_speed_limited(), drag.is_at_rest(), drag.jump()));
             }
         }
         for to in [goals[2], from * 0.3, goals[1]] {
-            drag.stand_at(&q).unwrap();
+            drag.set_configuration(&q).unwrap();
             drag.target_mut(goal).unwrap().set_target(to);
             drag.settle(12);
             told(&mut settled, &drag);
-            drag.stand_at(&q).unwrap();
+            drag.set_configuration(&q).unwrap();
             drag.follow(12);
             told(&mut settled, &drag);
         }
@@ -162,7 +162,7 @@ fn under() -> Value {
             for _ in 0..14 {
                 drag.advance();
                 digest.solution(drag.solution());
-                digest.noted(&(drag.q(), drag.rests(), drag.solution().collisions()));
+                digest.noted(&(drag.q(), drag.is_at_rest(), drag.solution().collisions()));
             }
         }
         told(&mut digest, &drag);

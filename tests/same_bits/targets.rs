@@ -6,9 +6,9 @@ use kinopt::problem::{Evaluation, Problem, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LookAt,
-    Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture, Quantity, Ray,
-    Smoothness, SupportPolygon, Task, Within,
+    Axis, Bounded, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LookAt,
+    Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity,
+    Ray, Smoothness, SupportPolygon, Task,
 };
 use support::random::Random;
 
@@ -32,13 +32,13 @@ fn targets() -> Value {
     let orientation = tasks.add(Orientation::new(hand, Matrix3::identity()).relative_to(foot));
     let pose = tasks.add(
         Pose::new(hand, x)
-            .with_goal(Goal::free_about(Axis::X))
+            .with_goal(PoseBounds::free_about(Axis::X))
             .relative_to(foot),
     );
     let look = tasks.add(LookAt::new(hand, x, x));
     let gaze = tasks.add(Gaze::along(hand, x, x, 0.3));
     let at = tasks.add(Gaze::at(hand, x, x, 0.3));
-    let plane = tasks.add(Within::new(Plane::new(hand, x, x), 0.1));
+    let plane = tasks.add(Bounded::new(Plane::new(hand, x, x), 0.1));
     let ray = tasks.add(Ray::new(hand, x, Vector3::zero()));
     let distance = tasks.add(Distance::new(hand, foot, 0.1));
     let pixel = tasks.add(Pixel::new(hand, camera(&mut random), [0.0; 2]));
@@ -177,9 +177,16 @@ fn refused() -> Value {
         Pose::new(hand, straight).relative_to(hand),
         Pose::new(hand, Vector3::from(nan)),
         Pose::new(hand, straight).with_tool(Vector3::from(nan)),
-        Pose::new(hand, straight).with_goal(Goal::within([0.0, -0.1, 0.0, 0.0, 0.0, 0.0])),
-        Pose::new(hand, straight).with_goal(Goal::within([0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0])),
-        Pose::new(hand, straight).with_goal(Goal::within([f64::INFINITY; 6])),
+        Pose::new(hand, straight).with_goal(PoseBounds::within([0.0, -0.1, 0.0, 0.0, 0.0, 0.0])),
+        Pose::new(hand, straight).with_goal(PoseBounds::within([
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            f64::NAN,
+            0.0
+        ])),
+        Pose::new(hand, straight).with_goal(PoseBounds::within([f64::INFINITY; 6])),
         LookAt::new(hand, zero, x),
         LookAt::new(hand, x, nan),
         Gaze::at(hand, x, nan, 0.2),
@@ -213,9 +220,9 @@ fn refused() -> Value {
         FrameVelocity::new(hand, straight, 0.1, (nan, zero)),
         FrameVelocity::new(hand, straight, 0.1, (zero, nan)),
         FrameVelocity::new(hand, straight, 0.0, (x, x)),
-        Within::between(Plane::new(hand, x, x), 1.0, 0.5),
-        Within::new(Plane::new(hand, x, zero), 1.0),
-        Within::at_least(Plane::new(hand, x, x), f64::INFINITY),
+        Bounded::between(Plane::new(hand, x, x), 1.0, 0.5),
+        Bounded::new(Plane::new(hand, x, zero), 1.0),
+        Bounded::at_least(Plane::new(hand, x, x), f64::INFINITY),
         CentreOfMass::new(&masses, nan),
         CentreOfMass::new(&masses, x)
             .free_along(Axis::X)
@@ -258,7 +265,7 @@ fn refused() -> Value {
         Task::new(Point::new(hand, x)).tolerance(Quantity::Metres, f64::NAN),
         Task::new(Point::new(hand, x))
             .named("reach")
-            .times(f64::NAN),
+            .scale(f64::NAN),
     ];
     digest.value()
 }

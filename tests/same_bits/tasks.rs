@@ -7,9 +7,10 @@ use kinopt::problem::{Derivatives, Evaluation, Problem, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LimitCentring,
-    LocalJacobian, LookAt, Manipulability, Numeric, NumericResidual, Orientation, Pixel, Plane,
-    Point, Pose, Posture, Quantity, Ray, RowBlock, Smoothness, SupportPolygon, Task, Within,
+    Axis, Bounded, Camera, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling,
+    LimitCentring, LocalJacobian, LookAt, Manipulability, Numeric, NumericResidual, Orientation,
+    Pixel, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray, RowBlock, Smoothness,
+    SupportPolygon, Task,
 };
 use nalgebra::DMatrix;
 use support::random::Random;
@@ -122,16 +123,16 @@ fn of_frames(
             .at(vector(random, 0.3))
             .relative_to(head),
     );
-    tasks.add(Task::new(Orientation::new(hand, turned(random, 0.5).rotation)).times(0.3));
+    tasks.add(Task::new(Orientation::new(hand, turned(random, 0.5).rotation)).scale(0.3));
     tasks.add(Orientation::new(head, place(random, 0.1).rotation).relative_to(hand));
     let inf = f64::INFINITY;
     let goals = [
-        Goal::pose(),
-        Goal::position(),
-        Goal::free_about(Axis::Y),
-        Goal::free_along(Axis::Z),
-        Goal::within([0.05, inf, 0.01, 0.1, 0.02, 3.2]),
-        Goal::within([0.4, 0.3, 0.2, 1.0, 2.0, 1.5]),
+        PoseBounds::pose(),
+        PoseBounds::position(),
+        PoseBounds::free_about(Axis::Y),
+        PoseBounds::free_along(Axis::Z),
+        PoseBounds::within([0.05, inf, 0.01, 0.1, 0.02, 3.2]),
+        PoseBounds::within([0.4, 0.3, 0.2, 1.0, 2.0, 1.5]),
     ];
     tasks.add(Pose::new(hand, turned(random, 0.2)));
     tasks.add(Pose::new(hand, turned(random, 0.2)).with_tool(place(random, 0.2)));
@@ -161,14 +162,14 @@ fn of_frames(
     tasks.add(Ray::new(hand, vector(random, 1.0), vector(random, 1.0)));
     tasks.add(Task::new(Distance::new(hand, foot, 0.4)).tolerance(Quantity::Metres, 0.5));
     tasks.add(Distance::new(back, hand, 0.0));
-    tasks.add(Task::new(Pixel::new(hand, camera(random), [300.0, 200.0])).times(1e-2));
+    tasks.add(Task::new(Pixel::new(hand, camera(random), [300.0, 200.0])).scale(1e-2));
     let speed = (vector(random, 0.3), vector(random, 0.5));
     tasks.add(FrameVelocity::new(hand, turned(random, 0.1), 0.05, speed));
     let plane = Plane::new(foot, vector(random, 0.2), vector(random, 2.0));
-    tasks.add(Within::new(plane, 0.1));
-    tasks.add(Within::at_most(plane, -0.2));
-    tasks.add(Within::at_least(plane, 0.1));
-    tasks.add(Within::between(
+    tasks.add(Bounded::new(plane, 0.1));
+    tasks.add(Bounded::at_most(plane, -0.2));
+    tasks.add(Bounded::at_least(plane, 0.1));
+    tasks.add(Bounded::between(
         Point::new(head, vector(random, 0.5)).relative_to(back),
         -0.2,
         0.3,

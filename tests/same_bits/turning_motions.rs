@@ -62,7 +62,7 @@ fn turning() -> Value {
             &|motion| {
                 _ = motion
                     .max_speed("ball", 2.0)
-                    .rate_cost(RateCost::jerk(1e-5).times("ball", 2.0))
+                    .rate_cost(RateCost::jerk(1e-5).scale("ball", 2.0))
             },
             &|motion| _ = motion.first(&q).max_speed("ball", 3.0),
         ];

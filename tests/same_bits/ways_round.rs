@@ -80,7 +80,7 @@ fn pierced() -> Value {
         for _ in 0..70 {
             drag.advance();
             told(&mut digest, &drag);
-            if drag.rests() {
+            if drag.is_at_rest() {
                 break;
             }
         }

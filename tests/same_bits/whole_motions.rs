@@ -121,11 +121,11 @@ fn each_ask() -> Value {
         &|motion| {
             _ = motion.rate_cost(
                 RateCost::velocity(1e-2)
-                    .times("elbow", 3.0)
-                    .times("rod", 0.0),
+                    .scale("elbow", 3.0)
+                    .scale("rod", 0.0),
             )
         },
-        &|motion| _ = motion.rate_cost(RateCost::jerk(1e-5).times("hand", 10.0)),
+        &|motion| _ = motion.rate_cost(RateCost::jerk(1e-5).scale("hand", 10.0)),
         &|motion| {
             _ = motion
                 .contact(Contact::new(tip, 4..9))
@@ -140,7 +140,7 @@ fn each_ask() -> Value {
         &|motion| {
             _ = motion.add(
                 Task::new(Posture::new(&model, &start))
-                    .times(0.2)
+                    .scale(0.2)
                     .preference(),
             )
         },
@@ -152,7 +152,7 @@ fn each_ask() -> Value {
             let far = motion.add(
                 Task::new(Point::new(tip, [3.0, 0.4, 0.0]))
                     .named("far")
-                    .times(2.0),
+                    .scale(2.0),
             );
             motion.follow(far, |frame, point| {
                 point.set_target([4.0, 0.1 * frame as f64, 0.0])
@@ -256,9 +256,9 @@ fn refusals() -> Value {
         &|motion| _ = motion.max_free_speed("base", 1.0, 1.0),
         &|motion| _ = motion.bound("wrist", Limits::new(0.0, 1.0)),
         &|motion| _ = motion.bound("elbow", Limits::new(3.0, 4.0)),
-        &|motion| _ = motion.rate_cost(RateCost::jerk(1.0).times("wrist", 2.0)),
+        &|motion| _ = motion.rate_cost(RateCost::jerk(1.0).scale("wrist", 2.0)),
         &|motion| _ = motion.rate_cost(RateCost::velocity(-1.0)),
-        &|motion| _ = motion.rate_cost(RateCost::velocity(1.0).times("elbow", -2.0)),
+        &|motion| _ = motion.rate_cost(RateCost::velocity(1.0).scale("elbow", -2.0)),
         &|motion| _ = motion.first(&[3.0, 0.0, 0.1, 0.0]),
         &|motion| _ = motion.last(&[0.0, 0.0, 0.6, 0.0]),
         &|motion| _ = motion.last(&[0.0; 3]),

@@ -85,7 +85,7 @@ fn spheres() -> Value {
         digest.doubles(sphere.centre.to_array());
         digest.doubles([sphere.radius]);
     }
-    digest.doubles([cover.overhang()]);
+    digest.doubles([cover.max_protrusion()]);
     digest.value()
 }
 

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solver;
-use kinopt::ik::{Restarts, bent_stance};
+use kinopt::ik::{Restarts, crouched_configuration};
 use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
 use kinopt::model::{FrameId, Masses, PointMass};
 use kinopt::problem::{Problem, ProblemBuilder};
@@ -53,7 +53,8 @@ impl Standing {
         });
         let soles = [frame("left_sole"), frame("right_sole")];
         let up = [0.0, 0.0, 1.0];
-        let start = bent_stance(model, robot.map(), &soles, &model.neutral(), up).unwrap();
+        let start =
+            crouched_configuration(model, robot.map(), &soles, &model.neutral(), up).unwrap();
         let hand = frame("left_hand");
         let frames = [soles[0], soles[1], hand];
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).unwrap();

@@ -2,13 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{
-    DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative, SolveError,
+    DerivativeError, DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative,
+    SolveError,
 };
 use kinopt::kinematics::frame_jacobian;
 use kinopt::model::{BallLimits, FrameId, Limits, Model};
 use kinopt::problem::ParameterVector;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Gaze, Plane, Point, Posture, Within};
+use kinopt::task::{Bounded, Gaze, Plane, Point, Posture};
 use kinopt::{Problem, Solver};
 
 /// Planar chain of `links` links of 1 m.
@@ -30,10 +31,10 @@ fn tip_of(model: &Model, q: &[f64]) -> Vector3<f64> {
     kinematics.place(q).unwrap()[0].translation
 }
 
-fn existence(problem: &Problem, q: &[f64]) -> Existence {
+fn differentiability(problem: &Problem, q: &[f64]) -> Differentiability {
     let mut workspace = DerivativeWorkspace::default();
     let derivative = SolutionDerivative::new(problem, q, &mut workspace).unwrap();
-    derivative.existence().clone()
+    derivative.differentiability().clone()
 }
 
 #[test]
@@ -45,8 +46,8 @@ fn redundant_solution_uses_the_pseudoinverse() {
     let problem = tasks.build().unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-    let many = Existence::ShortestOfMany { directions: 2 };
-    assert_eq!(*derivative.existence(), many);
+    let many = Differentiability::ShortestOfMany { directions: 2 };
+    assert_eq!(*derivative.differentiability(), many);
     let jacobian = frame_jacobian(&model, tip, &q).unwrap();
     let jacobian = jacobian.rows(0, 3).into_owned();
     let inverse = jacobian.pseudo_inverse(1e-9).unwrap();
@@ -67,8 +68,8 @@ fn minimum_norm_includes_mimic_joints() {
     let problem = tasks.build().unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-    let many = Existence::ShortestOfMany { directions: 1 };
-    assert_eq!(*derivative.existence(), many);
+    let many = Differentiability::ShortestOfMany { directions: 1 };
+    assert_eq!(*derivative.differentiability(), many);
     // v = E y with orthonormal columns of E: the first and third joint move together.
     let length = (1.0_f64 + 1.5 * 1.5).sqrt();
     let mut together = nalgebra::DMatrix::zeros(4, 3);
@@ -89,8 +90,8 @@ fn joints_on_limits_stay_if_others_suffice() {
     let problem = tasks.build().unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-    let many = Existence::ShortestOfMany { directions: 2 };
-    assert_eq!(*derivative.existence(), many);
+    let many = Differentiability::ShortestOfMany { directions: 2 };
+    assert_eq!(*derivative.differentiability(), many);
     let by_target = derivative.by_target(0).unwrap();
     assert!(by_target.row(1).amax() == 0.0);
     let jacobian = frame_jacobian(&model, tip, &q).unwrap();
@@ -104,11 +105,11 @@ fn one_sided_limit_is_named() {
     let q = [0.3, 1.2];
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, tip_of(&model, &q)));
-    let reported = existence(&tasks.build().unwrap(), &q);
+    let reported = differentiability(&tasks.build().unwrap(), &q);
     let on_limit = NoDerivative::OnLimit {
         joint: "joint 1".into(),
     };
-    assert_eq!(reported, Existence::DoesNotExist(on_limit));
+    assert_eq!(reported, Differentiability::DoesNotExist(on_limit));
     assert!(reported.to_string().contains("`joint 1`"), "{reported}");
 }
 
@@ -119,13 +120,13 @@ fn posture_exactly_at_a_limit_is_named() {
     for (wanted, is_pressed) in [(1.2, false), (1.3, true)] {
         let mut tasks = Problem::builder(&model);
         tasks.add(Posture::new(&model, &[0.3, wanted]));
-        let reported = existence(&tasks.build().unwrap(), &[0.3, 1.2]);
+        let reported = differentiability(&tasks.build().unwrap(), &[0.3, 1.2]);
         let on_limit = NoDerivative::OnLimit {
             joint: "joint 1".into(),
         };
         match is_pressed {
-            true => assert_eq!(reported, Existence::Unique),
-            false => assert_eq!(reported, Existence::DoesNotExist(on_limit)),
+            true => assert_eq!(reported, Differentiability::Unique),
+            false => assert_eq!(reported, Differentiability::DoesNotExist(on_limit)),
         }
     }
 }
@@ -135,9 +136,9 @@ fn stretched_arm_at_target_has_no_derivative() {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, [2.0, 0.0, 0.0]));
-    let reported = existence(&tasks.build().unwrap(), &[0.0, 0.0]);
+    let reported = differentiability(&tasks.build().unwrap(), &[0.0, 0.0]);
     let singular = NoDerivative::Singular { directions: 1 };
-    assert_eq!(reported, Existence::DoesNotExist(singular));
+    assert_eq!(reported, Differentiability::DoesNotExist(singular));
 }
 
 #[test]
@@ -148,7 +149,7 @@ fn arm_stretched_towards_target_has_a_derivative() {
     let problem = tasks.build().unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &[0.0, 0.0], &mut workspace).unwrap();
-    assert!(derivative.existence().is_unique());
+    assert!(derivative.differentiability().is_unique());
     // The arm points at the target: the angle of (3, y) is y/3.
     let by_target = derivative.by_target(0).unwrap();
     assert!((by_target[(0, 1)] - 1.0 / 3.0).abs() < 1e-8, "{by_target}");
@@ -161,9 +162,9 @@ fn equidistant_target_has_no_derivative() {
     let (model, tip) = chain(1, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, [0.0, 0.0, 0.0]));
-    let reported = existence(&tasks.build().unwrap(), &[0.3]);
+    let reported = differentiability(&tasks.build().unwrap(), &[0.3]);
     let singular = NoDerivative::Singular { directions: 1 };
-    assert_eq!(reported, Existence::DoesNotExist(singular));
+    assert_eq!(reported, Differentiability::DoesNotExist(singular));
 }
 
 /// The same next to a joint without influence, in either order.
@@ -184,9 +185,13 @@ fn equidistant_target_next_to_a_free_joint() {
         let model = builder.build().unwrap();
         let mut tasks = Problem::builder(&model);
         tasks.add(Point::new(tip, [0.0, 0.0, 0.0]));
-        let reported = existence(&tasks.build().unwrap(), &[0.3, 0.4]);
+        let reported = differentiability(&tasks.build().unwrap(), &[0.3, 0.4]);
         let singular = NoDerivative::Singular { directions: 2 };
-        assert_eq!(reported, Existence::DoesNotExist(singular), "{idle_first}");
+        assert_eq!(
+            reported,
+            Differentiability::DoesNotExist(singular),
+            "{idle_first}"
+        );
     }
 }
 
@@ -195,7 +200,7 @@ fn non_stationary_configuration_is_reported() {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, [3.0, 0.0, 0.0]));
-    let reported = existence(&tasks.build().unwrap(), &[0.5, 0.3]);
+    let reported = differentiability(&tasks.build().unwrap(), &[0.5, 0.3]);
     assert_eq!(reported.name(), "not_stationary", "{reported}");
 }
 
@@ -204,7 +209,7 @@ fn on_an_edge(pulled: bool) -> (Model, Problem) {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     let height = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
-    tasks.add(Within::at_least(height, 1.5));
+    tasks.add(Bounded::at_least(height, 1.5));
     if pulled {
         tasks.add(Posture::new(&model, &[0.2, 0.4]));
     }
@@ -218,7 +223,7 @@ fn inactive_inequality_edge_has_no_derivative() {
     let start = [0.2, 0.4];
     let solution = Solver::default().solve_once(&problem, &start).unwrap();
     assert!(solution.reached);
-    let reported = existence(&problem, &solution.q);
+    let reported = differentiability(&problem, &solution.q);
     let height = tip_of(&model, &solution.q).y;
     // Rounding decides whether it ended on the edge or inside.
     match height < 1.5 {
@@ -232,9 +237,9 @@ fn inactive_inequality_edge_has_no_derivative() {
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
     assert!(
-        derivative.existence().is_unique(),
+        derivative.differentiability().is_unique(),
         "{}",
-        derivative.existence()
+        derivative.differentiability()
     );
     // The floor rises by 1 m/s, and the tip with it.
     let mut rates = ParameterVector::new(&problem);
@@ -262,9 +267,9 @@ fn gaze_on_its_cone_edge_rotates_with_the_cone() {
         let mut derivative =
             SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
         assert!(
-            derivative.existence().is_unique(),
+            derivative.differentiability().is_unique(),
             "{}",
-            derivative.existence()
+            derivative.differentiability()
         );
         let by_target = derivative.by_target(0).unwrap();
         let turned = by_target[(0, 1)] * length;
@@ -315,9 +320,10 @@ fn ball_at_its_total_angle_is_named() {
         let mut tasks = Problem::builder(&model);
         tasks.add(Point::new(hand, [turned.cos(), turned.sin(), 0.0]));
         let half = 0.5 * turned;
-        let reported = existence(&tasks.build().unwrap(), &[half.cos(), 0.0, 0.0, half.sin()]);
+        let reported =
+            differentiability(&tasks.build().unwrap(), &[half.cos(), 0.0, 0.0, half.sin()]);
         assert_eq!(reported.name(), expected, "{reported}");
-        if let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = reported {
+        if let Differentiability::DoesNotExist(NoDerivative::OnLimit { joint }) = reported {
             assert_eq!(joint, "shoulder");
         }
     }
@@ -350,7 +356,7 @@ fn twist_without_range_is_no_active_limit() {
     let problem = tasks.build().unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-    assert_eq!(*derivative.existence(), Existence::Unique);
+    assert_eq!(*derivative.differentiability(), Differentiability::Unique);
     let by_target = derivative.by_target(0).unwrap();
     let jacobian = frame_jacobian(&model, tip, &q).unwrap();
     let moved = jacobian.rows(0, 3) * by_target;
@@ -383,7 +389,7 @@ fn satisfied_task_keeps_other_weight_derivatives() {
     let solution = Solver::default().solve_once(&problem, &start).unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
-    assert_eq!(*derivative.existence(), Existence::Unique);
+    assert_eq!(*derivative.differentiability(), Differentiability::Unique);
     // ⟨slope, dq/dp · rate⟩ = ⟨dq/dpᵀ · slope, rate⟩, with the slope of the right arm only.
     let slope = [0.0, 0.0, 0.7, -0.2];
     let mut gradient = ParameterVector::new(&problem);
@@ -425,8 +431,8 @@ fn limit_at_the_balance_point_is_undecided() {
         for off in [-0.2, -0.1, 0.3] {
             tasks.add(Point::new(tip, [value + off, 0.0, 0.0]));
         }
-        let reported = existence(&tasks.build().unwrap(), &[value]);
-        let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = reported else {
+        let reported = differentiability(&tasks.build().unwrap(), &[value]);
+        let Differentiability::DoesNotExist(NoDerivative::OnLimit { joint }) = reported else {
             panic!("{limits:?}: {reported}");
         };
         assert_eq!(joint, "slide");
@@ -464,8 +470,12 @@ fn limit_with_rounding_force_has_no_derivative() {
             }
             let problem = tasks.build().unwrap();
             let joint = "joint 0".to_owned();
-            let none = Existence::DoesNotExist(NoDerivative::OnLimit { joint });
-            assert_eq!(existence(&problem, &[0.0]), none, "{limits:?} {sign}");
+            let none = Differentiability::DoesNotExist(NoDerivative::OnLimit { joint });
+            assert_eq!(
+                differentiability(&problem, &[0.0]),
+                none,
+                "{limits:?} {sign}"
+            );
         }
     }
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
-use kinopt::ik::{DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative};
+use kinopt::ik::{DerivativeWorkspace, Differentiability, NoDerivative, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
 use kinopt::task::{Point, Posture};
@@ -34,18 +34,22 @@ fn nearly_stretched_arm_has_a_derivative() {
         let mut workspace = DerivativeWorkspace::default();
         let mut derivative = SolutionDerivative::new(&problem, q, &mut workspace).unwrap();
         let by_target = derivative.by_target(0).unwrap() * length;
-        (derivative.existence().clone(), by_target)
+        (derivative.differentiability().clone(), by_target)
     };
     let (nearly, fully) = ([0.3, 1e-4], [0.3, 0.0]);
     let (_, expected) = of(&nearly, 1.0);
     for length in [1e-4, 1e-2, 1.0, 1e3] {
-        let (existence, by_target) = of(&nearly, length);
-        assert_eq!(existence, Existence::Unique, "{length}");
+        let (differentiability, by_target) = of(&nearly, length);
+        assert_eq!(differentiability, Differentiability::Unique, "{length}");
         let off = (by_target - &expected).amax() / expected.amax();
         assert!(off < 1e-9, "{length}: {off:e}");
         let singular = NoDerivative::Singular { directions: 1 };
-        let (existence, _) = of(&fully, length);
-        assert_eq!(existence, Existence::DoesNotExist(singular), "{length}");
+        let (differentiability, _) = of(&fully, length);
+        assert_eq!(
+            differentiability,
+            Differentiability::DoesNotExist(singular),
+            "{length}"
+        );
     }
 }
 
@@ -57,8 +61,8 @@ fn duplicate_tasks_count_once_in_any_unit() {
         let problem = problem_of(&model, tip, &q, 2);
         let mut workspace = DerivativeWorkspace::default();
         let derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-        let many = Existence::ShortestOfMany { directions: 2 };
-        assert_eq!(*derivative.existence(), many, "{length}");
+        let many = Differentiability::ShortestOfMany { directions: 2 };
+        assert_eq!(*derivative.differentiability(), many, "{length}");
     }
 }
 
@@ -76,7 +80,11 @@ fn unreachable_target_derivative_in_any_unit() {
         let mut workspace = DerivativeWorkspace::default();
         let q = [angle, 0.0, 0.0];
         let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-        assert_eq!(*derivative.existence(), Existence::Unique, "{length}");
+        assert_eq!(
+            *derivative.differentiability(),
+            Differentiability::Unique,
+            "{length}"
+        );
         let by_target = derivative.by_target(0).unwrap() * far;
         let across = [-angle.sin(), angle.cos()];
         for (joint, expected) in [1.0, 0.0, 0.0].into_iter().enumerate() {
@@ -102,7 +110,11 @@ fn soft_task_derivative_in_any_unit() {
         let problem = tasks.build().unwrap();
         let mut workspace = DerivativeWorkspace::default();
         let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-        assert_eq!(*derivative.existence(), Existence::Unique, "{length}");
+        assert_eq!(
+            *derivative.differentiability(),
+            Differentiability::Unique,
+            "{length}"
+        );
         // Change of the posture.
         derivative.by_target(times).unwrap()
     };

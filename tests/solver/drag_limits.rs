@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
-use kinopt::ik::{Drag, MotionLimits, bent_stance};
+use kinopt::ik::{Drag, MotionLimits, crouched_configuration};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Model};
 use kinopt::problem::TaskId;
@@ -32,7 +32,8 @@ impl Body {
         let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
         let hand = model.frame("left_hand").unwrap();
         let up = [0.0, 0.0, 1.0];
-        let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+        let stance =
+            crouched_configuration(model, robot.map(), &feet, &model.neutral(), up).unwrap();
         Self {
             robot,
             feet,
@@ -67,7 +68,7 @@ impl Body {
         tasks.parameters(self.robot.map().clone());
         let hand = tasks.add(Point::new(self.hand, poses[2].translation));
         for (&foot, &pose) in self.feet.iter().zip(poses) {
-            tasks.add(Task::new(Pose::new(foot, pose)).times(10.0));
+            tasks.add(Task::new(Pose::new(foot, pose)).scale(10.0));
         }
         tasks.add(Posture::new(self.model(), &self.stance).upright(self.model()));
         let drag = Drag::new(tasks.build().unwrap(), &self.stance).unwrap();
@@ -191,7 +192,7 @@ fn target_that_rests_is_reached_at_rest() {
     let (mut drag, hand, start) = body.drag(0.01);
     let target = start + Vector3::new(0.08, 0.0, -0.05);
     drag.target_mut(hand).unwrap().set_target(target);
-    assert!(!drag.advance().reached && drag.catching_up());
+    assert!(!drag.advance().reached && drag.is_speed_limited());
     let solution = drag.follow(500);
     assert!(solution.reached, "{}", solution.explain());
     for _ in 0..200 {

@@ -15,7 +15,7 @@ fn stretched_arm_bends_for_a_target_on_its_line() {
     let model = planar_arm(&[1.0, 1.0], Some((-2.0, 2.0)));
     let mut builder = Problem::builder(&model);
     let hand = builder.add(Point::new(model.frame("tip").unwrap(), [2.5, 0.0, 0.0]));
-    builder.add(Task::new(Posture::new(&model, &[0.0, 0.0])).times(100.0));
+    builder.add(Task::new(Posture::new(&model, &[0.0, 0.0])).scale(100.0));
     let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
     assert!(!drag.advance().reached && drag.q() == [0.0, 0.0]);
     // On the arm's line, where the gradient is zero.
@@ -51,7 +51,7 @@ fn miss_rests_after_its_perturbations() {
     let mut drag = Drag::new(builder.build().unwrap(), &[0.0, 0.0]).unwrap();
     let awake = (0..20).take_while(|_| {
         drag.advance();
-        !drag.rests()
+        !drag.is_at_rest()
     });
     assert_eq!(awake.count(), 4);
 }

@@ -112,7 +112,7 @@ fn drag_beyond_reach_and_back_never_jumps() {
             }
             missed += usize::from(!solution.reached);
             q.copy_from_slice(&solution.q);
-            assert_eq!(drag.leap(), None);
+            assert_eq!(drag.jump(), None);
             assert_eq!(drag.q(), q);
         }
         assert!(missed > 30, "{seed}: only {missed} frames out of reach");
@@ -138,7 +138,7 @@ fn drag_rests_at_unreachable_target() {
     for _ in 0..20 {
         let solution = drag.advance();
         assert!(!solution.reached && furthest(&solution.q, &settled) < 1e-6);
-        assert!(!drag.catching_up());
+        assert!(!drag.is_speed_limited());
     }
 }
 
@@ -160,7 +160,7 @@ fn frame_in_progress_has_a_short_explanation() {
             );
         }
         assert!(words.matches("allowed move").count() <= 3, "{words}");
-        assert!(drag.catching_up() && frames < 60, "{words}");
+        assert!(drag.is_speed_limited() && frames < 60, "{words}");
         frames += 1;
     }
     assert!(frames > 0);
@@ -182,14 +182,14 @@ fn jumping_target_is_followed_with_reported_lag() {
     let mut q = drag.q().to_vec();
     let mut frames = 0;
     while !drag.advance().reached {
-        assert!(drag.catching_up(), "{}", drag.solution().explain());
+        assert!(drag.is_speed_limited(), "{}", drag.solution().explain());
         assert!(drag.solution().explain().contains("allowed move"));
         assert!(furthest(drag.q(), &q) <= MOST_MOVE);
         q.copy_from_slice(drag.q());
         frames += 1;
         assert!(frames < 60);
     }
-    assert!(frames > 5 && !drag.catching_up());
+    assert!(frames > 5 && !drag.is_speed_limited());
 }
 
 #[test]
@@ -235,7 +235,7 @@ fn drag_jumps_only_with_search_and_reports_it() {
     let mut calm = drag();
     for _ in 0..60 {
         assert!(!calm.advance().reached);
-        assert_eq!(calm.leap(), None);
+        assert_eq!(calm.jump(), None);
     }
     let mut keen = drag().with_search(Restarts::default()).unwrap();
     let mut jumps = 0;
@@ -244,11 +244,11 @@ fn drag_jumps_only_with_search_and_reports_it() {
         keen.advance();
         let moved = furthest(keen.q(), &before);
         if moved > MOST_MOVE {
-            let jump = keen.leap().expect("a leap is told");
+            let jump = keen.jump().expect("a leap is told");
             assert_eq!(jump.distance, moved);
             jumps += 1;
         } else {
-            assert_eq!(keen.leap(), None);
+            assert_eq!(keen.jump(), None);
         }
     }
     assert!(jumps == 1 && keen.solution().reached, "{jumps}");
@@ -269,8 +269,11 @@ fn drag_is_reproducible_and_validates_starts() {
     };
     assert_eq!(run(), run());
     let (mut drag, hand, _) = drag(&rig, &start);
-    assert!(drag.stand_at(&[0.0]).is_err());
-    assert!(drag.stand_at(&vec![f64::NAN; start.len()]).is_err());
+    assert!(drag.set_configuration(&[0.0]).is_err());
+    assert!(
+        drag.set_configuration(&vec![f64::NAN; start.len()])
+            .is_err()
+    );
     // A NaN target moves no joint.
     drag.target_mut(hand)
         .unwrap()
@@ -300,7 +303,7 @@ fn prismatic_joint_moves_by_scaled_bound() {
         drag.advance();
         let moved = drag.q()[0] - before;
         assert!((moved - 0.25 * most).abs() < 1e-12, "{most}: {moved}");
-        assert!(drag.catching_up());
+        assert!(drag.is_speed_limited());
     }
 }
 
@@ -347,7 +350,7 @@ fn jump_of_prismatic_joint_is_in_metres() {
             most_attempts = most_attempts.max(drag.solution().attempts);
             // The arm has no influence on any task.
             assert_eq!(drag.q()[1], 0.3);
-            if let Some(jump) = drag.leap() {
+            if let Some(jump) = drag.jump() {
                 let moved = (drag.q()[0] - before).abs();
                 assert!((jump.distance - moved).abs() < 1e-12 && jump.joint == "slide");
                 leaps.push(jump.distance);
@@ -400,7 +403,7 @@ fn stand_at_equals_a_new_drag() {
         for _ in 0..20 + rest {
             assert!(!moved.advance().reached);
         }
-        moved.stand_at(&[0.0, 0.0]).unwrap();
+        moved.set_configuration(&[0.0, 0.0]).unwrap();
         moved.target_mut(hand).unwrap().set_target(near);
         assert_eq!(run(&mut moved), expected, "{rest}");
     }
@@ -416,8 +419,8 @@ fn settled_drag_continues_in_small_steps() {
         body.target_mut(hand).unwrap().set_target(target);
         let settled = body.settle(200).clone();
         assert_eq!(settled.reached, far < 0.1, "{}", settled.explain());
-        assert!(body.rests() && !body.catching_up() && settled.iterations > 0);
-        assert_eq!(body.leap(), None);
+        assert!(body.is_at_rest() && !body.is_speed_limited() && settled.iterations > 0);
+        assert_eq!(body.jump(), None);
         // The following frames start from there, in small steps again.
         for _ in 0..8 {
             body.advance();
@@ -443,7 +446,7 @@ fn settle_ends_where_frames_come_to_rest() {
         let rest = |mut body: Drag| {
             let mut rests = || {
                 body.advance();
-                body.rests()
+                body.is_at_rest()
             };
             assert!((0..400).any(|_| rests()), "{seed}");
             body.q().to_vec()

@@ -7,8 +7,8 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Gaze, Goal, Inequality, Plane, Point, Pose, Posture, Quantity, Residual, RowBlock,
-    SupportPolygon, Task, Within,
+    Bounded, Gaze, Inequality, Plane, Point, Pose, PoseBounds, Posture, Quantity, Residual,
+    RowBlock, SupportPolygon, Task,
 };
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::robot;
@@ -100,14 +100,14 @@ fn soft_task_leaves_or_keeps_the_boundary() {
     let starts = [0.0, 0.5, 0.7, 1.9, -1.0];
     let rooms: [(&str, Add<'_>); 3] = [
         ("plane", &|builder| {
-            builder.add(Within::at_least(floor(), 0.0));
+            builder.add(Bounded::at_least(floor(), 0.0));
         }),
         ("own residual", &|builder| {
             builder.add(Below(carried, 0.5));
         }),
         ("goal", &|builder| {
             let target = Placement::translation([0.0, 0.0, 1.25].into());
-            let room = Goal::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
+            let room = PoseBounds::within([0.0, 0.0, 0.75, 0.0, 0.0, 0.0]);
             builder.add(Pose::new(carried, target).with_goal(room));
         }),
     ];
@@ -129,7 +129,7 @@ fn soft_task_leaves_or_keeps_the_boundary() {
 /// Half-space above a floor as a bounded task, and a point below it on a lower level.
 fn over_a_floor(model: &Model, flange: FrameId, at: [f64; 3]) -> Problem {
     let mut builder = Problem::builder(model);
-    builder.add(Within::at_least(
+    builder.add(Bounded::at_least(
         Plane::new(flange, [0.0, 0.0, 0.4], UP),
         0.0,
     ));
@@ -231,7 +231,7 @@ fn posture_above_floor_is_stationary() {
         let [start, wanted] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut builder = Problem::builder(model);
         let floor = || Plane::new(flange, [0.0, 0.0, 0.4], UP);
-        builder.add(Within::at_least(floor(), 0.0));
+        builder.add(Bounded::at_least(floor(), 0.0));
         builder.add(Posture::new(model, &wanted));
         let solution = Solver::default()
             .solve_once(&builder.build().unwrap(), &start)
@@ -287,7 +287,7 @@ fn inequalities_on_all_axes_hold() {
         // With a point on a lower level, and with a soft task.
         for level in [true, false] {
             let mut builder = Problem::builder(&model);
-            let room = Goal::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
+            let room = PoseBounds::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
             builder.add(Pose::new(carried, Placement::identity()).with_goal(room));
             let far = sign.map(|sign| 1.5 * sign);
             match level {

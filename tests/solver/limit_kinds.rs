@@ -12,8 +12,8 @@ use kinopt::problem::{Preferences, ProblemBuilder, ProblemInstance};
 use kinopt::solver::{Silent, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    CentreOfMass, Distance, Gaze, LookAt, Manipulability, Orientation, Plane, Point, Pose, Posture,
-    Ray, Residual, Smoothness, SupportPolygon, Task, Within,
+    Bounded, CentreOfMass, Distance, Gaze, LookAt, Manipulability, Orientation, Plane, Point, Pose,
+    Posture, Ray, Residual, Smoothness, SupportPolygon, Task,
 };
 use kinopt::{Problem, Solver, Workspace};
 use support::bodies::{Body, direction};
@@ -60,7 +60,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             tasks.add(Gaze::at(frame, direction(random), place, 0.3));
         }
         10 => {
-            tasks.add(Within::new(Pose::new(frame, pose), 0.05));
+            tasks.add(Bounded::new(Pose::new(frame, pose), 0.05));
         }
         11 => {
             tasks.add(CentreOfMass::new(&body.masses, place));
@@ -79,7 +79,7 @@ fn add_task(tasks: &mut ProblemBuilder<'_>, body: &Body, random: &mut Random, of
             };
         }
         14 => {
-            tasks.add(Task::new(Posture::new(model, &q)).preference().times(0.1));
+            tasks.add(Task::new(Posture::new(model, &q)).preference().scale(0.1));
             tasks.add(Smoothness::new(model, &model.neutral(), 0.1));
         }
         _ => {

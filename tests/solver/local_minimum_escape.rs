@@ -80,7 +80,7 @@ impl Scene {
         loop {
             self.advance(up);
             frames += 1;
-            if self.drag.rests() || frames == 900 {
+            if self.drag.is_at_rest() || frames == 900 {
                 return frames;
             }
         }
@@ -121,7 +121,7 @@ fn hand_reaches_target_for_any_drag_course() {
             }
         }
         // The skeleton catches up with a target that jumped.
-        while scene.drag.catching_up() {
+        while scene.drag.is_speed_limited() {
             scene.advance(up);
         }
         scene.most = [0.0; 2];
@@ -153,7 +153,7 @@ fn drag_rests_at_unreachable_target() {
     let rest = scene.drag.q().to_vec();
     for _ in 0..40 {
         scene.advance(1.2);
-        assert!(scene.drag.rests());
+        assert!(scene.drag.is_at_rest());
         let moves = scene.drag.q().iter().zip(&rest);
         assert!(moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-5);
     }
@@ -176,7 +176,7 @@ fn relocated_drag_drops_its_escape() {
             }
             out += 1;
             let mut put = scene.drag.clone();
-            put.stand_at(&rest).unwrap();
+            put.set_configuration(&rest).unwrap();
             let mut fresh = Drag::new(put.problem().clone(), &rest).unwrap();
             let target = scene.from + Vector3::new(0.0, 0.0, up);
             fresh.target_mut(scene.hand).unwrap().set_target(target);
@@ -203,7 +203,7 @@ fn retargeted_drag_drops_its_escape() {
                 break;
             }
         }
-        if !rested || scene.drag.rests() {
+        if !rested || scene.drag.is_at_rest() {
             continue;
         }
         out += 1;
@@ -244,12 +244,12 @@ fn escape_never_changes_branch() {
     assert!(flipped.reached && flipped.q[1] < -0.5, "{:?}", flipped.q);
     let mut drag = Drag::new(problem, &[0.0, 0.6]).unwrap();
     let mut frames = 0;
-    while frames < 20 || (!drag.rests() && frames < 400) {
+    while frames < 20 || (!drag.is_at_rest() && frames < 400) {
         drag.advance();
         frames += 1;
         assert!(drag.q()[1] > 0.1, "frame {frames}: {:?}", drag.q());
     }
-    assert!(drag.rests() && !drag.solution().reached, "{frames}");
+    assert!(drag.is_at_rest() && !drag.solution().reached, "{frames}");
     // The shoulder on its limit, and the elbow on the line from itself to the target.
     let from_elbow = target - Vector3::new(0.1_f64.cos(), -0.1_f64.sin(), 0.0);
     let nearest = 0.1 + (from_elbow.y / from_elbow.x).atan();

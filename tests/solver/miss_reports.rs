@@ -375,7 +375,7 @@ fn failed_drag_search_agrees_with_the_frame() {
     let mut searched = 0;
     for _ in 0..60 {
         let solution = drag.advance().clone();
-        if solution.reached || solution.attempts < 32 || drag.leap().is_some() {
+        if solution.reached || solution.attempts < 32 || drag.jump().is_some() {
             continue;
         }
         searched += 1;

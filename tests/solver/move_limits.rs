@@ -305,10 +305,10 @@ fn drag_frame_rotates_ball_by_the_move_limit() {
         drag.advance();
         let wanted = na::UnitQuaternion::from_axis_angle(&axis, 0.1 * f64::from(frame));
         assert!(wanted.angle_to(&unit(drag.q())) < 1e-6, "frame {frame}");
-        assert!(drag.catching_up());
+        assert!(drag.is_speed_limited());
     }
     drag.advance();
-    assert!(drag.solution().reached && drag.leap().is_none());
+    assert!(drag.solution().reached && drag.jump().is_none());
 }
 
 /// A ball joint under a zero move limit rotates again after the limit grows.

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{
-    DerivativeWorkspace, Existence, NoDerivative, Restarts, SolutionDerivative, SolveError,
+    DerivativeWorkspace, Differentiability, NoDerivative, Restarts, SolutionDerivative, SolveError,
 };
 use kinopt::model::{FrameId, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Problem};
@@ -249,8 +249,8 @@ fn nan_derivative_gives_no_solution_derivative() {
     let problem = builder.build().unwrap();
     let mut workspace = DerivativeWorkspace::default();
     let derivative = SolutionDerivative::new(&problem, &[0.0; 3], &mut workspace).unwrap();
-    let none = Existence::DoesNotExist(NoDerivative::NotFinite);
-    assert_eq!(*derivative.existence(), none);
+    let none = Differentiability::DoesNotExist(NoDerivative::NotFinite);
+    assert_eq!(*derivative.differentiability(), none);
 }
 
 #[test]

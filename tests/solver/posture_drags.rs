@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
-use kinopt::ik::{Drag, bent_stance};
+use kinopt::ik::{Drag, crouched_configuration};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
@@ -43,7 +43,8 @@ impl Course {
         let frames = ["left_sole", "right_sole", self.hand];
         let frames = frames.map(|name| model.frame(name).unwrap());
         let up = [0.0, 0.0, 1.0];
-        let stance = bent_stance(model, robot.map(), &frames[..2], &model.neutral(), up).unwrap();
+        let stance =
+            crouched_configuration(model, robot.map(), &frames[..2], &model.neutral(), up).unwrap();
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).unwrap();
         let poses = kinematics.place(&stance).unwrap();
         let start = poses[2].translation;
@@ -51,7 +52,7 @@ impl Course {
         tasks.parameters(robot.map().clone());
         let hand = tasks.add(Point::new(frames[2], start));
         for (&foot, &pose) in frames.iter().zip(&poses[..2]) {
-            tasks.add(Task::new(Pose::new(foot, pose)).times(10.0));
+            tasks.add(Task::new(Pose::new(foot, pose)).scale(10.0));
         }
         let posture = Posture::new(model, &stance);
         tasks.add(match self.upright {

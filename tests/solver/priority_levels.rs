@@ -79,7 +79,7 @@ fn lower_level_is_stationary_within_the_first() {
             builder.add(asked.tool());
         };
         let second: Add<'_> = &|builder| {
-            builder.add(Task::new(asked.elbow()).at_level(1).times(100.0));
+            builder.add(Task::new(asked.elbow()).at_level(1).scale(100.0));
         };
         let alone = asked.problem(&[first]);
         let both = asked.problem(&[first, second]);
@@ -181,7 +181,7 @@ fn three_levels_do_not_disturb_each_other() {
             builder.add(
                 Task::new(Point::new(wrist, [0.0, 0.0, 2.0]))
                     .at_level(2)
-                    .times(1e3),
+                    .scale(1e3),
             );
         };
         let two = asked.problem(&[first, second]);
@@ -223,7 +223,7 @@ fn first_level_is_reached_despite_heavier_levels() {
     let mut tasks = Problem::builder(&model);
     tasks.add(at(2.97));
     for level in [1, 2] {
-        tasks.add(Task::new(at(-2.97)).times(3.0).at_level(level));
+        tasks.add(Task::new(at(-2.97)).scale(3.0).at_level(level));
     }
     let problem = tasks.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.0]).unwrap();
@@ -313,7 +313,7 @@ fn drag_at_rest_keeps_a_missed_first_level() {
         let mut builder = Problem::builder(&model);
         // Two links reach 2 m, four links 4 m.
         builder.add(Point::new(ends[1], far(2.1)));
-        let second = Task::new(Point::new(ends[3], far(4.1))).times(30.0);
+        let second = Task::new(Point::new(ends[3], far(4.1))).scale(30.0);
         builder.add(second.at_level(1));
         let start = [(); 4].map(|()| random.within(-2.0, 2.0));
         let steps = Stopping::default().with_max_iterations([40, 3, 2][case % 3]);
@@ -356,7 +356,7 @@ fn soft_tasks_have_levels_of_their_own() {
         builder.add(
             Task::new(Posture::new(&asked.model, &other))
                 .at_level(1)
-                .times(1e3),
+                .scale(1e3),
         );
     };
     // One redundant degree of freedom: the elbow uses all of it.

@@ -6,7 +6,9 @@ use kinopt::ik::{DerivativeWorkspace, Drag, SolutionDerivative};
 use kinopt::model::FrameId;
 use kinopt::problem::{Problem, ProblemBuilder, TaskId};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Gaze, Goal, LimitCentring, LookAt, Manipulability, Point, Pose, Posture, Task};
+use kinopt::task::{
+    Gaze, LimitCentring, LookAt, Manipulability, Point, Pose, PoseBounds, Posture, Task,
+};
 use kinopt::{Solver, Workspace};
 use support::arms::panda;
 use support::random::Random;
@@ -64,11 +66,11 @@ fn reused_workspace_with_soft_tasks() {
         builder.add(Posture::new(model, &rest));
         builder.add(LimitCentring::new(model));
     };
-    assert_reuse_equals_new(1, problem(Goal::pose(), pulls));
-    assert_reuse_equals_new(2, problem(Goal::position(), pulls));
+    assert_reuse_equals_new(1, problem(PoseBounds::pose(), pulls));
+    assert_reuse_equals_new(2, problem(PoseBounds::position(), pulls));
     assert_reuse_equals_new(
         3,
-        problem(Goal::position(), |builder| {
+        problem(PoseBounds::position(), |builder| {
             let tool = model.frame(panda().2).unwrap();
             builder.add(Manipulability::new(model, None, tool, 0.1));
         }),
@@ -85,14 +87,14 @@ fn reused_workspace_with_relaxed_levels() {
         builder.add(Task::new(Point::new(frame(ELBOW), elbow)).at_level(1));
         builder.add(Posture::new(model, &rest));
     };
-    assert_reuse_equals_new(4, problem(Goal::pose(), low));
+    assert_reuse_equals_new(4, problem(PoseBounds::pose(), low));
     assert_reuse_equals_new(
         5,
-        problem(Goal::within([0.05, 0.05, 0.05, 0.5, 0.5, 0.5]), low),
+        problem(PoseBounds::within([0.05, 0.05, 0.05, 0.5, 0.5, 0.5]), low),
     );
     assert_reuse_equals_new(
         6,
-        problem(Goal::position(), |builder| {
+        problem(PoseBounds::position(), |builder| {
             let forward = Vector3::new(1.0, 0.2, 0.5);
             let (axis, ahead) = (Vector3::UNITS[0], frame("link6"));
             builder.add(Task::new(Gaze::along(ahead, axis, forward, 0.3)).at_level(1));
@@ -110,11 +112,11 @@ fn relocated_drag_equals_a_new_drag() {
     let rest = configuration_of(model, &mut Random::new(11));
     let elbow = placement_of(model, ELBOW, &rest).translation;
     let problems = [
-        problem(Goal::pose(), |_| ()),
-        problem(Goal::position(), |builder| {
+        problem(PoseBounds::pose(), |_| ()),
+        problem(PoseBounds::position(), |builder| {
             builder.add(Posture::new(model, &rest));
         }),
-        problem(Goal::pose(), |builder| {
+        problem(PoseBounds::pose(), |builder| {
             builder.add(Task::new(Point::new(frame(ELBOW), elbow)).at_level(1));
         }),
     ];
@@ -132,7 +134,7 @@ fn relocated_drag_equals_a_new_drag() {
                 used.advance();
             }
             used.settle(40);
-            used.stand_at(&other).unwrap();
+            used.set_configuration(&other).unwrap();
             let mut fresh = Drag::new(problem.clone(), &other).unwrap();
             let there = placement_of(model, tool, &configuration_of(model, &mut random));
             for drag in [&mut used, &mut fresh] {
@@ -144,7 +146,7 @@ fn relocated_drag_equals_a_new_drag() {
                     _ => format!("{:?}", drag.advance()),
                 });
                 assert_eq!(message[0], message[1], "{k}, {turn}: frame {step}");
-                assert_eq!(used.leap(), fresh.leap());
+                assert_eq!(used.jump(), fresh.jump());
             }
         }
     }
@@ -158,8 +160,8 @@ fn reused_derivative_workspace() {
     let mut random = Random::new(31);
     let rest = configuration_of(model, &mut random);
     let problems = [
-        problem(Goal::pose(), |_| ()),
-        problem(Goal::position(), |builder| {
+        problem(PoseBounds::pose(), |_| ()),
+        problem(PoseBounds::position(), |builder| {
             builder.add(Posture::new(model, &rest));
         }),
     ];
@@ -179,7 +181,7 @@ fn reused_derivative_workspace() {
         let reported = [&mut kept, &mut new].map(|memory| {
             let mut derivative = SolutionDerivative::new(asked, &solution.q, memory).unwrap();
             let by_target = derivative.by_target(0).unwrap();
-            (derivative.existence().clone(), by_target)
+            (derivative.differentiability().clone(), by_target)
         });
         assert_eq!(reported[0], reported[1], "{turn}");
     }
@@ -191,7 +193,7 @@ fn resumed_derivative_equals_the_factorised() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let q = configuration_of(model, &mut Random::new(32));
-    let (whole, pose) = problem(Goal::pose(), |_| ());
+    let (whole, pose) = problem(PoseBounds::pose(), |_| ());
     let mut targets = whole.targets();
     let target = placement_of(model, tool, &q);
     targets.get_mut(pose).unwrap().set_target(target);

@@ -169,7 +169,7 @@ fn posture_costs_a_drag_few_steps_per_frame() {
         }
         // `settle` continues to the minimum of the posture.
         drag.settle(200);
-        assert!(drag.rests());
+        assert!(drag.is_at_rest());
         let goal: Add<'_> = &|builder| {
             for (k, (&tip, place)) in figure.rig.tips.iter().zip(&places).enumerate() {
                 let turn = 0.05 * f64::from(frames - 1);
@@ -251,7 +251,7 @@ fn linear_soft_tasks_converge_in_one_step() {
     let mut builder = Problem::builder(&model);
     builder.add(Point::new(tip, [1.0, 0.0, 0.0]));
     builder.add(Task::new(Sum([a, b])).preference());
-    builder.add(Task::new(Posture::of_joints([(a, 0.4)])).times(2.0));
+    builder.add(Task::new(Posture::of_joints([(a, 0.4)])).scale(2.0));
     let once = kinopt::solver::Stopping::default().with_max_iterations(1);
     let solver = Solver::default().with_stopping(once);
     let solution = solver.solve_once(&builder.build().unwrap(), &[0.0; 3]);

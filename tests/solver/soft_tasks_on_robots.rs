@@ -48,7 +48,7 @@ fn robot_postures_on_limits_are_stationary() {
             .count();
         let mut memory = DerivativeWorkspace::default();
         let derivative = SolutionDerivative::new(&problem, &solution.q, &mut memory).unwrap();
-        let existence = derivative.existence();
+        let differentiability = derivative.differentiability();
         assert!(existence.is_unique(), "{case}: {existence}");
     }
     assert!(limits > cases, "{limits} joints on limits in {cases}");

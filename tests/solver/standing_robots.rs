@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
-use kinopt::ik::{Drag, bent_stance};
+use kinopt::ik::{Drag, crouched_configuration};
 use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
 use kinopt::model::{FrameId, JointId, Limits, Model, ParameterMap};
 use kinopt::robot::BaseJoint;
@@ -77,7 +77,7 @@ fn dragged(body: &Body, start: &[f64], way: Vector3<f64>, upright: bool) -> Vec<
     let from = placed(model, body.hand, start).translation;
     let hand = tasks.add(Point::new(body.hand, from));
     for foot in body.feet {
-        tasks.add(Task::new(Pose::new(foot, placed(model, foot, start))).times(10.0));
+        tasks.add(Task::new(Pose::new(foot, placed(model, foot, start))).scale(10.0));
     }
     let posture = Posture::new(model, start);
     tasks.add(match upright {
@@ -116,7 +116,7 @@ fn crouch_bends_the_knees_above_the_feet() {
     let (model, rest) = (&body.model, body.model.neutral());
     let map = ParameterMap::free(model);
     let up = Vector3::UNITS[2];
-    let q = bent_stance(model, &map, &body.feet, &rest, up).unwrap();
+    let q = crouched_configuration(model, &map, &body.feet, &rest, up).unwrap();
     assert!(model.is_within_limits(&q) && bent(&body, &q) > 0.3);
     for foot in body.feet {
         let (before, after) = (placed(model, foot, &rest), placed(model, foot, &q));
@@ -129,7 +129,10 @@ fn crouch_bends_the_knees_above_the_feet() {
     );
     assert!(lean(&body, &q) < 1e-6);
     // Without feet the configuration is unchanged.
-    assert_eq!(bent_stance(model, &map, &[], &rest, up).unwrap(), rest);
+    assert_eq!(
+        crouched_configuration(model, &map, &[], &rest, up).unwrap(),
+        rest
+    );
 }
 
 /// With feet at two heights the lower one defines the height, in any order. Mirrored robots give mirrored
@@ -154,7 +157,7 @@ fn crouch_height_is_above_the_lower_foot() {
         assert!((heights[0] - heights[1]).abs() > 0.09, "{heights:?}");
         let [first, second] = [[0, 1], [1, 0]].map(|order| {
             let feet = order.map(|foot| body.feet[foot]);
-            bent_stance(model, &map, &feet, &start, up).unwrap()
+            crouched_configuration(model, &map, &feet, &start, up).unwrap()
         });
         for q in [&first, &second] {
             // The sole of the straight leg is 0.9 m below the pelvis.
@@ -185,7 +188,8 @@ fn crouch_height_is_above_the_lower_foot() {
 fn hand_dragged_down_bends_the_legs() {
     let body = person();
     let (map, up) = (ParameterMap::free(&body.model), Vector3::UNITS[2]);
-    let stance = bent_stance(&body.model, &map, &body.feet, &body.model.neutral(), up).unwrap();
+    let stance =
+        crouched_configuration(&body.model, &map, &body.feet, &body.model.neutral(), up).unwrap();
     let down = Vector3::new(0.2, 0.0, -0.45);
     let q = dragged(&body, &stance, down, true);
     let reached = placed(&body.model, body.hand, &q).translation;
@@ -210,7 +214,7 @@ fn feet_stay_at_an_unreachable_hand_target() {
     let body = person();
     let (model, map) = (&body.model, ParameterMap::free(&body.model));
     let up = Vector3::UNITS[2];
-    let stance = bent_stance(model, &map, &body.feet, &model.neutral(), up).unwrap();
+    let stance = crouched_configuration(model, &map, &body.feet, &model.neutral(), up).unwrap();
     let q = dragged(&body, &stance, Vector3::new(3.0, 0.0, 0.5), true);
     for foot in body.feet {
         let (before, after) = (placed(model, foot, &stance), placed(model, foot, &q));
@@ -228,7 +232,7 @@ fn hand_dragged_forward_keeps_balance() {
     let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
     let hand = model.frame("left_hand").unwrap();
     let up = Vector3::UNITS[2];
-    let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+    let stance = crouched_configuration(model, robot.map(), &feet, &model.neutral(), up).unwrap();
     let start = placed(model, hand, &stance).translation;
     // Largest and final distance of the centre of mass beyond the soles' front edges, metres, and the knees' bend.
     let dragged = |direction: Vector3<f64>, balances: bool| {
@@ -239,13 +243,13 @@ fn hand_dragged_forward_keeps_balance() {
         let mut front = f64::NEG_INFINITY;
         for foot in feet {
             let at = placed(model, foot, &stance);
-            tasks.add(Task::new(Pose::new(foot, at)).times(10.0));
+            tasks.add(Task::new(Pose::new(foot, at)).scale(10.0));
             let sole = robot.sole(foot);
             front = (sole.iter().map(|corner| at.apply(*corner).x)).fold(front, f64::max);
             balance = balance.with_points_on(foot, sole);
         }
         if balances {
-            tasks.add(Task::new(balance).times(10.0));
+            tasks.add(Task::new(balance).scale(10.0));
         }
         tasks.add(Posture::new(model, &stance).upright(model));
         let mut drag = Drag::new(tasks.build().unwrap(), &stance).unwrap();
@@ -322,11 +326,11 @@ fn conflicting_levels_come_to_rest() {
             "frame {frame}: {now} after {least}"
         );
         least = now;
-        if drag.rests() {
+        if drag.is_at_rest() {
             break;
         }
     }
-    assert!(drag.rests());
+    assert!(drag.is_at_rest());
 }
 
 /// The NAO with its right foot on the ground and its left foot pulled away; it oscillated here.

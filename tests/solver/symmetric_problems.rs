@@ -88,7 +88,7 @@ fn symmetric_hand_targets_settle_symmetrically() {
         for (hand, place) in hands.into_iter().zip([target, mirrored(target)]) {
             body.target_mut(hand).unwrap().set_target(place);
         }
-        body.stand_at(&rest).unwrap();
+        body.set_configuration(&rest).unwrap();
         let settled = body.settle(200);
         assert_eq!(settled.reached, within, "{target:?}: {}", settled.explain());
         let off = lopsided(skeleton, &settled.q);

@@ -82,9 +82,9 @@ fn soft_task_pulling_off_a_limit_is_not_named() {
         // Beyond the first joint's limit; the second joint approaches it.
         builder.add(Point::new(tip, [0.2, 1.6 * side, 0.0]));
         let back = Posture::of_joints([(joints[0], 0.0)]);
-        builder.add(Task::new(back).times(0.9).named("back"));
+        builder.add(Task::new(back).scale(0.9).named("back"));
         let straight = Posture::of_joints([(joints[1], 0.0)]);
-        builder.add(Task::new(straight).times(2.0).named("straight"));
+        builder.add(Task::new(straight).scale(2.0).named("straight"));
         builder.preferences(Preferences::Traded);
         let problem = builder.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &[0.0, 0.1]).unwrap();

@@ -7,8 +7,8 @@ use super::{Rigid, placement, rigid, vector};
 use kinopt::kinematics::frame_jacobian;
 use kinopt::model::{JointKind, Masses, PointMass};
 use kinopt::task::{
-    Axis, CentreOfMass, FrameVelocity, Gaze, JointCoupling, Manipulability, Posture, Smoothness,
-    SupportPolygon, Within,
+    Axis, Bounded, CentreOfMass, FrameVelocity, Gaze, JointCoupling, Manipulability, Posture,
+    Smoothness, SupportPolygon,
 };
 use nalgebra as na;
 
@@ -174,7 +174,7 @@ fn balance_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskC
     let own = (masses.clone(), parts.clone());
     all.push(sum_case(
         "centre of mass within a room",
-        move || Within::new(CentreOfMass::new(&own.0, target), 0.05),
+        move || Bounded::new(CentreOfMass::new(&own.0, target), 0.05),
         move |at, _| {
             let miss = centre(at, &own.1) - target;
             miss.iter().map(|v| v - v.clamp(-0.05, 0.05)).collect()

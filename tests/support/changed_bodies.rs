@@ -193,14 +193,14 @@ pub fn case(seed: u64, change: &Change) -> Case {
                 let way = Vector3::new(own[0], own[1], own[2]) * step;
                 target.translation += target.rotation * way;
                 target.rotation = turned(target.rotation, &own[3..], step);
-                tasks.add(turning(Pose::new(tip, target)).times(times));
+                tasks.add(turning(Pose::new(tip, target)).scale(times));
             }));
         }
         3 | 5 => {
             let own = six(random, 3);
             goals.push(Box::new(move |tasks, times| {
                 let way = Vector3::new(own[0], own[1], own[2]) * step;
-                tasks.add(Task::new(Point::new(tip, at_tip.translation + way)).times(times));
+                tasks.add(Task::new(Point::new(tip, at_tip.translation + way)).scale(times));
             }));
         }
         4 | 6 => {
@@ -213,7 +213,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
             goals.push(Box::new(move |tasks, times| {
                 let way = Vector3::new(own[0], own[1], own[2]) * step;
                 let target = at_tip.translation + miss + way;
-                tasks.add(Task::new(Point::new(tip, target)).times(times));
+                tasks.add(Task::new(Point::new(tip, target)).scale(times));
                 let target = turned(at_first.rotation, &other, step);
                 tasks.add(turning(Orientation::new(first, target)));
             }));
@@ -224,7 +224,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
             goals.push(Box::new(move |tasks, times| {
                 let way = Vector3::new(own[0], own[1], own[2]) * step;
                 let target = at_first.translation + off + way;
-                tasks.add(Task::new(Point::new(first, target)).times(times));
+                tasks.add(Task::new(Point::new(first, target)).scale(times));
                 let mut target = at_tip;
                 let way = Vector3::new(other[0], other[1], other[2]) * step;
                 target.translation += target.rotation * way;
@@ -245,7 +245,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
             goal(&mut tasks, 1.0 + weight);
         }
         if has_posture {
-            tasks.add(Task::new(Posture::new(&model, reference)).times(0.3));
+            tasks.add(Task::new(Posture::new(&model, reference)).scale(0.3));
         }
         if matches!(kind, 5 | 6) {
             tasks.preferences(Preferences::Traded);

@@ -10,8 +10,8 @@ use kinopt::model::{FrameId, JointId};
 use kinopt::problem::ProblemBuilder;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, Camera, Distance, Goal, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose,
-    Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task, Within,
+    Axis, Bounded, Camera, Distance, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose,
+    PoseBounds, Posture, Quantity, Ray, Residual, RowBlock, Smoothness, Task,
 };
 use nalgebra as na;
 
@@ -327,7 +327,7 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         ),
         sum_case(
             "plane with room",
-            move || Within::at_most(Plane::new(frame, [0.1; 3], [0.0, 0.6, 0.8]), -0.05),
+            move || Bounded::at_most(Plane::new(frame, [0.1; 3], [0.0, 0.6, 0.8]), -0.05),
             move |at, _| {
                 let v = at[slot].translation.vector - na::Vector3::repeat(0.1);
                 vec![(0.6 * v.y + 0.8 * v.z + 0.05).max(0.0)]
@@ -336,12 +336,12 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     ];
     let inf = f64::INFINITY;
     let goals = [
-        ("pose with the full goal", Goal::pose()),
-        ("pose of a position", Goal::position()),
-        ("pose free about x", Goal::free_about(Axis::X)),
+        ("pose with the full goal", PoseBounds::pose()),
+        ("pose of a position", PoseBounds::position()),
+        ("pose free about x", PoseBounds::free_about(Axis::X)),
         (
             "pose with room on all axes",
-            Goal::within([0.05, inf, 0.01, 0.1, 0.02, inf]),
+            PoseBounds::within([0.05, inf, 0.01, 0.1, 0.02, inf]),
         ),
     ];
     for (name, goal) in goals {

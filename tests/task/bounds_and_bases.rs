@@ -8,8 +8,8 @@ use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, CentreOfMass, Distance, Goal, Orientation, Plane, Point, Pose, Quantity, Residual, Task,
-    Within,
+    Axis, Bounded, CentreOfMass, Distance, Orientation, Plane, Point, Pose, PoseBounds, Quantity,
+    Residual, Task,
 };
 use kinopt::{Problem, Solution, Solver};
 use nalgebra as na;
@@ -53,15 +53,15 @@ fn task_within_its_interval_costs_nothing() {
     let (model, base, tip) = arm(3.0);
     let q = [0.3, 0.9, -0.4];
     let near = placed(&[0.31, 0.88, -0.35]);
-    let room = Goal::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
+    let room = PoseBounds::within([0.1, 0.1, 0.0, 0.0, 0.0, 0.1]);
     let low = Plane::new(tip, [0.0; 3], [0.0, 1.0, 0.0]);
     let far = planar_tip(&LINKS[1..], &q[1..]).norm();
     for problem in [
         problem(&model, Pose::new(tip, near).with_goal(room)),
-        problem(&model, Within::at_least(low, 0.5)),
+        problem(&model, Bounded::at_least(low, 0.5)),
         problem(
             &model,
-            Within::new(Distance::new(tip, base, far + 0.1), 0.2),
+            Bounded::new(Distance::new(tip, base, far + 0.1), 0.2),
         ),
     ] {
         let mut scratch = problem.scratch();
@@ -90,13 +90,13 @@ fn errors_are_measured_from_the_interval() {
     let model = builder.build().unwrap();
     let target = Placement::new(rotation_exp(Z * 2.5), x * 2.0);
     // In the target's axes its x is rotated by 2.5 rad, so the whole position counts.
-    let goal = Goal::within([0.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0]);
+    let goal = PoseBounds::within([0.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0]);
     let solution = solve(&model, Pose::new(tip, target).with_goal(goal), &[0.0; 2]);
     let task = solution.tasks().next().unwrap();
     assert!((task.position_error().unwrap() - 1.0).abs() < 1e-6);
     assert!((task.orientation_error().unwrap() - 2.0).abs() < 1e-6);
 
-    let floor = Within::at_least(Plane::new(tip, [0.0; 3], [1.0, 0.0, 0.0]), 1.25);
+    let floor = Bounded::at_least(Plane::new(tip, [0.0; 3], [1.0, 0.0, 0.0]), 1.25);
     let solution = solve(&model, floor, &[0.0; 2]);
     let task = solution.tasks().next().unwrap();
     assert!((task.position_error().unwrap() - 0.25).abs() < 1e-9);
@@ -115,7 +115,7 @@ fn bounded_task_keeps_its_name() {
     let task = CentreOfMass::new(&masses, [1.0; 3]);
     let name = |problem: &Problem| problem.task_name(0).unwrap().to_owned();
     let plain = name(&problem(&model, task.clone()));
-    assert_eq!(name(&problem(&model, Within::new(task, 0.1))), plain);
+    assert_eq!(name(&problem(&model, Bounded::new(task, 0.1))), plain);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn far_target_in_a_base_is_not_out_of_reach() {
     assert!(!relative.reached && !relative.is_out_of_reach());
     let at = Placement::translation(far.into());
     assert!(solve(&model, Pose::new(tip, at), &[0.0; 3]).is_out_of_reach());
-    let slides = Pose::new(tip, at).with_goal(Goal::free_along(Axis::Y));
+    let slides = Pose::new(tip, at).with_goal(PoseBounds::free_along(Axis::Y));
     let slides = solve(&model, slides, &[0.0; 3]);
     assert!(!slides.reached && !slides.is_out_of_reach());
     // A tool of that length could reach.
@@ -174,8 +174,8 @@ fn geometric_solvers_reject_bounds_and_bases() {
     let pose = Pose::new(tip, target);
     for refused in [
         problem(&model, pose.relative_to(base)),
-        problem(&model, pose.with_goal(Goal::free_about(Axis::Z))),
-        problem(&model, Within::new(Point::new(tip, [1.0; 3]), 0.1)),
+        problem(&model, pose.with_goal(PoseBounds::free_about(Axis::Z))),
+        problem(&model, Bounded::new(Point::new(tip, [1.0; 3]), 0.1)),
         problem(
             &model,
             Orientation::new(tip, target.rotation).relative_to(base),

@@ -8,8 +8,8 @@ use kinopt::problem::{Problem, ProblemBuilder};
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Camera, Distance, Goal, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture, Quantity, Ray,
-    Residual, Smoothness, Task, Within,
+    Bounded, Camera, Distance, LookAt, Orientation, Pixel, Plane, Point, Pose, PoseBounds, Posture,
+    Quantity, Ray, Residual, Smoothness, Task,
 };
 use kinopt::{Solver, Workspace};
 
@@ -309,7 +309,7 @@ fn problem_errors_name_the_culprit() {
     }
     // Both are finite, but their product is not.
     names(
-        problem(reach().weight(Quantity::Metres, 1e200).times(1e200)),
+        problem(reach().weight(Quantity::Metres, 1e200).scale(1e200)),
         &["reach", "weight", "metres", "inf"],
     );
     for tolerance in [-1.0, NAN] {
@@ -427,7 +427,7 @@ fn task_errors_name_the_task() {
         &["pose of `hand`", "tool", "mirrors"],
     );
     for half_width in [-1.0, NAN] {
-        let goal = Goal::within([0.0, 0.0, 0.0, 0.1, half_width, 0.0]);
+        let goal = PoseBounds::within([0.0, 0.0, 0.0, 0.1, half_width, 0.0]);
         names(
             problem(Pose::new(hand, still()).with_goal(goal)),
             &[
@@ -437,7 +437,7 @@ fn task_errors_name_the_task() {
             ],
         );
     }
-    let nothing = Goal::within([f64::INFINITY; 6]);
+    let nothing = PoseBounds::within([f64::INFINITY; 6]);
     names(
         problem(Pose::new(hand, still()).with_goal(nothing)),
         &["pose of `hand`", "every component free"],
@@ -448,12 +448,12 @@ fn task_errors_name_the_task() {
     );
     for (lower, upper) in [(1.0, 0.0), (NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
         names(
-            problem(Within::between(Point::new(hand, here), lower, upper)),
+            problem(Bounded::between(Point::new(hand, here), lower, upper)),
             &["point of `hand`", "interval", "no number"],
         );
     }
     names(
-        problem(Within::new(Point::new(hand, [NAN; 3]), 0.1)),
+        problem(Bounded::new(Point::new(hand, [NAN; 3]), 0.1)),
         &["point of `hand`", "target", "NaN"],
     );
     let mut other = Model::builder("balls");
@@ -461,7 +461,7 @@ fn task_errors_name_the_task() {
     let foreign = Posture::new(&other.build().unwrap(), &[1.0, 0.0, 0.0, 0.0]);
     let words = ["4 numbers for its joints", "1"];
     names(problem(foreign.clone()), &words);
-    names(problem(Within::new(foreign, 0.1)), &words);
+    names(problem(Bounded::new(foreign, 0.1)), &words);
     names(
         problem(LookAt::new(hand, here, [1.0; 3])),
         &["look-at", "axis"],

@@ -204,7 +204,7 @@ fn frames_sharing_joints_agree() {
     let mut tasks = Problem::builder(&model);
     // Rows of other tasks above and below.
     tasks.add(Point::new(frames[3], [0.0; 3]));
-    tasks.add(Task::new(Centre(frames.clone())).times(0.5));
+    tasks.add(Task::new(Centre(frames.clone())).scale(0.5));
     tasks.add(Point::new(frames[11], [0.0; 3]));
     let problem = tasks.build().unwrap();
     let x: Vec<f64> = (0..12).map(|k| 0.3 * f64::from(k % 5) - 0.5).collect();

@@ -8,8 +8,8 @@ use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{
-    Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt, Orientation, Plane, Point,
-    Pose, Posture, Quantity, Ray, Residual, Smoothness, Task, Within,
+    Bounded, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt, Orientation,
+    Plane, Point, Pose, Posture, Quantity, Ray, Residual, Smoothness, Task,
 };
 
 fn quantities(residual: &impl Residual) -> Vec<Quantity> {
@@ -56,7 +56,7 @@ fn every_task_has_the_unit_of_its_quantity() {
         (quantities(&LimitCentring::new(&model)), vec![Ratio]),
         // Bounds do not change the unit.
         (
-            quantities(&Within::at_least(pair(slide, hinge), 0.0)),
+            quantities(&Bounded::at_least(pair(slide, hinge), 0.0)),
             vec![Metres],
         ),
     ] {

@@ -6,7 +6,7 @@ use kinopt::model::{Masses, PointMass};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    CentreOfMass, Gaze, Goal, Manipulability, Point, Pose, Residual, SupportPolygon, Within,
+    Bounded, CentreOfMass, Gaze, Manipulability, Point, Pose, PoseBounds, Residual, SupportPolygon,
 };
 use support::arms::panda;
 use support::random::Random;
@@ -58,7 +58,7 @@ fn assert_told(met: [usize; 2]) {
 fn interval_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
-        Within::new(Point::new(tip, [0.3, 0.0, 0.5]), 0.3)
+        Bounded::new(Point::new(tip, [0.3, 0.0, 0.5]), 0.3)
     }));
 }
 
@@ -66,7 +66,7 @@ fn interval_rows_match_their_slacks() {
 fn half_open_interval_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
-        Within::at_most(Point::new(tip, [0.3, 0.0, 0.5]), 0.1)
+        Bounded::at_most(Point::new(tip, [0.3, 0.0, 0.5]), 0.1)
     }));
 }
 
@@ -75,7 +75,7 @@ fn bounded_goal_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         let target = Placement::translation(Vector3::new(0.3, 0.0, 0.5));
-        Pose::new(tip, target).with_goal(Goal::within([0.3, 0.3, 0.0, 0.8, 0.8, 0.8]))
+        Pose::new(tip, target).with_goal(PoseBounds::within([0.3, 0.3, 0.0, 0.8, 0.8, 0.8]))
     }));
 }
 
@@ -127,7 +127,7 @@ fn bounded_centre_rows_match_their_slacks() {
             mass: 2.0,
         }];
         let masses = Masses::new(model, masses).unwrap();
-        Within::new(CentreOfMass::new(&masses, [0.2, 0.1, 0.4]), 0.3)
+        Bounded::new(CentreOfMass::new(&masses, [0.2, 0.1, 0.4]), 0.3)
     }));
 }
 
@@ -140,7 +140,7 @@ fn slacks_of_large_rotations_use_the_shorter_angle() {
     let frame = builder.frame("hand", None, Placement::identity());
     builder.build().unwrap();
     let bands = [0.0, 0.0, f64::INFINITY, 0.4, 1.0, 2.9];
-    let task = Pose::new(frame, Placement::identity()).with_goal(Goal::within(bands));
+    let task = Pose::new(frame, Placement::identity()).with_goal(PoseBounds::within(bands));
     let mut random = Random::new(5);
     for _ in 0..300 {
         let turn = random.direction().into_inner() * random.within(0.1, 3.1);

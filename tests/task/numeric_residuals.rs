@@ -6,7 +6,9 @@ use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock, Within};
+use kinopt::task::{
+    Bounded, LocalJacobian, Numeric, NumericResidual, Quantity, Residual, RowBlock,
+};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 use support::random::Random;
@@ -79,7 +81,7 @@ fn problem<R: Residual>(tree: &RandomTree, residual: R, room: bool) -> Problem {
     let mut tasks = Problem::builder(&tree.model);
     match room {
         true => {
-            tasks.add(Within::new(residual, 0.01));
+            tasks.add(Bounded::new(residual, 0.01));
         }
         false => {
             tasks.add(residual);

@@ -5,7 +5,7 @@
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual, Within,
+    Axis, Bounded, FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual,
 };
 
 fn same<R: Residual>(task: &R, moved: &R, step: &[f64]) {
@@ -88,9 +88,9 @@ fn setter_equals_the_constructor() {
     moving.set_previous(other);
     moving.set_velocity(c, d);
     assert_eq!(moving, FrameVelocity::new(frame, other, 0.1, (c, d)));
-    let mut within = Within::at_most(Point::new(frame, a), 0.1);
+    let mut within = Bounded::at_most(Point::new(frame, a), 0.1);
     within.residual_mut().set_target(b);
-    assert_eq!(within, Within::at_most(Point::new(frame, b), 0.1));
+    assert_eq!(within, Bounded::at_most(Point::new(frame, b), 0.1));
 }
 
 /// The same for scalar values.

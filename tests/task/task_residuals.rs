@@ -146,7 +146,7 @@ fn weight_factors_multiply() {
     let tip = model.frame("tip").unwrap();
     let mut builder = Problem::builder(&model);
     let point = Task::new(Point::new(tip, [0.5, 0.0, 0.0])).weight(Quantity::Metres, 0.5);
-    builder.add(point.times(2.0).times(3.0));
+    builder.add(point.scale(2.0).scale(3.0));
     let problem = builder.build().unwrap();
     assert_eq!(residual(&problem, &[0.0]), [1.5, 0.0, 0.0]);
 }

@@ -11,9 +11,9 @@ use kinopt::problem::{Derivatives, Evaluation, ProblemBuilder};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
-    Axis, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LimitCentring, LookAt,
-    Manipulability, Orientation, Plane, Point, Pose, Posture, Quantity, Ray, Residual, RowBlock,
-    Smoothness, SupportPolygon, Task, Within,
+    Axis, Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring,
+    LookAt, Manipulability, Orientation, Plane, Point, Pose, PoseBounds, Posture, Quantity, Ray,
+    Residual, RowBlock, Smoothness, SupportPolygon, Task,
 };
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
@@ -151,9 +151,9 @@ fn tasks<'a>(figure: &'a Figure, masses: &'a Masses, seed: u64) -> Vec<Add<'a>> 
             "poses with tools, free axes and room",
             Box::new(move |b| {
                 b.add(Pose::new(last, previous).with_tool(previous));
-                b.add(Pose::new(last, previous).with_goal(Goal::free_about(Axis::Y)));
-                b.add(Pose::new(last, previous).with_goal(Goal::within([0.01; 6])));
-                b.add(Within::new(Pose::new(base, previous), 0.05));
+                b.add(Pose::new(last, previous).with_goal(PoseBounds::free_about(Axis::Y)));
+                b.add(Pose::new(last, previous).with_goal(PoseBounds::within([0.01; 6])));
+                b.add(Bounded::new(Pose::new(base, previous), 0.05));
             }),
         ),
         (
@@ -409,7 +409,7 @@ impl Residual for Depth {
     }
 }
 
-/// `Within` makes any residual one-sided, also a custom one.
+/// `Bounded` makes any residual one-sided, also a custom one.
 #[test]
 fn custom_residual_may_be_one_sided() {
     for seed in 0..10 {
@@ -422,7 +422,7 @@ fn custom_residual_may_be_one_sided() {
         for (place, is_free) in [(inside, true), (outside, false)] {
             let mut tasks = Problem::builder(model);
             tasks.add(Task::new(Point::new(last, place)).preference());
-            tasks.add(Within::at_most(Depth(last), 0.0));
+            tasks.add(Bounded::at_most(Depth(last), 0.0));
             let problem = tasks.build().unwrap();
             let solution = Solver::default()
                 .solve_once(&problem, &model.neutral())

@@ -46,7 +46,7 @@ export interface ClipIkOptions {
 }
 
 /** A foot that stands over some seconds of a clip. */
-export interface Stance {
+export interface FootPlant {
     bone: string;
     /** The first and last moment, seconds of the clip. */
     span: [number, number];
@@ -59,7 +59,7 @@ export interface Stance {
 }
 
 /** A bone that was led, and how well. */
-export interface Led {
+export interface ReachResult {
     bone: string;
     /** How far it is from where it should be, at most. */
     miss: number;
@@ -74,10 +74,10 @@ extern "C" {
     #[wasm_bindgen(typescript_type = "ClipIkOptions")]
     pub type ClipIkOptions;
     /// Foot plants as objects.
-    #[wasm_bindgen(typescript_type = "Stance[]")]
+    #[wasm_bindgen(typescript_type = "FootPlant[]")]
     pub type Stances;
     /// Results of reaching bones as objects.
-    #[wasm_bindgen(typescript_type = "Led[]")]
+    #[wasm_bindgen(typescript_type = "ReachResult[]")]
     pub type LedBones;
 }
 

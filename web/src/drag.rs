@@ -101,12 +101,12 @@ impl Drag {
     }
 
     /// Continues from another configuration.
-    #[wasm_bindgen(js_name = standAt)]
-    pub fn stand_at(
+    #[wasm_bindgen(js_name = setConfiguration)]
+    pub fn set_configuration(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
     ) -> Result<(), JsError> {
-        self.inner.stand_at(q).map_err(raise)
+        self.inner.set_configuration(q).map_err(raise)
     }
 
     /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
@@ -124,15 +124,15 @@ impl Drag {
     }
 
     /// True if a joint moved by its limit for a frame; the next frames continue.
-    #[wasm_bindgen(getter, js_name = catchingUp)]
-    pub fn catching_up(&self) -> bool {
-        self.inner.catching_up()
+    #[wasm_bindgen(getter, js_name = isSpeedLimited)]
+    pub fn is_speed_limited(&self) -> bool {
+        self.inner.is_speed_limited()
     }
 
     /// True if the next frame would change nothing.
     #[wasm_bindgen(getter)]
-    pub fn rests(&self) -> bool {
-        self.inner.rests()
+    pub fn is_at_rest(&self) -> bool {
+        self.inner.is_at_rest()
     }
 }
 

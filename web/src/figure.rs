@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-use kinopt::animation::{Armature as Bones, PoseAngles};
+use kinopt::animation::{Armature as Bones, EulerPoseMap};
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
@@ -15,7 +15,7 @@ use crate::skeleton::Skeleton;
 #[wasm_bindgen]
 pub struct Figure {
     skeleton: Skeleton,
-    angles: PoseAngles,
+    angles: EulerPoseMap,
     stands: kinopt::animation::Pose,
 }
 
@@ -32,7 +32,7 @@ impl Figure {
             .turning_skeleton("figure", turning)
             .map_err(raise)?;
         Ok(Self {
-            angles: PoseAngles::new(&skeleton),
+            angles: EulerPoseMap::new(&skeleton),
             stands: armature.rest().clone(),
             skeleton: skeleton.into(),
         })

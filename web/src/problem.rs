@@ -21,7 +21,7 @@ export interface TaskOptions {
     /** What reports and targets call it; otherwise its kind and frame do. */
     name?: string;
     weight?: number;
-    times?: number;
+    scale?: number;
     /** The error within which it counts as reached. */
     tolerance?: number;
     role?: "goal" | "preference";

@@ -17,7 +17,7 @@ export interface BaseOptions {
     /** How the robot may move as a whole: "fixed" (the default), "free", "planar", "slide-x", ... */
     baseJoint?: string;
     /** The room of that joint, metres: `{ z: [0, 1] }`. */
-    baseRoom?: Record<string, readonly [number, number]>;
+    baseBounds?: Record<string, readonly [number, number]>;
 }
 
 export interface RobotOptions extends BaseOptions {
@@ -78,7 +78,7 @@ impl Robot {
     ) -> Result<Self, JsError> {
         const KNOWN: [&str; 5] = [
             "baseJoint",
-            "baseRoom",
+            "baseBounds",
             "lenient",
             "mimicLimits",
             "softLimits",
@@ -109,7 +109,7 @@ impl Robot {
     #[wasm_bindgen(js_name = ofModel)]
     pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a robot", &["baseJoint", "baseRoom"])?;
+        let options = Given::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
         let inner = kinopt::robot::Robot::new(model.inner.clone(), Vec::new());
         on_base(inner.map_err(raise)?, &options)
     }
@@ -182,8 +182,8 @@ impl Robot {
     /// Crouched configuration: `q` with a free base lower by a fifteenth of its height, the frames `feet` at their
     /// poses and the other joints near `q`. The slightly bent knees avoid the singularity of straight legs. z is up.
     /// Returns `q` for a robot without a free base, and if the feet cannot stay.
-    #[wasm_bindgen(js_name = bentStance)]
-    pub fn bent_stance(
+    #[wasm_bindgen(js_name = crouchedConfiguration)]
+    pub fn crouched_configuration(
         &self,
         feet: Vec<String>,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
@@ -192,7 +192,7 @@ impl Robot {
         let feet = feet.iter().map(|foot| model.frame(foot).map_err(raise));
         let feet = feet.collect::<Result<Vec<_>, JsError>>()?;
         let up = Vector3::UNITS[2];
-        kinopt::ik::bent_stance(model, self.inner.map(), &feet, q, up).map_err(raise)
+        kinopt::ik::crouched_configuration(model, self.inner.map(), &feet, q, up).map_err(raise)
     }
 
     /// Contact points of a foot, in its frame, metres: the origins of its link and of the links fixed to it, and the
@@ -218,9 +218,9 @@ fn on_base(robot: kinopt::robot::Robot, options: &Given) -> Result<Robot, JsErro
     let Some(kind) = options.text("baseJoint")? else {
         return Ok(robot.into());
     };
-    let room = given::entries(options.get("baseRoom").as_ref(), "baseRoom")?;
+    let room = given::entries(options.get("baseBounds").as_ref(), "baseBounds")?;
     let room = room.into_iter().map(|(axis, value)| {
-        let [lower, upper] = given::vector(&value, &format!("baseRoom.{axis}"))?;
+        let [lower, upper] = given::vector(&value, &format!("baseBounds.{axis}"))?;
         Ok((axis, Limits::new(lower, upper)))
     });
     let room = room.collect::<Result<Vec<_>, JsError>>()?;
@@ -240,7 +240,7 @@ impl Robot {
         options: Option<BaseOptions>,
     ) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(options, "option of a robot", &["baseJoint", "baseRoom"])?;
+        let options = Given::new(options, "option of a robot", &["baseJoint", "baseBounds"])?;
         let name = name.as_deref().unwrap_or("robot.xml");
         let inner = kinopt::robot::Robot::parse_mjcf(text, name);
         on_base(inner.map_err(raise)?, &options)

@@ -139,21 +139,21 @@ impl World {
 
     /// Allows collisions of an obstacle and a link, or of two obstacles, at any depth, until `forbidTouch` or the
     /// removal of one of the obstacles.
-    #[wasm_bindgen(js_name = allowTouch)]
-    pub fn allow_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
-        self.inner.allow_touch(one, other).map_err(raise)
+    #[wasm_bindgen(js_name = allowCollision)]
+    pub fn allow_collision(&mut self, one: &str, other: &str) -> Result<(), JsError> {
+        self.inner.allow_collision(one, other).map_err(raise)
     }
 
-    /// Enables the collision pair again after `allowTouch`.
+    /// Enables the collision pair again after `allowCollision`.
     #[wasm_bindgen(js_name = forbidTouch)]
     pub fn forbid_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
         self.inner.forbid_touch(one, other).map_err(raise)
     }
 
     /// True if the collision of the pair is allowed, in either order.
-    #[wasm_bindgen(js_name = mayTouch)]
-    pub fn may_touch(&self, one: &str, other: &str) -> bool {
-        self.inner.may_touch(one, other)
+    #[wasm_bindgen(js_name = allowCollision)]
+    pub fn allow_collision(&self, one: &str, other: &str) -> bool {
+        self.inner.allow_collision(one, other)
     }
 
     /// Notes: ignored parts of the file, and properties of accepted shapes, such as an open mesh.

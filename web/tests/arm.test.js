@@ -132,12 +132,12 @@ test("an arm keeps clear of a box, and says what it touches", () => {
         assert.equal(secondKind, second.includes("shelf") ? "obstacle" : "link");
         assert.equal(onTheWay, false);
     }
-    for (const { first } of blocked) world.allowTouch("shelf", first);
-    assert.ok(world.mayTouch(blocked[0].first, "shelf"));
+    for (const { first } of blocked) world.allowCollision("shelf", first);
+    assert.ok(world.allowCollision(blocked[0].first, "shelf"));
     assert.deepEqual(arm.withWorld(World.fromJson(world.toJson()), 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]), []);
     world.forbidTouch("shelf", blocked[0].first);
     assert.equal(arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]).length, 1);
-    assert.throws(() => world.allowTouch("hand", "shell"), /neither.*shelf/s);
+    assert.throws(() => world.allowCollision("hand", "shell"), /neither.*shelf/s);
     assert.throws(() => free.collisions(solution.q), /not known/);
 });
 
@@ -166,7 +166,7 @@ test("a robot tells its shapes, tips and limits, and stands on a base of its own
     assert.equal(robot.chain("base", "flange").length, 7);
     const kinds = robot.model.frameNames.flatMap((frame) => robot.shapes(frame, true).map(({ kind }) => kind));
     assert.ok(kinds.includes("sphere") && kinds.includes("cylinder") && kinds.includes("box"));
-    const sliding = Robot.fromUrdf(text("universal_ur5e.urdf"), "ur5e.urdf", { baseJoint: "slide-x", baseRoom: { x: [0, 1] } });
+    const sliding = Robot.fromUrdf(text("universal_ur5e.urdf"), "ur5e.urdf", { baseJoint: "slide-x", baseBounds: { x: [0, 1] } });
     assert.equal(sliding.model.configurationLen, 7);
     const arm = new Arm(sliding.withTool("pen", "flange", placement([0, 0, 0.1])), undefined, "pen");
     const target = arm.baseFromTool([0.7, 0.3, -1.1, 1, -0.9, 1.1, 0.4]);

@@ -100,12 +100,12 @@ test("a robot's balance over the soles of its feet", () => {
     assert.ok(new Solver().solve(balance, nao.model.neutral()).reached);
     assert.throws(() => nao.sole("left_soul"), /left_soul.*left_sole/s);
     const rest = nao.model.neutral();
-    const stance = nao.bentStance(["left_sole", "right_sole"], rest);
+    const stance = nao.crouchedConfiguration(["left_sole", "right_sole"], rest);
     const stands = (q) => framePlacement(nao.model, "left_sole", q);
     assert.ok(apart(Array.from(stands(stance)), stands(rest)) < 1e-6);
     assert.ok(stance[2] < rest[2] - 0.01 && stance[nao.model.configurationLen - 1] !== undefined);
-    assert.throws(() => nao.bentStance(["left_soul"], rest), /left_soul/);
-    assert.throws(() => nao.bentStance(["left_sole"], rest.slice(1)), Error);
+    assert.throws(() => nao.crouchedConfiguration(["left_soul"], rest), /left_soul/);
+    assert.throws(() => nao.crouchedConfiguration(["left_sole"], rest.slice(1)), Error);
 });
 
 test("velocities and Jacobians agree with differences", () => {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Affine3A, Vec3A};
 use kinopt::animation::{
-    Armature, Character, Clip, Crowd, Cursor, Limb, LimbGoal, Playback, PlayingClip, PoseAngles,
+    Armature, Character, Clip, Crowd, Cursor, EulerPoseMap, Limb, LimbGoal, Playback, PlayingClip,
     ReachLayer,
 };
 use kinopt::ik::Restarts;
@@ -177,7 +177,7 @@ fn reach_by(
     solver: Solver,
     characters: usize,
 ) -> (f64, f64, f64) {
-    let bridge = PoseAngles::new(skeleton);
+    let bridge = EulerPoseMap::new(skeleton);
     let easy = at_ease(skeleton);
     let mut posed = Armature::of_skeleton(skeleton).rest().clone();
     bridge.pose_of(&easy, &mut posed).expect("its own angles");

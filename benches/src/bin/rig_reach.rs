@@ -39,7 +39,7 @@ fn reach(
         for (&task, &at) in tasks.iter().zip(target) {
             body.target_mut(task)?.set_target(at);
         }
-        body.stand_at(&rest)?;
+        body.set_configuration(&rest)?;
         let begun = ThreadTime::now();
         own += usize::from(body.settle(FRAMES).reached);
         micros[0].push(begun.micros());

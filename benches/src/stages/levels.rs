@@ -40,7 +40,7 @@ fn pulled_hand() -> Result<Run, Box<dyn Error>> {
     drag.follow(200);
     let stretched = drag.q().to_vec();
     let mut run = move || -> Result<bool, Box<dyn Error>> {
-        drag.stand_at(&stretched)?;
+        drag.set_configuration(&stretched)?;
         let mut missed = true;
         for frame in 0..FRAMES {
             let aside = Vector3::new(0.0, 0.01 * frame as f64, 0.0);

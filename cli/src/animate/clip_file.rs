@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::animation::{Armature, Clip, KeyTolerance, Playback, Pose, PoseAngles};
+use kinopt::animation::{Armature, Clip, EulerPoseMap, KeyTolerance, Playback, Pose};
 use kinopt::counted;
 use kinopt::glam::Vec3;
 use kinopt::io::gltf::{self, Scene, SceneFile, WriteOptions};
@@ -50,14 +50,14 @@ pub(super) struct ClipOptions {
     /// Drop keys as long as no bone is further off in its parent than so much, in the file's unit, and so many radians.
     /// Default: none is dropped.
     #[arg(long, value_name = "LENGTH,RADIANS", requires = "fps", value_parser = tolerance)]
-    fewer_keys: Option<KeyTolerance>,
+    reduce_keys: Option<KeyTolerance>,
 
     #[command(flatten)]
     ik: IkOptions,
 }
 
 fn tolerance(text: &str) -> Result<KeyTolerance, String> {
-    let [translation, rotation] = number_list::parse_exactly::<2>(text, "--fewer-keys")?;
+    let [translation, rotation] = number_list::parse_exactly::<2>(text, "--reduce-keys")?;
     match translation >= 0.0 && rotation >= 0.0 {
         true => Ok(KeyTolerance::EXACT
             .with_translation(translation as f32)
@@ -89,7 +89,7 @@ impl ClipOptions {
             ("--clip-name", self.clip_name.is_some()),
             ("--in-place", self.in_place.is_some()),
             ("--close-seam", self.close_seam.is_some()),
-            ("--fewer-keys", self.fewer_keys.is_some()),
+            ("--reduce-keys", self.reduce_keys.is_some()),
         ]);
         own.or_else(|| self.ik.given())
     }
@@ -165,7 +165,7 @@ impl ClipOptions {
             ));
         }
         let mut scene = Scene::of_skeleton(skeleton, Some((mesh, &weights)))?;
-        let angles = PoseAngles::new(skeleton);
+        let angles = EulerPoseMap::new(skeleton);
         let mut q = vec![0.0; skeleton.angles()];
         let clip = sampled("keys", &scene.armature, frames, |time, pose| {
             keys.sample(time, playback, &mut q)?;
@@ -229,7 +229,7 @@ impl ClipOptions {
         if let Some(seconds) = self.close_seam {
             clip = clip.with_closed_seam(armature, seconds, rate)?;
         }
-        if let Some(tolerance) = &self.fewer_keys {
+        if let Some(tolerance) = &self.reduce_keys {
             clip = clip.with_fewer_keys(armature, tolerance)?;
         }
         Ok((clip, told))

@@ -99,7 +99,7 @@ impl Travel {
     fn parse(text: &str) -> Result<Self, String> {
         match text {
             "feet" => Ok(Self::AsFeet),
-            _ => number_list::parse_exactly(text, "--travel").map(Self::By),
+            _ => number_list::parse_exactly(text, "--root-velocity").map(Self::By),
         }
     }
 }

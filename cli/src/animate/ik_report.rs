@@ -2,7 +2,7 @@
 
 use kinopt::animation::Armature;
 use kinopt::glam::Vec3;
-use kinopt::motion::clip_ik::{EditedClip, EditedKeys, Led};
+use kinopt::motion::clip_ik::{EditedClip, EditedKeys, ReachResult};
 use kinopt::skeleton::{BoneId, Skeleton};
 use serde::Serialize;
 
@@ -117,7 +117,7 @@ impl IkReport {
     }
 }
 
-fn led(all: &[Led], armature: &Armature) -> Vec<LedReport> {
+fn led(all: &[ReachResult], armature: &Armature) -> Vec<LedReport> {
     let each = all.iter().map(|led| LedReport {
         bone: armature.names()[led.bone.index()].clone(),
         miss: led.miss,

@@ -36,7 +36,7 @@ Examples:
                                                         one animated file: bones, skin and clip
   kinopt animate fox.glb --clip Run --fps 30 --in-place b_Hip_01 --clip-name Run_on_the_spot --into fox.glb
                                                         the file keeps all that it holds, and has one clip more
-  kinopt animate fox.glb --clip Walk --loop --to 4 --fps 30 --travel feet --plant b_LeftFoot02_018 --plant b_RightFoot02_022 --ground
+  kinopt animate fox.glb --clip Walk --loop --to 4 --fps 30 --root-velocity feet --plant b_LeftFoot02_018 --plant b_RightFoot02_022 --ground
         stairs.json --into fox.glb                      the walk, repeated, goes up stairs on planted feet
   kinopt animate hero.glb --clip Idle --fps 30 --reach hand.r=0.4,1.2,0.3 --span 1,2.5 --fade 0.3 --into hero.glb
                                                         a hand reaches for a point within a second and a half of the clip

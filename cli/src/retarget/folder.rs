@@ -38,10 +38,10 @@ pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()>
     let format = arguments.format.unwrap_or(Format::Npz);
     let job = Job::new(arguments, format)?;
     let folder = MovementFolder::find(&arguments.source, into, &format.ending())?;
-    let begun = folder.begin(&job.question(), arguments.again);
+    let begun = folder.begin(&job.question(), arguments.overwrite);
     let movements = begun.map_err(|error| match error {
         FolderError::OtherQuestion { .. } => {
-            failure!("{error}: give another folder, or --again to do all of it anew")
+            failure!("{error}: give another folder, or --overwrite to do all of it anew")
         }
         error => error.into(),
     })?;

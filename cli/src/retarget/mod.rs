@@ -13,7 +13,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use kinopt::counted;
 use kinopt::motion::retarget::folder::FolderQuestion;
-use kinopt::motion::retarget::{FootShapes, GivenUp, KnownSkeleton, RetargetOptions, Retargeting};
+use kinopt::motion::retarget::{
+    FootShapes, KnownSkeleton, LostContact, RetargetOptions, Retargeting,
+};
 use serde::Serialize;
 
 use self::contact_options::ContactOptions;
@@ -45,7 +47,7 @@ Examples:
   kinopt retarget walk.bvh character.glb --out walking.glb
                                                the character's file, with one clip more
   kinopt retarget captures g1.urdf --base-joint free --out movements --format csv
-                                               a folder, in parallel; given again it goes on where it was
+                                               a folder, in parallel; given overwrite it goes on where it was
 
 The map, of which what is left out goes by names and by the file:
   {\"joints\": [\"Hips\", \"LeftFoot\", …], \"fps\": 120, \"up\": \"z\",
@@ -104,7 +106,7 @@ pub(crate) struct Arguments {
 
     /// Of a folder: do all of it anew. Default: what is done stays.
     #[arg(long, help_heading = OUTPUT)]
-    again: bool,
+    overwrite: bool,
 
     #[command(flatten)]
     model_options: ModelOptions,
@@ -123,10 +125,10 @@ struct Clip {
     /// Metres, at most.
     slip: f64,
     /// Of a foot in the ground, metres, at most.
-    sunk: f64,
+    ground_penetration: f64,
     standing: Vec<String>,
     /// What could be held no longer, and from which frame on.
-    given_up: Vec<LetGo>,
+    lost_contacts: Vec<LetGo>,
 }
 
 #[derive(Debug, Serialize)]
@@ -141,12 +143,15 @@ const SUNK: f64 = 1e-3;
 impl Clip {
     /// In a line.
     fn summary(&self) -> String {
-        let sunk = match self.sunk > SUNK {
-            true => format!("; feet are {:.1} mm in the ground at most", 1e3 * self.sunk),
+        let ground_penetration = match self.ground_penetration > SUNK {
+            true => format!(
+                "; feet are {:.1} mm in the ground at most",
+                1e3 * self.ground_penetration
+            ),
             false => String::new(),
         };
         format!(
-            "{}: {}, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{sunk}\n",
+            "{}: {}, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{ground_penetration}\n",
             self.out.display(),
             counted(self.frames, "frame"),
             // Frame times in files are rounded: 0.033333 s are 30 frames a second.
@@ -157,10 +162,10 @@ impl Clip {
     }
 }
 
-fn of_given_up(own: GivenUp) -> LetGo {
+fn of_given_up(own: LostContact) -> LetGo {
     LetGo {
         frame: own.frame,
-        standing: own.standing,
+        standing: own.contact_frames,
     }
 }
 
@@ -256,9 +261,9 @@ impl<'a> Job<'a> {
             stride,
             mean_error: found.mean_error,
             slip: found.slip,
-            sunk: found.sunk,
-            standing: found.standing,
-            given_up: found.given_up.into_iter().map(of_given_up).collect(),
+            ground_penetration: found.ground_penetration,
+            standing: found.contact_frames,
+            lost_contacts: found.lost_contacts.into_iter().map(of_given_up).collect(),
         })
     }
 }
@@ -309,7 +314,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     if let Some(option) = first_given([
         ("--format", arguments.format.is_some()),
-        ("--again", arguments.again),
+        ("--overwrite", arguments.overwrite),
     ]) {
         return Err(usage!(
             "{option} is for folders; {} is none",

@@ -153,7 +153,7 @@ fn write_bvh(
 
 fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
     let (frames, width) = (found.frames(), names.len());
-    let standing = found.standing.len();
+    let standing = found.contact_frames.len();
     numpy_file::npz(&[
         ("q", &[frames, width], Column::Numbers(&found.q)),
         ("fps", &[], Column::Numbers(&[found.frame_rate])),
@@ -163,11 +163,15 @@ fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
             &[frames, standing],
             Column::Flags(&found.contacts),
         ),
-        ("standing", &[standing], Column::Words(&found.standing)),
         (
-            "standing_at",
+            "contact_frames",
+            &[standing],
+            Column::Words(&found.contact_frames),
+        ),
+        (
+            "contact_points",
             &[standing, 3],
-            Column::Numbers(standing_at(found).as_flattened()),
+            Column::Numbers(contact_points(found).as_flattened()),
         ),
     ])
 }
@@ -179,7 +183,7 @@ struct Document<'a> {
     names: &'a [String],
     standing: &'a [String],
     /// Points of those frames, metres.
-    standing_at: Vec<[f64; 3]>,
+    contact_points: Vec<[f64; 3]>,
     q: Vec<&'a [f64]>,
     contacts: Vec<&'a [bool]>,
 }
@@ -188,21 +192,25 @@ fn document<'a>(found: &'a Retargeted, names: &'a [String]) -> Document<'a> {
     Document {
         fps: found.frame_rate,
         names,
-        standing: &found.standing,
-        standing_at: standing_at(found),
+        standing: &found.contact_frames,
+        contact_points: contact_points(found),
         q: found.q.chunks_exact(names.len().max(1)).collect(),
         contacts: contacts(found).collect(),
     }
 }
 
 /// The points that stand, each in its frame.
-fn standing_at(found: &Retargeted) -> Vec<[f64; 3]> {
-    found.standing_at.iter().map(|at| at.to_array()).collect()
+fn contact_points(found: &Retargeted) -> Vec<[f64; 3]> {
+    found
+        .contact_points
+        .iter()
+        .map(|at| at.to_array())
+        .collect()
 }
 
 /// What stands, frame by frame.
 fn contacts(found: &Retargeted) -> impl Iterator<Item = &[bool]> {
-    let width = found.standing.len();
+    let width = found.contact_frames.len();
     (0..found.frames()).map(move |frame| {
         found
             .contacts
@@ -229,7 +237,10 @@ fn as_rows(found: &Retargeted, width: usize, is_free: bool) -> String {
 
 /// A line of names, and one a frame: its time, the configuration, and 1 for what stands.
 fn as_table(found: &Retargeted, names: &[String]) -> String {
-    let standing = found.standing.iter().map(|frame| format!("{frame} stands"));
+    let standing = found
+        .contact_frames
+        .iter()
+        .map(|frame| format!("{frame} stands"));
     let columns = std::iter::once("time".to_owned())
         .chain(names.iter().cloned())
         .chain(standing);

@@ -195,7 +195,7 @@ pub(crate) struct Arguments {
     /// Tell how the answer moves with each target, its derivative by it. Default: off.
     ///
     /// A row for each joint, radians and metres; a column for each number of the target: along and about its own axes. JSON:
-    /// "derivative" with "existence", "velocity" (the rows) and "by_target" by frame. Look at "existence" first: only where it
+    /// "derivative" with "differentiability", "velocity" (the rows) and "by_target" by frame. Look at "differentiability" first: only where it
     /// is "unique" is the answer a smooth function of the target.
     #[arg(long, conflicts_with_all = ["track", "batch", "servo", "max_move"], help_heading = OUTPUT,
           hide_short_help = true)]
@@ -209,7 +209,7 @@ pub(crate) struct Arguments {
     ///
     /// Default: the tips that a rig's file pins; in a scene the trunk, which does not turn, and the ends
     /// of the other limbs; of a robot nothing. Its tip stays, and as it is turned a link and what of a figure on a free base this names; a bone that carries what has a target does not turn, nor do those above it.
-    /// On a free base what is held counts ten times as much as targets do on one level (--one-level), unless --weight says otherwise, and the body
+    /// On a free base what is held counts ten times as much as targets do on one level (--no-priorities), unless --weight says otherwise, and the body
     /// keeps upright and near its start where the targets leave room.
     /// Repeat it for several.
     #[arg(long, value_name = "NAME", help_heading = MODEL)]

@@ -1,7 +1,7 @@
 //! `--interval` and `--free-axis`: goal bounds on single axes.
 
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Axis, Goal};
+use kinopt::task::{Axis, PoseBounds};
 
 use super::arguments::Arguments;
 use super::goals::Goals;
@@ -11,7 +11,7 @@ use crate::failure::Outcome;
 /// What of a target counts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
-    pub(crate) goal: Goal,
+    pub(crate) goal: PoseBounds,
     /// Where the middle of the room lies in the target, where it is not the target itself.
     shift: Option<Placement<f64>>,
 }
@@ -65,9 +65,9 @@ impl Room {
             ));
         }
         let goal = match free_axis {
-            _ if !turns => Goal::position(),
-            Some(axis) => Goal::free_about(axis),
-            None => Goal::pose(),
+            _ if !turns => PoseBounds::position(),
+            Some(axis) => PoseBounds::free_about(axis),
+            None => PoseBounds::pose(),
         };
         let counts = |interval: &&Interval| turns || !interval.turns();
         let intervals = intervals.iter().filter(counts);
@@ -95,7 +95,7 @@ impl Room {
         }
         let shifted = middle != [0.0; 3];
         Self {
-            goal: Goal::within(half_widths),
+            goal: PoseBounds::within(half_widths),
             shift: shifted.then(|| Placement::translation(Vector3::from(middle))),
         }
     }

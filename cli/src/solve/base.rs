@@ -4,7 +4,7 @@ use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::problem::{ProblemBuilder, ProblemError, TaskId};
 use kinopt::spatial::Placement;
-use kinopt::task::{Goal, Point, Pose, Task};
+use kinopt::task::{Point, Pose, PoseBounds, Task};
 
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
@@ -59,7 +59,7 @@ impl Base {
         builder: &mut ProblemBuilder,
         tip: FrameId,
         base_from_target: Placement<f64>,
-        (turns, goal): (bool, Option<Goal>),
+        (turns, goal): (bool, Option<PoseBounds>),
         (name, weight, level): (String, f64, usize),
     ) -> TargetTask {
         let target = self.placed(base_from_target);
@@ -68,12 +68,12 @@ impl Base {
             let pose = Pose::new(tip, target);
             let pose = goal.map_or(pose, |goal| pose.with_goal(goal));
             let pose = frame.map_or(pose, |base| pose.relative_to(base));
-            TargetTask::Pose(builder.add(Task::new(pose).named(name).times(weight).at_level(level)))
+            TargetTask::Pose(builder.add(Task::new(pose).named(name).scale(weight).at_level(level)))
         } else {
             let point = Point::new(tip, target.translation);
             let point = frame.map_or(point, |base| point.relative_to(base));
             TargetTask::Point(
-                builder.add(Task::new(point).named(name).times(weight).at_level(level)),
+                builder.add(Task::new(point).named(name).scale(weight).at_level(level)),
             )
         }
     }

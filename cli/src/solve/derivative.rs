@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use kinopt::arm::ArmDerivative;
-use kinopt::ik::{DerivativeWorkspace, Existence, SolutionDerivative};
+use kinopt::ik::{DerivativeWorkspace, Differentiability, SolutionDerivative};
 use kinopt::model::JointKind;
 use kinopt::nalgebra::DMatrix;
 use kinopt::problem::ProblemInstance;
@@ -19,7 +19,7 @@ use crate::table::Table;
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct TargetDerivatives {
     /// `unique`, `shortest_of_many`, or why there is none.
-    existence: &'static str,
+    differentiability: &'static str,
     /// The same in a sentence.
     explanation: String,
     /// What the rows are of: joints, of a ball its turn about its own axes; radians and metres.
@@ -38,7 +38,7 @@ pub(super) fn of_problem(
 ) -> Outcome<TargetDerivatives> {
     let mut memory = DerivativeWorkspace::default();
     let mut derivative = SolutionDerivative::new(question, q, &mut memory)?;
-    let existence = derivative.existence().clone();
+    let differentiability = derivative.differentiability().clone();
     let mut by_target = BTreeMap::new();
     for task in tasks.iter().filter(|task| !task.held) {
         let name = format!("target {}", task.frame);
@@ -60,7 +60,7 @@ pub(super) fn of_problem(
         }
     });
     Ok(TargetDerivatives::new(
-        existence,
+        differentiability,
         names.collect(),
         by_target,
     ))
@@ -74,7 +74,7 @@ pub(super) fn of_arm(
 ) -> TargetDerivatives {
     let by_target = BTreeMap::from([(frame.to_owned(), rows(&derivative.by_target))]);
     let names = joints.iter().map(|&joint| joint.to_owned()).collect();
-    TargetDerivatives::new(derivative.existence.clone(), names, by_target)
+    TargetDerivatives::new(derivative.differentiability.clone(), names, by_target)
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
@@ -84,12 +84,12 @@ fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
 
 impl TargetDerivatives {
     fn new(
-        existence: Existence,
+        differentiability: Differentiability,
         velocity: Vec<String>,
         by_target: BTreeMap<String, Vec<Vec<f64>>>,
     ) -> Self {
         Self {
-            existence: existence.name(),
+            differentiability: existence.name(),
             explanation: existence.to_string(),
             velocity,
             by_target,

@@ -179,7 +179,7 @@ impl<'a> GeneralBackend<'a> {
         let targets: Vec<_> = targets.collect();
         for (ray, frame) in self.arguments.rays.iter().zip(frames) {
             let task = Task::new(Ray::new(frame, ray.eye, ray.through));
-            let task = task.times(self.weights.weight(frame)).at_level(level());
+            let task = task.scale(self.weights.weight(frame)).at_level(level());
             builder.add(task.named(format!("ray {}", ray.frame)));
         }
         let (world, anywhere) = (Base::Still(Placement::identity()), Placement::identity());

@@ -32,7 +32,7 @@ pub(crate) struct LevelArguments {
     ///
     /// Default: off.
     #[arg(long, help_heading = TARGETS, hide_short_help = true)]
-    one_level: bool,
+    no_priorities: bool,
 }
 
 /// `NAME=N`.
@@ -73,7 +73,7 @@ impl LevelArguments {
         ranked: &[Unless],
         steps_back: bool,
     ) -> Outcome<Vec<usize>> {
-        let steps_back = steps_back && !self.one_level;
+        let steps_back = steps_back && !self.no_priorities;
         let mut levels: Vec<usize> = ranked
             .iter()
             .map(|own| match *own {

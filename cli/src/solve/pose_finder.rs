@@ -82,7 +82,7 @@ impl PoseFinder {
             let solved = solver.solve_observed(question, start, workspace, observer)?;
             return Ok(answer(solved.clone(), None));
         }
-        body.stand_at(start)?;
+        body.set_configuration(start)?;
         if let Some(aim) = way {
             for step in 1..=STEPS_OF_A_WAY {
                 aim(body, f64::from(step) / f64::from(STEPS_OF_A_WAY))?;
@@ -146,7 +146,7 @@ impl PoseFinder {
         if self.moves.is_some() {
             let start = body.q().to_vec();
             let answer = self.find(body, (&start, None), workspace, &mut Silent)?;
-            body.stand_at(&answer.q)?;
+            body.set_configuration(&answer.q)?;
             return Ok(answer.solution);
         }
         if self.settles {
@@ -154,7 +154,7 @@ impl PoseFinder {
         }
         body.advance();
         for _ in 1..FRAMES {
-            if !body.catching_up() {
+            if !body.is_speed_limited() {
                 break;
             }
             body.advance();

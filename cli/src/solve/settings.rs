@@ -2,7 +2,7 @@
 
 use kinopt::Solver;
 use kinopt::arm::Search;
-use kinopt::ik::{Restarts, bent_stance};
+use kinopt::ik::{Restarts, crouched_configuration};
 use kinopt::problem::Derivatives;
 use kinopt::robot::Robot;
 use kinopt::solver::Stopping;
@@ -170,7 +170,13 @@ impl Arguments {
         let feet = feet.collect::<Result<Vec<_>, _>>()?;
         let (parameters, up) = (loaded.parameters(), Vector3::UNITS[self.balance.up(loaded)]);
         let rest = loaded.rest();
-        Ok(bent_stance(&loaded.model, &parameters, &feet, &rest, up)?)
+        Ok(crouched_configuration(
+            &loaded.model,
+            &parameters,
+            &feet,
+            &rest,
+            up,
+        )?)
     }
 
     /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.

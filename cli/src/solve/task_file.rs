@@ -419,7 +419,7 @@ impl Entry {
         let rows = residual.rows();
         let mut task = Task::new(residual)
             .named(self.name())
-            .times(self.common.weight)
+            .scale(self.common.weight)
             .at_level(*level);
         if let Some(tolerance) = self.common.tolerance {
             let quantities = rows.iter().map(|rows| rows.quantity);

@@ -74,7 +74,12 @@ fn body_solution_is_free_or_names_collisions() {
     // What may touch the board is passed over.
     let names = pairs.iter().filter(|pair| pair["second"] == "board");
     let may: Vec<String> = names
-        .map(|pair| format!("--may-touch {}=board", pair["first"].as_str().unwrap()))
+        .map(|pair| {
+            format!(
+                "--allow-collision {}=board",
+                pair["first"].as_str().unwrap()
+            )
+        })
         .collect();
     let may = may.join(" ");
     let through =
@@ -90,7 +95,7 @@ fn body_solution_is_free_or_names_collisions() {
 
 #[test]
 fn allowed_pairs_are_ignored_by_every_subcommand() {
-    let (panda, folder) = (model("franka_panda.urdf"), Folder::new("may-touch"));
+    let (panda, folder) = (model("franka_panda.urdf"), Folder::new("allow-collision"));
     let table = model("worlds/table.json");
     let inside = "flange=0.6,0,0.18,0,1,0,0";
     let pairs = with(inside, "");
@@ -104,15 +109,15 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
         "link5",
     ];
     let may: Vec<String> = links
-        .map(|link| format!("--may-touch {link}=table"))
+        .map(|link| format!("--allow-collision {link}=table"))
         .to_vec();
     let may = may.join(" ");
     assert!(pairs.iter().any(|pair| pair["second"] == "table"));
     has!(with(inside, &may), {"reached": true, "collisions": []});
-    refused!("solve {panda} --base base --target {inside} --world {table} --may-touch hand=tabel" => 2, "--may-touch hand=tabel | table");
-    refused!("solve {panda} --base base --target {inside} --world {table} --may-touch hnad=table" => 1, "did you mean `hand`?");
-    refused!("solve {panda} --base base --target {inside} --world {table} --may-touch table" => 2, "two names");
-    refused!("check {panda} --may-touch hand=table" => 2, "--world");
+    refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision hand=tabel" => 2, "--allow-collision hand=tabel | table");
+    refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision hnad=table" => 1, "did you mean `hand`?");
+    refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision table" => 2, "two names");
+    refused!("check {panda} --allow-collision hand=table" => 2, "--world");
     // A base in the floor that it stands on.
     let floor = folder.text(
         "floor.json",
@@ -120,13 +125,13 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
     );
     let kept = folder.text(
         "kept.json",
-        r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05], "may_touch": ["base"]}]}"#,
+        r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05], "allow_collision": ["base"]}]}"#,
     );
     let q = "--q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04";
     let touching = kinopt!("check {panda} {q} --world {floor}");
     assert_eq!(touching.status.code(), Some(1));
     says!(stderr(&touching) => "1 pair touches");
-    for world in [format!("{floor} --may-touch floor=base"), kept] {
+    for world in [format!("{floor} --allow-collision floor=base"), kept] {
         has!(answer!("check {panda} {q} --world {world}"), {"free": true});
     }
 }
@@ -148,7 +153,7 @@ fn sphere_model_file_changes_no_result() {
     let table = model("worlds/table.json");
     let panda = model("franka_panda.urdf");
     let out = folder.file("panda.yml");
-    answer!("spheres {panda} --overhang 0.04 --samples 0 --out {out}");
+    answer!("spheres {panda} --max_protrusion 0.04 --samples 0 --out {out}");
     let text = std::fs::read_to_string(&out).unwrap();
     // All of one size, as they would be by a slip.
     let small = text.lines().map(|line| match line.split_once("radius") {

@@ -1,4 +1,4 @@
-//! Promise: a robot moves on the base that `--base-joint` puts under it, within `--base-room`, while links that
+//! Promise: a robot moves on the base that `--base-joint` puts under it, within `--base-bounds`, while links that
 //! `--hold` names stay where they are.
 
 use crate::forked_rig::*;
@@ -39,7 +39,7 @@ fn free_base_moves_where_the_arm_does_not_reach() {
 #[test]
 fn base_stays_within_its_bounds() {
     let ask = format!("solve {UR5E} --target flange=3,-2,1.5 --base-joint");
-    let room = "--base-room x=-0.1..0.2,y=-1..1";
+    let room = "--base-bounds x=-0.1..0.2,y=-1..1";
     let solution = answer!("{ask} planar {room}");
     assert_eq!(solution["reached"], false);
     let q = numbers(&solution["q"]);
@@ -57,9 +57,9 @@ fn base_stays_within_its_bounds() {
     );
     let rail = answer!("{ask} slide-x");
     assert_eq!(rail["reached"], false, "it is 2 m beside the rail");
-    refused!("{ask} slide-x {room}" => 2, "--base-room y | does not move along y");
+    refused!("{ask} slide-x {room}" => 2, "--base-bounds y | does not move along y");
     refused!("{ask} hover" => 2, "hover | free");
-    refused!("{ask} planar --base-room x=1..0" => 2, "1..0 | wrong order");
+    refused!("{ask} planar --base-bounds x=1..0" => 2, "1..0 | wrong order");
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn derivative_predicts_the_moved_solution() {
         answer!("solve {UR5E} --target flange={x},0.2,{z},0,1,0,0 --tolerance 1e-12 {more}")
     };
     let here = solve(0.4, 0.5, "--derivative");
-    assert_eq!(here["derivative"]["existence"], "unique");
+    assert_eq!(here["derivative"]["differentiability"], "unique");
     assert_eq!(here["derivative"]["velocity"], here["joints"]);
     let q = numbers(&here["q"]);
     let start = q.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
@@ -52,7 +52,7 @@ fn derivative_predicts_the_moved_solution() {
 fn derivative_is_optional_and_states_its_existence() {
     let asked = "--target flange=0.4,0.2,0.5";
     let answer = answer!("solve {UR5E} {asked} --derivative");
-    let existence = &answer["derivative"]["existence"];
-    assert_eq!(existence, "shortest_of_many", "{answer}");
+    let differentiability = &answer["derivative"]["differentiability"];
+    assert_eq!(differentiability, "shortest_of_many", "{answer}");
     assert!(answer!("solve {UR5E} {asked}").get("derivative").is_none());
 }

@@ -78,7 +78,7 @@ fn interrupted_folder_is_continued() {
     has!(second, {"done": 2, "done_before": 2, "failed": 0});
     assert_eq!(std::fs::read(written("two.npz")).unwrap(), whole);
     assert!(!written(".part.two.npz").exists());
-    assert_eq!(told("--again", 0)["done"], 4);
+    assert_eq!(told("--overwrite", 0)["done"], 4);
     // Another question.
     refused!("{asked} --whole" => 1, "another question");
 }
@@ -113,7 +113,7 @@ fn folder_begun_by_the_library_is_continued() {
     );
     let told = answer!("{command}");
     has!(told, {"done": 1, "done_before": 1});
-    refused!("{command} --contact-height 0.1" => 1, "(contact_height): give another folder, or --again");
+    refused!("{command} --contact-height 0.1" => 1, "(contact_height): give another folder, or --overwrite");
     // The map says something else now.
     std::fs::write(&map, text.replace("20", "25")).unwrap();
     refused!("{command}" => 1, "(fps)");

@@ -172,7 +172,7 @@ fn fail_on_miss_sets_the_exit_code() {
 fn held_frames_have_a_weight() {
     let panda = Seeded::panda();
     let slips = [0.1, 1.0, 10.0].map(|weight| {
-        let held = format!("--one-level --hold=link5 --weight=link5={weight}");
+        let held = format!("--no-priorities --hold=link5 --weight=link5={weight}");
         let solution = answer!("solve {panda} --target=tool=0.7,0.4,0.9 {held}");
         number(&solution["tasks"][1]["position_error"])
     });

@@ -149,7 +149,7 @@ fn rig_is_written_as_one_animated_file() {
         assert!(place.translation.distance(kinopt::glam::Vec3A::from(tail)) < 1e-5);
     }
     let fewer = folder.file("fewer.glb");
-    let less = answer!("animate {rig_file} --fps=20 --fewer-keys=0.05,0.05 --out {fewer}");
+    let less = answer!("animate {rig_file} --fps=20 --reduce-keys=0.05,0.05 --out {fewer}");
     assert!(count(&less["keys"]) < count(&document["keys"]));
     let folded = folder.file("frames");
     refused!("animate {rig_file} --fps=20 --close-seam=0.2 --out {folded}" => 2, "--close-seam | .glb");

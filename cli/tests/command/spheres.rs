@@ -14,12 +14,12 @@ fn robot_spheres_are_written_in_both_formats() {
     let shapes = CollisionModel::of(&robot).unwrap();
     for name in ["panda.urdf", "panda.yml"] {
         let out = folder.file(name);
-        let told = answer!("spheres {panda} --overhang 0.04 --samples 500 --out {out}");
-        assert!(number(&told["overhang"]) <= 0.04);
+        let told = answer!("spheres {panda} --max_protrusion 0.04 --samples 500 --out {out}");
+        assert!(number(&told["max_protrusion"]) <= 0.04);
         let read = SphereModel::read(&out, &shapes).unwrap();
         assert_eq!(count(&told["spheres"]), read.count() as u64);
         // As far as they say, measured anew.
-        assert!((read.overhang() - number(&told["overhang"])).abs() < 1e-12);
+        assert!((read.max_protrusion() - number(&told["max_protrusion"])).abs() < 1e-12);
         let links = list(&told["links"]);
         assert_eq!(links.len(), shapes.links().len());
         has!(links[0], {"name": "base"});
@@ -34,11 +34,11 @@ fn robot_spheres_are_written_in_both_formats() {
         robot.model().limits().count()
     );
     let spheres = SphereModel::of_spheres(&CollisionModel::of(&again).unwrap()).unwrap();
-    assert_eq!(spheres.overhang(), 0.0);
+    assert_eq!(spheres.max_protrusion(), 0.0);
     // What is all spheres stays as it is.
     let out = folder.file("again.yml");
     let told = answer!("spheres {spherised} --samples 0 --out {out}");
-    has!(told, {"overhang": 0.0, "spheres": spheres.count()});
+    has!(told, {"max_protrusion": 0.0, "spheres": spheres.count()});
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn invalid_input_is_rejected() {
     let folder = Folder::new("no-spheres");
     let panda = model("franka_panda.urdf");
     let out = folder.file("panda.yml");
-    refused!("spheres {panda} --overhang=-1 --out {out}" => 1, "--overhang -1: | positive");
+    refused!("spheres {panda} --max_protrusion=-1 --out {out}" => 1, "--max_protrusion -1: | positive");
     refused!("spheres {panda} --spheres 0 --out {out}" => 1, "--spheres 0: | positive");
     refused!("spheres {panda} --out {out}.txt" => 2, ".urdf or .yml");
     let bare = r#"<robot name="bare"><link name="a"/></robot>"#;
@@ -106,10 +106,10 @@ fn default_accepts_links_of_any_size() {
       </body></body></worldbody></mujoco>"#;
     let (robot, out) = (folder.text("arm.xml", floor), folder.file("spheres.yml"));
     let told = answer!("spheres {robot} --samples 0 --out {out}");
-    assert!(number(&told["overhang"]) > 0.008, "{told}");
+    assert!(number(&told["max_protrusion"]) > 0.008, "{told}");
     let run = kinopt!("spheres {robot} --samples 0 --out {out}");
     says!(stderr(&run) => "note: | too large for 0.008 m, a fiftieth of the reach");
-    refused!("spheres {robot} --samples 0 --overhang 0.0001 --out {out}" => 1, "--overhang 0.0001: | larger");
+    refused!("spheres {robot} --samples 0 --max_protrusion 0.0001 --out {out}" => 1, "--max_protrusion 0.0001: | larger");
     let rig = model("humanoid/humanoid.json");
     refused!("spheres {rig} --out {out}" => 2, "spheres is for robots with collision shapes | is a rig");
     refused!("check {rig}" => 2, "check is for robots with collision shapes | is a rig");

@@ -32,7 +32,7 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
     let told = text!("solve {NAO} {FAR} --attempts 1");
     says!(told => "Level 2 gives way");
 
-    let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --one-level --attempts 1");
+    let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --no-priorities --attempts 1");
     assert_eq!(level(&traded, "target left_hand"), 0);
     assert!(miss(&traded, "hold left_sole") > 0.1, "{traded}");
 }
@@ -42,7 +42,7 @@ fn reachable_solution_is_independent_of_levels() {
     let near =
         "--base-joint free --hold left_sole --hold right_sole --target left_hand=0.12,0.1,-0.05";
     let ranked = answer!("solve {NAO} {near}");
-    let weighed = answer!("solve {NAO} {near} --one-level");
+    let weighed = answer!("solve {NAO} {near} --no-priorities");
     assert_eq!(ranked["reached"], true, "{ranked}");
     // Rows stand in another order, so last bits may differ.
     let apart = distance(&numbers(&ranked["q"]), &numbers(&weighed["q"]));

@@ -1,7 +1,7 @@
 //! SIMD solver, through the API of arms.
 
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmError, Base, Goal, Search};
+use kinopt::arm::{Arm, ArmError, Base, PoseBounds, Search};
 use kinopt::model::FrameId;
 
 use crate::{Adapter, Answer, Budget, ProblemInstance, ProblemSet, Trace};
@@ -16,9 +16,9 @@ pub struct LaneEngineAdapter {
 
 fn arm(set: &ProblemSet, frame: FrameId, budget: Budget) -> Result<Arm, ArmError> {
     let goal = if set.turns() {
-        Goal::pose()
+        PoseBounds::pose()
     } else {
-        Goal::position()
+        PoseBounds::position()
     };
     Arm::builder(set, Base::World, frame)
         .with_goal(goal)

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use kinopt::Problem;
-use kinopt::ik::{Drag, bent_stance};
+use kinopt::ik::{Drag, crouched_configuration};
 use kinopt::io::cones;
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
@@ -65,7 +65,8 @@ impl Crouch {
         let hand = body.tip(body.bone("left_hand")?);
         let feet = [body.bone("left_foot")?, body.bone("right_foot")?].map(|foot| body.tip(foot));
         let map = ParameterMap::free(model);
-        let stance = bent_stance(model, &map, &feet, &model.neutral(), Vector3::UNITS[2])?;
+        let stance =
+            crouched_configuration(model, &map, &feet, &model.neutral(), Vector3::UNITS[2])?;
         let mut kinematics = ForwardKinematics::new(model);
         let placed = kinematics.place(&stance)?;
         let start = placed[hand.index()].translation;
@@ -77,9 +78,9 @@ impl Crouch {
             let corners = [0.0, -LENGTH].map(|x| [-HALF_WIDTH, HALF_WIDTH].map(|y| (x, y)));
             let corners = corners.into_iter().flatten();
             balance = balance.with_points(corners.map(|(x, y)| toes + Vector3::new(x, y, 0.0)));
-            tasks.add(Task::new(Pose::new(foot, placed[foot.index()])).times(10.0));
+            tasks.add(Task::new(Pose::new(foot, placed[foot.index()])).scale(10.0));
         }
-        tasks.add(Task::new(balance).times(10.0));
+        tasks.add(Task::new(balance).scale(10.0));
         tasks.add(Posture::new(model, &stance).upright(model));
         let drag = Drag::new(tasks.build()?, &stance)?;
         Ok(Self {

@@ -322,7 +322,7 @@ class Clip:
     ) -> Clip: ...
 
 @final
-class Stance:
+class FootPlant:
     @property
     def bone(self) -> str: ...
     @property
@@ -335,7 +335,7 @@ class Stance:
     def stray(self) -> float: ...
 
 @final
-class Led:
+class ReachResult:
     @property
     def bone(self) -> str: ...
     @property
@@ -348,9 +348,9 @@ class EditedClip:
     @property
     def clip(self) -> Clip: ...
     @property
-    def stances(self) -> list[Stance]: ...
+    def stances(self) -> list[FootPlant]: ...
     @property
-    def led(self) -> list[Led]: ...
+    def led(self) -> list[ReachResult]: ...
     @property
     def root_moved(self) -> float: ...
 
@@ -515,7 +515,7 @@ class Aim:
         forward: ArrayLike,
         *,
         up: ArrayLike | None = None,
-        muzzle: ArrayLike | None = None,
+        offset: ArrayLike | None = None,
     ) -> Aim: ...
     def turn(self, pose: Pose, goal: AimGoal) -> bool: ...
 
@@ -556,8 +556,8 @@ class ReachLayer:
     def apply(self, pose: Pose) -> Solution | None: ...
 
 @final
-class PoseAngles:
-    def __new__(cls, skeleton: Skeleton, armature: Armature | None = None) -> PoseAngles: ...
+class EulerPoseMap:
+    def __new__(cls, skeleton: Skeleton, armature: Armature | None = None) -> EulerPoseMap: ...
     def angles_of(
         self,
         pose: Pose | Poses | Sequence[Pose],

@@ -100,6 +100,6 @@ def folder_begun(
     skeleton: str | None,
     reading: dict[str, Any],
     options: dict[str, Any],
-    again: bool,
+    overwrite: bool,
 ) -> list[tuple[str, str, bool]]: ...
 def unfinished(out: str | os.PathLike[str]) -> Path: ...

@@ -32,7 +32,7 @@ def retarget_files(
     keep_clear: float | None = None,
     world: World | None = None,
     margin: float | None = None,
-    again: bool = False,
+    overwrite: bool = False,
     workers: int | None = None,
     **options: Any,
 ) -> list[ClipReport]:
@@ -62,7 +62,7 @@ def retarget_files(
         world=world,
         margin=margin,
     )
-    begun = job.begin(again)
+    begun = job.begin(overwrite)
     many = workers or cores()
     options.setdefault("num_cpus", 1 if workers is None else min(1.0, cores() * 1000 // many / 1000))
     run = ray.remote(_run).options(**options)

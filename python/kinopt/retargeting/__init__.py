@@ -10,7 +10,7 @@ from .._kinopt.retargeting import Capture, FigureTarget
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
 from .maps import MapGuess, guess_map
-from .movement import GivenUp, LimitMet, Retargeted, Touching
+from .movement import LostContact, LimitMet, Retargeted, Touching
 from .retarget import retarget
 from .sources import read_capture
 
@@ -18,7 +18,7 @@ __all__ = [
     "Capture",
     "ClipReport",
     "FigureTarget",
-    "GivenUp",
+    "LostContact",
     "LimitMet",
     "MapGuess",
     "RetargetFollower",

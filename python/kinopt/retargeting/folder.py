@@ -32,7 +32,7 @@ class ClipReport:
     """Mean error as in ``Retargeted``, metres."""
     slip: float = 0.0
     """Largest drift as in ``Retargeted``, metres."""
-    sunk: float = 0.0
+    ground_penetration: float = 0.0
     """Largest ground penetration as in ``Retargeted``, metres."""
     done_before: bool = False
     """True if the output existed."""
@@ -79,14 +79,14 @@ class FolderJob:
     map: MapLike
     options: dict[str, Any]
 
-    def begin(self, again: bool) -> Begun:
+    def begin(self, overwrite: bool) -> Begun:
         """Creates the output folder, or continues one of an equal job."""
         skeleton = self.map if isinstance(self.map, str) and is_skeleton(self.map) else None
         given = read_map(self.map)
         text = None if given is None else json.dumps(given)
         folders = (self.source, self.out)
         # Each option struct reads its own fields.
-        return Begun(folder_begun(folders, self.target, text, skeleton, self.options, self.options, again))
+        return Begun(folder_begun(folders, self.target, text, skeleton, self.options, self.options, overwrite))
 
     def run(self, pair: Pair) -> ClipReport:
         """Retargets one motion capture, and returns its report."""
@@ -97,7 +97,7 @@ class FolderJob:
         except KinoptError as error:
             named = str(error) if source in str(error) else f"{source}: {error}"
             return ClipReport(source, out, error=named)
-        return ClipReport(source, out, len(found), found.mean_error, found.slip, found.sunk, notes=found.notes)
+        return ClipReport(source, out, len(found), found.mean_error, found.slip, found.ground_penetration, notes=found.notes)
 
 
 def retarget_folder(
@@ -118,7 +118,7 @@ def retarget_folder(
     world: World | None = None,
     margin: float | None = None,
     threads: int | None = None,
-    again: bool = False,
+    overwrite: bool = False,
     progress: bool | Callable[[int, int], None] = False,
 ) -> list[ClipReport]:
     """Retargets every motion capture of a folder and its subfolders to a robot or a rig: a .npz each, as
@@ -126,7 +126,7 @@ def retarget_folder(
 
     Each of ``threads`` (None: one for each core) processes one file at a time; other arguments are as in ``retarget``.
     A file appears when it is complete. After an interruption, an equal call, or ``kinopt retarget`` with equal
-    arguments, continues the job. Changed inputs are done again, or with ``again`` all of them. A failure does not
+    arguments, continues the job. Changed inputs are done overwrite, or with ``again`` all of them. A failure does not
     affect other files: its report has the error. ``progress`` shows a tqdm bar if True, or is called with (done,
     total). ``kinopt.ray.retarget_files`` runs on several machines.
 
@@ -152,7 +152,7 @@ def retarget_folder(
     )
     if threads is not None and threads < 1:
         raise InvalidValueError(f"threads is {threads}: at least 1, or None for all cores")
-    begun = job.begin(again)
+    begun = job.begin(overwrite)
     report = bars.bar() if progress is True else progress or (lambda done, total: None)
     pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
     try:

@@ -46,7 +46,7 @@ class Touching:
 
 
 @dataclass(frozen=True)
-class GivenUp:
+class LostContact:
     """A contact that was lost, because limits have priority."""
 
     frame: int
@@ -67,9 +67,9 @@ class Retargeted:
     """Names of the numbers of a configuration."""
     contacts: NDArray[np.bool_]
     """True for each frame of motion and target frame in contact, shape (T, S)."""
-    standing: list[str]
+    contact_frames: list[str]
     """The S frames of the target that are in contact at some time."""
-    standing_at: Floats
+    contact_points: Floats
     """Contact point of each, in its coordinates, shape (S, 3), metres."""
     errors: Floats
     """Distance of each driven point from its target, shape (T, K), metres."""
@@ -79,13 +79,13 @@ class Retargeted:
     """Mean of ``errors``, metres."""
     slip: float
     """Largest drift of a contact from its initial position, metres."""
-    sunk: float
+    ground_penetration: float
     """Largest penetration of the ground by a foot with a shape, metres; 0 without one."""
     stride: float
     """Ratio of the step length to that of the subject."""
     limits: list[LimitMet]
     """Active limits, by joint and then by frame."""
-    given_up: list[GivenUp]
+    lost_contacts: list[LostContact]
     """Contacts that were lost before the subject ended them."""
     touching: list[Touching]
     """Frames in contact in spite of ``keep_clear``, each with its nearest pair."""
@@ -125,7 +125,7 @@ class Retargeted:
         return figure.clip(self.q, self.fps, name)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``standing`` and ``standing_at`` as a .npz, which appears
+        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``standing`` and ``contact_points`` as a .npz, which appears
         when it is complete.
 
         Raises ``InvalidValueError`` for another file extension, ``FileError`` if it cannot be written.
@@ -145,11 +145,11 @@ class Retargeted:
                     names=np.array(self.names),
                     contacts=self.contacts,
                     standing=np.array(self.standing, dtype=str),
-                    standing_at=self.standing_at,
+                    contact_points=self.contact_points,
                 )
             part.replace(real)
         except OSError as error:
             raise FileError(f"{path}: cannot be written: {error}") from None
 
 
-__all__ = ["GivenUp", "LimitMet", "Retargeted", "Touching"]
+__all__ = ["LostContact", "LimitMet", "Retargeted", "Touching"]

@@ -12,7 +12,7 @@ from .. import progress as bars
 from .._kinopt import World
 from .._kinopt.retargeting import Capture, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
-from .movement import GivenUp, LimitMet, Retargeted, Touching
+from .movement import LostContact, LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
 
@@ -130,9 +130,9 @@ def retarget(
             own.options,
             bars.bar() if progress is True else progress or None,
         )
-    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, base = parts
+    q, names, contacts, (standing, contact_points), errors, driven, measured, limits, touching, lost_contacts, base = parts
     stands_along, has_fixed_base = base
-    mean_error, slip, sunk, stride = measured
+    mean_error, slip, ground_penetration, stride = measured
     notes = list(own.notes)
     if stands_along is not None:
         notes.append("the target stands along another axis than the one that is taken for upward")
@@ -143,16 +143,16 @@ def retarget(
         fps=own.capture.fps,
         names=names,
         contacts=contacts,
-        standing=standing,
-        standing_at=standing_at,
+        contact_frames=standing,
+        contact_points=contact_points,
         errors=errors,
         driven=driven,
         mean_error=mean_error,
         slip=slip,
-        sunk=sunk,
+        ground_penetration=ground_penetration,
         stride=stride,
         limits=[LimitMet(*limit) for limit in limits],
-        given_up=[GivenUp(*own) for own in given_up],
+        lost_contacts=[LostContact(*own) for own in lost_contacts],
         touching=[Touching(*pair) for pair in touching],
         map=own.map,
         notes=notes,

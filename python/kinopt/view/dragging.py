@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import kinopt
 
 from .body import Body
-from .posing import Answer, Goal, Posing
+from .posing import Answer, PoseBounds, Posing
 from .scene import Scene
 from .target import Target
 
@@ -139,11 +139,11 @@ class Dragging:
                 chosen.append(frame)
         return chosen
 
-    def goals(self) -> list[Goal]:
+    def goals(self) -> list[PoseBounds]:
         """Current goals of the body."""
         wanted = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
         return [
-            Goal(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
+            PoseBounds(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
             for frame in wanted
         ]
 
@@ -184,7 +184,7 @@ class Dragging:
             # A link may have the name of an obstacle.
             self.obstacles.mark(name for name, kind in bodies if kind == "obstacle")
 
-    def stand_at(self, q: Array) -> None:
+    def set_configuration(self, q: Array) -> None:
         """Sets the configuration of the body; pinned targets follow."""
         self.body.q = q
         if self.obstacles is not None:

@@ -82,6 +82,6 @@ class Figure(Body):
             loose = {joint: value for joint, value in wanted.items() if joint not in back}
             for name, some, times in (("posture", loose, 1.0), ("posture of the back", stiff, STIFF)):
                 if some:
-                    held.tasks.append(tasks.Posture(some, name=name, times=times))
+                    held.tasks.append(tasks.Posture(some, name=name, scale=times))
             held.has_posture = True
         return held

@@ -96,4 +96,4 @@ class JointsPanel:
     def _stand_at(self, q: NDArray[np.float64]) -> None:
         """Moves the body, unless its loops do not close there."""
         going_along = closed(self._page.body.thing, q)
-        self._page.stand_at(self._page.body.q if going_along is None else going_along)
+        self._page.set_configuration(self._page.body.q if going_along is None else going_along)

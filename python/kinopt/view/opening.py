@@ -84,7 +84,7 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
     rest = model.neutral()
     if model.configuration_len > model.degrees_of_freedom:
         # A quaternion has no middle.
-        return robot.bent_stance(list(hold), rest)
+        return robot.crouched_configuration(list(hold), rest)
     arms = [robot.chain(robot.frame_names[0], tip) for tip in tips[:1]]
     followed = set(robot.mimics) | {joint for tip in tips for joint in robot.chain(robot.frame_names[0], tip)}
     if not arms or len(arms[0]) < 3 or len(followed - set(arms[0])) > 2:

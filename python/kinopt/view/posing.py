@@ -38,8 +38,8 @@ POSTURES = ("as it was grabbed", "rest", "none")
 
 
 @dataclass(frozen=True)
-class Goal:
-    """Goal of one frame: its `placement` (world_from_frame), with the orientation if `turns`.
+class PoseBounds:
+    """PoseBounds of one frame: its `placement` (world_from_frame), with the orientation if `turns`.
 
     A `pinned` frame stays while others are dragged: the feet of a standing body.
     """
@@ -109,7 +109,7 @@ class Posing:
         arms = list(ARM_SEARCHES) if isinstance(self.body.thing, kinopt.Robot) else []
         return [FOLLOW, *arms, *METHODS]
 
-    def solve(self, goals: list[Goal]) -> Answer | None:
+    def solve(self, goals: list[PoseBounds]) -> Answer | None:
         """One frame: the body's next configuration for these goals; None without goals."""
         if not goals:
             return None
@@ -123,7 +123,7 @@ class Posing:
         answer.seconds = time.perf_counter() - before
         return answer
 
-    def with_joint(self, joint: str, value: float, goals: list[Goal]) -> Answer:
+    def with_joint(self, joint: str, value: float, goals: list[PoseBounds]) -> Answer:
         """The body with one joint at a value, and the goals met by the others as far as possible."""
         self.body.standing()
         q = self.body.q
@@ -149,11 +149,11 @@ class Posing:
         solution = kinopt.Drag(problem, q, max_move=np.inf).follow(targets, frames=20)
         return Answer(solution.q, solution, time.perf_counter() - before, False)
 
-    def _target(self, goal: Goal) -> Array:
+    def _target(self, goal: PoseBounds) -> Array:
         place = inverse(self.body.at) @ goal.placement
         return place if goal.turns else place[:3, 3]
 
-    def _tasks(self, goals: list[Goal]) -> list[Any]:
+    def _tasks(self, goals: list[PoseBounds]) -> list[Any]:
         made = []
         for goal in goals:
             kind = tasks.Pose if goal.turns else tasks.Point
@@ -170,7 +170,7 @@ class Posing:
                 return None
         return self.body.q
 
-    def _state(self, goals: list[Goal]) -> _Engine:
+    def _state(self, goals: list[PoseBounds]) -> _Engine:
         self.body.standing()
         choices, thing = self.choices, self.body.thing
         alone = len(goals) == 1 and isinstance(thing, kinopt.Robot)
@@ -204,14 +204,14 @@ class Posing:
             return _SolverEngine(problem, kinopt.Solver(choices.solver))
         return _DragEngine(kinopt.Drag(problem, self.body.q))
 
-    def _arm(self, goal: Goal) -> Any:
+    def _arm(self, goal: PoseBounds) -> Any:
         """The arm from the world to a robot's frame; None if nothing moves there."""
         reference = self._reference()
         options: dict[str, Any] = {
             "position_tolerance": self.choices.tolerance,
             "orientation_tolerance": self.choices.tolerance,
             "search": ARM_SEARCHES.get(self.choices.solver),
-            "goal": kinopt.Goal.pose() if goal.turns else kinopt.Goal.position(),
+            "goal": kinopt.PoseBounds.pose() if goal.turns else kinopt.PoseBounds.position(),
             **self._clear_of(),
         }
         try:
@@ -232,7 +232,7 @@ class _Engine:
 class _ArmEngine(_Engine):
     """One tip of a robot, solved by an arm."""
 
-    def __init__(self, arm: Any, goal: Goal, q: Array, search: bool) -> None:
+    def __init__(self, arm: Any, goal: PoseBounds, q: Array, search: bool) -> None:
         self._arm, self._turns, self._search = arm, goal.turns, search
         self._follower = None if search else arm.follower(arm.joint_values(q))
 
@@ -272,5 +272,5 @@ class _DragEngine(_Engine):
 
     def advance(self, targets: Mapping[str, Array], q: Array) -> Answer:
         solution = self._drag.advance(dict(targets))
-        goes_on = self._drag.catching_up or not (solution.reached or self._drag.rests)
+        goes_on = self._drag.is_speed_limited or not (solution.reached or self._drag.is_at_rest)
         return Answer(solution.q, solution, 0.0, goes_on)

@@ -14,7 +14,7 @@ use crate::transforms::{finite_vector, shaped, vector};
 
 /// Rotates a bone so that one of its axes points at a target: a looking head, an aiming hand.
 ///
-/// `forward` is the axis that points, in the bone's coordinates; `up` is the axis that goals may keep upright, `muzzle`
+/// `forward` is the axis that points, in the bone's coordinates; `up` is the axis that goals may keep upright, `offset`
 /// an offset point from which it points instead of from its joint. All have shape (3,).
 ///
 /// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes of zero length or parallel axes.
@@ -22,38 +22,38 @@ use crate::transforms::{finite_vector, shaped, vector};
 pub(crate) struct Aim {
     inner: Aiming,
     armature: Arc<Bones>,
-    /// Arguments: name of the bone, forward, up and muzzle.
+    /// Arguments: name of the bone, forward, up and offset.
     made: (String, [f32; 3], Option<[f32; 3]>, [f32; 3]),
 }
 
 #[pymethods]
 impl Aim {
     #[new]
-    #[pyo3(signature = (armature, bone, forward, *, up = None, muzzle = None))]
+    #[pyo3(signature = (armature, bone, forward, *, up = None, offset = None))]
     fn new(
         armature: &Bound<'_, Armature>,
         bone: String,
         forward: &Bound<'_, PyAny>,
         up: Option<&Bound<'_, PyAny>>,
-        muzzle: Option<&Bound<'_, PyAny>>,
+        offset: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let armature = Arc::clone(&armature.get().inner);
         let id = armature.bone(&bone).or_raise()?;
         let forward = vector(forward, "forward")?;
         let up = up.map(|up| vector(up, "up")).transpose()?;
-        let muzzle = match muzzle {
-            Some(muzzle) => vector(muzzle, "muzzle")?.to_array(),
+        let offset = match offset {
+            Some(offset) => vector(offset, "offset")?.to_array(),
             None => [0.0; 3],
         };
         let mut inner = Aiming::new(&armature, id, forward).or_raise()?;
-        inner = inner.with_muzzle(muzzle).or_raise()?;
+        inner = inner.with_offset(offset).or_raise()?;
         if let Some(up) = up {
             inner = inner.with_up(up).or_raise()?;
         }
         Ok(Self {
             inner,
             armature,
-            made: (bone, forward.to_array(), up.map(|up| up.to_array()), muzzle),
+            made: (bone, forward.to_array(), up.map(|up| up.to_array()), offset),
         })
     }
 
@@ -68,9 +68,9 @@ impl Aim {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (bone, forward, up, muzzle) = self.made.clone();
+        let (bone, forward, up, offset) = self.made.clone();
         let armature = Armature::from(Arc::clone(&self.armature));
-        let parts = (armature, bone, forward, up, muzzle);
+        let parts = (armature, bone, forward, up, offset);
         pickling::by_rebuild::<Self>(py, parts)
     }
 
@@ -80,9 +80,9 @@ impl Aim {
         bone: String,
         forward: &Bound<'_, PyAny>,
         up: Option<&Bound<'_, PyAny>>,
-        muzzle: &Bound<'_, PyAny>,
+        offset: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        Self::new(armature, bone, forward, up, Some(muzzle))
+        Self::new(armature, bone, forward, up, Some(offset))
     }
 
     fn __repr__(&self) -> String {

@@ -20,7 +20,7 @@ use crate::world::World;
 /// Foot plant: a contact interval of a foot in a clip.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
 #[derive(Clone)]
-pub(crate) struct Stance {
+pub(crate) struct FootPlant {
     /// Name of the bone.
     bone: String,
     /// First and last time, seconds of the clip.
@@ -34,17 +34,17 @@ pub(crate) struct Stance {
 }
 
 #[pymethods]
-impl Stance {
+impl FootPlant {
     fn __repr__(&self) -> String {
         let (from, to) = self.span;
-        format!("Stance({:?}, {from:.3} s to {to:.3} s)", self.bone)
+        format!("FootPlant({:?}, {from:.3} s to {to:.3} s)", self.bone)
     }
 }
 
 /// Result of a reaching or planted bone.
 #[pyclass(frozen, get_all, module = "kinopt.animation")]
 #[derive(Clone)]
-pub(crate) struct Led {
+pub(crate) struct ReachResult {
     /// Name of the bone.
     bone: String,
     /// Largest distance from the target.
@@ -54,10 +54,10 @@ pub(crate) struct Led {
 }
 
 #[pymethods]
-impl Led {
+impl ReachResult {
     fn __repr__(&self) -> String {
         format!(
-            "Led({:?}, misses by {:.2e} at {:.3} s)",
+            "ReachResult({:?}, misses by {:.2e} at {:.3} s)",
             self.bone, self.miss, self.at
         )
     }
@@ -69,9 +69,9 @@ pub(crate) struct EditedClip {
     /// New clip.
     clip: Py<Clip>,
     /// Foot plants, foot by foot.
-    stances: Vec<Stance>,
+    stances: Vec<FootPlant>,
     /// Results of the bones, planted feet first.
-    led: Vec<Led>,
+    led: Vec<ReachResult>,
     /// Largest displacement of the root from the original clip.
     root_moved: f64,
 }
@@ -245,14 +245,14 @@ fn skeleton_of<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>>
 
 fn edited_clip(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResult<EditedClip> {
     let name = |bone: BoneId| armature.names()[bone.index()].clone();
-    let stances = edited.stances.iter().map(|own| Stance {
+    let stances = edited.stances.iter().map(|own| FootPlant {
         bone: name(own.bone),
         span: own.span.into(),
         place: own.place.into(),
         slide: own.slide,
         stray: own.stray,
     });
-    let led = edited.led.iter().map(|own| Led {
+    let led = edited.led.iter().map(|own| ReachResult {
         bone: name(own.bone),
         miss: own.miss,
         at: own.at,

@@ -41,7 +41,7 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::clip_builder::ClipBuilder;
     #[pymodule_export]
-    use super::clip_ik::{EditedClip, Led, Stance};
+    use super::clip_ik::{EditedClip, FootPlant, ReachResult};
     #[pymodule_export]
     use super::crowd::{Crowd, PlayingClip};
     #[pymodule_export]
@@ -57,7 +57,7 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::playhead::{Passage, Playhead};
     #[pymodule_export]
-    use super::reach::{PoseAngles, ReachLayer};
+    use super::reach::{EulerPoseMap, ReachLayer};
     #[pymodule_export]
     use super::root_motion::RootMotion;
     #[pymodule_export]

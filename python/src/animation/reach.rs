@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kinopt::animation::{PoseAngles as Angles, ReachLayer as Reach};
+use kinopt::animation::{EulerPoseMap as Angles, ReachLayer as Reach};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
@@ -129,14 +129,14 @@ impl ReachLayer {
 ///
 /// Raises `InvalidValueError` for an armature of another number of bones.
 #[pyclass(frozen, module = "kinopt.animation")]
-pub(crate) struct PoseAngles {
+pub(crate) struct EulerPoseMap {
     inner: Angles,
     skeleton: Arc<kinopt::Skeleton>,
     armature: Arc<kinopt::animation::Armature>,
 }
 
 #[pymethods]
-impl PoseAngles {
+impl EulerPoseMap {
     #[new]
     #[pyo3(signature = (skeleton, armature = None))]
     fn new(
@@ -222,6 +222,6 @@ impl PoseAngles {
     }
 
     fn __repr__(&self) -> String {
-        format!("PoseAngles({} bones)", self.skeleton.bones().len())
+        format!("EulerPoseMap({} bones)", self.skeleton.bones().len())
     }
 }

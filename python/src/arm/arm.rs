@@ -16,7 +16,7 @@ use super::{Follower, Servo, obstacles, options};
 use crate::arrays::{self, axes};
 use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
-use crate::goal::Goal;
+use crate::goal::PoseBounds;
 use crate::kinematics::jacobians;
 use crate::model::Model;
 use crate::placement::{placement, placements, to_array, to_arrays};
@@ -37,7 +37,7 @@ use crate::world::World;
 /// None for its default:
 ///
 /// tool: placement of the tool relative to the tip, 4 x 4, metres. Default: the tip itself.
-/// goal: goal bounds, a `Goal`. Default: the full pose.
+/// goal: goal bounds, a `PoseBounds`. Default: the full pose.
 /// search: "start" (the solution of the attempt from the start; other attempts only if that fails), "first" (the
 ///     fastest) or "nearest" (the nearest to the start). Default: "start".
 /// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
@@ -328,7 +328,7 @@ impl Arm {
     /// whose `by_target` has shape (dof, 6); for (N, dof) and (N, 4, 4) shape (N, dof, 6).
     ///
     /// Computed by the implicit function theorem with the active limits of the solution, reached or not. Check
-    /// `existence` before use. Raises `InvalidValueError` as `solve` does, and for other shapes.
+    /// `differentiability` before use. Raises `InvalidValueError` as `solve` does, and for other shapes.
     fn derivative(
         &self,
         target: &Bound<'_, PyAny>,
@@ -514,7 +514,7 @@ impl Arm {
     /// The arm with another goal. Fast, because the table of seeds is shared.
     ///
     /// Raises `InvalidValueError` for a goal that is incompatible with the arm's other options.
-    fn with_goal(&self, goal: &Bound<'_, Goal>) -> PyResult<Self> {
+    fn with_goal(&self, goal: &Bound<'_, PoseBounds>) -> PyResult<Self> {
         let arm = self.inner.with_goal(goal.get().inner).or_raise()?;
         self.changed(goal.py(), arm, "goal", goal)
     }

@@ -16,7 +16,7 @@ pub(crate) struct ArmDerivative {
     /// and rotation about them (radians).
     #[pyo3(get)]
     by_target: Py<PyArray<f64, IxDyn>>,
-    existence: Vec<&'static str>,
+    differentiability: Vec<&'static str>,
     is_one: bool,
 }
 
@@ -26,8 +26,8 @@ impl ArmDerivative {
     /// shortest change; or the reason why no derivative exists: "on_limit", "at_kink", "singular", "not_stationary",
     /// "not_finite". A list for N solutions.
     #[getter]
-    fn existence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(match self.existence.as_slice() {
+    fn differentiability<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self.differentiability.as_slice() {
             [one] if self.is_one => one.into_pyobject(py)?.into_any(),
             all => all.into_pyobject(py)?.into_any(),
         })
@@ -36,7 +36,7 @@ impl ArmDerivative {
     /// True if the solution is a smooth function of its target here: a bool, or an array of N.
     #[getter]
     fn is_unique<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut all = self.existence.iter().map(|own| *own == "unique");
+        let mut all = self.differentiability.iter().map(|own| *own == "unique");
         Ok(match self.is_one {
             true => all.all(|one| one).into_pyobject(py)?.to_owned().into_any(),
             false => PyArray1::from_iter(py, all).into_any(),
@@ -44,7 +44,7 @@ impl ArmDerivative {
     }
 
     fn __repr__(&self) -> String {
-        match (self.is_one, self.existence.as_slice()) {
+        match (self.is_one, self.differentiability.as_slice()) {
             (true, [one]) => format!("ArmDerivative({one})"),
             (_, all) => {
                 let unique = all.iter().filter(|own| **own == "unique").count();
@@ -97,7 +97,7 @@ pub(super) fn derivative(
     };
     Ok(ArmDerivative {
         by_target: arrays::list(py, &numbers).reshape(shape)?.unbind(),
-        existence: all.iter().map(|own| own.existence.name()).collect(),
+        differentiability: all.iter().map(|own| own.differentiability.name()).collect(),
         is_one,
     })
 }

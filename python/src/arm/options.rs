@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyString};
 
 use crate::arrays::{self, number};
 use crate::error::{OrRaise, invalid};
-use crate::goal::Goal;
+use crate::goal::PoseBounds;
 use crate::placement::placement;
 
 /// All keywords; `held` goes with `only`, `margin` with `world`.
@@ -112,10 +112,12 @@ fn seconds(value: &Bound<'_, PyAny>) -> PyResult<Duration> {
     })
 }
 
-fn goal(value: &Bound<'_, PyAny>) -> PyResult<kinopt::arm::Goal> {
-    match value.cast::<Goal>() {
+fn goal(value: &Bound<'_, PyAny>) -> PyResult<kinopt::arm::PoseBounds> {
+    match value.cast::<PoseBounds>() {
         Ok(goal) => Ok(goal.get().inner),
-        Err(_) => Err(invalid(format!("goal must be a kinopt.Goal, not {value}"))),
+        Err(_) => Err(invalid(format!(
+            "goal must be a kinopt.PoseBounds, not {value}"
+        ))),
     }
 }
 

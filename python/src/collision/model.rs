@@ -180,7 +180,7 @@ impl CollisionModel {
         self.inner.is_checked(first, second).or_raise()
     }
 
-    /// The model with this collision pair disabled. `World.allow_touch` allows collisions of a link and an obstacle.
+    /// The model with this collision pair disabled. `World.allow_collision` allows collisions of a link and an obstacle.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {
@@ -237,21 +237,21 @@ impl CollisionModel {
         self.inner.to_srdf()
     }
 
-    /// Spheres that cover the shapes: the fewest found that protrude by at most `overhang` metres, or at most
+    /// Spheres that cover the shapes: the fewest found that protrude by at most `max_protrusion` metres, or at most
     /// `per_link` spheres for each link with the smallest protrusion found. Exactly one of the two is given.
     ///
-    /// Raises `InvalidValueError` for numbers that are not positive, or an overhang that needs millions of cells.
-    #[pyo3(signature = (overhang = None, *, per_link = None))]
+    /// Raises `InvalidValueError` for numbers that are not positive, or an max_protrusion that needs millions of cells.
+    #[pyo3(signature = (max_protrusion = None, *, per_link = None))]
     fn spheres(
         &self,
         py: Python<'_>,
-        overhang: Option<f64>,
+        max_protrusion: Option<f64>,
         per_link: Option<usize>,
     ) -> PyResult<SphereModel> {
-        let fineness = match (overhang, per_link) {
-            (Some(overhang), None) => Resolution::Overhang(overhang),
+        let fineness = match (max_protrusion, per_link) {
+            (Some(max_protrusion), None) => Resolution::Overhang(max_protrusion),
             (None, Some(count)) => Resolution::PerLink(count),
-            _ => return Err(invalid("spheres takes either overhang or per_link")),
+            _ => return Err(invalid("spheres takes either max_protrusion or per_link")),
         };
         let spheres = interruptible(py, || collision::SphereModel::of(&self.inner, fineness))?;
         Ok(spheres.or_raise()?.into())

@@ -58,8 +58,8 @@ impl SphereModel {
 
     /// Maximum protrusion of a sphere from the shapes of its link, in metres.
     #[getter]
-    fn overhang(&self) -> f64 {
-        self.inner.overhang()
+    fn max_protrusion(&self) -> f64 {
+        self.inner.max_protrusion()
     }
 
     /// Largest distance of a point of the shapes from all spheres of its link, in metres: 0 if they cover all shapes.
@@ -141,10 +141,10 @@ impl SphereModel {
 
     fn __repr__(&self) -> String {
         format!(
-            "SphereModel({} on {}, overhang {:.4})",
+            "SphereModel({} on {}, max_protrusion {:.4})",
             kinopt::counted(self.inner.count(), "sphere"),
             kinopt::counted(self.inner.groups().len(), "link"),
-            self.inner.overhang()
+            self.inner.max_protrusion()
         )
     }
 }

@@ -318,7 +318,7 @@ fn rate_cost(value: &Bound<'_, PyAny>, name: &str, cost: OfWeight) -> PyResult<R
         let mut own = cost(weight);
         for (joint, factor) in problem::items(Some(&factors), name)? {
             let joint = arrays::name(&joint, &format!("a joint of {name}"))?;
-            own = own.times(joint, arrays::number(&factor, name)?);
+            own = own.scale(joint, arrays::number(&factor, name)?);
         }
         return Ok(own);
     }

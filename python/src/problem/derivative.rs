@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use kinopt::ik::{DerivativeWorkspace, Existence, SolutionDerivative as Derivative};
+use kinopt::ik::{DerivativeWorkspace, Differentiability, SolutionDerivative as Derivative};
 use kinopt::problem::{ParameterVector, Targets};
 use kinopt::spatial::Vector3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -19,7 +19,7 @@ use crate::pickling;
 /// The derivative of the solution `q` (shape (nq,), a configuration of the problem's model) with respect to the
 /// targets, weights and link lengths of a problem, by the implicit function theorem with the active limits.
 ///
-/// `targets` are those of the solve, as in `Solver.solve`. Check `existence` first: only if it is "unique" is the
+/// `targets` are those of the solve, as in `Solver.solve`. Check `differentiability` first: only if it is "unique" is the
 /// solution a smooth function of the parameters. Velocities are those of `Model.integrate`, shape (dof,). A pose target
 /// has six numbers: along and about its own axes, metres then radians; a position has three, a posture one for each
 /// joint and three for each ball.
@@ -34,7 +34,7 @@ pub(crate) struct SolutionDerivative {
     q: Vec<f64>,
     given: Option<Py<PyAny>>,
     targets: Targets,
-    existence: Existence,
+    differentiability: Differentiability,
     /// Factored system, shared by all products.
     memory: Mutex<DerivativeWorkspace>,
 }
@@ -103,10 +103,11 @@ impl SolutionDerivative {
             q,
             given,
             targets: own.targets_with(moves.iter().map(|(_, aim)| aim))?,
-            existence: Existence::Unique,
+            differentiability: Differentiability::Unique,
             memory: Mutex::default(),
         };
-        derivative.existence = derivative.with(py, |own| Ok(own.existence().clone()))?;
+        derivative.differentiability =
+            derivative.with(py, |own| Ok(own.differentiability().clone()))?;
         Ok(derivative)
     }
 
@@ -114,19 +115,19 @@ impl SolutionDerivative {
     /// shortest change; or the reason why no derivative exists: "on_limit", "at_kink", "singular", "not_stationary",
     /// "not_finite".
     #[getter]
-    fn existence(&self) -> &'static str {
-        self.existence.name()
+    fn differentiability(&self) -> &'static str {
+        self.differentiability.name()
     }
 
     /// True if the solution is a smooth function of the parameters here.
     #[getter]
     fn is_unique(&self) -> bool {
-        self.existence.is_unique()
+        self.differentiability.is_unique()
     }
 
-    /// Sentence about `existence`.
+    /// Sentence about `differentiability`.
     fn explain(&self) -> String {
-        self.existence.to_string()
+        self.differentiability.to_string()
     }
 
     /// Derivative with respect to the target of a task (a name, or an index), shape (dof, numbers of the target).
@@ -242,6 +243,6 @@ impl SolutionDerivative {
     }
 
     fn __repr__(&self) -> String {
-        format!("SolutionDerivative({})", self.existence.name())
+        format!("SolutionDerivative({})", self.differentiability.name())
     }
 }

@@ -279,7 +279,7 @@ impl Problem {
         self.with_options(&options)
     }
 
-    /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `times` of the tasks.
+    /// Factors of the rows, shape (rows of `Solution.rows`,), from `weight` and `scale` of the tasks.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(arrays::list(py, &self.stated()?.inner.weights()))

@@ -2,9 +2,9 @@
 
 use kinopt::spatial::{Matrix3, Placement};
 use kinopt::task::{
-    CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt,
+    Bounded, CentreOfMass, Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt,
     Manipulability, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture, Ray, Residual,
-    Smoothness, SupportPolygon, Within,
+    Smoothness, SupportPolygon,
 };
 use pyo3::prelude::*;
 
@@ -130,7 +130,7 @@ impl Target for Numeric<PythonResidual> {
     }
 }
 
-impl<R: Target> Target for Within<R> {
+impl<R: Target> Target for Bounded<R> {
     type Value = R::Value;
 
     fn read(value: &Bound<'_, PyAny>, what: &str) -> PyResult<R::Value> {

@@ -5,8 +5,8 @@ use kinopt::ik::Drag;
 use kinopt::model::JointId;
 use kinopt::problem::{ProblemBuilder, ProblemError, Targets, TaskId};
 use kinopt::task::{
-    Distance, LimitCentring, LookAt, Numeric, Orientation, Pixel, Plane, Point, Pose, Posture,
-    Quantity, Ray, Residual, Role, Smoothness, Task, Within,
+    Bounded, Distance, LimitCentring, LookAt, Numeric, Orientation, Pixel, Plane, Point, Pose,
+    Posture, Quantity, Ray, Residual, Role, Smoothness, Task,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
@@ -17,7 +17,7 @@ use super::python_residual::PythonResidual;
 use super::target::Target;
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
-use crate::goal::Goal;
+use crate::goal::PoseBounds;
 use crate::placement;
 use crate::solution::quantity;
 
@@ -136,7 +136,7 @@ struct Room<'a, B> {
 impl<B: Adds> Visit for Room<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
         self.add
-            .visit(Within::between(residual, self.lower, self.upper))
+            .visit(Bounded::between(residual, self.lower, self.upper))
     }
 }
 
@@ -160,7 +160,7 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
                 pose = pose.with_tool(placement::placement(&tool, "tool")?);
             }
             if let Some(goal) = given.optional("goal")? {
-                pose = pose.with_goal(goal.cast::<Goal>()?.get().inner);
+                pose = pose.with_goal(goal.cast::<PoseBounds>()?.get().inner);
             }
             if let Some(base) = given.optional_frame("base")? {
                 pose = pose.relative_to(base);
@@ -228,7 +228,7 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
         "limit centring" => visitor.visit(LimitCentring::new(model)),
         "custom" => visitor.visit(Numeric(PythonResidual::of(task, model)?)),
         "within" => Err(invalid(
-            "room within room: give `Within` one interval instead",
+            "room within room: give `Bounded` one interval instead",
         )),
         kind => body_tasks::residual(given, kind, visitor),
     }
@@ -422,7 +422,7 @@ impl About {
             Some(_) => task.goal(),
             None => task,
         };
-        task.times(self.times).at_level(self.level)
+        task.scale(self.times).at_level(self.level)
     }
 }
 

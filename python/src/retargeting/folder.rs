@@ -33,7 +33,7 @@ pub(super) fn folder_begun(
     skeleton: Option<&str>,
     reading: Reading,
     options: Options,
-    again: bool,
+    overwrite: bool,
 ) -> PyResult<Vec<Begun>> {
     let robot = target_of(target)?;
     let up = reading.up.as_deref().map(up_axis).transpose()?;
@@ -53,9 +53,9 @@ pub(super) fn folder_begun(
         .with_world(world.map(|world| world.to_json()));
     let (source, into) = folders;
     let found = MovementFolder::find(&source, &into, "npz").or_raise()?;
-    let begun = found.begin(&asked, again).map_err(|error| {
+    let begun = found.begin(&asked, overwrite).map_err(|error| {
         let hint = match &error {
-            FolderError::OtherQuestion { .. } => ": give another folder, or again=True",
+            FolderError::OtherQuestion { .. } => ": give another folder, or overwrite=True",
             _ => "",
         };
         raise(error.kind(), format!("{error}{hint}"))

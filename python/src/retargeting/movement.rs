@@ -117,7 +117,7 @@ pub(super) fn capture_retargeted<'py>(
         done.done.store(frames, Ordering::Relaxed);
         let has_fixed_base = retargeting.legs_on_fixed_base();
         let errors = retargeting.errors(&found)?;
-        let limits = retargeting.limits_met(&found);
+        let limits = retargeting.active_limits(&found);
         let driving = retargeting.driving();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
@@ -140,26 +140,33 @@ pub(super) fn capture_retargeted<'py>(
         let pair = own.pair;
         (own.frame, pair.first, pair.second, pair.distance)
     });
-    let given_up = found.given_up.into_iter();
-    let given_up = given_up.map(|own| (own.frame, own.standing));
+    let lost_contacts = found.lost_contacts.into_iter();
+    let lost_contacts = lost_contacts.map(|own| (own.frame, own.contact_frames));
     let frames = found.q.len() / found.configuration_len.max(1);
     let contacts = PyArray1::from_slice(py, &found.contacts);
-    let points = found.standing_at.iter();
-    let standing_at: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
+    let points = found.contact_points.iter();
+    let contact_points: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
     Ok((
         arrays::list(py, &found.q).reshape([frames, found.configuration_len])?,
         question.names(),
-        contacts.reshape([frames, found.standing.len()])?.into_any(),
+        contacts
+            .reshape([frames, found.contact_frames.len()])?
+            .into_any(),
         (
-            found.standing,
-            arrays::list(py, &standing_at).reshape([found.standing_at.len(), 3])?,
+            found.contact_frames,
+            arrays::list(py, &contact_points).reshape([found.contact_points.len(), 3])?,
         ),
         arrays::list(py, &errors).reshape([frames, driving.len()])?,
         driven.collect(),
-        (found.mean_error, found.slip, found.sunk, stride),
+        (
+            found.mean_error,
+            found.slip,
+            found.ground_penetration,
+            stride,
+        ),
         limits.collect(),
         touching.collect(),
-        given_up.collect(),
+        lost_contacts.collect(),
         (
             up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
             has_fixed_base,

@@ -116,7 +116,7 @@ impl Robot {
     ///
     /// `base_joint` connects the root to the world: "free" (a configuration begins with x, y, z and the quaternion w,
     /// x, y, z), "planar" (x, y and a rotation about z), "slide-x", "slide-y" or "slide-z" (translation along an axis),
-    /// or "fixed", the default. `base_room` limits its position: a dict of (lower, upper) for "x", "y" and "z" in
+    /// or "fixed", the default. `base_bounds` limits its position: a dict of (lower, upper) for "x", "y" and "z" in
     /// metres and, for a planar base, "yaw" in radians. A free joint of the file at the root serves as the free base.
     ///
     /// With `lenient`, defects that have a unique repair are repaired, and listed in `repairs`. With `soft_limits`,
@@ -132,14 +132,14 @@ impl Robot {
     /// invalid.
     #[classmethod]
     #[pyo3(signature = (
-        path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false, mimic_limits = "source", confine = false
+        path, *, base_joint = None, base_bounds = None, lenient = false, soft_limits = false, mimic_limits = "source", confine = false
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn from_urdf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
         base_joint: Option<Bound<'_, PyAny>>,
-        base_room: Option<Bound<'_, PyDict>>,
+        base_bounds: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
         mimic_limits: &str,
@@ -154,7 +154,7 @@ impl Robot {
             soft_limits,
             mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
-            base: Base::new(base_joint, base_room)?,
+            base: Base::new(base_joint, base_bounds)?,
             tools: Vec::new(),
             loops: Loops::default(),
         })
@@ -165,19 +165,19 @@ impl Robot {
     /// Bodies and sites are frames of their names (unnamed ones: `body/ID`, `BODY/site`; the world is `world`), and a
     /// configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a ball's quaternion,
     /// including `ref`. A joint `equality` of degree one makes a mimic joint; `connect` and `weld` are `loops`. Ignored
-    /// elements are in `repairs`. Mesh files are not opened here. `base_joint`, `base_room` and `mimic_limits` are as
+    /// elements are in `repairs`. Mesh files are not opened here. `base_joint`, `base_bounds` and `mimic_limits` are as
     /// in `from_urdf`. With `confine`, files are included, and meshes opened later, only below the folder of `path`,
     /// for files that are not trusted.
     ///
     /// Raises `FileError` if the file cannot be read, `InvalidFileError`, which names the element, if its content is
     /// invalid.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None, mimic_limits = "source", confine = false))]
+    #[pyo3(signature = (path, *, base_joint = None, base_bounds = None, mimic_limits = "source", confine = false))]
     fn from_mjcf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
         base_joint: Option<Bound<'_, PyAny>>,
-        base_room: Option<Bound<'_, PyDict>>,
+        base_bounds: Option<Bound<'_, PyDict>>,
         mimic_limits: &str,
         confine: bool,
     ) -> PyResult<Self> {
@@ -194,7 +194,7 @@ impl Robot {
             soft_limits: false,
             mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
-            base: Base::new(base_joint, base_room)?,
+            base: Base::new(base_joint, base_bounds)?,
             tools: Vec::new(),
             loops: Loops::default(),
         })
@@ -205,7 +205,7 @@ impl Robot {
     /// Raises `InvalidFileError`, which names the element, if its content is invalid.
     #[classmethod]
     #[pyo3(signature = (
-        text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false,
+        text, name = "robot.urdf", *, base_joint = None, base_bounds = None, lenient = false, soft_limits = false,
         mimic_limits = "source", confine = false
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
@@ -214,7 +214,7 @@ impl Robot {
         text: &str,
         name: &str,
         base_joint: Option<Bound<'_, PyAny>>,
-        base_room: Option<Bound<'_, PyDict>>,
+        base_bounds: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
         mimic_limits: &str,
@@ -228,7 +228,7 @@ impl Robot {
             soft_limits,
             mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
-            base: Base::new(base_joint, base_room)?,
+            base: Base::new(base_joint, base_bounds)?,
             tools: Vec::new(),
             loops: Loops::default(),
         })
@@ -460,7 +460,7 @@ impl Robot {
     ///
     /// Raises `UnknownNameError` for an unknown frame, `InvalidValueError` for another shape.
     #[pyo3(signature = (feet, q, *, up = None))]
-    fn bent_stance<'py>(
+    fn crouched_configuration<'py>(
         &self,
         py: Python<'py>,
         feet: Vec<String>,
@@ -475,7 +475,7 @@ impl Robot {
             None => [0.0, 0.0, 1.0],
         };
         let (model, map) = (&self.model, self.inner.map());
-        let stance = py.detach(|| kinopt::ik::bent_stance(model, map, &feet, &q, up));
+        let stance = py.detach(|| kinopt::ik::crouched_configuration(model, map, &feet, &q, up));
         Ok(arrays::list(py, &stance.or_raise()?))
     }
 

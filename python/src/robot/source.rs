@@ -208,13 +208,13 @@ impl Base {
         let room = room.map_or_else(Vec::new, |room| room.iter().collect());
         let ranges = room.into_iter().map(|(axis, range)| {
             let range = range.extract::<(f64, f64)>();
-            let axis = arrays::name(&axis, "an axis of base_room")?;
-            let (lower, upper) =
-                range.map_err(|_| invalid("base_room must be a dict of (lower, upper) by axis"))?;
+            let axis = arrays::name(&axis, "an axis of base_bounds")?;
+            let (lower, upper) = range
+                .map_err(|_| invalid("base_bounds must be a dict of (lower, upper) by axis"))?;
             match lower.is_nan() || upper.is_nan() {
                 false => Ok((axis, (lower, upper))),
                 true => Err(invalid(format!(
-                    "base_room along {axis} is ({lower}, {upper}), which is no range"
+                    "base_bounds along {axis} is ({lower}, {upper}), which is no range"
                 ))),
             }
         });

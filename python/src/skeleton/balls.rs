@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::animation::{Armature as Bones, PoseTurns};
+use kinopt::animation::{Armature as Bones, BallPoseMap};
 use kinopt::io::{bvh, cones, gltf};
 use kinopt::model::{BallLimits, Limits, UnknownName};
 use kinopt::skeleton::{
@@ -42,7 +42,7 @@ pub(crate) struct BallSkeleton {
     inner: Balls,
     model: Arc<kinopt::Model>,
     armature: Arc<Bones>,
-    bridge: PoseTurns,
+    bridge: BallPoseMap,
     posings: Pool<Posing>,
     /// Arguments of the constructor.
     cones: Cones,
@@ -112,7 +112,7 @@ impl BallSkeleton {
         let inner = Balls::new(skeleton, &cones, root.read()?).or_raise()?;
         Ok(Self {
             model: Arc::new(inner.model().clone()),
-            bridge: PoseTurns::new(&armature, &inner),
+            bridge: BallPoseMap::new(&armature, &inner),
             posings: Pool::new(inner.posing()),
             inner,
             armature,

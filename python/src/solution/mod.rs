@@ -11,7 +11,7 @@ use pyo3::types::PyType;
 use crate::arrays;
 use crate::error::OrRaise;
 use crate::pickling;
-pub(crate) use reports::{ActiveLimit, Collision, Counts, RowsReport, TaskReport};
+pub(crate) use reports::{ActiveLimit, Collision, Counts, RowBlockReport, TaskReport};
 
 /// The result of a solve, reached or not: the best configuration found, with its errors.
 #[pyclass(frozen, module = "kinopt")]

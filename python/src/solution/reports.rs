@@ -152,7 +152,7 @@ pub(crate) struct TaskReport {
     reached: bool,
     /// Errors of its rows by quantity.
     #[pyo3(get)]
-    rows: Vec<RowsReport>,
+    rows: Vec<RowBlockReport>,
     position_error: Option<f64>,
     orientation_error: Option<f64>,
 }
@@ -166,7 +166,7 @@ impl From<kinopt::ik::TaskReport<'_>> for TaskReport {
             is_loop: report.is_loop,
             level: report.level,
             reached: report.reached,
-            rows: report.rows.iter().map(RowsReport::from).collect(),
+            rows: report.rows.iter().map(RowBlockReport::from).collect(),
             position_error: report.position_error(),
             orientation_error: report.orientation_error(),
         }
@@ -205,7 +205,7 @@ impl TaskReport {
     }
 
     fn __repr__(&self) -> String {
-        let errors: Vec<String> = self.rows.iter().map(RowsReport::text).collect();
+        let errors: Vec<String> = self.rows.iter().map(RowBlockReport::text).collect();
         let reached = if self.reached {
             "reached"
         } else {
@@ -223,7 +223,7 @@ impl TaskReport {
 /// Error of a task's rows of one quantity, before weighting.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
-pub(crate) struct RowsReport {
+pub(crate) struct RowBlockReport {
     quantity: Quantity,
     /// Euclidean norm of the rows, in the unit of `quantity`, independent of their weight.
     #[pyo3(get)]
@@ -233,8 +233,8 @@ pub(crate) struct RowsReport {
     reached: bool,
 }
 
-impl From<&kinopt::ik::RowsReport> for RowsReport {
-    fn from(rows: &kinopt::ik::RowsReport) -> Self {
+impl From<&kinopt::ik::RowBlockReport> for RowBlockReport {
+    fn from(rows: &kinopt::ik::RowBlockReport) -> Self {
         Self {
             quantity: rows.quantity,
             error: rows.error,
@@ -243,14 +243,14 @@ impl From<&kinopt::ik::RowsReport> for RowsReport {
     }
 }
 
-impl RowsReport {
+impl RowBlockReport {
     fn text(&self) -> String {
         format!("{:.3e} {}", self.error, self.quantity)
     }
 }
 
 #[pymethods]
-impl RowsReport {
+impl RowBlockReport {
     /// Quantity of the rows: "metres", "radians", "pixels", "joint units", "joint units per second" or "ratio".
     #[getter]
     fn quantity(&self) -> String {
@@ -258,7 +258,7 @@ impl RowsReport {
     }
 
     fn __repr__(&self) -> String {
-        format!("RowsReport({})", self.text())
+        format!("RowBlockReport({})", self.text())
     }
 }
 

@@ -22,8 +22,8 @@ const STEPS: usize = 40;
 /// Each `advance` converges from the end of the last frame, on the current branch, in a bounded number of iterations
 /// and without restarts. In one frame no joint moves farther than `max_move`, radians (prismatic joints: the distance
 /// by which that angle moves a point at a quarter of the model's reach). If a target jumps or a branch ends, the body
-/// follows over several frames; `catching_up` reports it. With `search`, a number of attempts, a frame that converges
-/// to a miss also searches from random configurations (sampled by `seed`); `leap` reports a jump to a better solution.
+/// follows over several frames; `is_speed_limited` reports it. With `search`, a number of attempts, a frame that converges
+/// to a miss also searches from random configurations (sampled by `seed`); `jump` reports a jump to a better solution.
 ///
 /// It starts at the configuration `start`, shape (nq,), which is projected into the limits. `solver` gives the method
 /// and the limits of a frame, by default 40 iterations. Raises `InvalidValueError` for a start of another shape, for a
@@ -197,9 +197,9 @@ impl Drag {
     /// Continues from another configuration, shape (nq,), projected into the limits.
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
-    fn stand_at(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn set_configuration(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
         let q = arrays::vector(q, "q")?.to_vec();
-        py.detach(|| self.lock().stand_at(&q).or_raise())
+        py.detach(|| self.lock().set_configuration(&q).or_raise())
     }
 
     /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
@@ -228,21 +228,21 @@ impl Drag {
 
     /// True if a joint moved by its limit for a frame; the next frames continue.
     #[getter]
-    fn catching_up(&self, py: Python<'_>) -> bool {
-        self.look(py, kinopt::ik::Drag::catching_up)
+    fn is_speed_limited(&self, py: Python<'_>) -> bool {
+        self.look(py, kinopt::ik::Drag::is_speed_limited)
     }
 
     /// True if the next frame would change nothing.
     #[getter]
-    fn rests(&self, py: Python<'_>) -> bool {
-        self.look(py, kinopt::ik::Drag::rests)
+    fn is_at_rest(&self, py: Python<'_>) -> bool {
+        self.look(py, kinopt::ik::Drag::is_at_rest)
     }
 
     /// Jump of the last frame to another branch; None without one.
     #[getter]
-    fn leap(&self, py: Python<'_>) -> Option<Leap> {
+    fn jump(&self, py: Python<'_>) -> Option<DragJump> {
         self.look(py, |drag| {
-            drag.leap().map(|leap| Leap {
+            drag.jump().map(|leap| DragJump {
                 joint: leap.joint.to_owned(),
                 distance: leap.distance,
             })
@@ -283,7 +283,7 @@ fn motion_limits(
 /// A joint that moved farther in a frame than the drag allows, because a search from a random configuration found a
 /// better solution.
 #[pyclass(frozen, module = "kinopt", get_all)]
-pub(crate) struct Leap {
+pub(crate) struct DragJump {
     /// Joint with the largest displacement relative to its limit.
     joint: String,
     /// Displacement, radians or metres.
@@ -291,9 +291,9 @@ pub(crate) struct Leap {
 }
 
 #[pymethods]
-impl Leap {
+impl DragJump {
     fn __repr__(&self) -> String {
-        format!("Leap({:?}, {})", self.joint, self.distance)
+        format!("DragJump({:?}, {})", self.joint, self.distance)
     }
 }
 

@@ -17,7 +17,7 @@ use crate::pickling;
 use crate::problem::{Problem, raised};
 use crate::solution::Solution;
 pub(crate) use batch::Solutions;
-pub(crate) use drag::{Drag, Leap};
+pub(crate) use drag::{Drag, DragJump};
 use methods::{Engine, Limits};
 pub(crate) use watch::Iteration;
 use watch::Watch;

@@ -332,11 +332,11 @@ impl World {
     /// only when a robot uses the world.
     ///
     /// Raises `UnknownNameError` if neither is an obstacle.
-    fn allow_touch(&self, one: &str, other: &str) -> PyResult<()> {
-        self.lock().allow_touch(one, other).or_raise()
+    fn allow_collision(&self, one: &str, other: &str) -> PyResult<()> {
+        self.lock().allow_collision(one, other).or_raise()
     }
 
-    /// Enables the collision pair again after `allow_touch`.
+    /// Enables the collision pair again after `allow_collision`.
     ///
     /// Raises `UnknownNameError` if neither is an obstacle, `InvalidValueError` if their collision is not allowed.
     fn forbid_touch(&self, one: &str, other: &str) -> PyResult<()> {
@@ -344,8 +344,8 @@ impl World {
     }
 
     /// True if the collision of the pair is allowed, in either order.
-    fn may_touch(&self, one: &str, other: &str) -> bool {
-        self.lock().may_touch(one, other)
+    fn allow_collision(&self, one: &str, other: &str) -> bool {
+        self.lock().allow_collision(one, other)
     }
 
     /// A new world with the obstacles scaled by the factor `times`, together with their distance from the world's

@@ -86,10 +86,10 @@ impl Obstacle {
         self.0.attached.as_deref()
     }
 
-    /// Links and obstacles of its allowed collisions (`World.allow_touch`).
+    /// Links and obstacles of its allowed collisions (`World.allow_collision`).
     #[getter]
-    fn may_touch(&self) -> Vec<String> {
-        self.0.may_touch.clone()
+    fn allow_collision(&self) -> Vec<String> {
+        self.0.allow_collision.clone()
     }
 
     /// Properties of its accepted shape, such as an open mesh without an interior.

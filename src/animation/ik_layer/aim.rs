@@ -37,7 +37,7 @@ pub struct Aim {
     /// Unit vectors and a point in the bone's coordinates.
     forward: Vec3A,
     up: Option<Vec3A>,
-    muzzle: Vec3A,
+    offset: Vec3A,
 }
 
 /// What cannot aim.
@@ -61,8 +61,8 @@ pub enum AimError {
     /// Forward and up are on one line.
     #[error("the up axis is on the line of the forward axis")]
     UpIsForward,
-    /// A muzzle that is not finite.
-    #[error("the muzzle is not finite")]
+    /// A offset that is not finite.
+    #[error("the offset is not finite")]
     BadMuzzle,
 }
 
@@ -115,7 +115,7 @@ impl Aim {
             bone,
             forward: axis("forward", forward)?,
             up: None,
-            muzzle: Vec3A::ZERO,
+            offset: Vec3A::ZERO,
         })
     }
 
@@ -134,22 +134,22 @@ impl Aim {
     }
 
     /// A point, in the bone's coordinates, from which it points instead of from its joint: an eye in a
-    /// head, the muzzle of a gun.
+    /// head, the offset of a gun.
     ///
     /// # Errors
     /// A point that is not finite.
-    pub fn with_muzzle(mut self, muzzle: impl Into<Vec3A>) -> Result<Self, AimError> {
-        let muzzle = muzzle.into();
-        if !muzzle.is_finite() {
+    pub fn with_offset(mut self, offset: impl Into<Vec3A>) -> Result<Self, AimError> {
+        let offset = offset.into();
+        if !offset.is_finite() {
             return Err(AimError::BadMuzzle);
         }
-        self.muzzle = muzzle;
+        self.offset = offset;
         Ok(self)
     }
 
     /// Turns the bone by its weight's share of the rotation that points it at the target. Says
     /// whether there is one: there is none for a target that is not finite, that is the joint itself, or
-    /// that is nearer to the joint than the line from the muzzle; then the pose stays as it is.
+    /// that is nearer to the joint than the line from the offset; then the pose stays as it is.
     ///
     /// Uneven scales of the bone and of those above it shear its axes. The bone is then turned again until the axis as the
     /// pose shows it points at the target, as near as that converges.
@@ -253,8 +253,8 @@ struct Line {
     /// Unit vectors.
     forward: Vec3A,
     up: Option<Vec3A>,
-    muzzle: Vec3A,
-    /// Of lengths in the model to those of `muzzle`.
+    offset: Vec3A,
+    /// Of lengths in the model to those of `offset`.
     scale: f32,
 }
 
@@ -265,26 +265,26 @@ impl Line {
             return Self {
                 forward: scaled(aim.forward).normalize_or(aim.forward),
                 up: aim.up.map(|up| scaled(up).normalize_or(up)),
-                muzzle: scaled(aim.muzzle),
+                offset: scaled(aim.offset),
                 scale: 1.0,
             };
         }
         Self {
             forward: aim.forward,
             up: aim.up,
-            muzzle: aim.muzzle,
+            offset: aim.offset,
             scale: own.affine.matrix3.x_axis.length(),
         }
     }
 
-    /// The direction of the point of the line from the muzzle that is at a distance from the joint, which is to be turned
+    /// The direction of the point of the line from the offset that is at a distance from the joint, which is to be turned
     /// onto the target: |m + s f| = d for s ≥ 0.
     fn point_at(&self, distance: f32) -> Option<Vec3A> {
         let distance = distance / self.scale;
-        let ahead = self.muzzle.dot(self.forward);
-        let beside = self.muzzle - self.forward * ahead;
+        let ahead = self.offset.dot(self.forward);
+        let beside = self.offset - self.forward * ahead;
         let reach = distance * distance - beside.length_squared();
-        // Behind the muzzle is no way to point.
+        // Behind the offset is no way to point.
         let along = (reach > 0.0).then(|| reach.sqrt())?;
         if along < ahead {
             return None;

@@ -29,7 +29,7 @@ impl Skeleton {
 impl Armature {
     /// The skeleton with the same bones and ids, at rest where the armature is: what
     /// [`ReachLayer`](super::ReachLayer) and problems are stated on, while
-    /// [`PoseAngles`](super::PoseAngles) takes its angles to this armature's poses. An armature does
+    /// [`EulerPoseMap`](super::EulerPoseMap) takes its angles to this armature's poses. An armature does
     /// not say where bones end, so tips are where their bones stand: the tip of a hand is the wrist.
     /// `limits` gives the ranges of a bone's first twist, bend and second twist about the bone's own
     /// x, z and x, in radians.

@@ -15,9 +15,9 @@ mod stance;
 
 pub use aim::{Aim, AimError, AimGoal};
 pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
-pub use pose_angles::PoseAngles;
+pub use pose_angles::EulerPoseMap;
 pub(crate) use pose_angles::{bone_angles, bone_rotation};
-pub use pose_turns::PoseTurns;
+pub use pose_turns::BallPoseMap;
 pub use reach::{NoEffector, ReachLayer};
 pub use reach_error::ReachError;
 pub(crate) use shear_correction::{Corrected, ShearCorrection};

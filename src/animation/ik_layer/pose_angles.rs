@@ -55,13 +55,13 @@ pub(super) fn has_bones(pose: &Pose, bones: usize) -> Result<(), SizeMismatch> {
 ///
 /// Below bones that a pose mirrors, local rotations are in reflected axes.
 #[derive(Clone, Debug)]
-pub struct PoseAngles {
+pub struct EulerPoseMap {
     rest: Vec<DQuat>,
     parents: Vec<Option<BoneId>>,
     limits: Vec<[Limits; 3]>,
 }
 
-impl PoseAngles {
+impl EulerPoseMap {
     /// The angles of a skeleton in poses of the armature [of it](crate::animation::Armature::of_skeleton).
     #[must_use]
     pub fn new(skeleton: &Skeleton) -> Self {

@@ -11,7 +11,7 @@ use crate::{Buffer, SizeMismatch};
 /// Takes configurations of a [`BallSkeleton`] to poses of the armature that its bones are of, and back. Bones that do not
 /// turn, scales and all translations but a free root's are left as they are.
 #[derive(Clone, Debug)]
-pub struct PoseTurns {
+pub struct BallPoseMap {
     figure: BallSkeleton,
     /// Of each bone at rest: its local rotation.
     rest: Vec<DQuat>,
@@ -33,7 +33,7 @@ struct Root {
     tail: DVec3,
 }
 
-impl PoseTurns {
+impl BallPoseMap {
     /// For poses of `armature`, whose bones those of `figure` are: it was made of
     /// [its skeleton](Armature::skeleton), or it is [of the skeleton](Armature::of_skeleton).
     #[must_use]

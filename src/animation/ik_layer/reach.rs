@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::held_rotation::Held;
-use super::pose_angles::PoseAngles;
+use super::pose_angles::EulerPoseMap;
 use super::reach_error::ReachError;
 use super::shear_correction::{Corrected, ShearCorrection};
 use super::stance::Stances;
@@ -34,7 +34,7 @@ const TOLERANCE: f64 = 1e-6;
 /// also where this does not converge.
 #[derive(Clone, Debug)]
 pub struct ReachLayer {
-    bridge: PoseAngles,
+    bridge: EulerPoseMap,
     stances: Stances,
     problem: Problem,
     targets: Targets,
@@ -125,7 +125,7 @@ impl ReachLayer {
         let correction = solver.clone().with_restarts(Restarts::none());
         let no_steps = Stopping::default().with_max_iterations(0);
         Ok(Self {
-            bridge: PoseAngles::new(skeleton),
+            bridge: EulerPoseMap::new(skeleton),
             targets: problem.targets(),
             tree: problem.tree().clone(),
             problem,

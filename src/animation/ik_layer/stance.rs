@@ -8,7 +8,7 @@ use crate::skeleton::{BoneId, Skeleton};
 
 /// A bone in the model, as a pose has it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stance {
+pub(super) struct FootPlant {
     pub(super) rotation: DQuat,
     pub(super) tail: DVec3,
     pub(super) tip: DVec3,
@@ -22,7 +22,7 @@ pub(super) struct Stance {
 pub(super) struct Stances {
     skeleton: Skeleton,
     /// By bone; only those asked for are kept up.
-    stances: Vec<Stance>,
+    stances: Vec<FootPlant>,
     /// Whether another one asked for hangs on a bone.
     carries: Vec<bool>,
 }
@@ -30,7 +30,7 @@ pub(super) struct Stances {
 impl Stances {
     /// For some bones of a skeleton, with all that they hang on.
     pub(super) fn new(skeleton: &Skeleton, bones: &[BoneId]) -> Self {
-        let nowhere = Stance {
+        let nowhere = FootPlant {
             rotation: DQuat::IDENTITY,
             tail: DVec3::ZERO,
             tip: DVec3::ZERO,
@@ -75,7 +75,7 @@ impl Stances {
             let stretch = stretch.below(mirror, own, local.scale);
             let along = stretch.apply(DVec3::new(length, 0.0, 0.0));
             if let Some(stance) = self.stances.get_mut(index) {
-                *stance = Stance {
+                *stance = FootPlant {
                     rotation,
                     tail,
                     tip: tail + rotation * along,
@@ -96,7 +96,7 @@ impl Stances {
     }
 
     /// A bone's stance as of the last pose; `None` for a bone of another skeleton.
-    pub(super) fn of(&self, bone: BoneId) -> Option<&Stance> {
+    pub(super) fn of(&self, bone: BoneId) -> Option<&FootPlant> {
         self.stances.get(bone.index())
     }
 

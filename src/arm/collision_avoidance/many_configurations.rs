@@ -1,6 +1,6 @@
 //! Collision checks of many configurations and of motions, for whole paths.
 
-use crate::arm::Reply;
+use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::search::Collision;
 
@@ -8,14 +8,23 @@ impl Arm {
     /// Flags the configurations that are free by their spheres or, if `by_shapes`, by the exact check.
     ///
     /// All are free for an arm without a checker.
-    pub(crate) fn are_free(&self, q: &[f64], by_shapes: bool, free: &mut Vec<bool>) -> Reply<()> {
+    pub(crate) fn are_free(
+        &self,
+        q: &[f64],
+        by_shapes: bool,
+        free: &mut Vec<bool>,
+    ) -> Result<(), QueryError> {
         free.clear();
         free.resize(q.len() / self.joint_count(), true);
         self.for_each_touching(q, by_shapes, |place| free[place] = false)
     }
 
     /// Collision on the motion between two configurations with linear joint interpolation; `None` if it is free.
-    pub(crate) fn in_the_way(&self, from: &[f64], to: &[f64]) -> Reply<Option<Collision>> {
+    pub(crate) fn in_the_way(
+        &self,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Option<Collision>, QueryError> {
         let Some(kept) = &self.collisions else {
             return Ok(None);
         };

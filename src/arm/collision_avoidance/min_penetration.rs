@@ -2,7 +2,7 @@
 
 use super::search::LOOKED_AT;
 use super::{CollisionAvoidance, CollisionWorkspace};
-use crate::arm::Reply;
+use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::arm::dispatch::Query;
 use crate::arm::workspace::ArmWorkspace;
@@ -18,7 +18,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         room: &mut CollisionWorkspace,
         query: &Query<'_>,
-    ) -> Reply<f64> {
+    ) -> Result<f64, QueryError> {
         let mut best = kept.worst(self, room, &workspace.x)?;
         for turn in 0..workspace.order.len().min(LOOKED_AT) {
             if kept.is_late(query, 2) {

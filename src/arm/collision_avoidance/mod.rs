@@ -13,7 +13,7 @@ use std::sync::Arc;
 use self::check_time::CheckTime;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
-use super::{ArmError, QueryError, Reply};
+use super::{ArmError, QueryError};
 use crate::clock::Instant;
 use crate::clock::cut_short::until;
 use crate::collision::simd_spheres::{
@@ -174,8 +174,8 @@ impl Arm {
     fn with_room<T>(
         &self,
         kept: &CollisionAvoidance,
-        run: impl FnOnce(&mut ArmWorkspace, &mut CollisionWorkspace) -> Reply<T>,
-    ) -> Reply<T> {
+        run: impl FnOnce(&mut ArmWorkspace, &mut CollisionWorkspace) -> Result<T, QueryError>,
+    ) -> Result<T, QueryError> {
         self.with_workspace(|workspace| {
             // Taken out and put back, so that nothing is allocated.
             let mut taken = workspace.clear_room.take();
@@ -276,7 +276,7 @@ impl CollisionAvoidance {
         arm: &Arm,
         room: &mut CollisionWorkspace,
         q: &[f64],
-    ) -> Reply<Vec<Collision>> {
+    ) -> Result<Vec<Collision>, QueryError> {
         arm.configuration(q, &mut room.q_model)?;
         let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
         Ok(self.check_time.measured(arm, check)?)
@@ -284,7 +284,12 @@ impl CollisionAvoidance {
 
     /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free, and negative
     /// infinity where the check was cut short.
-    fn worst(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<f64> {
+    fn worst(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Result<f64, QueryError> {
         arm.configuration(q, &mut room.q_model)?;
         let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
         let Some(pairs) = until(room.deadline, check) else {
@@ -294,7 +299,12 @@ impl CollisionAvoidance {
     }
 
     /// Returns true if all pairs are far enough apart, by the exact check.
-    fn is_free(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
+    fn is_free(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Result<bool, QueryError> {
         arm.configuration(q, &mut room.q_model)?;
         let check = || self.checker.is_free(&mut room.exact, &room.q_model);
         let free = until(room.deadline, check);
@@ -308,12 +318,17 @@ impl CollisionAvoidance {
         arm: &Arm,
         room: &mut CollisionWorkspace,
         q: &[f64],
-    ) -> Reply<bool> {
+    ) -> Result<bool, QueryError> {
         Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
     }
 
     /// Returns true if a configuration is free by its spheres, or else by its shapes.
-    fn is_clear(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
+    fn is_clear(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Result<bool, QueryError> {
         let by_spheres = self.free_by_spheres(arm, room, q)? & 1 != 0;
         match by_spheres {
             true => self.close_are_apart(arm, room, q),
@@ -322,7 +337,12 @@ impl CollisionAvoidance {
     }
 
     /// Checks the link pairs that are too close for spheres by their shapes, for a configuration free by spheres.
-    fn close_are_apart(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
+    fn close_are_apart(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Result<bool, QueryError> {
         if self.close_pairs.is_empty() || self.lanes.is_none() {
             return Ok(true);
         }
@@ -335,7 +355,12 @@ impl CollisionAvoidance {
     /// pairs](Self::close_are_apart).
     ///
     /// Without spheres the shapes decide.
-    fn free_by_spheres(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<u32> {
+    fn free_by_spheres(
+        &self,
+        arm: &Arm,
+        room: &mut CollisionWorkspace,
+        q: &[f64],
+    ) -> Result<u32, QueryError> {
         let n = arm.joint_count();
         if self.never_free {
             return Ok(0);
@@ -356,7 +381,7 @@ impl CollisionAvoidance {
         let exact = self
             .checker
             .spheres()
-            .is_some_and(|spheres| spheres.overhang() == 0.0);
+            .is_some_and(|spheres| spheres.max_protrusion() == 0.0);
         self.lanes.is_none() || exact
     }
 }

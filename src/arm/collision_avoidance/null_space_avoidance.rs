@@ -1,7 +1,7 @@
 //! Null-space search for a collision-free configuration.
 
 use super::{CollisionAvoidance, CollisionWorkspace};
-use crate::arm::Reply;
+use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::arm::dispatch::Query;
 use crate::arm::workspace::{ArmWorkspace, Errors};
@@ -35,7 +35,7 @@ impl Arm {
         room: &mut CollisionWorkspace,
         query: &Query<'_>,
         (mut worst, most): (f64, usize),
-    ) -> Reply<(bool, NullSpaceSteps)> {
+    ) -> Result<(bool, NullSpaceSteps), QueryError> {
         let mut spent = NullSpaceSteps::default();
         if !self.has_freedom() {
             return Ok((false, spent));

@@ -1,7 +1,7 @@
 //! Steps of a path that stop before a collision.
 
 use super::{CollisionAvoidance, CollisionWorkspace};
-use crate::arm::Reply;
+use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::arm::follower::LONG_STEP;
 use crate::arm::workspace::ArmWorkspace;
@@ -26,7 +26,7 @@ impl Arm {
         from: &[f64],
         target: &Placement<f64>,
         solution: &mut Solution,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let Some(kept) = &self.collisions else {
             return Ok(());
         };
@@ -70,7 +70,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         room: &mut CollisionWorkspace,
         from: &[f64],
-    ) -> Reply<bool> {
+    ) -> Result<bool, QueryError> {
         let Some(lanes) = self.lanes.as_ref().filter(|_| self.has_freedom()) else {
             return Ok(false);
         };
@@ -92,7 +92,7 @@ impl Arm {
                 let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);
                 let (_, distance) = self.longest_move(from, &q);
                 let near = outcome.reached && distance <= LONG_STEP && distance < best;
-                let is_open = |room: &mut CollisionWorkspace| -> Reply<bool> {
+                let is_open = |room: &mut CollisionWorkspace| -> Result<bool, QueryError> {
                     let way = kept.way_from_contact(self, room, from, &q)?;
                     Ok(way.blocked_by.is_none())
                 };
@@ -114,7 +114,7 @@ impl CollisionAvoidance {
         room: &mut CollisionWorkspace,
         from: &[f64],
         to: &[f64],
-    ) -> Reply<Option<Collision>> {
+    ) -> Result<Option<Collision>, QueryError> {
         room.take_way(arm, from, to)?;
         let way = self
             .checker
@@ -129,7 +129,7 @@ impl CollisionAvoidance {
         room: &mut CollisionWorkspace,
         from: &[f64],
         to: &[f64],
-    ) -> Reply<MotionCheck> {
+    ) -> Result<MotionCheck, QueryError> {
         room.take_way(arm, from, to)?;
         let (exact, from, to) = (&mut room.exact, &room.q_from, &room.q_model);
         Ok(self.checker.way_from_contact(exact, from, to)?)
@@ -142,7 +142,7 @@ impl CollisionAvoidance {
         room: &mut CollisionWorkspace,
         from: &[f64],
         to: &[f64],
-    ) -> Reply<f64> {
+    ) -> Result<f64, QueryError> {
         room.take_way(arm, from, to)?;
         let way = self
             .cautious
@@ -152,7 +152,7 @@ impl CollisionAvoidance {
 }
 
 impl CollisionWorkspace {
-    fn take_way(&mut self, arm: &Arm, from: &[f64], to: &[f64]) -> Reply<()> {
+    fn take_way(&mut self, arm: &Arm, from: &[f64], to: &[f64]) -> Result<(), QueryError> {
         self.q_from.clone_from(&self.q_model);
         arm.configuration(from, &mut self.q_from)?;
         arm.configuration(to, &mut self.q_model)

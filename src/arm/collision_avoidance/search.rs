@@ -1,7 +1,7 @@
 //! Search for a collision-free solution.
 
 use super::{CollisionAvoidance, CollisionWorkspace};
-use crate::arm::Reply;
+use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::arm::dispatch::Query;
 use crate::arm::multi_solution::spent;
@@ -26,7 +26,7 @@ impl Arm {
         kept: &CollisionAvoidance,
         query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Reply<(SearchResult, Errors)> {
+    ) -> Result<(SearchResult, Errors), QueryError> {
         let plain = kept.with_time_to_check(query);
         let (mut found, mut errors) = self.answer_anywhere(&plain, solution)?;
         self.with_room(kept, |workspace, room| {
@@ -58,7 +58,7 @@ impl Arm {
         room: &mut CollisionWorkspace,
         query: &Query<'_>,
         found: &mut SearchResult,
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         workspace.aim(query.target);
         self.bound_moves(workspace, query.start);
         if kept.never_free {
@@ -114,7 +114,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         room: &mut CollisionWorkspace,
         query: &Query<'_>,
-    ) -> Reply<Option<usize>> {
+    ) -> Result<Option<usize>, QueryError> {
         workspace.found.clear();
         workspace.outcomes.clear();
         workspace.order.clear();
@@ -169,7 +169,7 @@ impl Arm {
         room: &mut CollisionWorkspace,
         query: &Query<'_>,
         (from, most): (usize, usize),
-    ) -> Reply<Option<usize>> {
+    ) -> Result<Option<usize>, QueryError> {
         let n = self.joint_count();
         let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
             return Ok(None);
@@ -243,7 +243,7 @@ impl Arm {
         room: &mut CollisionWorkspace,
         query: &Query<'_>,
         from: usize,
-    ) -> Reply<Option<usize>> {
+    ) -> Result<Option<usize>, QueryError> {
         let mut several = std::mem::take(&mut room.several);
         let mut first = None;
         for group in workspace.order[from..].chunks(CHECKED) {
@@ -285,7 +285,7 @@ impl Arm {
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-    ) -> Reply<bool> {
+    ) -> Result<bool, QueryError> {
         let Some(kept) = &self.collisions else {
             return Ok(true);
         };

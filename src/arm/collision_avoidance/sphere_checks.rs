@@ -1,7 +1,7 @@
 //! Collision checks of many configurations, eight per pass in SIMD lanes.
 
 use crate::arm::arm::Arm;
-use crate::arm::{PoseOutcome, QueryError, Reply};
+use crate::arm::{PoseOutcome, QueryError};
 use crate::collision::simd_spheres::CHECKED;
 
 impl Arm {
@@ -32,7 +32,7 @@ impl Arm {
         &self,
         q: &[f64],
         outcomes: &mut [PoseOutcome],
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         self.for_each_touching(q, true, |place| outcomes[place].reached = false)
     }
 
@@ -43,7 +43,7 @@ impl Arm {
         q: &[f64],
         by_shapes: bool,
         mut each: impl FnMut(usize),
-    ) -> Reply<()> {
+    ) -> Result<(), QueryError> {
         let Some(kept) = &self.collisions else {
             return Ok(());
         };

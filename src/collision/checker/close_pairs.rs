@@ -44,7 +44,7 @@ impl Checker {
     /// Finds the pairs whose covers overlap too often. There are none if the spheres are the shapes themselves.
     pub(super) fn with_close_pairs_found(mut self, spheres: &SphereModel) -> Self {
         let mut met = vec![0_u64; self.scene.pairs().len()];
-        let samples = match spheres.overhang() > 0.0 {
+        let samples = match spheres.max_protrusion() > 0.0 {
             true => SAMPLES,
             false => 0,
         };

@@ -42,7 +42,7 @@ use touches::Touches;
 /// - an attached obstacle and each part, except those that may hold it. Exempt are the parts of its body, the bodies
 ///   that it carries (a hand's fingers), and the body that carries it next to others (a finger's hand).
 ///
-/// [Allowed collisions](World::allow_touch) are excluded. A pair keeps the margin if its distance falls short by at
+/// [Allowed collisions](World::allow_collision) are excluded. A pair keeps the margin if its distance falls short by at
 /// most 1e-9 m, so that rounding does not decide about shapes that touch exactly.
 ///
 /// A checker is immutable. The copies that its methods return share unchanged data.

@@ -8,10 +8,10 @@ use roxmltree::{Document, Node};
 use super::dae_document::{Collada, children, named};
 use super::dae_nodes::Instances;
 use super::{CORNER_LIMIT, MeshFile, text};
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 use crate::spatial::Vector3;
 
-pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let text = text::of(bytes, file)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Document type declarations are rejected: their entities could expand to any amount of memory.
@@ -46,7 +46,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
 }
 
 impl<'a> Collada<'a> {
-    fn geometry(&self, geometry: Node<'a, 'a>) -> FromFile<MeshFile> {
+    fn geometry(&self, geometry: Node<'a, 'a>) -> Result<MeshFile, ReadError> {
         let mut mesh = MeshFile::default();
         // A spline has no triangles.
         let Some(part) = named(geometry, "mesh") else {
@@ -64,7 +64,12 @@ impl<'a> Collada<'a> {
         Ok(mesh)
     }
 
-    fn primitives(&self, node: Node<'a, 'a>, tag: &str, mesh: &mut MeshFile) -> FromFile<()> {
+    fn primitives(
+        &self,
+        node: Node<'a, 'a>,
+        tag: &str,
+        mesh: &mut MeshFile,
+    ) -> Result<(), ReadError> {
         let offset = |input: Node<'a, 'a>| {
             let offset = input.attribute("offset").unwrap_or("0");
             offset.parse::<usize>().ok().filter(|offset| *offset < 64)
@@ -125,7 +130,11 @@ impl<'a> Collada<'a> {
     }
 
     /// Appends the positions of a `<vertices>` element.
-    fn positions(&self, vertices: Node<'a, 'a>, points: &mut Vec<Vector3<f64>>) -> FromFile<()> {
+    fn positions(
+        &self,
+        vertices: Node<'a, 'a>,
+        points: &mut Vec<Vector3<f64>>,
+    ) -> Result<(), ReadError> {
         let position = |input: &Node<'a, 'a>| input.attribute("semantic") == Some("POSITION");
         let input = children(vertices, "input").find(position);
         let input = input.ok_or_else(|| self.fail(vertices, "has no POSITION"))?;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use roxmltree::{Document, Node};
 
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 
 /// A document with its file name for errors and its elements by id.
 pub(super) struct Collada<'a> {
@@ -35,7 +35,11 @@ impl<'a> Collada<'a> {
     }
 
     /// The element that an attribute `#id` refers to.
-    pub(super) fn referred(&self, node: Node<'a, 'a>, attribute: &str) -> FromFile<Node<'a, 'a>> {
+    pub(super) fn referred(
+        &self,
+        node: Node<'a, 'a>,
+        attribute: &str,
+    ) -> Result<Node<'a, 'a>, ReadError> {
         let reference = node.attribute(attribute).unwrap_or_default();
         let found = self.by_id.get(reference.trim_start_matches('#')).copied();
         found.ok_or_else(|| {
@@ -47,7 +51,10 @@ impl<'a> Collada<'a> {
     }
 
     /// The numbers in the text of an element.
-    pub(super) fn numbers<T: std::str::FromStr>(&self, node: Node<'a, 'a>) -> FromFile<Vec<T>> {
+    pub(super) fn numbers<T: std::str::FromStr>(
+        &self,
+        node: Node<'a, 'a>,
+    ) -> Result<Vec<T>, ReadError> {
         let words = node.text().unwrap_or_default().split_ascii_whitespace();
         let number = |word: &str| {
             let fault = |_| self.fail(node, format!("`{word}` is no number that may stand here"));

@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::dae_document::{Collada, children, named};
-use crate::file::FromFile;
+use crate::file::ReadError;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
@@ -53,7 +53,7 @@ pub(super) struct Instances<'c, 'a> {
 impl<'c, 'a> Instances<'c, 'a> {
     /// Instances of the displayed scene, or else of the first scene. Without scenes, all geometries without a
     /// transform.
-    pub(super) fn of(collada: &'c Collada<'a>) -> FromFile<Vec<(Node<'a, 'a>, Affine)>> {
+    pub(super) fn of(collada: &'c Collada<'a>) -> Result<Vec<(Node<'a, 'a>, Affine)>, ReadError> {
         let root = collada.root();
         let shown = named(root, "scene").and_then(|scene| named(scene, "instance_visual_scene"));
         let scene = match shown {
@@ -77,7 +77,12 @@ impl<'c, 'a> Instances<'c, 'a> {
         Ok(instances.found)
     }
 
-    fn of_node(&mut self, node: Node<'a, 'a>, above: &Affine, depth: usize) -> FromFile<()> {
+    fn of_node(
+        &mut self,
+        node: Node<'a, 'a>,
+        above: &Affine,
+        depth: usize,
+    ) -> Result<(), ReadError> {
         self.nodes += 1;
         if depth > DEPTH_LIMIT || self.nodes.max(self.found.len()) > COUNT_LIMIT {
             let problem = "more nodes within nodes than a mesh has";
@@ -112,7 +117,7 @@ impl<'c, 'a> Instances<'c, 'a> {
         Ok(())
     }
 
-    fn transform(&self, node: Node<'a, 'a>, tag: &str) -> FromFile<Option<Affine>> {
+    fn transform(&self, node: Node<'a, 'a>, tag: &str) -> Result<Option<Affine>, ReadError> {
         let needed = match tag {
             "matrix" => 16,
             "translate" | "scale" => 3,

@@ -14,7 +14,7 @@ mod text;
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::file::{FromFile, Place, ReadError, read_bytes};
+use crate::file::{Place, ReadError, read_bytes};
 use crate::spatial::Vector3;
 
 /// Largest file that is read, bytes.
@@ -101,7 +101,7 @@ impl MeshFile {
     }
 }
 
-fn ply(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
+fn ply(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let mesh = crate::io::ply::from_bytes(bytes, file)?;
     let point = |p: &glam::Vec3| Vector3::new(p.x.into(), p.y.into(), p.z.into());
     Ok(MeshFile {

@@ -1,10 +1,10 @@
 //! Wavefront OBJ reader: vertices (`v`) and polygons (`f`) of all objects and groups. Other statements are ignored.
 
 use super::{CORNER_LIMIT, MeshFile, text};
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 use crate::spatial::Vector3;
 
-pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     // Comments may have any encoding.
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = MeshFile::default();

@@ -1,12 +1,12 @@
 //! STL reader, binary and text. Vertices at the same position are merged; normals are ignored.
 
 use super::{MeshFile, Points, text};
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
 
-pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     // The length decides first, since many binary files begin with `solid` too.
     let announced = bytes.get(80..HEADER).map(|count| {
         let count = count
@@ -37,7 +37,7 @@ fn is_text(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0)
 }
 
-fn binary(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
+fn binary(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let count = bytes[80..HEADER].iter().rev();
     let count = count.fold(0_usize, |n, b| n << 8 | usize::from(*b));
     let mut points = Points::default();
@@ -65,7 +65,7 @@ fn binary(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     })
 }
 
-fn ascii(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
+fn ascii(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let mut points = Points::default();
     let mut triangles = Vec::new();
     let mut corners: Vec<u32> = Vec::new();

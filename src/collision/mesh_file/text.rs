@@ -1,9 +1,9 @@
 //! Text decoding and number parsing.
 
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 
 /// Decodes a file's bytes as UTF-8.
-pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> FromFile<&'a str> {
+pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, ReadError> {
     std::str::from_utf8(bytes).map_err(|error| {
         let at = Place::Byte(error.valid_up_to());
         ReadError::malformed(file, at, "is not UTF-8 text")

@@ -8,7 +8,7 @@ use crate::robot::Srdf;
 impl CollisionModel {
     /// The model with the collision pair of two links disabled, so that they may collide.
     ///
-    /// [`World::allow_touch`](crate::collision::World::allow_touch) allows the collision of a link and an obstacle.
+    /// [`World::allow_collision`](crate::collision::World::allow_collision) allows the collision of a link and an obstacle.
     ///
     /// # Errors
     /// Returns an error if a link has no shapes. The error lists the links with shapes.
@@ -69,7 +69,7 @@ impl CollisionModel {
     }
 
     fn pair(&self, a: FrameRef<'_>, b: FrameRef<'_>) -> Result<[FrameId; 2], UnknownName> {
-        let hint = "a world's `allow_touch` lets an obstacle be touched";
+        let hint = "a world's `allow_collision` lets an obstacle be touched";
         let link = |link| self.link(link).map_err(|unknown| unknown.with_note(hint));
         Ok(ordered([link(a)?, link(b)?]))
     }

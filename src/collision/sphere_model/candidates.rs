@@ -12,13 +12,13 @@ const TRIED: usize = 400;
 /// Bisection steps for the largest ball that touches the surface at a point.
 const HALVINGS: usize = 24;
 
-/// Balls that protrude at most `overhang` metres. Their centres are points of the medial axis (centres of the largest
+/// Balls that protrude at most `max_protrusion` metres. Their centres are points of the medial axis (centres of the largest
 /// inscribed balls that touch the surface) and other interior points.
 pub(super) fn candidates(
     solid: &Solid<'_>,
     surface: &[Cell],
     inner: &[Cell],
-    overhang: f64,
+    max_protrusion: f64,
 ) -> Vec<Ball> {
     let largest = solid.bounds().half_diagonal();
     let mut balls = Vec::new();
@@ -27,11 +27,11 @@ pub(super) fn candidates(
             return balls;
         }
         let centre = medial(solid, cell, largest).unwrap_or(cell.heart);
-        balls.push(grown(solid, centre, overhang));
+        balls.push(grown(solid, centre, max_protrusion));
     }
     let within = surface.iter().chain(inner).filter(|cell| cell.depth > 0.0);
     let within: Vec<Cell> = within.copied().collect();
-    balls.extend(spread(&within, TRIED / 4).map(|cell| grown(solid, cell.centre, overhang)));
+    balls.extend(spread(&within, TRIED / 4).map(|cell| grown(solid, cell.centre, max_protrusion)));
     balls
 }
 
@@ -40,9 +40,9 @@ fn spread(cells: &[Cell], count: usize) -> impl Iterator<Item = &Cell> {
     cells.iter().step_by(cells.len().div_ceil(count).max(1))
 }
 
-/// The largest ball about a point that protrudes at most `overhang` metres.
-pub(super) fn grown(solid: &Solid<'_>, centre: Vector3<f64>, overhang: f64) -> Ball {
-    let radius = (overhang - solid.signed_distance(centre)).max(0.0);
+/// The largest ball about a point that protrudes at most `max_protrusion` metres.
+pub(super) fn grown(solid: &Solid<'_>, centre: Vector3<f64>, max_protrusion: f64) -> Ball {
+    let radius = (max_protrusion - solid.signed_distance(centre)).max(0.0);
     Ball { centre, radius }
 }
 

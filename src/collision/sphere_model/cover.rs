@@ -22,7 +22,7 @@ pub(super) fn cover(
     surface: Vec<Cell>,
     inner: Vec<Cell>,
     candidates: &[Ball],
-    overhang: f64,
+    max_protrusion: f64,
 ) -> Cover {
     let mut chosen = greedy(&surface, candidates);
     for cell in &surface {
@@ -30,7 +30,7 @@ pub(super) fn cover(
             return Cover::default();
         }
         if !holds(&chosen, cell) {
-            chosen.push(grown(solid, cell.heart, overhang));
+            chosen.push(grown(solid, cell.heart, max_protrusion));
         }
     }
     let mut cells = surface;
@@ -42,10 +42,10 @@ pub(super) fn cover(
         // A large cell may be covered by several balls that each contain a part.
         if holds(&chosen, &cell) {
             cells.push(cell);
-        } else if cell.half > overhang / 4.0 {
+        } else if cell.half > max_protrusion / 4.0 {
             rest.extend(cell.split(solid));
         } else {
-            chosen.push(grown(solid, cell.centre, overhang));
+            chosen.push(grown(solid, cell.centre, max_protrusion));
             cells.push(cell);
         }
     }

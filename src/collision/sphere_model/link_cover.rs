@@ -20,9 +20,9 @@ pub(super) fn cover(
     fineness: Resolution,
 ) -> Result<Covered, BadOption> {
     match fineness {
-        Resolution::Overhang(overhang) => within(objects, overhang).ok_or(BadOption {
-            option: "overhang",
-            value: overhang,
+        Resolution::Overhang(max_protrusion) => within(objects, max_protrusion).ok_or(BadOption {
+            option: "max_protrusion",
+            value: max_protrusion,
             allowed: "a larger part of the links' size",
         }),
         Resolution::PerLink(count) => Ok(so_many(objects, count)),
@@ -50,8 +50,8 @@ fn so_many(objects: &[&CollisionObject], count: usize) -> Covered {
     best
 }
 
-/// Spheres that protrude at most `overhang` metres; `None` if that needs too many cells.
-fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
+/// Spheres that protrude at most `max_protrusion` metres; `None` if that needs too many cells.
+fn within(objects: &[&CollisionObject], max_protrusion: f64) -> Option<Covered> {
     let mut balls = Vec::new();
     let mut out: f64 = 0.0;
     let mut others = Vec::new();
@@ -67,7 +67,7 @@ fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
                 radius: cloud.radius(),
             })),
             ShapeKind::Capsule { radius, length } => {
-                let row = rows::row(*radius, *length, overhang, place);
+                let row = rows::row(*radius, *length, max_protrusion, place);
                 out = row
                     .iter()
                     .map(|ball| ball.radius - radius)
@@ -82,16 +82,16 @@ fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
         return Some((balls, out));
     }
     let free = |cell: &Cell| !cover::holds(&balls, cell);
-    let (mut surface, mut inner) = cells(&solid, overhang / FINER)?;
+    let (mut surface, mut inner) = cells(&solid, max_protrusion / FINER)?;
     surface.retain(free);
     inner.retain(free);
-    let candidates = candidates::candidates(&solid, &surface, &inner, overhang);
-    let covered = cover::cover(&solid, surface, inner, &candidates, overhang);
+    let candidates = candidates::candidates(&solid, &surface, &inner, max_protrusion);
+    let covered = cover::cover(&solid, surface, inner, &candidates, max_protrusion);
     for (ball, cells) in covered.balls.into_iter().zip(&covered.cells) {
         if is_stopped() {
             return None;
         }
-        let (ball, sticks) = shrink::shrunk(&solid, ball, cells, overhang);
+        let (ball, sticks) = shrink::shrunk(&solid, ball, cells, max_protrusion);
         out = out.max(sticks);
         balls.push(ball);
     }

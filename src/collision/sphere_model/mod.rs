@@ -29,7 +29,7 @@ type NamedSpheres = Vec<(String, Vec<Ball>)>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Resolution {
-    /// Largest allowed [protrusion](SphereModel::overhang), metres. The number of spheres is reduced as far as the
+    /// Largest allowed [protrusion](SphereModel::max_protrusion), metres. The number of spheres is reduced as far as the
     /// search can.
     Overhang(f64),
     /// Largest number of spheres a link. The protrusion is reduced as far as the search can.
@@ -38,7 +38,7 @@ pub enum Resolution {
 
 /// Spheres that together cover every shape of a [`CollisionModel`] including its inside, by link.
 ///
-/// If no sphere is in contact, no shape is. A sphere is in contact at most [`overhang`](Self::overhang) metres before
+/// If no sphere is in contact, no shape is. A sphere is in contact at most [`max_protrusion`](Self::max_protrusion) metres before
 /// its shape. Models that are [read](Self::read) from a file may leave [gaps](SphereGroup::gap).
 ///
 /// ```
@@ -48,7 +48,7 @@ pub enum Resolution {
 /// let robot = Robot::read("models/universal_ur5e.urdf")?;
 /// let model = CollisionModel::of(&robot)?;
 /// let spheres = SphereModel::of(&model, Resolution::Overhang(0.02))?;
-/// assert!(spheres.overhang() <= 0.02);
+/// assert!(spheres.max_protrusion() <= 0.02);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +60,7 @@ pub enum Resolution {
 pub struct SphereModel {
     groups: Vec<SphereGroup>,
     pairs: Vec<[usize; 2]>,
-    overhang: f64,
+    max_protrusion: f64,
     notes: Vec<String>,
 }
 
@@ -109,19 +109,19 @@ impl SphereModel {
     /// is so small that a link would need millions of cells.
     pub fn of(model: &CollisionModel, fineness: Resolution) -> Result<Self, BadOption> {
         let value = match fineness {
-            Resolution::Overhang(overhang) => overhang,
+            Resolution::Overhang(max_protrusion) => max_protrusion,
             Resolution::PerLink(count) => count as f64,
         };
         BadOption::check(fineness.name(), value, POSITIVE)?;
         let mut groups = Vec::with_capacity(model.links().len());
-        let mut overhang: f64 = 0.0;
+        let mut max_protrusion: f64 = 0.0;
         for &link in model.links() {
             let objects: Vec<_> = model.objects_of(link).collect();
             let (spheres, out) = link_cover::cover(&objects, fineness)?;
-            overhang = overhang.max(out);
+            max_protrusion = max_protrusion.max(out);
             groups.push(SphereGroup::new(link, model.name_of(link), spheres));
         }
-        Ok(Self::assemble(model, groups, overhang))
+        Ok(Self::assemble(model, groups, max_protrusion))
     }
 
     /// The spheres of a model whose shapes are all spheres; `None` if any shape is not a sphere.
@@ -144,7 +144,7 @@ impl SphereModel {
         Some(Self::assemble(model, groups, 0.0))
     }
 
-    fn assemble(model: &CollisionModel, groups: Vec<SphereGroup>, overhang: f64) -> Self {
+    fn assemble(model: &CollisionModel, groups: Vec<SphereGroup>, max_protrusion: f64) -> Self {
         let at = |link| groups.iter().position(|group| group.link == link);
         let pairs = model
             .pairs()
@@ -153,7 +153,7 @@ impl SphereModel {
         Self {
             pairs: pairs.collect(),
             groups,
-            overhang,
+            max_protrusion,
             notes: Vec::new(),
         }
     }
@@ -168,7 +168,7 @@ impl SphereModel {
             }
             most = most.max(gap);
         }
-        self.overhang += most;
+        self.max_protrusion += most;
         self
     }
 
@@ -178,7 +178,7 @@ impl SphereModel {
         /// Enabled collision pairs, as indices into [`groups`](Self::groups).
         pub fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
         /// Maximum protrusion of a sphere from the shapes of its link, metres.
-        pub fn overhang(&self) -> f64 = self.overhang;
+        pub fn max_protrusion(&self) -> f64 = self.max_protrusion;
         /// Maximum [gap](SphereGroup::gap) of all links, metres; 0 if the spheres cover all shapes.
         pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |most, group| group.gap.max(most));
         /// Messages about parts of the file that were left out.
@@ -191,7 +191,7 @@ impl SphereModel {
 impl Resolution {
     fn name(self) -> &'static str {
         match self {
-            Self::Overhang(_) => "overhang",
+            Self::Overhang(_) => "max_protrusion",
             Self::PerLink(_) => "spheres per link",
         }
     }

@@ -69,7 +69,7 @@ impl SphereModel {
             }
         }
         let mut groups = Vec::new();
-        let mut overhang: f64 = 0.0;
+        let mut max_protrusion: f64 = 0.0;
         for (name, spheres) in named {
             if spheres.is_empty() {
                 continue;
@@ -84,7 +84,7 @@ impl SphereModel {
                 let out = spheres
                     .iter()
                     .map(|s| s.radius + solid.signed_distance(s.centre));
-                overhang = out.fold(overhang, f64::max);
+                max_protrusion = out.fold(max_protrusion, f64::max);
             }
             groups.push(SphereGroup::new(link, &name, spheres).with_gap(uncovered));
         }
@@ -96,7 +96,7 @@ impl SphereModel {
         Ok(Self {
             pairs: pairs(model, &groups),
             groups,
-            overhang,
+            max_protrusion,
             notes,
         })
     }

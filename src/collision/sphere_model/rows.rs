@@ -7,7 +7,7 @@ use crate::spatial::{Placement, Vector3};
 /// Relative rounding of a length.
 const ROUNDING: f64 = 1e-12;
 
-/// Covers a capsule by spheres on its axis: the fewest that protrude at most `overhang` metres, with the smallest
+/// Covers a capsule by spheres on its axis: the fewest that protrude at most `max_protrusion` metres, with the smallest
 /// radius.
 ///
 /// n spheres, inset by e from both ends of a segment of length ℓ, are g = (ℓ − 2e) / (n − 1) apart. They cover the
@@ -16,12 +16,12 @@ const ROUNDING: f64 = 1e-12;
 pub(super) fn row(
     radius: f64,
     length: f64,
-    overhang: f64,
+    max_protrusion: f64,
     link_from_shape: &Placement<f64>,
 ) -> Vec<Ball> {
-    let grown = radius + overhang;
+    let grown = radius + max_protrusion;
     let apart = 2.0 * (grown * grown - radius * radius).max(0.0).sqrt();
-    let between = ((length - 2.0 * overhang).max(0.0) / apart).ceil();
+    let between = ((length - 2.0 * max_protrusion).max(0.0) / apart).ceil();
     // Limits the number of spheres of an extremely long capsule.
     let between = if between < 1e6 { between } else { 1e6 };
     let (inset, needed) = evened(radius, length, between);

@@ -13,7 +13,7 @@ use crate::spatial::Vector3;
 pub(super) struct Parts {
     groups: Vec<Group>,
     pairs: Vec<[usize; 2]>,
-    overhang: f64,
+    max_protrusion: f64,
     #[serde(default)]
     notes: Vec<String>,
 }
@@ -40,7 +40,7 @@ impl From<SphereModel> for Parts {
         Self {
             groups: own.groups.into_iter().map(group).collect(),
             pairs: own.pairs,
-            overhang: own.overhang,
+            max_protrusion: own.max_protrusion,
             notes: own.notes,
         }
     }
@@ -50,7 +50,7 @@ impl TryFrom<Parts> for SphereModel {
     type Error = BadOption;
 
     fn try_from(parts: Parts) -> Result<Self, BadOption> {
-        BadOption::check("overhang", parts.overhang, NOT_NEGATIVE)?;
+        BadOption::check("max_protrusion", parts.max_protrusion, NOT_NEGATIVE)?;
         let ball = |[x, y, z, radius]: [f64; 4]| {
             BadOption::check("radius of a sphere", radius, POSITIVE)?;
             let centre = Vector3::new(x, y, z);
@@ -73,7 +73,7 @@ impl TryFrom<Parts> for SphereModel {
         Ok(Self {
             groups,
             pairs: parts.pairs,
-            overhang: parts.overhang,
+            max_protrusion: parts.max_protrusion,
             notes: parts.notes,
         })
     }

@@ -17,14 +17,19 @@ const ROUNDS: u32 = 12;
 const ROUNDING: f64 = 1e-12;
 
 /// The ball that contains its cells, and its protrusion from the solid, metres.
-pub(super) fn shrunk(solid: &Solid<'_>, ball: Ball, cells: &[Cell], overhang: f64) -> (Ball, f64) {
+pub(super) fn shrunk(
+    solid: &Solid<'_>,
+    ball: Ball,
+    cells: &[Cell],
+    max_protrusion: f64,
+) -> (Ball, f64) {
     let needed = |centre: Vector3<f64>| {
         let needs = cells.iter().map(|cell| cell.needs(centre));
         needs.fold(0.0, f64::max)
     };
     let out = |centre: Vector3<f64>| needed(centre) + solid.signed_distance(centre);
     let (mut centre, mut least) = (ball.centre, out(ball.centre));
-    let mut step = overhang / 2.0;
+    let mut step = max_protrusion / 2.0;
     for _ in 0..ROUNDS {
         if is_stopped() {
             break;

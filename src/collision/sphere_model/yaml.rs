@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 use super::{NamedSpheres, SphereModel};
 use crate::collision::Ball;
-use crate::file::{FromFile, Place, ReadError};
+use crate::file::{Place, ReadError};
 use crate::plural::counted;
 use crate::spatial::Vector3;
 use crate::yaml::{self, Node, Value};
@@ -43,7 +43,11 @@ fn quoted(name: &str) -> String {
 /// `robot_cfg: kinematics:`.
 ///
 /// Spheres of radius 0 or less are left out, with a note.
-pub(super) fn parse(text: &str, file: &str, notes: &mut Vec<String>) -> FromFile<NamedSpheres> {
+pub(super) fn parse(
+    text: &str,
+    file: &str,
+    notes: &mut Vec<String>,
+) -> Result<NamedSpheres, ReadError> {
     let root = yaml::parse(text, file)?;
     let fail = |node: &Node<'_>, problem: &str| {
         ReadError::malformed(file, Place::Line(node.line), problem)

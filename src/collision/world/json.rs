@@ -11,7 +11,7 @@ use super::pose::Pose;
 use super::{Obstacle, World, WorldError};
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::shape::{Shape, ShapeError, ShapeKind};
-use crate::file::{FromFile, Place, ReadError, ReadProblem};
+use crate::file::{Place, ReadError, ReadProblem};
 use crate::file_access::AllowedFiles;
 use crate::spatial::Vector3;
 
@@ -33,7 +33,7 @@ macro_rules! kinds {
                 #[serde(default, skip_serializing_if = "Option::is_none")]
                 attached: Option<String>,
                 #[serde(default, skip_serializing_if = "Vec::is_empty")]
-                may_touch: Vec<String>,
+                allow_collision: Vec<String>,
             }
         )*
 
@@ -43,13 +43,13 @@ macro_rules! kinds {
             $(#[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "objects")] $list: Vec<$kind>,)*
             #[serde(skip_serializing_if = "Vec::is_empty")]
             order: Vec<String>,
-            /// Names in `may_touch` that need not exist.
+            /// Names in `allow_collision` that need not exist.
             #[serde(skip_serializing_if = "BTreeSet::is_empty")]
             may_be_missing: BTreeSet<String>,
         }
 
         /// Reads all obstacles of a file, kind by kind.
-        fn read_all(contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
+        fn read_all(contents: Contents, reader: &Reader<'_>) -> Result<World, ReadError> {
             let mut world = World::new();
             world.may_be_missing = contents.may_be_missing;
             $(for (index, entry) in contents.$list.into_iter().enumerate() {
@@ -70,7 +70,7 @@ macro_rules! kinds {
                     None => Ok(()),
                 });
                 let touches = attached.and_then(|()| {
-                    entry.may_touch.iter().try_for_each(|with| world.allow_touch(&entry.name, with))
+                    entry.allow_collision.iter().try_for_each(|with| world.allow_collision(&entry.name, with))
                 });
                 touches.map_err(|error| reader.invalid(place(), error))?;
             })*
@@ -221,13 +221,17 @@ impl Mesh {
 }
 
 /// Parses a world from JSON.
-pub(super) fn parse(bytes: &[u8], file: &str, allowed: Option<&AllowedFiles>) -> FromFile<World> {
+pub(super) fn parse(
+    bytes: &[u8],
+    file: &str,
+    allowed: Option<&AllowedFiles>,
+) -> Result<World, ReadError> {
     let Object(contents) = crate::io::json::parse(bytes, file)?;
     read(contents, &Reader { file, allowed })
 }
 
 /// Builds a world from the contents of a file.
-fn read(mut contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
+fn read(mut contents: Contents, reader: &Reader<'_>) -> Result<World, ReadError> {
     let order = std::mem::take(&mut contents.order);
     let mut world = read_all(contents, reader)?;
     if order.is_empty() {
@@ -300,7 +304,7 @@ fn push(contents: &mut Contents, obstacle: &Obstacle) {
                 quaternion,
                 rotation,
                 attached: obstacle.attached.clone(),
-                may_touch: obstacle.may_touch.clone(),
+                allow_collision: obstacle.allow_collision.clone(),
             });
         }};
     }

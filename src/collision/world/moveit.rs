@@ -3,7 +3,7 @@
 //! The reader takes the collision objects of `world` and the attached objects of `robot_state`.
 
 use crate::collision::shape::{Shape, ShapeError};
-use crate::file::{FromFile, Place, ReadError, ReadProblem};
+use crate::file::{Place, ReadError, ReadProblem};
 use crate::spatial::{Placement, Quaternion, Vector3};
 use crate::yaml::{self, Node, Value};
 
@@ -21,7 +21,7 @@ pub(super) struct Scene<'f> {
 }
 
 /// Parses the obstacles of a scene. The primitives of an object with several are the obstacles `name/0`, `name/1`, ….
-pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
     })?;
@@ -79,23 +79,27 @@ impl Scene<'_> {
         ReadError::new(self.file, Place::Line(at.line), ReadProblem::invalid(error))
     }
 
-    fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> FromFile<&'n Node<'t>> {
+    fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> Result<&'n Node<'t>, ReadError> {
         node.get(key)
             .ok_or_else(|| self.fail(node, &format!("has no `{key}`")))
     }
 
-    pub(super) fn list<'n, 't>(&self, node: &'n Node<'t>, what: &str) -> FromFile<&'n [Node<'t>]> {
+    pub(super) fn list<'n, 't>(
+        &self,
+        node: &'n Node<'t>,
+        what: &str,
+    ) -> Result<&'n [Node<'t>], ReadError> {
         node.list()
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a list")))
     }
 
-    pub(super) fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> FromFile<&'n str> {
+    pub(super) fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> Result<&'n str, ReadError> {
         node.text()
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a text")))
     }
 
     /// Numbers of a list, or of a map with these keys.
-    fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> FromFile<Vec<f64>> {
+    fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> Result<Vec<f64>, ReadError> {
         let nodes: Vec<&Node<'_>> = match (&node.value, keys) {
             (Value::Map(_), [_, ..]) => {
                 let under = keys.iter().map(|key| self.named(node, key));
@@ -120,7 +124,7 @@ impl Scene<'_> {
     }
 
     /// Frames of the scene: its planning frame, and frames with a known transform to it.
-    fn frames(&self, root: &Node<'_>) -> FromFile<Frames> {
+    fn frames(&self, root: &Node<'_>) -> Result<Frames, ReadError> {
         let mut frames = Frames::of_state(root);
         if let Some(given) = root.get("fixed_frame_transforms") {
             for given in self.list(given, "fixed_frame_transforms")? {
@@ -138,7 +142,7 @@ impl Scene<'_> {
         object: &Node<'_>,
         name: &str,
         link: Option<&str>,
-    ) -> FromFile<Placement<f64>> {
+    ) -> Result<Placement<f64>, ReadError> {
         let Some(frame) = frame_of(object) else {
             return Ok(Placement::identity());
         };
@@ -155,7 +159,7 @@ impl Scene<'_> {
     }
 
     /// Rejects octomaps with cells, since their obstacles would be missing.
-    fn no_octomap(&self, world: &Node<'_>) -> FromFile<()> {
+    fn no_octomap(&self, world: &Node<'_>) -> Result<(), ReadError> {
         let map = world.get("octomap").and_then(|map| map.get("octomap"));
         let Some(data) = map.and_then(|map| map.get("data")) else {
             return Ok(());
@@ -166,7 +170,7 @@ impl Scene<'_> {
         }
     }
 
-    fn pose(&self, node: &Node<'_>) -> FromFile<Placement<f64>> {
+    fn pose(&self, node: &Node<'_>) -> Result<Placement<f64>, ReadError> {
         self.placed(node, ["position", "orientation"])
     }
 
@@ -175,7 +179,7 @@ impl Scene<'_> {
         &self,
         node: &Node<'_>,
         [translation, rotation]: [&str; 2],
-    ) -> FromFile<Placement<f64>> {
+    ) -> Result<Placement<f64>, ReadError> {
         let mut pose = Placement::identity();
         if let Some(position) = node.get(translation) {
             let numbers = self.numbers(position, translation, &["x", "y", "z"])?;
@@ -195,7 +199,7 @@ impl Scene<'_> {
         Ok(pose)
     }
 
-    fn object(&mut self, object: &Node<'_>, link: Option<&str>) -> FromFile<()> {
+    fn object(&mut self, object: &Node<'_>, link: Option<&str>) -> Result<(), ReadError> {
         let name = self.text(self.named(object, "id")?, "id")?;
         let pose = object.get("pose").map(|pose| self.pose(pose));
         let pose = pose.transpose()?.unwrap_or_else(Placement::identity);
@@ -239,7 +243,7 @@ impl Scene<'_> {
         Ok(())
     }
 
-    fn shape(&self, primitive: &Node<'_>) -> FromFile<Shape> {
+    fn shape(&self, primitive: &Node<'_>) -> Result<Shape, ReadError> {
         let kind = self.named(primitive, "type")?;
         let measures = self.named(primitive, "dimensions")?;
         let numbers = self.numbers(measures, "dimensions", &[])?;

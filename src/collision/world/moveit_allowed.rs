@@ -4,14 +4,14 @@
 use std::collections::BTreeSet;
 
 use super::moveit::Scene;
-use crate::file::FromFile;
+use crate::file::ReadError;
 use crate::yaml::Node;
 
 const MATRIX: &str = "allowed_collision_matrix";
 
 impl Scene<'_> {
     /// Applies the allowed pairs of the matrix.
-    pub(super) fn allowed(&mut self, matrix: &Node<'_>) -> FromFile<()> {
+    pub(super) fn allowed(&mut self, matrix: &Node<'_>) -> Result<(), ReadError> {
         let none = [];
         let part = |key: &str| matrix.get(key).map(|node| self.list(node, key)).transpose();
         let names = part("entry_names")?.unwrap_or(&none);
@@ -71,7 +71,12 @@ impl Scene<'_> {
     /// Allows the collision of all obstacles of an object with a link, or with those of another object.
     ///
     /// Returns true if one of the names is an object.
-    pub(super) fn allow(&mut self, at: &Node<'_>, one: &str, other: &str) -> FromFile<bool> {
+    pub(super) fn allow(
+        &mut self,
+        at: &Node<'_>,
+        one: &str,
+        other: &str,
+    ) -> Result<bool, ReadError> {
         let of = |id: &str| {
             let known = self.objects.iter().find(|(own, _)| own == id);
             known.map(|(_, obstacles)| obstacles.clone())
@@ -86,7 +91,7 @@ impl Scene<'_> {
             self.world.may_be_missing.extend(names);
             for a in &first {
                 for b in &second {
-                    let allowed = self.world.allow_touch(a, b);
+                    let allowed = self.world.allow_collision(a, b);
                     allowed.map_err(|error| self.invalid(at, error))?;
                 }
             }

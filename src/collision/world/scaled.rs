@@ -35,7 +35,7 @@ impl World {
             let placement = rigid(&obstacle.name, placement)?;
             let attached = obstacle.attached.clone();
             let mut own = Obstacle::new(&obstacle.name, shape, placement, attached);
-            own.may_touch.clone_from(&obstacle.may_touch);
+            own.allow_collision.clone_from(&obstacle.allow_collision);
             scaled.push(Arc::new(own));
         }
         Ok(scaled)

@@ -19,7 +19,7 @@ impl World {
     /// let robot = Robot::read("models/franka_panda.urdf")?;
     /// let mut world = World::new();
     /// world.add_plane("floor", Placement::translation(Vector3::new(0.0, 0.0, 0.02)))?;
-    /// world.allow_touch("floor", "base")?;
+    /// world.allow_collision("floor", "base")?;
     /// let checker = Checker::of(&robot)?.with_world(&world)?;
     /// assert!(checker.collisions(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8, 0.0, 0.0])?.is_empty());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -27,7 +27,7 @@ impl World {
     ///
     /// # Errors
     /// Returns an error if a name is blank, or if neither name is an obstacle. The error lists the names of obstacles.
-    pub fn allow_touch(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
+    pub fn allow_collision(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
         if self.find(one).or(self.find(other)).is_none() {
             return Err(self.no_obstacle(one, other));
         }
@@ -35,9 +35,9 @@ impl World {
             return Err(WorldError::Unnamed((*name).to_owned()));
         }
         for (own, with) in [(one, other), (other, one)] {
-            let lacks = |own: &Obstacle| own.may_touch.iter().all(|name| name != with);
+            let lacks = |own: &Obstacle| own.allow_collision.iter().all(|name| name != with);
             if self.obstacle(own).is_ok_and(lacks) {
-                self.edit(own, |own| own.may_touch.push(with.to_owned()))?;
+                self.edit(own, |own| own.allow_collision.push(with.to_owned()))?;
             }
         }
         Ok(())
@@ -51,14 +51,14 @@ impl World {
         if self.find(one).or(self.find(other)).is_none() {
             return Err(self.no_obstacle(one, other));
         }
-        if !self.may_touch(one, other) {
+        if !self.allow_collision(one, other) {
             let names = [one, other].map(str::to_owned);
             return Err(WorldError::KeptApart(names));
         }
         for (own, with) in [(one, other), (other, one)] {
             if self.find(own).is_some() {
                 self.edit(own, |obstacle| {
-                    obstacle.may_touch.retain(|name| name != with)
+                    obstacle.allow_collision.retain(|name| name != with)
                 })?;
             }
         }
@@ -67,10 +67,10 @@ impl World {
 
     /// True if the collision of two bodies is allowed, in either order.
     #[must_use]
-    pub fn may_touch(&self, one: &str, other: &str) -> bool {
+    pub fn allow_collision(&self, one: &str, other: &str) -> bool {
         [(one, other), (other, one)].iter().any(|(own, with)| {
             let own = self.obstacle(own);
-            own.is_ok_and(|own| own.may_touch.iter().any(|name| name == with))
+            own.is_ok_and(|own| own.allow_collision.iter().any(|name| name == with))
         })
     }
 
@@ -90,12 +90,12 @@ impl World {
         self.touching.retain(|other| *other != number);
         let of_it = self
             .touching()
-            .filter(|(_, other)| other.may_touch.iter().any(|n| n == name));
+            .filter(|(_, other)| other.allow_collision.iter().any(|n| n == name));
         let of_it: Vec<String> = of_it.map(|(_, other)| other.name.clone()).collect();
         for other in of_it {
             // The obstacle was found above.
             let _ = self.edit(&other, |other| {
-                other.may_touch.retain(|known| known != name)
+                other.allow_collision.retain(|known| known != name)
             });
         }
     }

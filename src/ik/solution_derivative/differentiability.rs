@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub enum Existence {
+pub enum Differentiability {
     /// The solution is locally a smooth function of the parameters, and the derivative is exact.
     Unique,
     /// Other configurations also solve the problem, so the solution is not a function of the parameters.
@@ -19,7 +19,7 @@ pub enum Existence {
     DoesNotExist(NoDerivative),
 }
 
-impl Existence {
+impl Differentiability {
     /// Returns whether the solution is differentiable.
     #[must_use]
     pub fn is_unique(&self) -> bool {
@@ -42,7 +42,7 @@ impl Existence {
     }
 }
 
-impl std::fmt::Display for Existence {
+impl std::fmt::Display for Differentiability {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Unique => f.write_str("the solution is differentiable"),

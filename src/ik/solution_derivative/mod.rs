@@ -20,7 +20,7 @@ use super::SolveError;
 use crate::model::Model;
 use crate::problem::{ParameterScratch, ParameterVector, ProblemInstance, Scratch};
 use crate::search::check_start;
-pub use differentiability::{Existence, NoDerivative};
+pub use differentiability::{Differentiability, NoDerivative};
 
 /// Derivative of a solution by the targets, weights, postures and link lengths of its problem.
 ///
@@ -49,7 +49,7 @@ pub use differentiability::{Existence, NoDerivative};
 ///
 /// let mut workspace = DerivativeWorkspace::default();
 /// let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace)?;
-/// assert!(derivative.existence().is_unique());
+/// assert!(derivative.differentiability().is_unique());
 /// // The target moves along y at 1 m/s.
 /// let mut rates = ParameterVector::new(&problem);
 /// rates.target_mut(hand.index())[1] = 1.0;
@@ -64,7 +64,7 @@ pub struct SolutionDerivative<'a> {
     question: ProblemInstance<'a>,
     model: Option<&'a Model>,
     memory: &'a mut DerivativeWorkspace,
-    existence: Existence,
+    differentiability: Differentiability,
 }
 
 /// Scratch memory of [`SolutionDerivative`]. Reuse it for the same problem to allocate little.
@@ -74,7 +74,7 @@ pub struct SolutionDerivative<'a> {
 pub struct DerivativeWorkspace {
     scratch: Option<Scratch>,
     parts: Parts,
-    existence: Option<Existence>,
+    differentiability: Option<Differentiability>,
 }
 
 /// All of the workspace but the evaluation memory.
@@ -116,26 +116,26 @@ impl<'a> SolutionDerivative<'a> {
         let DerivativeWorkspace {
             scratch,
             parts,
-            existence: kept,
+            differentiability: kept,
         } = &mut *memory;
         let fits = |scratch: &&mut Scratch| scratch.fits(question.problem());
         if scratch.as_mut().filter(fits).is_none() {
             *scratch = Some(question.scratch());
             parts.gradient = ParameterVector::new(question.problem());
         }
-        let existence = match scratch {
+        let differentiability = match scratch {
             Some(scratch) => {
                 scratch.forget();
                 parts.settle(&mut Evaluator { question, scratch }, q)
             }
-            None => Existence::DoesNotExist(NoDerivative::NotFinite),
+            None => Differentiability::DoesNotExist(NoDerivative::NotFinite),
         };
         *kept = Some(existence.clone());
         Ok(Self {
             question,
             model: None,
             memory,
-            existence,
+            differentiability,
         })
     }
 
@@ -149,12 +149,12 @@ impl<'a> SolutionDerivative<'a> {
     ) -> Option<Self> {
         let question = question.into();
         let fits = |scratch: &Scratch| scratch.fits(question.problem());
-        let existence = memory.existence.clone()?;
+        let differentiability = memory.differentiability.clone()?;
         memory.scratch.as_ref().is_some_and(fits).then_some(Self {
             question,
             model: None,
             memory,
-            existence,
+            differentiability,
         })
     }
 
@@ -176,7 +176,7 @@ impl<'a> SolutionDerivative<'a> {
 
     getters! {
         /// Differentiability of the solution. Check it before using any product.
-        pub fn existence(&self) -> &Existence = &self.existence;
+        pub fn differentiability(&self) -> &Differentiability = &self.differentiability;
     }
 
     /// Number of elements of a velocity.
@@ -218,37 +218,39 @@ impl<'a> SolutionDerivative<'a> {
 
 impl Parts {
     /// Evaluates a solution and factors its system.
-    fn settle(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Existence {
+    fn settle(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Differentiability {
         let question = evaluator.question;
         let Self { place, system, .. } = self;
         place.go(evaluator, q);
         if !place.is_finite() {
-            return Existence::DoesNotExist(NoDerivative::NotFinite);
+            return Differentiability::DoesNotExist(NoDerivative::NotFinite);
         }
         let limits = system.take_limits(question, place);
         let lost = system.lost_ranks(evaluator, place);
         let flat = system.take_hessian(evaluator, place);
         let left = self.distance_left();
         if left > NEAR {
-            return Existence::DoesNotExist(NoDerivative::NotStationary { distance: left });
+            return Differentiability::DoesNotExist(NoDerivative::NotStationary { distance: left });
         }
         if lost > 0 {
-            return Existence::DoesNotExist(NoDerivative::Singular { directions: lost });
+            return Differentiability::DoesNotExist(NoDerivative::Singular { directions: lost });
         }
         if let Some(weak) = limits.weak {
-            return Existence::DoesNotExist(weak);
+            return Differentiability::DoesNotExist(weak);
         }
         if let Some(task) = self.task_at_kink(evaluator) {
-            return Existence::DoesNotExist(NoDerivative::AtKink { task });
+            return Differentiability::DoesNotExist(NoDerivative::AtKink { task });
         }
         let directions = match self.place.roles.pulled.is_empty() {
             true => limits.undecided,
             false => flat,
         };
         match self.flatness(evaluator, flat) {
-            Flat::Singular => Existence::DoesNotExist(NoDerivative::Singular { directions }),
-            Flat::Undecided if directions > 0 => Existence::ShortestOfMany { directions },
-            Flat::Undecided => Existence::Unique,
+            Flat::Singular => {
+                Differentiability::DoesNotExist(NoDerivative::Singular { directions })
+            }
+            Flat::Undecided if directions > 0 => Differentiability::ShortestOfMany { directions },
+            Flat::Undecided => Differentiability::Unique,
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::turn_about_exactly;
 use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
-use crate::io::{FromFile, ReadError};
+use crate::io::ReadError;
 
 /// Puts the two parts of a file together.
 pub(super) fn capture(
@@ -21,7 +21,7 @@ pub(super) fn capture(
     joints: Vec<Joint>,
     motion: Motion,
     notes: Vec<BvhNote>,
-) -> FromFile<MotionCapture> {
+) -> Result<MotionCapture, ReadError> {
     let bones = joints.iter().map(|joint| ArmatureBone {
         name: joint.name.clone(),
         parent: joint.parent,

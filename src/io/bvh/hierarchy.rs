@@ -6,7 +6,7 @@ use super::LONGEST;
 use super::channel::{self, BvhChannel};
 use super::lexer::{Lexer, Word};
 use super::note::BvhNote;
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 /// A joint or an End Site, in the order of the file: parents before children.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ struct Open {
 }
 
 /// Reads up to and with the word `MOTION`; with notes about joints that were renamed.
-pub(super) fn read(lexer: &mut Lexer) -> FromFile<(Vec<Joint>, Vec<BvhNote>)> {
+pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), ReadError> {
     lexer.expect("HIERARCHY")?;
     let mut reader = Reader::default();
     loop {
@@ -97,7 +97,7 @@ struct Reader {
 
 impl Reader {
     /// `ROOT name {` or `JOINT name {`, whose first word was read.
-    fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> FromFile<()> {
+    fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
         let Some(name) = lexer.name() else {
             let problem = format!("expected a name after `{}`", keyword.text);
             return Err(lexer.error(keyword.line, problem));
@@ -106,7 +106,7 @@ impl Reader {
     }
 
     /// `End Site {`, whose first word was read.
-    fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> FromFile<()> {
+    fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
         lexer.expect("Site")?;
         let number = self.open.last().map(|open| open.end_sites);
         self.enter(lexer, keyword, String::new(), number)
@@ -118,7 +118,7 @@ impl Reader {
         keyword: Word,
         name: String,
         end_site: Option<usize>,
-    ) -> FromFile<()> {
+    ) -> Result<(), ReadError> {
         lexer.expect("{")?;
         let parent = self.open.last().map(|open| open.joint);
         self.open.push(Open {
@@ -185,7 +185,7 @@ pub(super) fn end_site_name(joint: &str, number: usize) -> String {
 
 /// Checks that a line stands once in its block, and before what hangs on the joint: the order of the
 /// channels is that of the joints.
-fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> FromFile<()> {
+fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> Result<(), ReadError> {
     let problem = match (is_second, open.joints + open.end_sites) {
         (false, 0) => return Ok(()),
         (true, _) => format!("a second `{}` of one joint", word.text),
@@ -194,7 +194,7 @@ fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> FromFile<()>
     Err(lexer.error(word.line, problem))
 }
 
-fn offset(lexer: &mut Lexer, joint: &str) -> FromFile<[f64; 3]> {
+fn offset(lexer: &mut Lexer, joint: &str) -> Result<[f64; 3], ReadError> {
     let mut offset = [0.0; 3];
     for (number, axis) in offset.iter_mut().zip(["x", "y", "z"]) {
         *number = lexer.number(|| format!("{axis} of the OFFSET of `{joint}`"))?;
@@ -206,7 +206,7 @@ fn offset(lexer: &mut Lexer, joint: &str) -> FromFile<[f64; 3]> {
     Ok(offset)
 }
 
-fn channels(lexer: &mut Lexer, joint: &str) -> FromFile<Vec<BvhChannel>> {
+fn channels(lexer: &mut Lexer, joint: &str) -> Result<Vec<BvhChannel>, ReadError> {
     let number = lexer.count("the number of CHANNELS")?;
     if number > 6 {
         let problem = format!("a joint has at most 6 CHANNELS, not {number}");

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::note::BvhNote;
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// A word longer than this is cut in messages.
 const SHOWN: usize = 40;
@@ -84,14 +84,14 @@ impl<'a> Lexer<'a> {
     }
 
     /// One given word.
-    pub(super) fn expect(&mut self, keyword: &str) -> FromFile<Word<'a>> {
+    pub(super) fn expect(&mut self, keyword: &str) -> Result<Word<'a>, ReadError> {
         let word = self.word();
         word.filter(|word| word.is(keyword))
             .ok_or_else(|| self.unexpected(&format!("`{keyword}`"), word))
     }
 
     /// Words with a colon after the last, which need not stand apart from what follows it.
-    pub(super) fn label(&mut self, words: &[&str]) -> FromFile<()> {
+    pub(super) fn label(&mut self, words: &[&str]) -> Result<(), ReadError> {
         for keyword in words {
             self.skip_space();
             let start = self.rest.get(..keyword.len());
@@ -107,7 +107,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A finite number; `what` it should be is for messages.
-    pub(super) fn number(&mut self, what: impl Fn() -> String) -> FromFile<f64> {
+    pub(super) fn number(&mut self, what: impl Fn() -> String) -> Result<f64, ReadError> {
         let word = self.word();
         let number = word.and_then(|word| word.text.parse().ok());
         number
@@ -116,7 +116,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A whole number.
-    pub(super) fn count(&mut self, what: &str) -> FromFile<usize> {
+    pub(super) fn count(&mut self, what: &str) -> Result<usize, ReadError> {
         let word = self.word();
         let count = word.and_then(|word| word.text.parse().ok());
         count.ok_or_else(|| self.unexpected(&format!("{what}, a whole number"), word))

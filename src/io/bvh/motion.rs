@@ -5,7 +5,7 @@ use super::channel::BvhChannel;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
 use super::note::BvhNote;
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 /// The fewest bytes that a number takes: a digit and the white space before it.
 const NUMBER_WIDTH: usize = 2;
@@ -24,7 +24,7 @@ pub(super) struct Motion {
 }
 
 /// Reads what follows the word `MOTION`, to the end of the file.
-pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> FromFile<Motion> {
+pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadError> {
     lexer.label(&["Frames"])?;
     let frames = lexer.count("the number of frames")?;
     let frames_line = lexer.line();
@@ -70,7 +70,7 @@ fn values(
     lexer: &mut Lexer,
     frames: usize,
     channels: &[(&Joint, BvhChannel)],
-) -> FromFile<(Vec<f64>, Option<usize>)> {
+) -> Result<(Vec<f64>, Option<usize>), ReadError> {
     let width = channels.len();
     // Without channels there is nothing to read, however many frames there are.
     let Some(room) = (lexer.left() / NUMBER_WIDTH).checked_div(width) else {
@@ -99,7 +99,11 @@ fn is_cut(lexer: &Lexer) -> bool {
 }
 
 /// What is there after the frames announced: nothing, or whole frames more.
-fn surplus(lexer: &mut Lexer, announced: usize, channels: usize) -> FromFile<Option<BvhNote>> {
+fn surplus(
+    lexer: &mut Lexer,
+    announced: usize,
+    channels: usize,
+) -> Result<Option<BvhNote>, ReadError> {
     let Some(first) = lexer.word() else {
         return Ok(None);
     };
@@ -123,7 +127,12 @@ fn surplus(lexer: &mut Lexer, announced: usize, channels: usize) -> FromFile<Opt
     }))
 }
 
-fn value(lexer: &mut Lexer, frame: usize, joint: &Joint, channel: BvhChannel) -> FromFile<f64> {
+fn value(
+    lexer: &mut Lexer,
+    frame: usize,
+    joint: &Joint,
+    channel: BvhChannel,
+) -> Result<f64, ReadError> {
     let what = || {
         let (channel, name) = (channel.name(), &joint.name);
         format!("{channel} of `{name}` in frame {frame}")

@@ -5,7 +5,7 @@ use gltf_json::accessor::ComponentType;
 use gltf_json::buffer::View;
 
 use super::source::Source;
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// A strided sequence of entries in a buffer.
 pub(super) struct AccessorView<'a> {
@@ -25,7 +25,7 @@ impl Source<'_> {
         component: ComponentType,
         path: &str,
         user: &str,
-    ) -> FromFile<AccessorView<'_>> {
+    ) -> Result<AccessorView<'_>, ReadError> {
         let views = &self.root.buffer_views;
         let own = views.get(view.value()).ok_or_else(|| {
             let (view, views) = (view.value(), views.len());

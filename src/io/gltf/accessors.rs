@@ -6,11 +6,11 @@ use gltf_json::{Accessor, Index};
 
 use super::accessor_view::AccessorView;
 use super::source::Source;
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 impl<'a> Source<'a> {
     /// Number of entries of an accessor. `user` names its user in messages.
-    pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> FromFile<usize> {
+    pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> Result<usize, ReadError> {
         let accessor = self.accessor(index, user)?;
         match usize::try_from(accessor.count.0) {
             Ok(count) if count > 0 => Ok(count),
@@ -29,7 +29,7 @@ impl<'a> Source<'a> {
         index: Index<Accessor>,
         user: &str,
         of: impl Fn([f64; N]) -> T,
-    ) -> FromFile<Vec<T>> {
+    ) -> Result<Vec<T>, ReadError> {
         let count = self.count(index, user)?;
         let path = format!("accessors[{}]", index.value());
         self.charge::<T>(count, &path)?;
@@ -53,7 +53,7 @@ impl<'a> Source<'a> {
         &self,
         index: Index<Accessor>,
         user: &str,
-    ) -> FromFile<Vec<[u32; N]>> {
+    ) -> Result<Vec<[u32; N]>, ReadError> {
         let accessor = self.accessor(index, user)?;
         let whole = matches!(
             accessor.component_type,
@@ -69,7 +69,11 @@ impl<'a> Source<'a> {
         })
     }
 
-    pub(super) fn accessor(&self, index: Index<Accessor>, user: &str) -> FromFile<&'a Accessor> {
+    pub(super) fn accessor(
+        &self,
+        index: Index<Accessor>,
+        user: &str,
+    ) -> Result<&'a Accessor, ReadError> {
         self.entry(
             &self.root.accessors,
             ("accessors", index.value()),
@@ -83,7 +87,7 @@ impl<'a> Source<'a> {
         index: Index<Accessor>,
         count: usize,
         user: &str,
-    ) -> FromFile<Option<AccessorView<'_>>> {
+    ) -> Result<Option<AccessorView<'_>>, ReadError> {
         let accessor = self.accessor(index, user)?;
         let at = |key: &str| format!("accessors[{}].{key}", index.value());
         let fits = match accessor.type_ {
@@ -113,7 +117,7 @@ impl<'a> Source<'a> {
         accessor: &Accessor,
         index: Index<Accessor>,
         user: &str,
-    ) -> FromFile<ComponentType> {
+    ) -> Result<ComponentType, ReadError> {
         match accessor.component_type {
             Checked::Valid(kind) => Ok(kind.0),
             Checked::Invalid => {

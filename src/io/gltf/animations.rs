@@ -11,7 +11,7 @@ use super::note::Note;
 use super::omissions::Nodeless;
 use super::source::Source;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 /// One animation and the objects that its channels refer to.
 struct Context<'a, 'b> {
@@ -32,7 +32,7 @@ pub(super) fn read(
     meshes: &Meshes,
     armature: &Armature,
     notes: &mut Vec<Note>,
-) -> FromFile<Vec<Clip>> {
+) -> Result<Vec<Clip>, ReadError> {
     let animations = source.root.animations.iter().enumerate();
     let clips = animations.map(|(index, animation)| {
         let context = Context {
@@ -68,7 +68,7 @@ impl Context<'_, '_> {
         number: usize,
         builder: &mut ClipBuilder<'_>,
         notes: &mut Vec<Note>,
-    ) -> FromFile<()> {
+    ) -> Result<(), ReadError> {
         let source = self.source;
         let channel = &self.animation.channels[number];
         let path = format!("{}.channels[{number}]", self.path);
@@ -124,7 +124,7 @@ impl Context<'_, '_> {
         node: usize,
         builder: &mut ClipBuilder<'_>,
         notes: &mut Vec<Note>,
-    ) -> FromFile<()> {
+    ) -> Result<(), ReadError> {
         let mesh = self.meshes.of_node.get(&node);
         let Some(mesh) = mesh.and_then(|&mesh| self.meshes.meshes.get(mesh)) else {
             notes.push(Note::left_out(
@@ -155,7 +155,7 @@ impl Context<'_, '_> {
         path: String,
         user: String,
         of: impl Fn([f64; N]) -> T,
-    ) -> FromFile<Keys<T>> {
+    ) -> Result<Keys<T>, ReadError> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
             let problem = format!("{user}: is none of STEP, LINEAR and CUBICSPLINE");
             return Err(self.source.fail(format!("{path}.interpolation"), problem));

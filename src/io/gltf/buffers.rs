@@ -7,7 +7,7 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// Some writers omit the padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -20,8 +20,8 @@ pub(super) fn load<'a>(
     root: &Root,
     binary: Option<&'a [u8]>,
     name: &str,
-    mut open: impl FnMut(&str) -> FromFile<Vec<u8>>,
-) -> FromFile<Vec<Cow<'a, [u8]>>> {
+    mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
         let place = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
         let wrong = |problem: String| ReadError::malformed(name, place("uri"), problem);

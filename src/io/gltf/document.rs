@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::omissions::{Nodeless, parse_with_omissions};
 use crate::io::json::parse;
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// Prefixes of extensions that a file may require: they affect appearance only, or the reader supports them.
 const HARMLESS: [&str; 7] = [
@@ -36,7 +36,7 @@ struct Asset {
 }
 
 /// Parses a document and checks that its version is 2 and that it requires no unsupported extension.
-pub(super) fn document(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
+pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
     if let Ok(root) = Root::from_slice(json) {
         let asset = Asset {
             version: root.asset.version.clone(),
@@ -63,7 +63,7 @@ pub(super) fn document(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
 }
 
 /// Returns an error for other versions and for unsupported required extensions.
-fn check(asset: &Asset, required: &[String], name: &str) -> FromFile<()> {
+fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError> {
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
     let wrong_minor = asset.min_version.is_some() && needed != "2.0";
     if needed.split('.').next() != Some("2") || wrong_minor {

@@ -1,6 +1,6 @@
 //! GLB, the binary container of a document and its buffer (glTF 2.0 specification, section 4.4).
 
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// First bytes of a GLB file.
 const MAGIC: &[u8; 4] = b"glTF";
@@ -24,7 +24,7 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 }
 
 /// Splits a GLB file into chunks; other files are JSON text.
-pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> FromFile<Chunks<'a>> {
+pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadError> {
     if !is_glb(bytes) {
         return Ok(Chunks {
             json: bytes,
@@ -33,7 +33,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> FromFile<Chunks<'a>> {
         });
     }
     let fail = |at: usize, problem: String| ReadError::malformed(name, Place::Byte(at), problem);
-    let word = |at: usize| -> FromFile<u32> {
+    let word = |at: usize| -> Result<u32, ReadError> {
         let word = bytes
             .get(at..at + 4)
             .and_then(|w| <[u8; 4]>::try_from(w).ok());

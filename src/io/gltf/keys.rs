@@ -6,7 +6,7 @@ use gltf_json::animation::Interpolation;
 use super::source::Source;
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve};
 use crate::animation::rotation::RotationCurve;
-use crate::io::{FromFile, ReadError};
+use crate::io::ReadError;
 
 /// The keys of a sampler.
 pub(super) struct Keys<T> {
@@ -44,7 +44,7 @@ impl<T: Clone> Keys<T> {
         }
     }
 
-    fn check(&self, source: &Source<'_>, width: usize) -> FromFile<()> {
+    fn check(&self, source: &Source<'_>, width: usize) -> Result<(), ReadError> {
         let (given, keys) = (self.outputs.len(), self.times.len());
         let needed = keys.checked_mul(self.sides() * width);
         if needed == Some(given) {
@@ -64,7 +64,7 @@ pub(super) fn curve<V>(
     source: &Source<'_>,
     keys: Keys<V>,
     width: usize,
-) -> FromFile<Vec<KeyedCurve<V>>>
+) -> Result<Vec<KeyedCurve<V>>, ReadError>
 where
     V: CurveValue<Real = f32> + Clone,
 {
@@ -86,7 +86,7 @@ where
     curves.collect()
 }
 
-pub(super) fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> FromFile<RotationCurve> {
+pub(super) fn rotation(source: &Source<'_>, keys: Keys<Vec4>) -> Result<RotationCurve, ReadError> {
     keys.check(source, 1)?;
     let times = keys.times.clone();
     let rotations = |side| {

@@ -10,7 +10,7 @@ use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::SceneMesh;
 use super::source::Source;
 use super::{morph_targets, skins};
-use crate::io::FromFile;
+use crate::io::ReadError;
 use crate::mesh::TriangleMesh;
 use crate::skinning::MorphTargets;
 
@@ -26,7 +26,11 @@ pub(super) struct Meshes {
     pub(super) of_node: BTreeMap<usize, usize>,
 }
 
-pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) -> FromFile<Meshes> {
+pub(super) fn read(
+    source: &Source<'_>,
+    nodes: &Nodes,
+    notes: &mut Vec<Note>,
+) -> Result<Meshes, ReadError> {
     let mut own = Meshes::default();
     let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
     let (mut taken, mut left_out, mut used) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
@@ -82,7 +86,7 @@ pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) ->
 }
 
 /// Charges the memory limit for a mesh that another node has as well.
-fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> FromFile<()> {
+fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> Result<(), ReadError> {
     let path = format!("nodes[{node}].mesh");
     source.charge::<[f32; 10]>(raw.positions.len(), &path)?;
     source.charge::<[u32; 3]>(raw.triangles.len(), &path)?;
@@ -97,7 +101,7 @@ fn add(
     own: &mut Meshes,
     taken: &mut BTreeSet<String>,
     notes: &mut Vec<Note>,
-) -> FromFile<()> {
+) -> Result<(), ReadError> {
     let root = source.root;
     let (node, entry) = (&root.nodes[node_index], &root.meshes[mesh_index]);
     let title = label("mesh", mesh_index, entry.name.as_ref());

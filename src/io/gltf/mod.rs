@@ -67,7 +67,7 @@ use std::path::Path;
 use gltf_json::Root;
 
 use self::source::Source;
-use super::{FileAccess, FromFile, ReadError};
+use super::{FileAccess, ReadError};
 use crate::animation::{Armature, Clip, ClipNameError};
 use crate::file_access::below_folder;
 use crate::skeleton::BoneId;
@@ -116,8 +116,8 @@ struct Parsed {
 fn parse(
     bytes: &[u8],
     name: &str,
-    open: impl FnMut(&str) -> FromFile<Vec<u8>>,
-) -> FromFile<Parsed> {
+    open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+) -> Result<Parsed, ReadError> {
     let chunks = glb::split(bytes, name)?;
     let (root, nodeless) = document::document(chunks.json, name)?;
     let buffers = buffers::load(&root, chunks.binary, name, open)?;

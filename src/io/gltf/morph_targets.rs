@@ -8,7 +8,7 @@ use gltf_json::mesh::MorphTarget as Entry;
 use serde::{Deserialize, Serialize};
 
 use super::source::Source;
-use crate::io::FromFile;
+use crate::io::ReadError;
 use crate::skinning::{MorphError, MorphTarget};
 
 /// A morph target of a mesh with several primitives.
@@ -35,7 +35,7 @@ pub(super) fn append(
     [first, count]: [usize; 2],
     user: &str,
     deltas: &mut Deltas,
-) -> FromFile<()> {
+) -> Result<(), ReadError> {
     let parts = [
         ("POSITION", target.positions),
         ("NORMAL", target.normals),

@@ -9,7 +9,7 @@ use super::node_transform::{Local, local};
 use super::note::Note;
 use super::source::Source;
 use crate::animation::ArmatureBone;
-use crate::io::{FromFile, ReadError};
+use crate::io::ReadError;
 use crate::skeleton::BoneId;
 
 /// The bones of a document.
@@ -37,7 +37,7 @@ pub(super) fn node_label(nodes: &[Node], index: usize) -> String {
     )
 }
 
-pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> FromFile<Nodes> {
+pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> Result<Nodes, ReadError> {
     let nodes = &source.root.nodes;
     let parents = parents(source)?;
     let order = order(source, &parents)?;
@@ -68,7 +68,7 @@ pub(super) fn read(source: &Source<'_>, notes: &mut Vec<Note>) -> FromFile<Nodes
 }
 
 /// Parent of each node.
-fn parents(source: &Source<'_>) -> FromFile<Vec<Option<usize>>> {
+fn parents(source: &Source<'_>) -> Result<Vec<Option<usize>>, ReadError> {
     let nodes = &source.root.nodes;
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
@@ -97,7 +97,7 @@ pub(super) fn missing_node(source: &Source<'_>, path: String, node: usize) -> Re
 }
 
 /// Node indices with parents before children; the file's order if it satisfies this.
-fn order(source: &Source<'_>, parents: &[Option<usize>]) -> FromFile<Vec<usize>> {
+fn order(source: &Source<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>, ReadError> {
     let nodes = &source.root.nodes;
     let roots = (0..nodes.len()).filter(|&index| parents[index].is_none());
     let mut ready: BinaryHeap<Reverse<usize>> = roots.map(Reverse).collect();
@@ -180,7 +180,7 @@ pub(super) fn free_name(mut name: String, taken: &mut BTreeSet<String>) -> Strin
 }
 
 /// The nodes of the displayed scene: the scene that the file names, or else the first, or else all nodes.
-fn in_scene(source: &Source<'_>) -> FromFile<Vec<bool>> {
+fn in_scene(source: &Source<'_>) -> Result<Vec<bool>, ReadError> {
     let (nodes, scenes) = (&source.root.nodes, &source.root.scenes);
     let shown = source.root.scene.map_or(0, |scene| scene.value());
     let Some(scene) = scenes.get(shown) else {

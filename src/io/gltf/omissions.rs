@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::{Map, Value};
 
-use crate::io::FromFile;
+use crate::io::ReadError;
 use crate::io::json::{parse, parse_by};
 
 /// The parts of a document in which members may be missing.
@@ -52,7 +52,7 @@ pub(super) type Nodeless = BTreeSet<(usize, usize)>;
 
 /// Parses a document with missing members. Scenes without nodes get an empty list. Channels without a node get an
 /// arbitrary node and are returned.
-pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
+pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
     // If this fails, parsing the whole document reports the error.
     let outline: Option<Outline> = serde_json::from_slice(json).ok();
     let omits = outline.is_some_and(|outline| {

@@ -12,7 +12,7 @@ use super::nodes::label;
 use super::raw_mesh::{JointWeight, RawMesh};
 use super::source::Source;
 use super::triangles;
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 /// Attributes and targets of a primitive; primitives with equal keys share their vertices.
 type VertexKey = (Vec<(String, usize)>, Vec<[Option<usize>; 3]>);
@@ -36,7 +36,7 @@ struct Having {
     blocks: usize,
 }
 
-pub(super) fn read(source: &Source<'_>, index: usize) -> FromFile<RawMesh> {
+pub(super) fn read(source: &Source<'_>, index: usize) -> Result<RawMesh, ReadError> {
     let mesh = source.entry(&source.root.meshes, ("meshes", index), None)?;
     let name = label("mesh", index, mesh.name.as_ref());
     let mut raw = RawMesh::default();
@@ -97,7 +97,7 @@ fn vertices(
     user: &str,
     raw: &mut RawMesh,
     having: &mut Having,
-) -> FromFile<usize> {
+) -> Result<usize, ReadError> {
     let attributes = attributes(primitive, &mut raw.left_out);
     let of = |what: &str| format!("{user}, {what}");
     let Some(positions) = attributes.positions else {

@@ -9,7 +9,7 @@ use super::note::Note;
 use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::Skin;
 use super::source::Source;
-use crate::io::FromFile;
+use crate::io::ReadError;
 use crate::skeleton::BoneId;
 use crate::skinning::{SkinWeights, WeightRepair};
 
@@ -20,7 +20,7 @@ pub(super) fn read(
     bone_of: &[BoneId],
     mesh: (usize, &str, &RawMesh),
     notes: &mut Vec<Note>,
-) -> FromFile<Skin> {
+) -> Result<Skin, ReadError> {
     let entry = source.entry(&source.root.skins, ("skins", index), None)?;
     let user = label("skin", index, entry.name.as_ref());
     let mut joints = Vec::with_capacity(entry.joints.len());
@@ -44,7 +44,11 @@ pub(super) fn read(
 }
 
 /// Checks the inverse bind matrices of a skin that no mesh uses.
-pub(super) fn check(source: &Source<'_>, index: usize, notes: &mut Vec<Note>) -> FromFile<()> {
+pub(super) fn check(
+    source: &Source<'_>,
+    index: usize,
+    notes: &mut Vec<Note>,
+) -> Result<(), ReadError> {
     let entry = source.root.skins.get(index);
     entry.map_or(Ok(()), |entry| {
         let user = label("skin", index, entry.name.as_ref());
@@ -58,7 +62,7 @@ fn bound(
     entry: &Entry,
     (index, user): (usize, &str),
     notes: &mut Vec<Note>,
-) -> FromFile<Vec<Affine3A>> {
+) -> Result<Vec<Affine3A>, ReadError> {
     let joints = entry.joints.len();
     let Some(matrices) = entry.inverse_bind_matrices else {
         return Ok(vec![Affine3A::IDENTITY; joints]);
@@ -97,7 +101,7 @@ fn weights(
     (index, name, raw): (usize, &str, &RawMesh),
     joints: usize,
     notes: &mut Vec<Note>,
-) -> FromFile<SkinWeights> {
+) -> Result<SkinWeights, ReadError> {
     let fail = |problem: String| {
         let problem = format!("mesh `{name}`: {problem}");
         source.fail(format!("meshes[{index}]"), problem)

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use gltf_json::Root;
 
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// Largest decoded size per byte of the file. Accessors may share bytes or have none, so a short file could otherwise
 /// need any amount of memory.
@@ -48,7 +48,7 @@ impl<'a> Source<'a> {
         entries: &'a [T],
         (list, index): (&str, usize),
         user: Option<&str>,
-    ) -> FromFile<&'a T> {
+    ) -> Result<&'a T, ReadError> {
         entries.get(index).ok_or_else(|| {
             let user = user.map_or_else(String::new, |user| format!("{user}: "));
             let problem = format!("{user}does not exist; there are {}", entries.len());
@@ -57,7 +57,7 @@ impl<'a> Source<'a> {
     }
 
     /// Subtracts `count` entries of type `T` from the remaining decoded size.
-    pub(super) fn charge<T>(&self, count: usize, path: &str) -> FromFile<()> {
+    pub(super) fn charge<T>(&self, count: usize, path: &str) -> Result<(), ReadError> {
         let bytes = count.checked_mul(size_of::<T>());
         let left = bytes.and_then(|bytes| self.room.get().checked_sub(bytes));
         left.map(|left| self.room.set(left)).ok_or_else(|| {

@@ -6,7 +6,7 @@ use gltf_json::{Accessor, Index};
 
 use super::accessor_view::AccessorView;
 use super::source::Source;
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 /// Indices and values of a sparse accessor.
 pub(super) struct SparseRuns<'a> {
@@ -24,7 +24,7 @@ impl Source<'_> {
         count: usize,
         user: &str,
         of: impl Fn([f64; 3]) -> T,
-    ) -> FromFile<Vec<(u32, T)>> {
+    ) -> Result<Vec<(u32, T)>, ReadError> {
         let path = format!("accessors[{}]", index.value());
         let given = self.count(index, user)?;
         if given != count {
@@ -56,7 +56,7 @@ impl Source<'_> {
         &self,
         index: Index<Accessor>,
         user: &str,
-    ) -> FromFile<Option<SparseRuns<'_>>> {
+    ) -> Result<Option<SparseRuns<'_>>, ReadError> {
         let accessor = self.accessor(index, user)?;
         let Some(Sparse {
             count,
@@ -96,7 +96,7 @@ impl Source<'_> {
         count: usize,
         path: &str,
         user: &str,
-    ) -> FromFile<Vec<u32>> {
+    ) -> Result<Vec<u32>, ReadError> {
         self.charge::<u32>(sparse.count, path)?;
         let places = (0..sparse.count).map(|entry| sparse.indices.entry::<1>(entry)[0] as u32);
         let places: Vec<u32> = places.collect();

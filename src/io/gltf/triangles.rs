@@ -5,7 +5,7 @@ use gltf_json::validation::Checked;
 
 use super::raw_mesh::RawMesh;
 use super::source::Source;
-use crate::io::FromFile;
+use crate::io::ReadError;
 
 /// The mode of a primitive of points or lines; `None` for triangles and unknown modes.
 pub(super) fn without_triangles(primitive: &Primitive) -> Option<Mode> {
@@ -24,7 +24,7 @@ pub(super) fn append(
     user: &str,
     [first, count]: [usize; 2],
     raw: &mut RawMesh,
-) -> FromFile<()> {
+) -> Result<(), ReadError> {
     let mode = match primitive.mode {
         Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
         _ => {

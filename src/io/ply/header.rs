@@ -2,10 +2,10 @@
 
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 
 /// Checks that the elements and properties of a mesh are declared, each once.
-pub(super) fn check(header: &Header, text: &[u8], name: &str) -> FromFile<()> {
+pub(super) fn check(header: &Header, text: &[u8], name: &str) -> Result<(), ReadError> {
     let fail = |problem: String| Err(ReadError::of_file(name, problem));
     // The parser keeps the last of two declarations with one name and would misread the payload.
     let declared: usize = header
@@ -63,7 +63,7 @@ pub(super) fn check_count(
     element: &ElementDef,
     available: usize,
     name: &str,
-) -> FromFile<()> {
+) -> Result<(), ReadError> {
     let binary = header.encoding != Encoding::Ascii;
     // An ASCII property takes at least a digit and a separator.
     let width = |kind: &PropertyType| match kind {

@@ -16,7 +16,7 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
 use self::elements::{Face, Skipped, Vertex};
-use super::{FromFile, MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
+use super::{MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
 use crate::mesh::TriangleMesh;
 
 /// Encoding of the numbers of a PLY file.
@@ -160,7 +160,7 @@ fn assemble(
     faces: &[Face],
     with_normals: bool,
     name: &str,
-) -> FromFile<TriangleMesh> {
+) -> Result<TriangleMesh, ReadError> {
     let positions = vertices.iter().map(Vertex::position).collect();
     let normals = if with_normals {
         vertices.iter().map(Vertex::normal).collect()
@@ -195,14 +195,14 @@ impl Source<'_> {
         &mut self,
         header: &Header,
         element: &ElementDef,
-    ) -> FromFile<Vec<E>> {
+    ) -> Result<Vec<E>, ReadError> {
         Parser::<E>::new()
             .read_payload_for_element(&mut self.reader, element, header)
             .map_err(|error| self.fail(&error))
     }
 
     /// Checks that no data follow the last entry, which would indicate a wrong count.
-    fn expect_end(&self) -> FromFile<()> {
+    fn expect_end(&self) -> Result<(), ReadError> {
         let rest = self.reader.get_ref();
         if rest.is_empty() || (!self.binary && rest.iter().all(u8::is_ascii_whitespace)) {
             return Ok(());

@@ -8,7 +8,7 @@ use super::degrees::{self, UNBOUNDED};
 use super::json::{BoneEntry, Constraints, RigFile};
 use super::{interpolation, names};
 use crate::animation::{ClipError, EulerClip, EulerKey, EulerTrack};
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
@@ -19,7 +19,7 @@ pub(super) fn at(name: &str, path: impl Into<String>, problem: impl Into<String>
     ReadError::malformed(name, Place::Json(path.into()), problem)
 }
 
-pub(super) fn skeleton(file: &RigFile, name: &str) -> FromFile<Skeleton> {
+pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError> {
     if file.bones.is_empty() {
         return Err(at(name, "bones", "there are no bones"));
     }
@@ -148,7 +148,11 @@ fn bone_id(number: i64, skeleton: &Skeleton) -> Result<BoneId, String> {
     })
 }
 
-pub(super) fn clip(file: &RigFile, skeleton: &Skeleton, name: &str) -> FromFile<EulerClip> {
+pub(super) fn clip(
+    file: &RigFile,
+    skeleton: &Skeleton,
+    name: &str,
+) -> Result<EulerClip, ReadError> {
     let mut tracks = Vec::with_capacity(file.fk_animation.len());
     let mut between = BTreeMap::new();
     for (index, entry) in file.fk_animation.iter().enumerate() {
@@ -195,7 +199,7 @@ pub(super) fn constrained(
     file: &RigFile,
     skeleton: &Skeleton,
     name: &str,
-) -> FromFile<Vec<BoneId>> {
+) -> Result<Vec<BoneId>, ReadError> {
     let fail = |path: String| move |problem: String| at(name, path, problem);
     match &file.ik_constraints {
         None => Ok(skeleton.bone_ids().last().into_iter().collect()),

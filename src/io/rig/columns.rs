@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::check::at;
 use super::json::RigFile;
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::{Place, ReadError};
 use crate::mesh::TriangleMesh;
 use crate::skinning::{SkinWeights, WeightsError};
 
@@ -14,7 +14,7 @@ pub(super) fn weights(
     table: &DMatrix<f64>,
     mesh: Option<&TriangleMesh>,
     name: &str,
-) -> FromFile<SkinWeights> {
+) -> Result<SkinWeights, ReadError> {
     let (rows, columns) = table.shape();
     if let Some(vertices) = mesh
         .map(|mesh| mesh.positions().len())

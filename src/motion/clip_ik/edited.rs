@@ -8,7 +8,7 @@ use crate::skeleton::BoneId;
 /// A foot that stands over some seconds of a clip.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Stance {
+pub struct FootPlant {
     /// Which bone.
     pub bone: BoneId,
     /// The first and last moment of the clip, in seconds.
@@ -24,7 +24,7 @@ pub struct Stance {
 /// A bone that was led, and how well.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Led {
+pub struct ReachResult {
     /// Which bone.
     pub bone: BoneId,
     /// How far its origin is from where it should be, at most at any key of the new clip.
@@ -40,9 +40,9 @@ pub struct EditedClip {
     /// The clip: channels of bones that did not move are as they were, keys outside the spans as well.
     pub clip: Clip,
     /// Where feet stand, foot by foot.
-    pub stances: Vec<Stance>,
+    pub stances: Vec<FootPlant>,
     /// What was asked for, planted feet first.
-    pub led: Vec<Led>,
+    pub led: Vec<ReachResult>,
     /// How far the root moves from where the clip has it, at most.
     pub root_moved: f64,
 }

@@ -48,7 +48,7 @@ impl Reach {
         pub fn with_span(mut self, seconds: RangeInclusive<f64>) {
             self.span = Some([*seconds.start(), *seconds.end()]);
         }
-        /// Led there over the first so many seconds of the span, and back over the last: 0.2, or half of a shorter span,
+        /// ReachResult there over the first so many seconds of the span, and back over the last: 0.2, or half of a shorter span,
         /// unless set. Where the clip itself begins or ends, nothing has to be led.
         pub fn with_fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
     }

@@ -58,7 +58,7 @@ impl FrameSolver {
                 let kept = Orientation::new(frame, Matrix3::identity());
                 turns.push((
                     bone,
-                    builder.add(Task::new(kept).times(KEPT_TURN).preference()),
+                    builder.add(Task::new(kept).scale(KEPT_TURN).preference()),
                 ));
             }
         }

@@ -23,7 +23,7 @@ mod solving;
 mod splice;
 
 pub use clip_solver::ClipIk;
-pub use edited::{EditedClip, Led, Stance};
+pub use edited::{EditedClip, FootPlant, ReachResult};
 pub use effector::Reach;
 pub use error::ClipIkError;
 pub use ground_speed::ground_speed;

@@ -89,7 +89,7 @@ pub(super) fn moves(
     for limb in demands {
         let limb: Vec<RootDemand> = limb.into_iter().map(in_limbs).collect();
         let demand = limb[0];
-        let task = crate::task::Task::new(LongEnough { root, demand }).times(TOO_SHORT);
+        let task = crate::task::Task::new(LongEnough { root, demand }).scale(TOO_SHORT);
         let task = motion.add(task);
         motion.follow(task, move |frame, own| own.demand = limb[frame]);
     }

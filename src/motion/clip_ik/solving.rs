@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
-use super::edited::{EditedClip, Led, Stance};
+use super::edited::{EditedClip, FootPlant, ReachResult};
 use super::foot_drift::Strays;
 use super::plan::{Goal, Moment, Plan, dvec, travelled};
 use super::planting::{Ground, Planted, plant};
@@ -82,7 +82,7 @@ pub(super) fn solve(
             let (first, last) = (span.start, span.end - 1);
             let of = |frame: usize| moments.partition_point(|moment| *moment < Moment::at(frame));
             let (from, to) = (of(first), of(last));
-            Stance {
+            FootPlant {
                 bone: request.bones[k],
                 span: [first, last].map(|frame| f64::from(times[frame])),
                 place: dvec(*place),
@@ -95,7 +95,7 @@ pub(super) fn solve(
         let misses = solved.misses(k).zip(&moments);
         let worst = misses.max_by(|one, other| one.0.total_cmp(&other.0));
         let (miss, at) = worst.map_or((0.0, times[0]), |(miss, at)| (miss, plan.time(*at)));
-        Led {
+        ReachResult {
             bone: *bone,
             miss,
             at: f64::from(at),

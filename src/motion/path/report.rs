@@ -11,7 +11,7 @@ use super::solver::PathSolver;
 
 impl PathSolver<'_> {
     /// Reports on a joint path. The knots in `touching` are in collision.
-    pub(super) fn tell(
+    pub(super) fn record(
         &self,
         path: &CartesianPath,
         knots: &Knots,

@@ -147,7 +147,7 @@ impl<'a> PathSolver<'a> {
                 (best.way, best.touching) = (way, touching);
             }
         }
-        self.tell(path, &best.knots, &best.way, &best.touching)
+        self.record(path, &best.knots, &best.way, &best.touching)
     }
 
     fn find_open(&self, path: &CartesianPath) -> Result<FoundWay, PathError> {

@@ -28,7 +28,7 @@ impl Retargeting<'_> {
     ///
     /// Limits of mimic joints count through their source joints.
     #[must_use]
-    pub fn limits_met(&self, found: &Retargeted) -> Vec<LimitMet> {
+    pub fn active_limits(&self, found: &Retargeted) -> Vec<LimitMet> {
         let model = self.robot.model();
         let width = model.configuration_len();
         let moves = self.robot.moves_within(1.0 / self.frame_rate);

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{Affine3A, DQuat, DVec3};
 
 use super::{RetargetError, UpAxis};
-use crate::animation::{Armature, Clip, Pose, PoseAngles};
+use crate::animation::{Armature, Clip, EulerPoseMap, Pose};
 use crate::robot::{BaseJoint, Robot};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Placement, Vector3};
@@ -37,7 +37,7 @@ const BASE: usize = 7;
 #[derive(Clone, Debug)]
 pub struct FigureTarget {
     robot: Robot,
-    angles: PoseAngles,
+    angles: EulerPoseMap,
     up: UpAxis,
     names: Vec<String>,
     /// Topmost movable bones, which move with the base.
@@ -67,7 +67,7 @@ impl FigureTarget {
         };
         Ok(Self {
             robot: robot.with_base_joint(BaseJoint::FREE)?,
-            angles: PoseAngles::new(skeleton),
+            angles: EulerPoseMap::new(skeleton),
             up,
             names: skeleton
                 .bones()

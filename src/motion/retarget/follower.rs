@@ -73,7 +73,7 @@ pub struct BodyFollower {
 
 /// Creates the posture task for undetermined joints.
 pub(super) fn posture(model: &Model) -> Task<Posture> {
-    Task::new(Posture::of_joints(hinges(model))).times(POSTURE)
+    Task::new(Posture::of_joints(hinges(model))).scale(POSTURE)
 }
 
 /// Returns the joints that are not part of a free base, with their neutral values.
@@ -104,7 +104,7 @@ impl BodyFollower {
         let points: Vec<_> = points.collect();
         let hip_line = limbs.hip_line.clone().map(|line| tasks.add(line));
         let both = (POSTURE * POSTURE + STAY * STAY).sqrt();
-        let stay = tasks.add(Task::new(Posture::of_joints(hinges(model))).times(both));
+        let stay = tasks.add(Task::new(Posture::of_joints(hinges(model))).scale(both));
         let posture = hinges(model).filter_map(|(id, value)| Some((model.coordinate(id)?, value)));
         let posture: Vec<_> = posture.collect();
         let landing_weight = asked.options.landing_weight;
@@ -164,7 +164,7 @@ impl BodyFollower {
     }
 
     /// Sets the configuration from which the first sample is solved.
-    pub(super) fn stand_at(&mut self, q: &[f64]) {
+    pub(super) fn set_configuration(&mut self, q: &[f64]) {
         self.frame.problem().parameters().gather(q, &mut self.x);
     }
 

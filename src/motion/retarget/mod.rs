@@ -54,5 +54,5 @@ pub use foot_shapes::FootShapes;
 pub use known_maps::KnownSkeleton;
 pub use live::LiveFollower;
 pub use map_guess::MapGuess;
-pub use retargeted::{GivenUp, Retargeted, Touching};
+pub use retargeted::{LostContact, Retargeted, Touching};
 pub use retargeting::{RetargetOptions, Retargeting};

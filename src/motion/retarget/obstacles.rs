@@ -39,7 +39,7 @@ impl Obstacles {
             }),
             of_motion: Arc::new(move |motion, near| {
                 let clearance = Switchable::new(of_motion.clearance().residual);
-                let task = motion.add(Task::new(clearance).times(HOLDING));
+                let task = motion.add(Task::new(clearance).scale(HOLDING));
                 motion.follow(task, move |frame, own| own.set(near[frame]));
             }),
             check: Box::new(checker.check()),

@@ -18,9 +18,9 @@ pub struct Retargeted {
     /// Samples per second.
     pub frame_rate: f64,
     /// Names of the model's frames that make contact.
-    pub standing: Vec<String>,
+    pub contact_frames: Vec<String>,
     /// Contact point of each of these frames, in its coordinates, metres. A frame may appear more than once.
-    pub standing_at: Vec<Vector3<f64>>,
+    pub contact_points: Vec<Vector3<f64>>,
     /// Flags whether each of these points is in contact, sample by sample.
     pub contacts: Vec<bool>,
     /// Mean position error of the driven points over all samples, metres.
@@ -28,9 +28,9 @@ pub struct Retargeted {
     /// Largest distance of a contact point from its touchdown position, metres (foot sliding).
     pub slip: f64,
     /// Largest ground penetration of a foot with a shape, metres; 0 if there is none.
-    pub sunk: f64,
+    pub ground_penetration: f64,
     /// Lost contacts: those that limits made impossible to hold until the subject released them.
-    pub given_up: Vec<GivenUp>,
+    pub lost_contacts: Vec<LostContact>,
     /// Samples in collision, with collision avoidance. Online results have collisions only before the first
     /// collision-free sample.
     pub touching: Vec<Touching>,
@@ -51,7 +51,7 @@ pub struct Touching {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct GivenUp {
+pub struct LostContact {
     /// First sample with more than 1 mm of foot sliding.
     pub frame: usize,
     /// Name of the model's frame, as in [`Retargeted::standing`].
@@ -73,9 +73,9 @@ pub(super) struct Measures {
     count: usize,
     footing: Vec<Footing>,
     pub(super) slip: f64,
-    pub(super) sunk: f64,
+    pub(super) ground_penetration: f64,
     /// Lost contacts: sample and limb.
-    pub(super) given_up: Vec<(usize, usize)>,
+    pub(super) lost_contacts: Vec<(usize, usize)>,
 }
 
 /// Contact state of a limb, with its touchdown position.
@@ -83,7 +83,7 @@ pub(super) struct Measures {
 enum Footing {
     None,
     At(Vector3<f64>),
-    GivenUp,
+    LostContact,
 }
 
 impl Measures {
@@ -93,8 +93,8 @@ impl Measures {
             count: 0,
             footing: vec![Footing::None; limbs],
             slip: 0.0,
-            sunk: 0.0,
-            given_up: Vec::new(),
+            ground_penetration: 0.0,
+            lost_contacts: Vec::new(),
         }
     }
 
@@ -116,13 +116,13 @@ impl Measures {
             (true, Footing::At(place)) => {
                 let slipped = (at - place).norm();
                 if slipped > SLIPPED {
-                    *footing = Footing::GivenUp;
-                    self.given_up.push((frame, limb));
+                    *footing = Footing::LostContact;
+                    self.lost_contacts.push((frame, limb));
                 } else {
                     self.slip = self.slip.max(slipped);
                 }
             }
-            (true, Footing::GivenUp) => {}
+            (true, Footing::LostContact) => {}
         }
         matches!(footing, Footing::At(_))
     }
@@ -150,7 +150,7 @@ mod tests {
             assert!(!take(frame, 2e-3 * frame as f64, true), "{frame}");
         }
         assert!(!take(9, 0.1, false) && take(10, 0.1, true));
-        assert_eq!(measures.given_up, [(2, 0)]);
+        assert_eq!(measures.lost_contacts, [(2, 0)]);
         assert_eq!(measures.slip, 0.9e-3);
     }
 }

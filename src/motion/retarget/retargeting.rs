@@ -9,7 +9,7 @@ use super::clear_frames::ClearFrames;
 use super::contacts::Standing;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
-use super::retargeted::{GivenUp, Measures};
+use super::retargeted::{LostContact, Measures};
 use super::unit::{ScaledObstacles, Unit};
 use super::{
     BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, Retargeted,
@@ -272,7 +272,7 @@ impl<'r> Retargeting<'r> {
     pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
         let mut follower = BodyFollower::new(self)?;
         let first = self.body_targets(0);
-        follower.stand_at(&self.limbs.first_stance(&self.body, first));
+        follower.set_configuration(&self.limbs.first_stance(&self.body, first));
         Ok(follower)
     }
 
@@ -329,7 +329,7 @@ impl<'r> Retargeting<'r> {
                 stands[k] = measures.take(frame, k, at, *target, stands[k]);
             }
             for (sole, placed) in self.limbs.soles.iter().zip(&placed[driven..]) {
-                measures.sunk = measures.sunk.max(-sole.lowest(placed));
+                measures.ground_penetration = measures.ground_penetration.max(-sole.lowest(placed));
             }
             contacts.extend(can_stand.iter().map(|&limb| stands[limb]));
         }
@@ -338,27 +338,30 @@ impl<'r> Retargeting<'r> {
                 .name
                 .clone()
         };
-        let given_up = measures.given_up.iter().map(|(frame, limb)| GivenUp {
-            frame: *frame,
-            standing: name(limb),
-        });
+        let lost_contacts = measures
+            .lost_contacts
+            .iter()
+            .map(|(frame, limb)| LostContact {
+                frame: *frame,
+                standing: name(limb),
+            });
         let touching = self.touching(&q);
         let back = self.unit.back();
         model.scale_slides(back, &mut q);
         Ok(Retargeted {
             touching,
-            given_up: given_up.collect(),
+            lost_contacts: lost_contacts.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
             standing: can_stand.iter().map(name).collect(),
-            standing_at: can_stand
+            contact_points: can_stand
                 .iter()
                 .map(|limb| self.limbs.all[*limb].offset * back)
                 .collect(),
             contacts,
             mean_error: measures.mean_error() * back,
             slip: measures.slip * back,
-            sunk: measures.sunk * back,
+            ground_penetration: measures.ground_penetration * back,
             q,
         })
     }

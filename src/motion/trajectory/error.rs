@@ -59,7 +59,7 @@ pub enum MotionError {
     },
     /// A required task has a lower level than others.
     #[error(
-        "task {task} is at level {level}: whole motions weigh all tasks together, so leave levels out and weigh it by `times`"
+        "task {task} is at level {level}: whole motions weigh all tasks together, so leave levels out and weigh it by `scale`"
     )]
     Level {
         /// Name of the task.

@@ -48,7 +48,7 @@ impl RateCost {
     setters! {
         /// Multiplies the weight of one joint. A free joint has components, as `root_joint/x` and
         /// `root_joint/rotation`.
-        pub fn times(mut self, joint: impl Into<String>, factor: f64) {
+        pub fn scale(mut self, joint: impl Into<String>, factor: f64) {
             self.by_joint.push((joint.into(), factor));
         }
     }

@@ -53,6 +53,6 @@ export class BodyPull {
     advance(place) {
         this.turned?.set(place, 12);
         const solution = this.dragging.advance({ [this.handle]: this.turned ?? place });
-        return { solution, q: solution.q, rests: this.dragging.rests };
+        return { solution, q: solution.q, rests: this.dragging.isAtRest };
     }
 }

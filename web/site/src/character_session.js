@@ -39,7 +39,7 @@ export class CharacterSession {
         const solution = this.dragging.advance({ [this.grabbed]: target });
         this.q = solution.q;
         const solved = performance.now() - begun;
-        return { ...this.show(), ...told(solution, this.model.reach), solved, rests: this.dragging.rests };
+        return { ...this.show(), ...told(solution, this.model.reach), solved, rests: this.dragging.isAtRest };
     }
 
     /** Angles taken into the limits, where there are some. */
@@ -59,7 +59,7 @@ export class CharacterSession {
             const handles = [...targets.keys()];
             const still = this.stillBut(handles);
             const dragging = this.draggingOver(handles, [...still, ...handles]);
-            dragging.standAt(this.q);
+            dragging.setConfiguration(this.q);
             const places = still.map((name) => [name, this.handles.place(angles, name)]);
             const solution = dragging.advance(Object.fromEntries([...places, ...targets]));
             this.q = solution.q;

@@ -1,6 +1,6 @@
 //! Options of an arm.
 
-use kinopt::arm::{ArmBuilder, Base, Goal, Search};
+use kinopt::arm::{ArmBuilder, Base, PoseBounds, Search};
 use kinopt::model::UnknownName;
 use wasm_bindgen::prelude::*;
 
@@ -147,10 +147,10 @@ fn search(name: &str) -> Result<Search, JsError> {
 }
 
 /// Reads "pose", "position", or half widths along and about the axes.
-pub(crate) fn goal(value: &JsValue) -> Result<Goal, JsError> {
+pub(crate) fn goal(value: &JsValue) -> Result<PoseBounds, JsError> {
     match value.as_string().as_deref() {
-        Some("pose") => Ok(Goal::pose()),
-        Some("position") => Ok(Goal::position()),
+        Some("pose") => Ok(PoseBounds::pose()),
+        Some("position") => Ok(PoseBounds::position()),
         Some(other) => {
             let names = ["pose", "position"];
             Err(raise(UnknownName::new("goal", other, names)))
@@ -158,7 +158,7 @@ pub(crate) fn goal(value: &JsValue) -> Result<Goal, JsError> {
         None => {
             let widths = crate::given::vector::<6>(value, "goal")?;
             match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
-                None => Ok(Goal::within(widths)),
+                None => Ok(PoseBounds::within(widths)),
                 Some(width) => Err(JsError::new(&format!(
                     "goal holds {width}, which is no number of at least 0"
                 ))),

@@ -146,14 +146,14 @@ impl Retargeted {
 
     /// Frames of the robot that are in contact at some time.
     #[wasm_bindgen(getter)]
-    pub fn standing(&self) -> Vec<String> {
-        self.inner.standing.clone()
+    pub fn contact_frames(&self) -> Vec<String> {
+        self.inner.contact_frames.clone()
     }
 
     /// Contact point of each, in its coordinates, three numbers, metres.
     #[wasm_bindgen(getter, js_name = standingAt)]
-    pub fn standing_at(&self) -> Vec<f64> {
-        let points = self.inner.standing_at.iter();
+    pub fn contact_points(&self) -> Vec<f64> {
+        let points = self.inner.contact_points.iter();
         points.flat_map(|at| at.to_array()).collect()
     }
 

@@ -2,11 +2,11 @@
 
 #[cfg(feature = "bodies")]
 mod body_tasks;
+#[cfg(feature = "bodies")]
+mod bounded;
 mod posture;
 mod residual;
 mod target;
-#[cfg(feature = "bodies")]
-mod within;
 
 use kinopt::model::UnknownName;
 use kinopt::problem::{ProblemBuilder, TaskId};
@@ -24,7 +24,7 @@ const OF_ALL: [&str; 7] = [
     "kind",
     "name",
     "weight",
-    "times",
+    "scale",
     "tolerance",
     "role",
     "level",
@@ -42,7 +42,7 @@ pub(crate) fn add(
     let kind = kind(&task)?;
     #[cfg(feature = "bodies")]
     if kind == "within" {
-        return within::add(task, model, builder);
+        return bounded::add(task, model, builder);
     }
     let given = residual::given(task, &kind)?;
     let adding = Adding {
@@ -86,7 +86,7 @@ impl Visit for Adding<'_, '_> {
 struct About {
     name: Option<String>,
     weight: Option<f64>,
-    times: Option<f64>,
+    scale: Option<f64>,
     tolerance: Option<f64>,
     role: Option<String>,
     level: Option<u32>,
@@ -97,7 +97,7 @@ impl About {
         Ok(Self {
             name: given.text("name")?,
             weight: given.number("weight")?,
-            times: given.number("times")?,
+            scale: given.number("scale")?,
             tolerance: given.number("tolerance")?,
             role: given.text("role")?,
             level: given.whole("level")?,
@@ -127,8 +127,8 @@ impl About {
                 return Err(raise(UnknownName::new("role", other, roles)));
             }
         }
-        if let Some(times) = self.times {
-            task = task.times(times);
+        if let Some(scale) = self.scale {
+            task = task.scale(scale);
         }
         Ok(task.at_level(self.level.unwrap_or(0) as usize))
     }

@@ -4,7 +4,7 @@ use kinopt::ik::Drag;
 use kinopt::problem::{ProblemError, Targets, TaskId};
 #[cfg(feature = "bodies")]
 use kinopt::task::{
-    CentreOfMass, FrameVelocity, JointCoupling, Manipulability, SupportPolygon, Within,
+    Bounded, CentreOfMass, FrameVelocity, JointCoupling, Manipulability, SupportPolygon,
 };
 use kinopt::task::{
     Distance, Gaze, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture, Ray,
@@ -130,7 +130,7 @@ impl Target for Smoothness {
 }
 
 #[cfg(feature = "bodies")]
-impl<R: Target> Target for Within<R> {
+impl<R: Target> Target for Bounded<R> {
     fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
         self.residual_mut().aim(value, what)
     }

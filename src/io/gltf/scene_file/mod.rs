@@ -17,7 +17,7 @@ use super::{Parsed, Scene, parse};
 use crate::animation::{Armature, Clip, LocalTransform, Pose};
 use crate::file_access::{AllowedFiles, below_folder};
 use crate::io::json::parse_by;
-use crate::io::{FileAccess, FromFile, ReadError, WriteError, write_file};
+use crate::io::{FileAccess, ReadError, WriteError, write_file};
 use crate::skeleton::BoneId;
 
 /// A `.glb` or `.gltf` file with its scene. It adds clips to the file and changes the rest pose of its nodes.
@@ -98,8 +98,8 @@ impl SceneFile {
     fn parsed(
         bytes: &[u8],
         name: &str,
-        open: impl FnMut(&str) -> FromFile<Vec<u8>>,
-    ) -> FromFile<Self> {
+        open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+    ) -> Result<Self, ReadError> {
         let Parsed { scene, bone_of } = parse(bytes, name, open)?;
         let chunks = glb::split(bytes, name)?;
         let document = parse_by(|json| serde_json::from_slice(json), chunks.json, name)?;

@@ -10,7 +10,7 @@ use super::within::brought_within;
 use crate::animation::{Armature, EulerClip, EulerTrack};
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::motion::clip_ik::root_bone::{above, branching_above};
-use crate::motion::clip_ik::{ClipIkError, Led, Reach};
+use crate::motion::clip_ik::{ClipIkError, Reach, ReachResult};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
 /// Inverse kinematics over a rig's keyframes, which are solved for themselves.
@@ -49,7 +49,7 @@ pub struct EditedKeys {
     /// The keyframes.
     pub clip: EulerClip,
     /// How far each tip is from where it should be, at most at the moments that were looked at and where it counts fully.
-    pub led: Vec<Led>,
+    pub led: Vec<ReachResult>,
     /// How many keys are not what they were.
     pub keys_changed: usize,
     /// Limits that the clip is beyond where what is solved for counts, an entry an angle: keys that stay are beyond them, or there is no
@@ -136,7 +136,7 @@ impl<'a> KeyframeIk<'a> {
             let own = own.filter_map(|(miss, time)| Some((miss[k]?, *time)));
             let worst = own.max_by(|one, other| one.0.total_cmp(&other.0));
             let (miss, at) = worst.unwrap_or((0.0, span[0]));
-            Led {
+            ReachResult {
                 bone: reach.bone,
                 miss,
                 at,

@@ -8,13 +8,13 @@ use crate::spatial::Placement;
 /// r_i − min(max(r_i, lower), upper) for each row of another residual r: zero inside an interval.
 ///
 /// The error is the distance beyond the interval. Examples are a floor, and a least or greatest distance. All rows
-/// share the interval, in their unit, so the residual should have one quantity. For a pose use [`Goal`](super::Goal).
+/// share the interval, in their unit, so the residual should have one quantity. For a pose use [`PoseBounds`](super::PoseBounds).
 /// Dual numbers give the derivatives.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
-/// # use kinopt::task::{Plane, Point, Within};
+/// # use kinopt::task::{Plane, Point, Bounded};
 /// # use kinopt::{Problem, Solver};
 /// # let mut builder = Model::builder("two links");
 /// # let link = Placement::translation([1.0, 0.0, 0.0].into());
@@ -29,7 +29,7 @@ use crate::spatial::Placement;
 /// tasks.add(Point::new(hand, [1.2, 0.0, 0.0]));
 /// // The elbow stays at least 10 cm above the floor.
 /// let floor = Plane::new(knuckle, [0.0; 3], [0.0, 0.0, 1.0]);
-/// tasks.add(Within::at_least(floor, 0.1));
+/// tasks.add(Bounded::at_least(floor, 0.1));
 /// let solution = Solver::default().solve_once(&tasks.build()?, &[0.8, -1.5])?;
 /// assert!(solution.reached, "{}", solution.explain());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -42,7 +42,7 @@ use crate::spatial::Placement;
 /// ```
 /// # use kinopt::model::{FrameId, JointId, Limits, Model};
 /// # use kinopt::spatial::{Placement, Vector3};
-/// # use kinopt::task::{Point, Quantity, Residual, RowBlock, Task, Within};
+/// # use kinopt::task::{Point, Quantity, Residual, RowBlock, Task, Bounded};
 /// # use kinopt::{Problem, Scalar, Solver};
 /// /// The angle of a wrist beyond 1.2 rad minus half the angle of the elbow.
 /// #[derive(Clone)]
@@ -75,7 +75,7 @@ use crate::spatial::Placement;
 /// # let model = builder.build()?;
 ///
 /// let mut tasks = Problem::builder(&model);
-/// tasks.add(Within::at_most(WristByElbow([wrist, elbow]), 0.0));
+/// tasks.add(Bounded::at_most(WristByElbow([wrist, elbow]), 0.0));
 /// // The hand's position with the elbow at 1 rad and the wrist at 0.9 rad.
 /// let place = [1f64.cos() + 1.9f64.cos(), 0.0, -1f64.sin() - 1.9f64.sin()];
 /// tasks.add(Task::new(Point::new(hand, place)).at_level(1));
@@ -85,13 +85,13 @@ use crate::spatial::Placement;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Within<R> {
+pub struct Bounded<R> {
     residual: R,
     lower: f64,
     upper: f64,
 }
 
-impl<R: Residual> Within<R> {
+impl<R: Residual> Bounded<R> {
     /// Bounds the rows to ± `half_width` (at least 0).
     #[must_use]
     pub fn new(residual: R, half_width: f64) -> Self {
@@ -138,7 +138,7 @@ impl<R: Residual> Within<R> {
     }
 }
 
-impl<R: Residual> Residual for Within<R> {
+impl<R: Residual> Residual for Bounded<R> {
     const ROLE: Role = R::ROLE;
 
     as_inner!(residual: kind, is_of_body, frames, joints, joint_values, rows, target_len);

@@ -1,7 +1,7 @@
 //! Tasks with an interval that costs nothing.
 
 use kinopt::problem::ProblemBuilder;
-use kinopt::task::Within;
+use kinopt::task::Bounded;
 use wasm_bindgen::prelude::*;
 
 use super::target::Target;
@@ -42,7 +42,7 @@ struct Room<'a, 'm> {
 
 impl Visit for Room<'_, '_> {
     fn visit<R: Target>(self, residual: R) -> Result<BoxedTask, JsError> {
-        let room = Within::between(residual, self.lower, self.upper);
+        let room = Bounded::between(residual, self.lower, self.upper);
         self.adding.visit(room)
     }
 }
@@ -53,7 +53,7 @@ impl About {
         Self {
             name: self.name.or(other.name),
             weight: self.weight.or(other.weight),
-            times: self.times.or(other.times),
+            scale: self.scale.or(other.scale),
             tolerance: self.tolerance.or(other.tolerance),
             role: self.role.or(other.role),
             level: self.level.or(other.level),
