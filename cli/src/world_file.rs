@@ -14,7 +14,7 @@ use crate::output;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TouchOption {
     /// Let a link of the robot and an obstacle of --world touch, or two obstacles, however deep; repeat it for several pairs.
-    /// Default: what the file's own `allow_collision` says.
+    /// Default: what the file's own `may_touch` says.
     #[arg(long, value_name = "NAME=NAME", value_parser = pair, requires = "world", help_heading = COLLISIONS, hide_short_help = true)]
     allow_collision: Vec<[String; 2]>,
 }

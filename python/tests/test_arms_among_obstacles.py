@@ -145,14 +145,14 @@ def test_what_may_touch_is_passed_over(panda: kinopt.Robot) -> None:
     assert touching
     for link in sorted(touching):
         world.allow_collision(link, "ball")
-    assert sorted(touching) == sorted(world["ball"].allow_collision)
-    assert world.allow_collision("ball", min(touching))
+    assert sorted(touching) == sorted(world["ball"].allowed_collisions)
+    assert world.is_collision_allowed("ball", min(touching))
     assert arm.with_world(world).collisions(Q) == []
     assert arm.with_world(pickle.loads(pickle.dumps(world))).collisions(Q) == []
-    world.forbid_touch("ball", min(touching))
+    world.forbid_collision("ball", min(touching))
     assert [pair.first for pair in arm.with_world(world).collisions(Q)] == [min(touching)]
     with pytest.raises(InvalidValueError, match="kept apart"):
-        world.forbid_touch("ball", min(touching))
+        world.forbid_collision("ball", min(touching))
     with pytest.raises(UnknownNameError, match="neither"):
         world.allow_collision("hand", "bal")
     world.allow_collision("ball", "hnad")

@@ -34,7 +34,7 @@ CANNOT_RAISE = {
     "kinopt.TriangleMesh.vertex_normals",
     "kinopt.TriangleMesh.with_computed_normals",
     "kinopt.World",
-    "kinopt.World.allow_collision",
+    "kinopt.World.is_collision_allowed",
     "kinopt.World.to_json",
     "kinopt.animation.Armature.of_skeleton",
     "kinopt.animation.BoneMask.all",

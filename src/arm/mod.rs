@@ -64,7 +64,6 @@ pub use arm_model::ArmModel;
 pub use builder::{ArmBuilder, Base};
 pub(crate) use continuation::{ChainMotion, Ends};
 pub use derivative::ArmDerivative;
-pub(crate) use error::QueryError;
 pub use error::{ArmError, QueryError};
 pub use follower::{Follower, Jump};
 pub use options::Search;

@@ -15,7 +15,6 @@ pub mod ply;
 pub mod rig;
 pub mod state_machine;
 
-pub(crate) use crate::file::ReadError;
 pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
 pub use crate::file_access::FileAccess;
 pub use crate::file_replacement::write_file;

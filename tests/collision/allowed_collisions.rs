@@ -216,17 +216,17 @@ fn attached_object_may_touch_its_container() {
     world.allow_collision("bin", "can").unwrap();
     other.allow_collision("can", "bin").unwrap();
     assert!(!apart(&world) && !apart(&other));
-    other.forbid_touch("bin", "can").unwrap();
+    other.forbid_collision("bin", "can").unwrap();
     assert!(apart(&other));
     // The permission survives moving, detaching and attaching, but not removing and adding.
     world.detach("can", Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
-    assert!(!apart(&world) && world.allow_collision("can", "bin"));
+    assert!(!apart(&world) && world.is_collision_allowed("can", "bin"));
     let shape = world.obstacle("can").unwrap().shape.clone();
     world.remove("can").unwrap();
     world.add("can", shape, Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
-    assert!(apart(&world) && !world.allow_collision("can", "bin"));
+    assert!(apart(&world) && !world.is_collision_allowed("can", "bin"));
     // Set before the second object exists.
     for names in [["can", "bin"], ["bin", "can"]] {
         let mut world = World::new();
@@ -245,7 +245,7 @@ fn attached_object_may_touch_its_container() {
             }
         }
         assert!(!apart(&world), "{names:?}");
-        world.forbid_touch("can", "bin").unwrap();
+        world.forbid_collision("can", "bin").unwrap();
         assert!(apart(&world), "{names:?}");
     }
 }
@@ -346,15 +346,15 @@ fn unknown_names_are_reported() {
             .all(|name| message.contains(name)),
         "{message}"
     );
-    assert!(world.forbid_touch("hand", "tabel").is_err());
-    let message = world.forbid_touch("hand", "table").unwrap_err();
+    assert!(world.forbid_collision("hand", "tabel").is_err());
+    let message = world.forbid_collision("hand", "table").unwrap_err();
     assert!(
         matches!(&message, WorldError::KeptApart(names) if names[0] == "hand"),
         "{message}"
     );
     world.allow_collision("haand", "table").unwrap();
     world.allow_collision("table", "haand").unwrap();
-    assert_eq!(world.obstacle("table").unwrap().allow_collision, ["haand"]);
+    assert_eq!(world.obstacle("table").unwrap().allowed_collisions, ["haand"]);
     let message = world.allow_collision("table", " ").unwrap_err().to_string();
     assert!(message.contains("\" \""), "{message}");
     let robot = robot("franka_panda");
@@ -374,7 +374,7 @@ fn unknown_names_are_reported() {
         message.contains("`table`") && message.contains("did you mean `hand`?"),
         "{message}"
     );
-    world.forbid_touch("table", "haand").unwrap();
+    world.forbid_collision("table", "haand").unwrap();
     checker.with_world(&world).unwrap();
 }
 
@@ -385,7 +385,7 @@ fn permission_of_two_obstacles_is_mutual() {
     for name in ["can", "table"] {
         world.add_box(name, [0.1; 3], Vector3::zero()).unwrap();
     }
-    let of = |world: &World, name: &str| world.obstacle(name).unwrap().allow_collision.clone();
+    let of = |world: &World, name: &str| world.obstacle(name).unwrap().allowed_collisions.clone();
     world.allow_collision("can", "table").unwrap();
     world.allow_collision("table", "can").unwrap();
     assert_eq!(
@@ -395,31 +395,31 @@ fn permission_of_two_obstacles_is_mutual() {
     let mut without = world.clone();
     without.remove("table").unwrap();
     assert!(of(&without, "can").is_empty());
-    world.forbid_touch("table", "can").unwrap();
+    world.forbid_collision("table", "can").unwrap();
     assert!(of(&world, "can").is_empty() && of(&world, "table").is_empty());
 }
 
 #[test]
 fn files_and_scaled_worlds_keep_permissions() {
     let text = r#"{
-        "boxes": [{"name": "table", "size": [1, 1, 0.1], "allow_collision": ["hand", "can"]}],
-        "cylinders": [{"name": "can", "radius": 0.03, "length": 0.1, "allow_collision": ["table"]}]
+        "boxes": [{"name": "table", "size": [1, 1, 0.1], "may_touch": ["hand", "can"]}],
+        "cylinders": [{"name": "can", "radius": 0.03, "length": 0.1, "may_touch": ["table"]}]
     }"#;
     let world = World::from_json(text.as_bytes(), "w.json").unwrap();
     assert_eq!(
-        world.obstacle("table").unwrap().allow_collision,
+        world.obstacle("table").unwrap().allowed_collisions,
         ["hand", "can"]
     );
-    assert!(world.allow_collision("can", "table") && !world.allow_collision("can", "hand"));
+    assert!(world.is_collision_allowed("can", "table") && !world.is_collision_allowed("can", "hand"));
     let again = World::from_json(world.to_json().as_bytes(), "w.json").unwrap();
     assert_eq!(again.to_json(), world.to_json());
-    assert!(again.allow_collision("hand", "table"));
-    assert!(world.scaled(2.0).unwrap().allow_collision("hand", "table"));
+    assert!(again.is_collision_allowed("hand", "table"));
+    assert!(world.scaled(2.0).unwrap().is_collision_allowed("hand", "table"));
     // A world without permissions writes none.
     let mut plain = world.clone();
-    plain.forbid_touch("hand", "table").unwrap();
-    plain.forbid_touch("table", "can").unwrap();
-    assert!(!plain.to_json().contains("allow_collision"));
+    plain.forbid_collision("hand", "table").unwrap();
+    plain.forbid_collision("table", "can").unwrap();
+    assert!(!plain.to_json().contains("may_touch"));
 }
 
 /// A link with spheres from a file and no shapes may touch as well.

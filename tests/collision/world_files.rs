@@ -393,7 +393,7 @@ fn scene_matrix_allows_collisions_of_objects() {
     for matrix in [lists, messages] {
         let world = read(&matrix).unwrap();
         assert!(world.notes().is_empty(), "{:?}", world.notes());
-        let may = |a: &str, b: &str| world.allow_collision(a, b);
+        let may = |a: &str, b: &str| world.is_collision_allowed(a, b);
         assert!(may("Can1", "panda_hand") && may("shelf/0", "Can1") && may("shelf/1", "Can1"));
         assert!(!may("shelf/0", "panda_hand") && !may("pen", "Can1"));
         // Entries of removed objects and of other robots' links are ignored, also after JSON.
@@ -417,7 +417,7 @@ fn scene_matrix_allows_collisions_of_objects() {
         "link_name: panda_hand\n      touch_links: [a, b]",
     );
     let world = World::from_moveit(held.as_bytes(), "s.yaml").unwrap();
-    assert_eq!(world.obstacle("pen").unwrap().allow_collision, ["a", "b"]);
+    assert_eq!(world.obstacle("pen").unwrap().allowed_collisions, ["a", "b"]);
     let defaults = read("{default_entry_names: [Can1], default_entry_values: [1]}").unwrap();
     assert!(defaults.notes()[0].contains("default"));
     for wrong in [

@@ -62,7 +62,7 @@ fn rebuilt(world: &World) -> World {
         }
     }
     for obstacle in world.obstacles() {
-        for other in &obstacle.allow_collision {
+        for other in &obstacle.allowed_collisions {
             anew.allow_collision(&obstacle.name, other).unwrap();
         }
     }
@@ -88,10 +88,10 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
         11 => {
             let let_touch = world
                 .obstacles()
-                .find(|own| !own.allow_collision.is_empty());
+                .find(|own| !own.allowed_collisions.is_empty());
             if let Some(own) = let_touch.cloned() {
                 world
-                    .forbid_touch(&own.allow_collision[0], &own.name)
+                    .forbid_collision(&own.allowed_collisions[0], &own.name)
                     .unwrap();
             }
         }

@@ -56,7 +56,7 @@ impl Digest {
             self.text(&own.name);
             self.placement(&own.placement);
             let ball = own.shape.bounding_sphere();
-            self.noted(&(&own.attached, &own.allow_collision, ball));
+            self.noted(&(&own.attached, &own.allowed_collisions, ball));
         }
         self.noted(&(
             world.len(),
@@ -113,10 +113,10 @@ pub(crate) fn edit(digest: &mut Digest, world: &mut World, random: &mut Random, 
         _ => {
             let touching = world
                 .obstacles()
-                .find(|own| !own.allow_collision.is_empty());
-            let pair = touching.map(|own| [own.name.clone(), own.allow_collision[0].clone()]);
+                .find(|own| !own.allowed_collisions.is_empty());
+            let pair = touching.map(|own| [own.name.clone(), own.allowed_collisions[0].clone()]);
             let [one, other] = pair.unwrap_or([one, other]);
-            world.forbid_touch(&other, &one)
+            world.forbid_collision(&other, &one)
         }
     };
     digest.refusal(result);
@@ -256,7 +256,7 @@ fn checkers() -> [Value; 2] {
         worlds.bytes(&text);
         worlds.world(&World::from_json(text.as_bytes(), "world.json").unwrap());
         let (one, other) = (name(&mut random, &world), name(&mut random, &world));
-        worlds.noted(&world.allow_collision(&one, &other));
+        worlds.noted(&world.is_collision_allowed(&one, &other));
         worlds.refusal(world.obstacle(&one));
     }
     [digest.value(), worlds.value()]

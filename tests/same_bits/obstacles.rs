@@ -24,7 +24,7 @@ pub(crate) fn obstacle(digest: &mut Digest, world: &World) {
         );
         digest.bytes(format!(
             "{:?} {:?}",
-            obstacle.attached, obstacle.allow_collision
+            obstacle.attached, obstacle.allowed_collisions
         ));
         let ball = obstacle.shape.bounding_sphere();
         digest.doubles(ball.centre.to_array());
@@ -120,8 +120,8 @@ fn edits() -> Value {
     told(&mut digest, world.allow_collision("hand", "base"));
     told(&mut digest, world.allow_collision("ball", " "));
     told(&mut digest, world.allow_collision("cup", "left"));
-    told(&mut digest, world.forbid_touch("box", "can"));
-    told(&mut digest, world.forbid_touch("hand", "base"));
+    told(&mut digest, world.forbid_collision("box", "can"));
+    told(&mut digest, world.forbid_collision("hand", "base"));
     told(&mut digest, World::new().remove("nothing"));
     for (one, other) in [
         ("left", "cup"),
@@ -129,11 +129,11 @@ fn edits() -> Value {
         ("hand", "floor"),
         ("stone", "hand"),
     ] {
-        digest.word(world.allow_collision(one, other).into());
+        digest.word(world.is_collision_allowed(one, other).into());
     }
     digest.word(world.revision());
     let before = world.clone();
-    world.forbid_touch("left", "cup").unwrap();
+    world.forbid_collision("left", "cup").unwrap();
     world.move_to("can", Vector3::new(0.1, 0.2, 0.3)).unwrap();
     world.detach("cup", Vector3::new(0.4, 0.0, 0.0)).unwrap();
     world.remove("stone").unwrap();
@@ -204,7 +204,7 @@ fn files() -> Value {
         ("\"radius\": 0.08", "\"radius\": -0.08"),
         ("\"ball\"", "\"box\""),
         ("\"size\"", "\"sizes\""),
-        ("\"allow_collision\"", "\"order\""),
+        ("\"may_touch\"", "\"order\""),
         ("\"order\"", "\"orders\""),
         ("\"columns\": 3", "\"columns\": 4"),
         ("\"position\"", "\"quaternion\""),
@@ -228,7 +228,7 @@ fn files() -> Value {
         r#"{"meshes": [{"name": "m", "scale": [1, 2, -3], "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}]}"#,
         r#"{"planes": [{"name": "p"}], "spheres": [{"name": "s", "radius": 1}, {"name": "r", "radius": 2}], "order": ["r", "p"]}"#,
         r#"{"planes": [{"name": "p"}], "order": ["q"]}"#,
-        r#"{"spheres": [{"name": "s", "radius": 1, "allow_collision": ["x"]}], "may_be_missing": ["x"]}"#,
+        r#"{"spheres": [{"name": "s", "radius": 1, "may_touch": ["x"]}], "may_be_missing": ["x"]}"#,
         r#"{"spheres": [["s", 1]]}"#,
     ] {
         match World::from_json(more.as_bytes(), "more.json") {

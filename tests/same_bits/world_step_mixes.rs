@@ -73,8 +73,8 @@ fn step(world: &mut World, random: &mut Random) -> Result<(), String> {
     let link = LINKS[random.below(6)];
     let touching = world
         .obstacles()
-        .find(|own| !own.allow_collision.is_empty());
-    let touching = touching.map(|own| [own.name.clone(), own.allow_collision[0].clone()]);
+        .find(|own| !own.allowed_collisions.is_empty());
+    let touching = touching.map(|own| [own.name.clone(), own.allowed_collisions[0].clone()]);
     let result = match random.below(13) {
         0 | 1 | 12 if world.len() % 24 < 5 => {
             // Also under the name of a link.
@@ -89,7 +89,7 @@ fn step(world: &mut World, random: &mut Random) -> Result<(), String> {
         7 | 8 => world.allow_collision(&one, link),
         9 => world.allow_collision(&one, &other),
         _ => match touching {
-            Some([one, other]) => world.forbid_touch(&one, &other),
+            Some([one, other]) => world.forbid_collision(&one, &other),
             None => Ok(()),
         },
     };
@@ -97,7 +97,7 @@ fn step(world: &mut World, random: &mut Random) -> Result<(), String> {
 }
 
 /// Of a file, with what need not be there.
-const BEGIN: &str = r#"{"spheres": [{"name": "can", "radius": 0.1, "allow_collision": ["ghost", "left"]}, {"name": "cup", "radius": 0.3, "position": [0.2, 0, 0.5]}],
+const BEGIN: &str = r#"{"spheres": [{"name": "can", "radius": 0.1, "may_touch": ["ghost", "left"]}, {"name": "cup", "radius": 0.3, "position": [0.2, 0, 0.5]}],
 "boxes": [{"name": "pen", "size": [0.2, 0.3, 0.5], "attached": "lower"}], "order": ["cup", "pen", "can"], "may_be_missing": ["ghost"]}"#;
 
 fn steps() -> Value {

@@ -34,9 +34,9 @@ fn add<E: std::fmt::Display>(digest: &mut Digest, found: Result<World, E>, rando
 /// A few obstacles in each list, in an order of their own, with what may touch and what may be missing.
 fn small() -> String {
     r#"{"boxes": [{"name": "b", "size": [1, 2, 3], "position": [0.5, 0, 1], "quaternion": [0.8, 0, 0.6, 0]}],
- "cylinders": [{"name": "c", "radius": 0.5, "length": 2, "attached": "hand", "allow_collision": ["b", "left", "gone"]}],
+ "cylinders": [{"name": "c", "radius": 0.5, "length": 2, "attached": "hand", "may_touch": ["b", "left", "gone"]}],
  "spheres": [{"name": "s", "radius": 0.25, "rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}, {"name": "t", "radius": 1}],
- "capsules": [{"name": "k", "radius": 0.1, "length": 0, "allow_collision": ["t"]}], "planes": [{"name": "p", "position": [0, 0, -1]}],
+ "capsules": [{"name": "k", "radius": 0.1, "length": 0, "may_touch": ["t"]}], "planes": [{"name": "p", "position": [0, 0, -1]}],
  "convex": [{"name": "x", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]]}],
  "meshes": [{"name": "m", "scale": [1, -2, 1], "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "triangles": [[0, 2, 1], [0, 1, 3]]}],
  "height_fields": [{"name": "h", "heights": [0, 1, 0, 1, 2, 1], "columns": 3, "spacing": [1, 0.5]}],

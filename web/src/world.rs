@@ -137,7 +137,7 @@ impl World {
         self.inner.remove(name).map_err(raise)
     }
 
-    /// Allows collisions of an obstacle and a link, or of two obstacles, at any depth, until `forbidTouch` or the
+    /// Allows collisions of an obstacle and a link, or of two obstacles, at any depth, until `forbidCollision` or the
     /// removal of one of the obstacles.
     #[wasm_bindgen(js_name = allowCollision)]
     pub fn allow_collision(&mut self, one: &str, other: &str) -> Result<(), JsError> {
@@ -145,15 +145,15 @@ impl World {
     }
 
     /// Enables the collision pair again after `allowCollision`.
-    #[wasm_bindgen(js_name = forbidTouch)]
-    pub fn forbid_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
-        self.inner.forbid_touch(one, other).map_err(raise)
+    #[wasm_bindgen(js_name = forbidCollision)]
+    pub fn forbid_collision(&mut self, one: &str, other: &str) -> Result<(), JsError> {
+        self.inner.forbid_collision(one, other).map_err(raise)
     }
 
     /// True if the collision of the pair is allowed, in either order.
-    #[wasm_bindgen(js_name = allowCollision)]
-    pub fn allow_collision(&self, one: &str, other: &str) -> bool {
-        self.inner.allow_collision(one, other)
+    #[wasm_bindgen(js_name = isCollisionAllowed)]
+    pub fn is_collision_allowed(&self, one: &str, other: &str) -> bool {
+        self.inner.is_collision_allowed(one, other)
     }
 
     /// Notes: ignored parts of the file, and properties of accepted shapes, such as an open mesh.

@@ -89,8 +89,8 @@ impl TargetDerivatives {
         by_target: BTreeMap<String, Vec<Vec<f64>>>,
     ) -> Self {
         Self {
-            differentiability: existence.name(),
-            explanation: existence.to_string(),
+            differentiability: differentiability.name(),
+            explanation: differentiability.to_string(),
             velocity,
             by_target,
         }

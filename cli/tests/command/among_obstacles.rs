@@ -125,7 +125,7 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
     );
     let kept = folder.text(
         "kept.json",
-        r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05], "allow_collision": ["base"]}]}"#,
+        r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05], "may_touch": ["base"]}]}"#,
     );
     let q = "--q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04";
     let touching = kinopt!("check {panda} {q} --world {floor}");

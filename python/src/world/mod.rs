@@ -327,7 +327,7 @@ impl World {
     }
 
     /// Allows collisions of a pair, at any depth: an obstacle and a link of the robot, or two obstacles. Examples: feet
-    /// and floor, gripper and can, grasped can and table. All checks skip the pair until `forbid_touch`, or until one
+    /// and floor, gripper and can, grasped can and table. All checks skip the pair until `forbid_collision`, or until one
     /// of the obstacles is removed. Moving, attaching or detaching keeps the permission. An unknown link is an error
     /// only when a robot uses the world.
     ///
@@ -339,13 +339,13 @@ impl World {
     /// Enables the collision pair again after `allow_collision`.
     ///
     /// Raises `UnknownNameError` if neither is an obstacle, `InvalidValueError` if their collision is not allowed.
-    fn forbid_touch(&self, one: &str, other: &str) -> PyResult<()> {
-        self.lock().forbid_touch(one, other).or_raise()
+    fn forbid_collision(&self, one: &str, other: &str) -> PyResult<()> {
+        self.lock().forbid_collision(one, other).or_raise()
     }
 
     /// True if the collision of the pair is allowed, in either order.
-    fn allow_collision(&self, one: &str, other: &str) -> bool {
-        self.lock().allow_collision(one, other)
+    fn is_collision_allowed(&self, one: &str, other: &str) -> bool {
+        self.lock().is_collision_allowed(one, other)
     }
 
     /// A new world with the obstacles scaled by the factor `times`, together with their distance from the world's

@@ -88,8 +88,8 @@ impl Obstacle {
 
     /// Links and obstacles of its allowed collisions (`World.allow_collision`).
     #[getter]
-    fn allow_collision(&self) -> Vec<String> {
-        self.0.allow_collision.clone()
+    fn allowed_collisions(&self) -> Vec<String> {
+        self.0.allowed_collisions.clone()
     }
 
     /// Properties of its accepted shape, such as an open mesh without an interior.

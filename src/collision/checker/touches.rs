@@ -19,7 +19,7 @@ impl<'a> Touches<'a> {
     pub(super) fn of(model: &CollisionModel, world: &'a World) -> Result<Self, CheckerError> {
         let mut of = Vec::new();
         for (number, obstacle) in world.touching() {
-            for name in &obstacle.allow_collision {
+            for name in &obstacle.allowed_collisions {
                 let frame = FrameRef::from(name.as_str()).resolve(model.model());
                 let is_there = frame.is_ok() || world.number_of(name).is_some();
                 if !is_there && !world.may_be_missing(name) {
@@ -31,7 +31,7 @@ impl<'a> Touches<'a> {
                     });
                 }
             }
-            of.push((number, &*obstacle.name, &*obstacle.allow_collision));
+            of.push((number, &*obstacle.name, &*obstacle.allowed_collisions));
         }
         Ok(Self { world, of })
     }
@@ -48,7 +48,7 @@ impl<'a> Touches<'a> {
 
     /// True if two bodies may collide, of which at least one is an obstacle.
     pub(super) fn may(&self, one: &str, other: &str) -> bool {
-        !self.of.is_empty() && self.world.allow_collision(one, other)
+        !self.of.is_empty() && self.world.is_collision_allowed(one, other)
     }
 
     /// Adds the numbers of the obstacles that a named body may touch, and sorts all. Numbers of attached obstacles have

@@ -28,8 +28,8 @@ impl World {
     ///
     /// - `position`: default the origin. `quaternion`: default no rotation.
     /// - `attached`: name of a robot frame. The pose is then relative to that frame.
-    /// - `allow_collision`: names of the links and obstacles of [allowed collisions](Self::allow_collision).
-    /// - `may_be_missing`: a list next to those of obstacles, with names in `allow_collision` that need not exist.
+    /// - `may_touch`: names of the links and obstacles of [allowed collisions](Self::allow_collision).
+    /// - `may_be_missing`: a list next to those of obstacles, with names in `may_touch` that need not exist.
     /// - `meshes`: a file (OBJ, STL, DAE or PLY) below the folder of this file, or `vertices` and `triangles`.
     /// - `convex`: `points`. `height_fields`: `heights`, `columns` and `spacing`.
     /// - `order`: a list of all names in the order of the obstacles. The default order is that of the kinds.

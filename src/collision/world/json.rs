@@ -33,7 +33,7 @@ macro_rules! kinds {
                 #[serde(default, skip_serializing_if = "Option::is_none")]
                 attached: Option<String>,
                 #[serde(default, skip_serializing_if = "Vec::is_empty")]
-                allow_collision: Vec<String>,
+                may_touch: Vec<String>,
             }
         )*
 
@@ -43,7 +43,7 @@ macro_rules! kinds {
             $(#[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "objects")] $list: Vec<$kind>,)*
             #[serde(skip_serializing_if = "Vec::is_empty")]
             order: Vec<String>,
-            /// Names in `allow_collision` that need not exist.
+            /// Names in `may_touch` that need not exist.
             #[serde(skip_serializing_if = "BTreeSet::is_empty")]
             may_be_missing: BTreeSet<String>,
         }
@@ -70,7 +70,7 @@ macro_rules! kinds {
                     None => Ok(()),
                 });
                 let touches = attached.and_then(|()| {
-                    entry.allow_collision.iter().try_for_each(|with| world.allow_collision(&entry.name, with))
+                    entry.may_touch.iter().try_for_each(|with| world.allow_collision(&entry.name, with))
                 });
                 touches.map_err(|error| reader.invalid(place(), error))?;
             })*
@@ -304,7 +304,7 @@ fn push(contents: &mut Contents, obstacle: &Obstacle) {
                 quaternion,
                 rotation,
                 attached: obstacle.attached.clone(),
-                allow_collision: obstacle.allow_collision.clone(),
+                may_touch: obstacle.allowed_collisions.clone(),
             });
         }};
     }

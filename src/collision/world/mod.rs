@@ -38,7 +38,7 @@ pub struct Obstacle {
     /// Frame of the robot that the obstacle moves with, for instance a grasped object; `None` for a fixed obstacle.
     pub attached: Option<String>,
     /// Names of the links and obstacles that it is allowed to collide with ([`World::allow_collision`]).
-    pub allow_collision: Vec<String>,
+    pub allowed_collisions: Vec<String>,
 }
 
 impl Obstacle {
@@ -55,7 +55,7 @@ impl Obstacle {
             shape,
             placement: placement.into(),
             attached,
-            allow_collision: Vec::new(),
+            allowed_collisions: Vec::new(),
         }
     }
 }
@@ -176,7 +176,7 @@ impl World {
         if obstacle.attached.is_some() {
             self.attached.push(number);
         }
-        if !obstacle.allow_collision.is_empty() {
+        if !obstacle.allowed_collisions.is_empty() {
             self.touching.push(number);
         }
         self.obstacles.push(number, obstacle);
@@ -256,7 +256,7 @@ impl World {
             let own = Arc::make_mut(own);
             change(own);
             keep_number(&mut self.attached, number, own.attached.is_some());
-            keep_number(&mut self.touching, number, !own.allow_collision.is_empty());
+            keep_number(&mut self.touching, number, !own.allowed_collisions.is_empty());
         }
         self.revision += 1;
         Ok(())

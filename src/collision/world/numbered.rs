@@ -40,7 +40,7 @@ impl Change<'_> {
     pub(crate) fn is_of_names(&self) -> bool {
         match (self.before, self.after) {
             (Some(before), Some(after)) => {
-                before.allow_collision != after.allow_collision || before.name != after.name
+                before.allowed_collisions != after.allowed_collisions || before.name != after.name
             }
             _ => true,
         }

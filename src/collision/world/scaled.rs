@@ -35,7 +35,7 @@ impl World {
             let placement = rigid(&obstacle.name, placement)?;
             let attached = obstacle.attached.clone();
             let mut own = Obstacle::new(&obstacle.name, shape, placement, attached);
-            own.allow_collision.clone_from(&obstacle.allow_collision);
+            own.allowed_collisions.clone_from(&obstacle.allowed_collisions);
             scaled.push(Arc::new(own));
         }
         Ok(scaled)

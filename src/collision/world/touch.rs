@@ -6,7 +6,7 @@ impl World {
     /// Allows the collision of an obstacle and a link of the robot, or of two obstacles, at any depth.
     ///
     /// Examples are feet and the floor, a gripper and its can, or a held can and the table. All checks skip the pair.
-    /// The permission lasts until it is [forbidden](Self::forbid_touch) or an obstacle is [removed](Self::remove).
+    /// The permission lasts until it is [forbidden](Self::forbid_collision) or an obstacle is [removed](Self::remove).
     /// Moving, attaching and detaching keep it. A name denotes both the link and the obstacle of that name. A
     /// [`Checker`](crate::collision::Checker) reports links that the robot does not have.
     /// [`CollisionModel::with_ignored`](crate::collision::CollisionModel::with_ignored) allows collisions of two links.
@@ -35,9 +35,9 @@ impl World {
             return Err(WorldError::Unnamed((*name).to_owned()));
         }
         for (own, with) in [(one, other), (other, one)] {
-            let lacks = |own: &Obstacle| own.allow_collision.iter().all(|name| name != with);
+            let lacks = |own: &Obstacle| own.allowed_collisions.iter().all(|name| name != with);
             if self.obstacle(own).is_ok_and(lacks) {
-                self.edit(own, |own| own.allow_collision.push(with.to_owned()))?;
+                self.edit(own, |own| own.allowed_collisions.push(with.to_owned()))?;
             }
         }
         Ok(())
@@ -47,18 +47,18 @@ impl World {
     ///
     /// # Errors
     /// Returns an error if neither name is an obstacle, or if their collision is not allowed.
-    pub fn forbid_touch(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
+    pub fn forbid_collision(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
         if self.find(one).or(self.find(other)).is_none() {
             return Err(self.no_obstacle(one, other));
         }
-        if !self.allow_collision(one, other) {
+        if !self.is_collision_allowed(one, other) {
             let names = [one, other].map(str::to_owned);
             return Err(WorldError::KeptApart(names));
         }
         for (own, with) in [(one, other), (other, one)] {
             if self.find(own).is_some() {
                 self.edit(own, |obstacle| {
-                    obstacle.allow_collision.retain(|name| name != with)
+                    obstacle.allowed_collisions.retain(|name| name != with)
                 })?;
             }
         }
@@ -67,10 +67,10 @@ impl World {
 
     /// True if the collision of two bodies is allowed, in either order.
     #[must_use]
-    pub fn allow_collision(&self, one: &str, other: &str) -> bool {
+    pub fn is_collision_allowed(&self, one: &str, other: &str) -> bool {
         [(one, other), (other, one)].iter().any(|(own, with)| {
             let own = self.obstacle(own);
-            own.is_ok_and(|own| own.allow_collision.iter().any(|name| name == with))
+            own.is_ok_and(|own| own.allowed_collisions.iter().any(|name| name == with))
         })
     }
 
@@ -90,12 +90,12 @@ impl World {
         self.touching.retain(|other| *other != number);
         let of_it = self
             .touching()
-            .filter(|(_, other)| other.allow_collision.iter().any(|n| n == name));
+            .filter(|(_, other)| other.allowed_collisions.iter().any(|n| n == name));
         let of_it: Vec<String> = of_it.map(|(_, other)| other.name.clone()).collect();
         for other in of_it {
             // The obstacle was found above.
             let _ = self.edit(&other, |other| {
-                other.allow_collision.retain(|known| known != name)
+                other.allowed_collisions.retain(|known| known != name)
             });
         }
     }

@@ -130,7 +130,7 @@ impl<'a> SolutionDerivative<'a> {
             }
             None => Differentiability::DoesNotExist(NoDerivative::NotFinite),
         };
-        *kept = Some(existence.clone());
+        *kept = Some(differentiability.clone());
         Ok(Self {
             question,
             model: None,

@@ -12,7 +12,7 @@ use crate::problem::{ParameterVector, ProblemInstance};
 impl SolutionDerivative<'_> {
     /// Writes the velocity of the configuration for rates of the parameters (forward product).
     ///
-    /// [`differentiability`](Self::existence) reports if it is the shortest of many, or invalid.
+    /// [`differentiability`](Self::differentiability) reports if it is the shortest of many, or invalid.
     ///
     /// # Errors
     /// Returns an error if `rates` has another shape or `v` has the wrong length.

@@ -353,7 +353,7 @@ impl<'r> Retargeting<'r> {
             lost_contacts: lost_contacts.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
-            standing: can_stand.iter().map(name).collect(),
+            contact_frames: can_stand.iter().map(name).collect(),
             contact_points: can_stand
                 .iter()
                 .map(|limb| self.limbs.all[*limb].offset * back)
