@@ -81,7 +81,7 @@ def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> Non
         assert found.driven == ["hips", "left", "right"] and found.errors.shape == (30, 3)
         assert np.isclose(found.errors.mean(), found.mean_error)
         assert found.contact_frames == ["left_sole", "right_sole"] and found.contacts.all()
-        assert found.standing_at.shape == (2, 3) and not found.standing_at.any()
+        assert found.contact_points.shape == (2, 3) and not found.contact_points.any()
         soles = kinopt.ForwardKinematics(nao, found.contact_frames).place(found.q)[:, :, :3, 3]
         slip = np.linalg.norm(soles - soles[0], axis=2).max()
         assert np.isclose(slip, found.slip, atol=1e-9) and slip < 1e-3

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
+use super::bounded::beyond;
 use super::look_at::{line_of_sight, turn_onto};
 use super::residual::{moved, no_direction, not_finite, refuse};
-use super::bounded::beyond;
 use super::{Inequality, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;

@@ -1,7 +1,7 @@
 //! Manipulability task: a frame keeps a distance from singularities.
 
-use super::residual::refuse;
 use super::bounded::beyond;
+use super::residual::refuse;
 use super::{Inequality, Quantity, Residual, Role, RowBlock};
 use crate::model::{FrameId, JointId, JointKind, Model};
 use crate::scalar::Scalar;

@@ -1,9 +1,9 @@
 //! Pose task for a frame: position and orientation.
 
+use super::bounded::beyond;
 use super::goal::PoseBounds;
 use super::orientation::check_rotation;
 use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
-use super::bounded::beyond;
 use super::{Inequality, LocalJacobian, Orientation, Quantity, Residual, RowBlock};
 use crate::model::FrameId;
 use crate::scalar::Scalar;

@@ -83,7 +83,7 @@ fn reported_jumps_are_those_of_the_track() {
     let robot = robot("franka_panda");
     let (mut reported, mut tracks) = (0, 0);
     for (goal, seed) in [
-        (Goal::default(), 147),
+        (PoseBounds::default(), 147),
         (PoseBounds::free_about(Axis::Z), 178),
     ] {
         let arm = Arm::builder(&robot, "base", "flange").with_goal(goal);

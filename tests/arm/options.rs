@@ -70,7 +70,7 @@ fn plain(search: Search) -> &'static Arm {
 }
 
 /// Solves random poses from random starts and passes (target, found) to `judge`. Returns the number of solves.
-fn solved(goal: Goal, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> usize {
+fn solved(goal: PoseBounds, count: usize, mut judge: impl FnMut(&Matrix, &Matrix)) -> usize {
     let count = cases(count, count.div_ceil(3));
     let mut all = 0;
     for search in [Search::Start, Search::First, Search::Nearest] {

@@ -354,7 +354,10 @@ fn unknown_names_are_reported() {
     );
     world.allow_collision("haand", "table").unwrap();
     world.allow_collision("table", "haand").unwrap();
-    assert_eq!(world.obstacle("table").unwrap().allowed_collisions, ["haand"]);
+    assert_eq!(
+        world.obstacle("table").unwrap().allowed_collisions,
+        ["haand"]
+    );
     let message = world.allow_collision("table", " ").unwrap_err().to_string();
     assert!(message.contains("\" \""), "{message}");
     let robot = robot("franka_panda");
@@ -410,11 +413,18 @@ fn files_and_scaled_worlds_keep_permissions() {
         world.obstacle("table").unwrap().allowed_collisions,
         ["hand", "can"]
     );
-    assert!(world.is_collision_allowed("can", "table") && !world.is_collision_allowed("can", "hand"));
+    assert!(
+        world.is_collision_allowed("can", "table") && !world.is_collision_allowed("can", "hand")
+    );
     let again = World::from_json(world.to_json().as_bytes(), "w.json").unwrap();
     assert_eq!(again.to_json(), world.to_json());
     assert!(again.is_collision_allowed("hand", "table"));
-    assert!(world.scaled(2.0).unwrap().is_collision_allowed("hand", "table"));
+    assert!(
+        world
+            .scaled(2.0)
+            .unwrap()
+            .is_collision_allowed("hand", "table")
+    );
     // A world without permissions writes none.
     let mut plain = world.clone();
     plain.forbid_collision("hand", "table").unwrap();

@@ -417,7 +417,10 @@ fn scene_matrix_allows_collisions_of_objects() {
         "link_name: panda_hand\n      touch_links: [a, b]",
     );
     let world = World::from_moveit(held.as_bytes(), "s.yaml").unwrap();
-    assert_eq!(world.obstacle("pen").unwrap().allowed_collisions, ["a", "b"]);
+    assert_eq!(
+        world.obstacle("pen").unwrap().allowed_collisions,
+        ["a", "b"]
+    );
     let defaults = read("{default_entry_names: [Can1], default_entry_values: [1]}").unwrap();
     assert!(defaults.notes()[0].contains("default"));
     for wrong in [

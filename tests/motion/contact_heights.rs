@@ -43,7 +43,7 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.per_frame().unwrap();
         let toe = found
-            .standing
+            .contact_frames
             .iter()
             .position(|name| name == "left_toe")
             .unwrap();

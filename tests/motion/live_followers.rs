@@ -336,7 +336,7 @@ fn reported_slip_is_the_largest() {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
     let feet: Vec<_> = found
-        .standing
+        .contact_frames
         .iter()
         .map(|name| model.frame(name).unwrap())
         .collect();

@@ -64,7 +64,7 @@ fn invalid_limits_are_named() {
         })
     ));
     let zero = solution
-        .scale(&[1.0; 6], &[0.0; 6])
+        .times(&[1.0; 6], &[0.0; 6])
         .unwrap_err()
         .to_string();
     assert!(zero.contains("acceleration_limits"), "{zero}");

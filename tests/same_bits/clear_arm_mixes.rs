@@ -106,7 +106,7 @@ fn arm(robot: &Robot, tip: &str, random: &mut Random) -> Arm {
     own = own.with_goal(match random.below(5) {
         0 => PoseBounds::free_about(Axis::Z),
         1 => PoseBounds::position(),
-        _ => Goal::default(),
+        _ => PoseBounds::default(),
     });
     let distinct = Search::Distinct {
         k: 1 + random.below(3),

@@ -150,7 +150,7 @@ fn options() -> Value {
                 joints.map(|_| random.within(0.3, 3.0)).collect()
             };
             let (velocities, accelerations) = (limits(), limits());
-            if let Some(times) = digest.answer(found.scale(&velocities, &accelerations)) {
+            if let Some(times) = digest.answer(found.times(&velocities, &accelerations)) {
                 digest.doubles(times);
             }
         }

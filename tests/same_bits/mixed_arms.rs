@@ -90,7 +90,7 @@ pub(crate) fn robot(random: &mut Random, joints: usize) -> Robot {
         .unwrap()
 }
 
-fn goal(random: &mut Random) -> Goal {
+fn goal(random: &mut Random) -> PoseBounds {
     let axis = one_of(random, &[Axis::X, Axis::Y, Axis::Z]);
     match random.below(7) {
         0 => PoseBounds::pose(),

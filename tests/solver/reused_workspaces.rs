@@ -20,7 +20,7 @@ use crate::soft_task_fixtures::placement_of;
 const ELBOW: &str = "link4";
 
 /// Pose of the tool, and the tasks that `more` adds.
-fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, TaskId<Pose>) {
+fn problem(goal: PoseBounds, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, TaskId<Pose>) {
     let (robot, _, tool) = panda();
     let mut builder = Problem::builder(robot.model());
     builder.parameters(robot.map().clone());

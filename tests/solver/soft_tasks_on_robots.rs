@@ -49,7 +49,7 @@ fn robot_postures_on_limits_are_stationary() {
         let mut memory = DerivativeWorkspace::default();
         let derivative = SolutionDerivative::new(&problem, &solution.q, &mut memory).unwrap();
         let differentiability = derivative.differentiability();
-        assert!(existence.is_unique(), "{case}: {existence}");
+        assert!(differentiability.is_unique(), "{case}: {differentiability}");
     }
     assert!(limits > cases, "{limits} joints on limits in {cases}");
 }

@@ -112,7 +112,7 @@ fn look(seed: u64, seen: &mut Seen) {
         Change::Weight(1.0),
         Change::Origin(1.0),
     ] {
-        let rates = case(seed, &change.scale(0.0)).rates;
+        let rates = case(seed, &change.times(0.0)).rates;
         let mut reported = vec![0.0; here.model.degrees_of_freedom()];
         derivative.velocity(&rates, &mut reported).unwrap();
         let reported = na::DVector::from_vec(reported);
@@ -133,7 +133,7 @@ fn look(seed: u64, seen: &mut Seen) {
         let step = 1e-4 / size;
         let mut shown = na::DVector::zeros(reported.len());
         for (share, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
-            let there = case(seed, &change.scale(share * step));
+            let there = case(seed, &change.times(share * step));
             let conditions = Conditions {
                 model: &there.model,
                 problem: &there.plain,

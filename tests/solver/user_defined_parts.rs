@@ -11,7 +11,7 @@ use kinopt::solver::{
     Stopping, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Bounded, Posture, Quantity, Residual, RowBlock, Task};
+use kinopt::task::{self, Posture, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 use support::classics::{Bounded, Rosenbrock};
@@ -116,7 +116,7 @@ fn bounded_task_leaves_freedom_to_soft_tasks() {
     let (wanted, centre, frame) = ([0.2, 0.3, -0.2], circle.centre, circle.frame);
     let mut tasks = Problem::builder(&model);
     // Ring of ±10 cm about the circle.
-    let ring = Task::new(Bounded::new(circle, 0.1)).named("hand on the ring");
+    let ring = Task::new(task::Bounded::new(circle, 0.1)).named("hand on the ring");
     tasks.add(ring.tolerance(Quantity::Metres, 1e-9));
     tasks.add(Posture::new(&model, &wanted));
     let problem = tasks.build().unwrap();

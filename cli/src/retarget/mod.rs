@@ -126,15 +126,15 @@ struct Clip {
     slip: f64,
     /// Of a foot in the ground, metres, at most.
     ground_penetration: f64,
-    standing: Vec<String>,
+    contact_frames: Vec<String>,
     /// What could be held no longer, and from which frame on.
-    lost_contacts: Vec<LetGo>,
+    lost_contacts: Vec<LostContactReport>,
 }
 
 #[derive(Debug, Serialize)]
-struct LetGo {
+struct LostContactReport {
     frame: usize,
-    standing: String,
+    contact_frame: String,
 }
 
 /// Feet that are deeper in the ground than this are told of, metres.
@@ -162,10 +162,10 @@ impl Clip {
     }
 }
 
-fn of_given_up(own: LostContact) -> LetGo {
-    LetGo {
+fn lost_contact(own: LostContact) -> LostContactReport {
+    LostContactReport {
         frame: own.frame,
-        standing: own.contact_frames,
+        contact_frame: own.contact_frame,
     }
 }
 
@@ -262,8 +262,8 @@ impl<'a> Job<'a> {
             mean_error: found.mean_error,
             slip: found.slip,
             ground_penetration: found.ground_penetration,
-            standing: found.contact_frames,
-            lost_contacts: found.lost_contacts.into_iter().map(of_given_up).collect(),
+            contact_frames: found.contact_frames,
+            lost_contacts: found.lost_contacts.into_iter().map(lost_contact).collect(),
         })
     }
 }

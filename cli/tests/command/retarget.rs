@@ -56,7 +56,7 @@ fn contact_points_are_reported_with_their_frames() {
     let _ = answer!("{asked} --out {out}");
     let text = std::fs::read_to_string(&out).unwrap();
     let written: serde_json::Value = serde_json::from_str(&text).unwrap();
-    has!(written, {"contact_frames": ["left_sole", "left_sole"], "standing_at": [[0.05, 0.0, 0.0], [-0.05, 0.01, 0.0]]});
+    has!(written, {"contact_frames": ["left_sole", "left_sole"], "contact_points": [[0.05, 0.0, 0.0], [-0.05, 0.01, 0.0]]});
 }
 
 /// What a map says of an array is the map's to answer for.
@@ -132,7 +132,7 @@ fn swaying_subject_is_retargeted_to_a_robot() {
                 .all(|q| list(q).len() == names.len())
         );
         // Its names tell of no feet, so none stands.
-        for none in ["contact_frames", "standing_at"] {
+        for none in ["contact_frames", "contact_points"] {
             assert!(list(&written[none]).is_empty());
         }
     }
@@ -155,7 +155,7 @@ fn swaying_subject_is_retargeted_to_a_robot() {
         "names.npy",
         "contacts.npy",
         "standing.npy",
-        "standing_at.npy",
+        "contact_points.npy",
     ] {
         let found = bytes
             .windows(name.len())

@@ -51,8 +51,8 @@ class LostContact:
 
     frame: int
     """First frame with a drift of more than a millimetre; the contact ends there."""
-    standing: str
-    """Frame of the target, as in ``standing``."""
+    contact_frame: str
+    """Frame of the target, as in ``contact_frames``."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -125,7 +125,7 @@ class Retargeted:
         return figure.clip(self.q, self.fps, name)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``standing`` and ``contact_points`` as a .npz, which appears
+        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``contact_frames`` and ``contact_points`` as a .npz, which appears
         when it is complete.
 
         Raises ``InvalidValueError`` for another file extension, ``FileError`` if it cannot be written.
@@ -144,7 +144,7 @@ class Retargeted:
                     fps=self.fps,
                     names=np.array(self.names),
                     contacts=self.contacts,
-                    standing=np.array(self.standing, dtype=str),
+                    contact_frames=np.array(self.contact_frames, dtype=str),
                     contact_points=self.contact_points,
                 )
             part.replace(real)

@@ -141,7 +141,7 @@ pub(super) fn capture_retargeted<'py>(
         (own.frame, pair.first, pair.second, pair.distance)
     });
     let lost_contacts = found.lost_contacts.into_iter();
-    let lost_contacts = lost_contacts.map(|own| (own.frame, own.contact_frames));
+    let lost_contacts = lost_contacts.map(|own| (own.frame, own.contact_frame));
     let frames = found.q.len() / found.configuration_len.max(1);
     let contacts = PyArray1::from_slice(py, &found.contacts);
     let points = found.contact_points.iter();

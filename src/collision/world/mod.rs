@@ -256,7 +256,11 @@ impl World {
             let own = Arc::make_mut(own);
             change(own);
             keep_number(&mut self.attached, number, own.attached.is_some());
-            keep_number(&mut self.touching, number, !own.allowed_collisions.is_empty());
+            keep_number(
+                &mut self.touching,
+                number,
+                !own.allowed_collisions.is_empty(),
+            );
         }
         self.revision += 1;
         Ok(())

@@ -35,7 +35,8 @@ impl World {
             let placement = rigid(&obstacle.name, placement)?;
             let attached = obstacle.attached.clone();
             let mut own = Obstacle::new(&obstacle.name, shape, placement, attached);
-            own.allowed_collisions.clone_from(&obstacle.allowed_collisions);
+            own.allowed_collisions
+                .clone_from(&obstacle.allowed_collisions);
             scaled.push(Arc::new(own));
         }
         Ok(scaled)

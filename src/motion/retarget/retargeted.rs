@@ -54,8 +54,8 @@ pub struct Touching {
 pub struct LostContact {
     /// First sample with more than 1 mm of foot sliding.
     pub frame: usize,
-    /// Name of the model's frame, as in [`Retargeted::standing`].
-    pub standing: String,
+    /// Name of the model's frame, as in [`Retargeted::contact_frames`].
+    pub contact_frame: String,
 }
 
 impl Retargeted {

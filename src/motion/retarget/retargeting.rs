@@ -343,7 +343,7 @@ impl<'r> Retargeting<'r> {
             .iter()
             .map(|(frame, limb)| LostContact {
                 frame: *frame,
-                standing: name(limb),
+                contact_frame: name(limb),
             });
         let touching = self.touching(&q);
         let back = self.unit.back();

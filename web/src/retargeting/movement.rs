@@ -151,7 +151,7 @@ impl Retargeted {
     }
 
     /// Contact point of each, in its coordinates, three numbers, metres.
-    #[wasm_bindgen(getter, js_name = standingAt)]
+    #[wasm_bindgen(getter, js_name = contactPoints)]
     pub fn contact_points(&self) -> Vec<f64> {
         let points = self.inner.contact_points.iter();
         points.flat_map(|at| at.to_array()).collect()
