@@ -86,7 +86,7 @@ Examples:
   kinopt check robot.urdf --q-file solved.json --world kitchen.json --margin 0.01
   kinopt animate arm.json --fps 24 --out frames
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
-  kinopt spheres robot.urdf --max_protrusion 0.02 --out spheres.yml
+  kinopt spheres robot.urdf --max-protrusion 0.02 --out spheres.yml
   kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results

@@ -21,12 +21,12 @@ const EXAMPLES: &str = "\
 Examples:
   kinopt spheres robot.urdf --out spherised.urdf     the same robot, of spheres that stick out by a
                                                      fiftieth of its reach at most
-  kinopt spheres robot.urdf --max_protrusion 0.02 --out spheres.yml
+  kinopt spheres robot.urdf --max-protrusion 0.02 --out spheres.yml
                                                      by 2 cm, for cuRobo
   kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
                                                      at most six a link, meshes of ROS packages";
 
-/// The max_protrusion, unless given, as a share of the robot's reach.
+/// The largest protrusion, unless given, as a share of the robot's reach.
 const SHARE: f64 = 0.02;
 /// And where a link is too large for that, as a share of the radius around the largest shape.
 const SHARE_OF_LARGEST: f64 = 0.05;
@@ -60,7 +60,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
     max_protrusion: Option<f64>,
 
-    /// At most so many spheres a link, sticking out as little as is found. Default: as --max_protrusion.
+    /// At most so many spheres a link, sticking out as little as is found. Default: as --max-protrusion.
     #[arg(long, value_name = "N")]
     spheres: Option<usize>,
 
@@ -107,8 +107,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let robot = loaded.robot_with_shapes("spheres")?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let spheres = match (arguments.max_protrusion, arguments.spheres) {
-        (Some(max_protrusion), _) => SphereModel::of(&model, Resolution::Overhang(max_protrusion))
-            .map_err(|wrong| failure!("--max_protrusion {max_protrusion}: {}", wrong.allowed))?,
+        (Some(max_protrusion), _) => {
+            SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))
+                .map_err(|wrong| failure!("--max-protrusion {max_protrusion}: {}", wrong.allowed))?
+        }
         (_, Some(count)) => SphereModel::of(&model, Resolution::PerLink(count))
             .map_err(|wrong| failure!("--spheres {count}: {}", wrong.allowed))?,
         _ => as_fine_as_may_be(&model, robot.model().reach())?,
@@ -141,7 +143,7 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
         .fold(0.0, f64::max);
     let mut max_protrusion = finest;
     for _ in 0..DOUBLINGS {
-        if let Ok(spheres) = SphereModel::of(model, Resolution::Overhang(max_protrusion)) {
+        if let Ok(spheres) = SphereModel::of(model, Resolution::MaxProtrusion(max_protrusion)) {
             if max_protrusion > finest {
                 output::message(&format!(
                     "note: the spheres stick out by up to {max_protrusion} m: some link is too large for {finest} m, a fiftieth of the reach"
@@ -153,7 +155,7 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
     }
     Ok(SphereModel::of(
         model,
-        Resolution::Overhang(max_protrusion),
+        Resolution::MaxProtrusion(max_protrusion),
     )?)
 }
 

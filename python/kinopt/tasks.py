@@ -605,7 +605,7 @@ class Bounded(Task):
     A limit that depends on other joints is an example; it is a penalty, not a hard bound::
 
         beyond = tasks.Residual(lambda q: [q[0] + 0.5 * q[1] - 1.2], joints=["wrist", "elbow"], rows={"radians": 1})
-        problem = kinopt.Problem(robot, [tasks.Within.at_most(beyond, 0.0), tasks.Point("hand", [0.4, 0.1, 0.3])])
+        problem = kinopt.Problem(robot, [tasks.Bounded.at_most(beyond, 0.0), tasks.Point("hand", [0.4, 0.1, 0.3])])
 
     Raises ``InvalidValueError`` for another object than a task, for a nested ``Bounded``, and for an interval given
     twice.
@@ -616,7 +616,7 @@ class Bounded(Task):
     lower: float = field(default=-inf, kw_only=True)
     upper: float = field(default=inf, kw_only=True)
 
-    _kind: ClassVar[str] = "within"
+    _kind: ClassVar[str] = "bounded"
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,4 +1,4 @@
-//! PoseBounds bounds: components of a pose that are constrained.
+//! Goal bounds: components of a pose that are constrained.
 
 use kinopt::task::Axis;
 use pyo3::prelude::*;

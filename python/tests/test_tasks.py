@@ -134,7 +134,7 @@ def cases(robot):
             tasks.LimitCentring(),
             lambda f, q: (q - rest) / ((upper - lower) / 2),
         ),
-        "within": (
+        "bounded": (
             tasks.Bounded(tasks.Point("tool", TARGET), 0.2),
             lambda f, q: beyond(f["tool"][:3, 3] - TARGET, -0.2, 0.2),
         ),
@@ -197,7 +197,7 @@ def cases(robot):
             lambda f, q: (q - rest) / 0.02 / ((upper - lower) / 2),
         ),
         "at least": (
-            tasks.Within.at_least(tasks.Plane("tool", TARGET, [0, 3, 4]), 0.3),
+            tasks.Bounded.at_least(tasks.Plane("tool", TARGET, [0, 3, 4]), 0.3),
             lambda f, q: beyond(np.array([normal @ (f["tool"][:3, 3] - TARGET)]), 0.3, np.inf),
         ),
     }
@@ -421,7 +421,7 @@ def test_inside_its_room_a_one_sided_task_costs_nothing():
     low = tasks.Residual(lambda places: places[0, 2, 3], frames=["trunk"], rows=1)
     height = kinopt.frame_placement(robot, "trunk", q)[2, 3]
     for limit, left in ((height + 0.1, 0.0), (height - 0.1, 0.1)):
-        problem = kinopt.Problem(robot, [tasks.Within.at_most(low, limit)])
+        problem = kinopt.Problem(robot, [tasks.Bounded.at_most(low, limit)])
         assert np.allclose(problem.residual(q), left, atol=1e-12)
 
 

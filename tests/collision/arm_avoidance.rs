@@ -25,7 +25,7 @@ fn kept_clear(name: &str, search: Search) -> Kept {
     let robot = robot(name);
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.03)).unwrap();
     let arm = Arm::builder(&robot, "base", "flange").with_search(search);
     Kept {
         q_model: vec![0.0; robot.model().configuration_len()],

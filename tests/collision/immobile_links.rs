@@ -23,7 +23,7 @@ impl Panda {
         let robot = robot("franka_panda");
         let bodies = CollisionModel::of(&robot).unwrap();
         let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-        let spheres = SphereModel::of(&bodies, Resolution::Overhang(max_protrusion)).unwrap();
+        let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(max_protrusion)).unwrap();
         Self {
             checker: Checker::new(bodies).with_spheres(spheres),
             rest: vec![0.0; robot.model().configuration_len()],

@@ -53,7 +53,7 @@ fn close_links_keep_the_margin() {
     let robot = Robot::parse(PLATES, "plates.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_checked("lower", "upper").unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.03)).unwrap();
     let checker = Checker::new(bodies).with_spheres(spheres);
     let checker = checker.with_margin(0.02).unwrap();
     let arm = Arm::builder(&robot, "lower", "upper").with_atlas(false);
@@ -124,7 +124,7 @@ fn link_without_spheres_is_checked_by_shape() {
         CollisionObject::new(name, link, Placement::translation(at), ball)
     });
     let few = CollisionModel::new(model, vec![low.clone()]).unwrap();
-    let spheres = SphereModel::of(&few, Resolution::Overhang(0.01)).unwrap();
+    let spheres = SphereModel::of(&few, Resolution::MaxProtrusion(0.01)).unwrap();
     let mut world = World::new();
     let at = Vector3::new(0.5, 0.0, 1.0);
     world.add_sphere("above", 0.1, at).unwrap();
@@ -258,7 +258,7 @@ fn pairs_added_after_spheres_are_checked() {
     let none = all.iter().fold(bodies.clone(), |model, [a, b]| {
         model.with_ignored(*a, *b).unwrap()
     });
-    let spheres = SphereModel::of(&none, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&none, Resolution::MaxProtrusion(0.03)).unwrap();
     let checker = Checker::new(bodies).with_spheres(spheres);
     let rest = vec![0.0; robot.model().configuration_len()];
     let arm = Arm::new(&robot, "base", "flange").unwrap();

@@ -30,7 +30,7 @@ fn assert_equal_results(search: Search) {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.1)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.1)).unwrap();
     let rest = vec![0.0; robot.model().configuration_len()];
     let alone = Checker::new(bodies);
     let covered = alone.clone().with_spheres(spheres);
@@ -90,7 +90,7 @@ fn spheres_are_placed_with_their_links() {
     let robot = Robot::parse(BAR, "bar.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_checked("post", "bar").unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.03)).unwrap();
     let checker = Checker::new(bodies).with_spheres(spheres);
     for (turn, touches) in [(0.3, true), (0.2, false), (-0.3, false)] {
         let found = checker.collisions(&[turn]).unwrap();

@@ -120,7 +120,7 @@ fn spheres_cover_shipped_robots() {
     let mut random = Random::new(4);
     for name in part(robots, 2) {
         let model = CollisionModel::of(&robot(name)).unwrap();
-        let spheres = SphereModel::of(&model, Resolution::Overhang(0.03)).unwrap();
+        let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.03)).unwrap();
         assert!(spheres.max_protrusion() <= 0.03, "{name}");
         assert_eq!(spheres.groups().len(), model.links().len());
         assert_eq!(spheres.pairs().len(), model.pairs().len());
@@ -149,12 +149,12 @@ fn spheres_cover_random_shapes() {
         });
         let model = one_link(shapes.collect::<Vec<_>>());
         let fineness = match case % 2 {
-            0 => Resolution::Overhang(random.within(0.1, 0.3)),
+            0 => Resolution::MaxProtrusion(random.within(0.1, 0.3)),
             _ => Resolution::PerLink(1 + random.below(20)),
         };
         let spheres = SphereModel::of(&model, fineness).unwrap();
         match fineness {
-            Resolution::Overhang(max_protrusion) => {
+            Resolution::MaxProtrusion(max_protrusion) => {
                 assert!(spheres.max_protrusion() <= max_protrusion)
             }
             Resolution::PerLink(most) => {
@@ -181,7 +181,7 @@ fn spheres_cover_large_hulls() {
         ];
         let shapes = own.map(|placed| (Shape::convex(&corners).unwrap(), placed));
         let model = one_link(shapes);
-        let spheres = SphereModel::of(&model, Resolution::Overhang(0.03)).unwrap();
+        let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.03)).unwrap();
         assert!(spheres.max_protrusion() <= 0.03);
         holds(&model, &spheres, 4000, &mut random);
     }
@@ -191,7 +191,7 @@ fn spheres_cover_large_hulls() {
 fn sphere_shapes_are_kept() {
     let at = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
     let model = one_link([(Shape::sphere(0.25).unwrap(), at)]);
-    let spheres = SphereModel::of(&model, Resolution::Overhang(0.5)).unwrap();
+    let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.5)).unwrap();
     assert_eq!((spheres.count(), spheres.max_protrusion()), (1, 0.0));
     assert_eq!(spheres.groups()[0].spheres[0].radius, 0.25);
     assert_eq!(SphereModel::of_spheres(&model), Some(spheres));
@@ -203,7 +203,7 @@ fn sphere_shapes_are_kept() {
 fn capsule_cover_is_minimal() {
     // Neighbours may be 2 √(0.12² − 0.1²) = 0.1327 apart, and the last ones 0.02 from the ends: 0.96 / 0.1327.
     let model = one_link([(Shape::capsule(0.1, 1.0).unwrap(), Placement::identity())]);
-    let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
+    let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.02)).unwrap();
     assert_eq!(spheres.count(), 9);
 }
 
@@ -213,7 +213,7 @@ fn capsule_cover_is_minimal() {
 fn bar_cover_is_nearly_minimal() {
     let bar = Shape::cuboid([1.0, 0.1, 0.1]).unwrap();
     let model = one_link([(bar, Placement::identity())]);
-    let spheres = SphereModel::of(&model, Resolution::Overhang(0.05)).unwrap();
+    let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.05)).unwrap();
     assert!((8..=20).contains(&spheres.count()), "{}", spheres.count());
 }
 
@@ -233,7 +233,7 @@ fn protrusion_of_capsules_is_the_maximum() {
         (vec![long, short], farthest),
     ] {
         let model = one_link(capsules);
-        let spheres = SphereModel::of(&model, Resolution::Overhang(0.02)).unwrap();
+        let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.02)).unwrap();
         let reported = spheres.max_protrusion();
         assert!((reported - expected).abs() < 1e-9, "{reported} {expected}");
     }
@@ -242,7 +242,7 @@ fn protrusion_of_capsules_is_the_maximum() {
 #[test]
 fn cover_is_reproducible() {
     let model = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let twice = [0, 1].map(|_| SphereModel::of(&model, Resolution::Overhang(0.04)).unwrap());
+    let twice = [0, 1].map(|_| SphereModel::of(&model, Resolution::MaxProtrusion(0.04)).unwrap());
     assert_eq!(twice[0], twice[1]);
 }
 
@@ -250,7 +250,7 @@ fn cover_is_reproducible() {
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let message = SphereModel::of(&model, Resolution::Overhang(bad))
+        let message = SphereModel::of(&model, Resolution::MaxProtrusion(bad))
             .unwrap_err()
             .to_string();
         assert!(message.contains("max_protrusion"), "{message}");
@@ -321,7 +321,7 @@ fn sphere_links_are_checked_exactly() {
             }
         }
         let bodies = CollisionModel::new(&model, objects).unwrap();
-        let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.01)).unwrap();
+        let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.01)).unwrap();
         let alone = Checker::new(bodies).with_world(&world).unwrap();
         let checker = alone.clone().with_spheres(spheres);
         let arm = Arm::builder(&model, base, tip).with_atlas(false).build();

@@ -106,7 +106,7 @@ fn both_formats_round_trip() {
     let path = "../models/franka_panda.urdf";
     let robot = robot("franka_panda");
     let shapes = CollisionModel::of(&robot).unwrap();
-    let spheres = SphereModel::of(&shapes, Resolution::Overhang(0.05)).unwrap();
+    let spheres = SphereModel::of(&shapes, Resolution::MaxProtrusion(0.05)).unwrap();
     let yaml = spheres.to_yaml();
     let again = SphereModel::parse(yaml.as_bytes(), "s.yaml", &shapes).unwrap();
     assert_eq!(again.groups(), spheres.groups());
@@ -148,7 +148,7 @@ fn disabled_pairs_round_trip_through_srdf() {
 
 /// Sphere file of a Panda, each sphere a third too small.
 fn small_spheres(shapes: &CollisionModel) -> String {
-    let spheres = SphereModel::of(shapes, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(shapes, Resolution::MaxProtrusion(0.03)).unwrap();
     let mut text = "collision_spheres:\n".to_owned();
     for group in spheres.groups() {
         text.push_str(&format!("  {}:\n", group.name));
@@ -204,7 +204,7 @@ fn reported_gap_bounds_the_uncovered_part() {
     // Spheres that cover a shape leave no gap, for any shape.
     for name in ["franka_panda", "universal_ur5e", "kuka_iiwa14"] {
         let shapes = CollisionModel::of(&robot(name)).unwrap();
-        let spheres = SphereModel::of(&shapes, Resolution::Overhang(0.03)).unwrap();
+        let spheres = SphereModel::of(&shapes, Resolution::MaxProtrusion(0.03)).unwrap();
         let again = SphereModel::parse(spheres.to_yaml().as_bytes(), "s.yml", &shapes).unwrap();
         assert_eq!((again.gap(), spheres.gap()), (0.0, 0.0), "{name}");
     }
@@ -295,7 +295,7 @@ fn sphere_order_does_not_matter() {
     let text = r#"<robot name="rod"><link name="rod"><collision><geometry><capsule radius="0.1" length="0.9"/></geometry></collision></link></robot>"#;
     let robot = Robot::parse(text, "rod.urdf").unwrap();
     let shapes = CollisionModel::of(&robot).unwrap();
-    let row = SphereModel::of(&shapes, Resolution::Overhang(0.02)).unwrap();
+    let row = SphereModel::of(&shapes, Resolution::MaxProtrusion(0.02)).unwrap();
     let mut balls = row.groups()[0].spheres.clone();
     assert!(balls.len() > 5);
     for turned in 0..2 {

@@ -31,7 +31,7 @@ fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
         Vector3::new(0.0, 0.0, 0.25),
     );
     world.add("ceiling", Shape::half_space(), down).unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.03)).unwrap();
     let checker = Checker::new(bodies).with_world(&world).unwrap();
     match with_spheres {
         true => checker.with_spheres(spheres),

@@ -134,7 +134,7 @@ fn branch_free_by_its_shapes_is_found() {
     ];
     let robot = Robot::parse(&text.concat(), "elbow.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.05)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.05)).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_goal(PoseBounds::position());
     let arm = arm.build().unwrap();
     let points = (0..5).map(|k| {
@@ -166,7 +166,7 @@ fn branch_free_by_its_shapes_is_found() {
 fn shapes_decide_where_spheres_touch() {
     let robot = Robot::parse(GANTRY, "gantry.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
-    let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
+    let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.03)).unwrap();
     let arm = Arm::builder(&robot, "base", "cube").with_goal(PoseBounds::position());
     let arm = arm.build().unwrap();
     let along = (0..=40).map(|k| {

@@ -231,7 +231,7 @@ fn sphere_models() -> Value {
     let mut digest = Digest::new();
     let bodies = CollisionModel::of(&robot()).unwrap();
     for fineness in [
-        Resolution::Overhang(0.06),
+        Resolution::MaxProtrusion(0.06),
         Resolution::PerLink(1),
         Resolution::PerLink(3),
     ] {
@@ -252,7 +252,7 @@ fn sphere_models() -> Value {
         let again = serde_json::to_string(&spheres).unwrap();
         spheres_of(&mut digest, &serde_json::from_str(&again).unwrap());
     }
-    for fineness in [Resolution::Overhang(0.0), Resolution::PerLink(0)] {
+    for fineness in [Resolution::MaxProtrusion(0.0), Resolution::PerLink(0)] {
         told(&mut digest, SphereModel::of(&bodies, fineness));
     }
     let short = "robot_cfg:\n  collision_spheres:\n    hand:\n      - center: [0, 0.01, 0]\n        radius: 0.05\n      - center: [0, 0, 0]\n        radius: -10\n    wrist:\n      - {center: [0, 0, 0], radius: 0.1}\n    base: []\n";

@@ -238,7 +238,7 @@ pub(crate) fn checker(robot: &Robot, random: &mut Random) -> Checker {
     let checker = match random.below(6) {
         1.. => Checker::new(bodies),
         0 => {
-            let spheres = SphereModel::of(&bodies, Resolution::Overhang(0.03)).unwrap();
+            let spheres = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.03)).unwrap();
             Checker::new(bodies).with_spheres(spheres)
         }
     };

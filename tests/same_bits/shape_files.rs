@@ -197,7 +197,7 @@ fn serialised() -> Value {
             }
         }
     }
-    for fineness in [Resolution::Overhang(0.2), Resolution::PerLink(3)] {
+    for fineness in [Resolution::MaxProtrusion(0.2), Resolution::PerLink(3)] {
         spheres_of(&mut digest, &SphereModel::of(&own, fineness).unwrap());
     }
     digest.word(SphereModel::of_spheres(&own).is_some().into());
@@ -329,7 +329,7 @@ fn capsules() -> Value {
             vec![cloud.clone(), cloud],
         ] {
             let bodies = CollisionModel::new(robot.model(), objects).unwrap();
-            for fineness in [Resolution::Overhang(0.05), Resolution::PerLink(2)] {
+            for fineness in [Resolution::MaxProtrusion(0.05), Resolution::PerLink(2)] {
                 spheres_of(&mut digest, &SphereModel::of(&bodies, fineness).unwrap());
             }
         }
@@ -345,7 +345,7 @@ fn plates() -> Value {
         let plate = Shape::cuboid(size).unwrap();
         let plate = CollisionObject::new("plate", link, Vector3::zero(), plate);
         let bodies = CollisionModel::new(robot.model(), vec![plate]).unwrap();
-        let cover = SphereModel::of(&bodies, Resolution::Overhang(0.05)).unwrap();
+        let cover = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.05)).unwrap();
         spheres_of(&mut digest, &cover);
     }
     digest.value()

@@ -80,7 +80,7 @@ fn checker(world: &World) -> Checker {
 fn spheres() -> Value {
     let mut digest = Digest::new();
     let bodies = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let cover = SphereModel::of(&bodies, Resolution::Overhang(0.01)).unwrap();
+    let cover = SphereModel::of(&bodies, Resolution::MaxProtrusion(0.01)).unwrap();
     for sphere in cover.groups().iter().flat_map(|group| &group.spheres) {
         digest.doubles(sphere.centre.to_array());
         digest.doubles([sphere.radius]);

@@ -80,4 +80,4 @@ export function manipulability(
     options?: Own<"manipulability", "frame" | "least">,
 ): Of<"manipulability">;
 /** Has another task cost only what lies beyond an interval, `{ lower, upper }`: a room, a floor, a least distance. */
-export function within(task: Task, options?: Own<"within", "task">): Of<"within">;
+export function bounded(task: Task, options?: Own<"bounded", "task">): Of<"bounded">;

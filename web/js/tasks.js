@@ -58,4 +58,4 @@ export const jointCoupling = (coefficients, offset, options) => ({ ...options, k
 export const manipulability = (frame, least, options) => ({ ...options, kind: "manipulability", frame, least });
 
 /** Has another task cost only what lies beyond an interval, `{ lower, upper }`. */
-export const within = (task, options) => ({ ...options, kind: "within", task });
+export const bounded = (task, options) => ({ ...options, kind: "bounded", task });

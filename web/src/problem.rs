@@ -51,7 +51,7 @@ export type Task = TaskOptions & (
     | { kind: "frameVelocity"; frame: string; previous: Placement; timeStep: number; linear?: Numbers; angular?: Numbers }
     | { kind: "jointCoupling"; coefficients: Readonly<Record<string, number>>; offset?: number }
     | { kind: "manipulability"; frame: string; least: number; base?: string; of?: "pose" | "position" | "orientation" }
-    | { kind: "within"; task: Task; lower?: number; upper?: number }
+    | { kind: "bounded"; task: Task; lower?: number; upper?: number }
 );
 
 /** What each joint counts in a task: one number for each that it reads, some by their names, or half its range. */

@@ -153,7 +153,7 @@ fn sphere_model_file_changes_no_result() {
     let table = model("worlds/table.json");
     let panda = model("franka_panda.urdf");
     let out = folder.file("panda.yml");
-    answer!("spheres {panda} --max_protrusion 0.04 --samples 0 --out {out}");
+    answer!("spheres {panda} --max-protrusion 0.04 --samples 0 --out {out}");
     let text = std::fs::read_to_string(&out).unwrap();
     // All of one size, as they would be by a slip.
     let small = text.lines().map(|line| match line.split_once("radius") {

@@ -69,7 +69,7 @@ fn negative_numbers_are_rejected_as_numbers() {
     // Numbers of a list are looked at with the arm: the file comes first.
     refused!("path {panda} weld.csv --joint-weights -1,2" => 1, "weld.csv");
     refused!("solve {rig} {TARGET} --restarts -1" => 2, "--restarts | -1");
-    refused!("spheres {panda} --max_protrusion -1 --out s.yml" => 1, "max_protrusion | -1");
+    refused!("spheres {panda} --max-protrusion -1 --out s.yml" => 1, "max_protrusion | -1");
     refused!("animate {rig} --fps -24 --out frames" => 2, "--fps | `-24`");
     refused!("retarget walk.bvh {panda} --contact-speed -1 --out a.npz" => 2, "--contact-speed | `-1`");
     refused!("retarget walk.bvh {panda} --keep-clear -1 --out a.npz" => 2, "--keep-clear | `-1`");

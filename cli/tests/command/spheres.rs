@@ -14,7 +14,7 @@ fn robot_spheres_are_written_in_both_formats() {
     let shapes = CollisionModel::of(&robot).unwrap();
     for name in ["panda.urdf", "panda.yml"] {
         let out = folder.file(name);
-        let told = answer!("spheres {panda} --max_protrusion 0.04 --samples 500 --out {out}");
+        let told = answer!("spheres {panda} --max-protrusion 0.04 --samples 500 --out {out}");
         assert!(number(&told["max_protrusion"]) <= 0.04);
         let read = SphereModel::read(&out, &shapes).unwrap();
         assert_eq!(count(&told["spheres"]), read.count() as u64);
@@ -85,7 +85,7 @@ fn invalid_input_is_rejected() {
     let folder = Folder::new("no-spheres");
     let panda = model("franka_panda.urdf");
     let out = folder.file("panda.yml");
-    refused!("spheres {panda} --max_protrusion=-1 --out {out}" => 1, "--max_protrusion -1: | positive");
+    refused!("spheres {panda} --max-protrusion=-1 --out {out}" => 1, "--max-protrusion -1: | positive");
     refused!("spheres {panda} --spheres 0 --out {out}" => 1, "--spheres 0: | positive");
     refused!("spheres {panda} --out {out}.txt" => 2, ".urdf or .yml");
     let bare = r#"<robot name="bare"><link name="a"/></robot>"#;
@@ -109,7 +109,7 @@ fn default_accepts_links_of_any_size() {
     assert!(number(&told["max_protrusion"]) > 0.008, "{told}");
     let run = kinopt!("spheres {robot} --samples 0 --out {out}");
     says!(stderr(&run) => "note: | too large for 0.008 m, a fiftieth of the reach");
-    refused!("spheres {robot} --samples 0 --max_protrusion 0.0001 --out {out}" => 1, "--max_protrusion 0.0001: | larger");
+    refused!("spheres {robot} --samples 0 --max-protrusion 0.0001 --out {out}" => 1, "--max-protrusion 0.0001: | larger");
     let rig = model("humanoid/humanoid.json");
     refused!("spheres {rig} --out {out}" => 2, "spheres is for robots with collision shapes | is a rig");
     refused!("check {rig}" => 2, "check is for robots with collision shapes | is a rig");

@@ -128,7 +128,7 @@ class SolveProblem:
 def _target_shape(problem: Problem, name: str) -> tuple[int, ...]:
     """Shape of a task's target."""
     task = problem.tasks[problem.task_names.index(name)]
-    task = task.task if isinstance(task, tasks.Within) else task
+    task = task.task if isinstance(task, tasks.Bounded) else task
     shapes: dict[type, tuple[int, ...]] = {
         tasks.Pose: (4, 4),
         tasks.Orientation: (3, 3),

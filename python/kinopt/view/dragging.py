@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import kinopt
 
 from .body import Body
-from .posing import Answer, PoseBounds, Posing
+from .posing import Answer, Goal, Posing
 from .scene import Scene
 from .target import Target
 
@@ -139,11 +139,11 @@ class Dragging:
                 chosen.append(frame)
         return chosen
 
-    def goals(self) -> list[PoseBounds]:
+    def goals(self) -> list[Goal]:
         """Current goals of the body."""
         wanted = [frame for frame in self.targets if frame in self.pinned or frame == self.dragged]
         return [
-            PoseBounds(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
+            Goal(frame, self.targets[frame].placement, self._asks_turn(frame), frame in self.pinned)
             for frame in wanted
         ]
 

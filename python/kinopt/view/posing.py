@@ -38,8 +38,8 @@ POSTURES = ("as it was grabbed", "rest", "none")
 
 
 @dataclass(frozen=True)
-class PoseBounds:
-    """PoseBounds of one frame: its `placement` (world_from_frame), with the orientation if `turns`.
+class Goal:
+    """Goal of one frame: its `placement` (world_from_frame), with the orientation if `turns`.
 
     A `pinned` frame stays while others are dragged: the feet of a standing body.
     """
@@ -73,7 +73,7 @@ class Answer:
     #: True if the body continues to move with constant targets.
     goes_on: bool
     #: Text about a jump to another branch; only with searches.
-    leap: str | None = None
+    jump_text: str | None = None
 
 
 class Posing:
@@ -109,7 +109,7 @@ class Posing:
         arms = list(ARM_SEARCHES) if isinstance(self.body.thing, kinopt.Robot) else []
         return [FOLLOW, *arms, *METHODS]
 
-    def solve(self, goals: list[PoseBounds]) -> Answer | None:
+    def solve(self, goals: list[Goal]) -> Answer | None:
         """One frame: the body's next configuration for these goals; None without goals."""
         if not goals:
             return None
@@ -123,7 +123,7 @@ class Posing:
         answer.seconds = time.perf_counter() - before
         return answer
 
-    def with_joint(self, joint: str, value: float, goals: list[PoseBounds]) -> Answer:
+    def with_joint(self, joint: str, value: float, goals: list[Goal]) -> Answer:
         """The body with one joint at a value, and the goals met by the others as far as possible."""
         self.body.standing()
         q = self.body.q
@@ -149,11 +149,11 @@ class Posing:
         solution = kinopt.Drag(problem, q, max_move=np.inf).follow(targets, frames=20)
         return Answer(solution.q, solution, time.perf_counter() - before, False)
 
-    def _target(self, goal: PoseBounds) -> Array:
+    def _target(self, goal: Goal) -> Array:
         place = inverse(self.body.at) @ goal.placement
         return place if goal.turns else place[:3, 3]
 
-    def _tasks(self, goals: list[PoseBounds]) -> list[Any]:
+    def _tasks(self, goals: list[Goal]) -> list[Any]:
         made = []
         for goal in goals:
             kind = tasks.Pose if goal.turns else tasks.Point
@@ -170,7 +170,7 @@ class Posing:
                 return None
         return self.body.q
 
-    def _state(self, goals: list[PoseBounds]) -> _Engine:
+    def _state(self, goals: list[Goal]) -> _Engine:
         self.body.standing()
         choices, thing = self.choices, self.body.thing
         alone = len(goals) == 1 and isinstance(thing, kinopt.Robot)
@@ -204,7 +204,7 @@ class Posing:
             return _SolverEngine(problem, kinopt.Solver(choices.solver))
         return _DragEngine(kinopt.Drag(problem, self.body.q))
 
-    def _arm(self, goal: PoseBounds) -> Any:
+    def _arm(self, goal: Goal) -> Any:
         """The arm from the world to a robot's frame; None if nothing moves there."""
         reference = self._reference()
         options: dict[str, Any] = {
@@ -232,7 +232,7 @@ class _Engine:
 class _ArmEngine(_Engine):
     """One tip of a robot, solved by an arm."""
 
-    def __init__(self, arm: Any, goal: PoseBounds, q: Array, search: bool) -> None:
+    def __init__(self, arm: Any, goal: Goal, q: Array, search: bool) -> None:
         self._arm, self._turns, self._search = arm, goal.turns, search
         self._follower = None if search else arm.follower(arm.joint_values(q))
 
@@ -243,14 +243,14 @@ class _ArmEngine(_Engine):
         jump = None
         if self._follower is None:
             solution = self._arm.solve(target, self._arm.joint_values(q))
-            leap = None
+            jump_text = None
         else:
             solution, jump = self._follower.advance(target)
-            leap = None if jump is None or jump.continuous else f"{jump.joint} leapt by {jump.distance:.2g}"
+            jump_text = None if jump is None or jump.continuous else f"{jump.joint} jumped by {jump.distance:.2g}"
         settled = self._arm.configuration(solution.q, q)
         # A path follower that misses comes nearer frame by frame, until it is at rest.
         goes_on = self._follower is not None and not solution.reached
-        return Answer(settled, solution, 0.0, goes_on and np.abs(settled - q).max() > STILL, leap)
+        return Answer(settled, solution, 0.0, goes_on and np.abs(settled - q).max() > STILL, jump_text)
 
 
 class _SolverEngine(_Engine):

@@ -52,8 +52,8 @@ class StatusPanel:
         solution = answer.solution
         head = "Reached" if solution.reached else "On its way" if answer.goes_on else "Missed"
         body = solution.explain()
-        if answer.leap:
-            body += f"\nA leap: {answer.leap}."
+        if answer.jump_text:
+            body += f"\nA jump: {answer.jump_text}."
         return head, body, f"solved in {duration(answer.seconds)}"
 
     def _draw_misses(self) -> None:

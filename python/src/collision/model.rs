@@ -240,7 +240,7 @@ impl CollisionModel {
     /// Spheres that cover the shapes: the fewest found that protrude by at most `max_protrusion` metres, or at most
     /// `per_link` spheres for each link with the smallest protrusion found. Exactly one of the two is given.
     ///
-    /// Raises `InvalidValueError` for numbers that are not positive, or an max_protrusion that needs millions of cells.
+    /// Raises `InvalidValueError` for numbers that are not positive, or a `max_protrusion` that needs millions of cells.
     #[pyo3(signature = (max_protrusion = None, *, per_link = None))]
     fn spheres(
         &self,
@@ -249,7 +249,7 @@ impl CollisionModel {
         per_link: Option<usize>,
     ) -> PyResult<SphereModel> {
         let fineness = match (max_protrusion, per_link) {
-            (Some(max_protrusion), None) => Resolution::Overhang(max_protrusion),
+            (Some(max_protrusion), None) => Resolution::MaxProtrusion(max_protrusion),
             (None, Some(count)) => Resolution::PerLink(count),
             _ => return Err(invalid("spheres takes either max_protrusion or per_link")),
         };

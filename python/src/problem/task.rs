@@ -87,7 +87,7 @@ pub(crate) fn add<B: Adds>(
     let kind = check(task)?;
     let add = Add { builder, about };
     match kind.as_str() {
-        "within" => {
+        "bounded" => {
             let lower = arrays::number(&task.getattr("lower")?, "lower")?;
             let upper = arrays::number(&task.getattr("upper")?, "upper")?;
             let room = Room { lower, upper, add };
@@ -227,7 +227,7 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
         }
         "limit centring" => visitor.visit(LimitCentring::new(model)),
         "custom" => visitor.visit(Numeric(PythonResidual::of(task, model)?)),
-        "within" => Err(invalid(
+        "bounded" => Err(invalid(
             "room within room: give `Bounded` one interval instead",
         )),
         kind => body_tasks::residual(given, kind, visitor),

@@ -61,7 +61,7 @@ pub enum AimError {
     /// Forward and up are on one line.
     #[error("the up axis is on the line of the forward axis")]
     UpIsForward,
-    /// A offset that is not finite.
+    /// An offset that is not finite.
     #[error("the offset is not finite")]
     BadMuzzle,
 }
@@ -134,7 +134,7 @@ impl Aim {
     }
 
     /// A point, in the bone's coordinates, from which it points instead of from its joint: an eye in a
-    /// head, the offset of a gun.
+    /// head, the muzzle of a gun.
     ///
     /// # Errors
     /// A point that is not finite.
@@ -149,7 +149,7 @@ impl Aim {
 
     /// Turns the bone by its weight's share of the rotation that points it at the target. Says
     /// whether there is one: there is none for a target that is not finite, that is the joint itself, or
-    /// that is nearer to the joint than the line from the offset; then the pose stays as it is.
+    /// that is nearer to the joint than the line through the offset; then the pose stays as it is.
     ///
     /// Uneven scales of the bone and of those above it shear its axes. The bone is then turned again until the axis as the
     /// pose shows it points at the target, as near as that converges.
@@ -277,14 +277,14 @@ impl Line {
         }
     }
 
-    /// The direction of the point of the line from the offset that is at a distance from the joint, which is to be turned
+    /// The direction of the point of the line through the offset that is at a distance from the joint, which is to be turned
     /// onto the target: |m + s f| = d for s ≥ 0.
     fn point_at(&self, distance: f32) -> Option<Vec3A> {
         let distance = distance / self.scale;
         let ahead = self.offset.dot(self.forward);
         let beside = self.offset - self.forward * ahead;
         let reach = distance * distance - beside.length_squared();
-        // Behind the offset is no way to point.
+        // Behind the offset point is no way to point.
         let along = (reach > 0.0).then(|| reach.sqrt())?;
         if along < ahead {
             return None;

@@ -45,7 +45,7 @@ impl Checker {
         let sizes = checker.model.objects().iter();
         let largest = sizes.map(|object| object.shape.bounding_sphere().radius);
         let max_protrusion = OVERHANG * largest.fold(0.0, f64::max);
-        match SphereModel::of(&checker.model, Resolution::Overhang(max_protrusion)) {
+        match SphereModel::of(&checker.model, Resolution::MaxProtrusion(max_protrusion)) {
             Ok(spheres) => checker.with_spheres(spheres),
             // Without spheres, all pairs are checked by exact distances.
             Err(_) => checker,

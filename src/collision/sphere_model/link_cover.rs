@@ -20,11 +20,13 @@ pub(super) fn cover(
     fineness: Resolution,
 ) -> Result<Covered, BadOption> {
     match fineness {
-        Resolution::Overhang(max_protrusion) => within(objects, max_protrusion).ok_or(BadOption {
-            option: "max_protrusion",
-            value: max_protrusion,
-            allowed: "a larger part of the links' size",
-        }),
+        Resolution::MaxProtrusion(max_protrusion) => {
+            within(objects, max_protrusion).ok_or(BadOption {
+                option: "max_protrusion",
+                value: max_protrusion,
+                allowed: "a larger part of the links' size",
+            })
+        }
         Resolution::PerLink(count) => Ok(so_many(objects, count)),
     }
 }

@@ -31,7 +31,7 @@ type NamedSpheres = Vec<(String, Vec<Ball>)>;
 pub enum Resolution {
     /// Largest allowed [protrusion](SphereModel::max_protrusion), metres. The number of spheres is reduced as far as the
     /// search can.
-    Overhang(f64),
+    MaxProtrusion(f64),
     /// Largest number of spheres a link. The protrusion is reduced as far as the search can.
     PerLink(usize),
 }
@@ -47,7 +47,7 @@ pub enum Resolution {
 ///
 /// let robot = Robot::read("models/universal_ur5e.urdf")?;
 /// let model = CollisionModel::of(&robot)?;
-/// let spheres = SphereModel::of(&model, Resolution::Overhang(0.02))?;
+/// let spheres = SphereModel::of(&model, Resolution::MaxProtrusion(0.02))?;
 /// assert!(spheres.max_protrusion() <= 0.02);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -109,7 +109,7 @@ impl SphereModel {
     /// is so small that a link would need millions of cells.
     pub fn of(model: &CollisionModel, fineness: Resolution) -> Result<Self, BadOption> {
         let value = match fineness {
-            Resolution::Overhang(max_protrusion) => max_protrusion,
+            Resolution::MaxProtrusion(max_protrusion) => max_protrusion,
             Resolution::PerLink(count) => count as f64,
         };
         BadOption::check(fineness.name(), value, POSITIVE)?;
@@ -191,7 +191,7 @@ impl SphereModel {
 impl Resolution {
     fn name(self) -> &'static str {
         match self {
-            Self::Overhang(_) => "max_protrusion",
+            Self::MaxProtrusion(_) => "max_protrusion",
             Self::PerLink(_) => "spheres per link",
         }
     }

@@ -48,8 +48,8 @@ impl Reach {
         pub fn with_span(mut self, seconds: RangeInclusive<f64>) {
             self.span = Some([*seconds.start(), *seconds.end()]);
         }
-        /// ReachResult there over the first so many seconds of the span, and back over the last: 0.2, or half of a shorter span,
-        /// unless set. Where the clip itself begins or ends, nothing has to be led.
+        /// Duration of the blend in at the start of the span and out at its end, seconds. Default: 0.2, or half of a
+        /// shorter span. An end of the span that is an end of the clip has no blend.
         pub fn with_fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
     }
 

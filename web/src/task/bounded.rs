@@ -18,8 +18,8 @@ pub(super) fn add(
     let around = Given::new(task, "part of a task", &known(&["task", "lower", "upper"]))?;
     let inner = around.get("task").unwrap_or(JsValue::UNDEFINED);
     let kind = super::kind(&inner)?;
-    if kind == "within" {
-        let message = "room within room: give `within` one interval instead";
+    if kind == "bounded" {
+        let message = "bounded(bounded(…)): give `bounded` one interval";
         return Err(JsError::new(message));
     }
     let given = residual::given(inner, &kind)?;

@@ -41,7 +41,7 @@ pub(crate) fn add(
 ) -> Result<BoxedTask, JsError> {
     let kind = kind(&task)?;
     #[cfg(feature = "bodies")]
-    if kind == "within" {
+    if kind == "bounded" {
         return bounded::add(task, model, builder);
     }
     let given = residual::given(task, &kind)?;

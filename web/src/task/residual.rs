@@ -44,7 +44,7 @@ const KINDS: [(&str, &[&str]); 17] = [
 /// Reads the keys of a task of a kind.
 pub(super) fn given(task: JsValue, kind: &str) -> Result<Given, JsError> {
     let Some((_, own)) = KINDS.iter().find(|(known, _)| *known == kind) else {
-        let kinds = KINDS.iter().map(|(known, _)| *known).chain(["within"]);
+        let kinds = KINDS.iter().map(|(known, _)| *known).chain(["bounded"]);
         return Err(raise(UnknownName::new("kind of task", kind, kinds)));
     };
     Given::new(task, "part of a task", &known(own))
