@@ -14,7 +14,7 @@ const APART: f64 = 0.5;
 /// Options of an arm; some also apply to skeletons. The general solver does not accept those of an arm.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ArmArguments {
-    /// Choice among several solutions; see docs/guide/choosing.md. Default: start.
+    /// Choice among several solutions; see docs/guide/targets.md. Default: start.
     #[arg(long, value_name = "start|first|nearest|distinct:K", value_parser = search,
           conflicts_with_all = METHOD, help_heading = SEARCH)]
     pub(super) search: Option<Search>,
