@@ -19,7 +19,7 @@ use crate::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt spheres robot.urdf --out spherised.urdf     URDF with spheres, maximum protrusion 2 % of the reach
+  kinopt spheres robot.urdf --out spherised.urdf     URDF, maximum protrusion 2 % of the reach
   kinopt spheres robot.urdf --max_protrusion 0.02 --out spheres.yml
                                                      cuRobo spheres, maximum protrusion 2 cm
   kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
