@@ -23,7 +23,7 @@ Examples:
   kinopt spheres robot.urdf --max_protrusion 0.02 --out spheres.yml
                                                      cuRobo spheres, maximum protrusion 2 cm
   kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
-                                                     at most six spheres a link, meshes of ROS packages";
+                                                     at most six spheres a link, ROS meshes";
 
 /// Default maximum protrusion, as a share of the robot's reach.
 const SHARE: f64 = 0.02;

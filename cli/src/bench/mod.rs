@@ -61,7 +61,7 @@ fn compare(bench: &mut Bench<'_>, interrupt: &Interrupt) -> Outcome<Results> {
     let results = bench.run(&mut |progress| {
         match &countdown {
             Some(countdown) => countdown.one_more(),
-            None => countdown = Some(Countdown::new(progress.total, "answers")),
+            None => countdown = Some(Countdown::new(progress.total, "solves")),
         }
         interrupt.flow()
     });
