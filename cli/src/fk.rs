@@ -34,9 +34,10 @@ Examples:
 /// Forward kinematics: placements of frames for a configuration.
 ///
 /// Frames are links of a robot, joints and End Sites (`JOINT/tip`) of a capture, or nodes of a scene. In a rig a frame
-/// is a bone: its origin is the bone's tail, its x axis points to the tip, and the tip is listed too. The default
-/// configuration is the rest pose: all zeros, moved into the limits. Passive joints (--passive) close the loops of a
-/// robot; the output q has their values.
+/// is a bone: its origin is the bone's tail, and its x axis points to the tip. The tip is listed too.
+///
+/// The default configuration is the rest pose: all zeros, moved into the limits. Passive joints (--passive) close the
+/// loops of a robot; the output q has their values.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -86,8 +87,8 @@ pub(crate) struct Arguments {
 
     /// Frame to report. Default: all. Repeatable.
     ///
-    /// A link of a robot; a bone of a rig by name or number (`bone/3`), with `/tip` for its tip; a joint of a capture,
-    /// with `/tip` for its End Site.
+    /// A link of a robot, a joint of a capture, or a bone of a rig by name or number (`bone/3`). `/tip` selects the tip
+    /// of a bone or the End Site of a joint.
     #[arg(long = "frame", value_name = "NAME")]
     frames: Vec<String>,
 

@@ -1,7 +1,7 @@
 //! The `kinopt` command.
 //!
-//! Exit codes: 0 done (a target that is not reached is a result, not a failure), 1 failed with a one-line reason on
-//! standard error, 2 wrong usage, 3 target not reached with --fail-on-miss.
+//! Exit code 0 is success; a target that is not reached is a result, not a failure. Exit code 1 is a failure with a
+//! one-line reason on standard error, and 2 wrong usage. With --fail-on-miss, 3 is a target that is not reached.
 
 #[macro_use]
 mod failure;

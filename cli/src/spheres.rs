@@ -35,8 +35,8 @@ const DOUBLINGS: usize = 40;
 /// Cover a robot's collision shapes with spheres, for fast collision checks.
 ///
 /// Every point of every shape is in a sphere of its link; spheres exceed the shapes by at most the maximum protrusion.
-/// Links of spheres keep them. The report lists the enabled pairs of links: all except adjacent links, pairs that
-/// --srdf disables, and pairs that random configurations show in contact never or almost always.
+/// Links of spheres keep them. The report lists the enabled pairs of links. Disabled are adjacent links, pairs of
+/// --srdf, and pairs that random configurations show in contact never or almost always.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {

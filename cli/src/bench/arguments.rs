@@ -22,9 +22,9 @@ Ctrl-C stops the comparison and writes the finished part.";
 
 /// Compare all solvers, with all derivative modes, on the same problems.
 ///
-/// Writes results.json, results.md and SVG charts: performance profile, solved fraction over time, derivative modes,
-/// cost over the iterations of one problem, and Jacobian cost by number of bones. Solutions are checked by forward
-/// kinematics and joint limits. Results are reproducible for a seed if no time limit ends a search.
+/// Writes results.json, results.md and SVG charts. The charts are a performance profile, the solved fraction over time,
+/// derivative modes, the cost over iterations, and the Jacobian cost by number of bones. Solutions are checked by
+/// forward kinematics and joint limits. Results are reproducible for a seed if no time limit ends a search.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
