@@ -15,42 +15,42 @@ use crate::failure::Outcome;
 use crate::file_access;
 use crate::frame_report::FrameReport;
 
-/// An armature and the clips of its file.
+/// Armature with the clips of its file.
 #[derive(Debug)]
 pub(crate) struct AnimatedArmature {
-    /// The file, as typed.
+    /// File name, as typed.
     pub(crate) file: String,
     /// "motion capture" or "scene".
     pub(crate) kind: &'static str,
     pub(crate) armature: Armature,
     pub(crate) clips: Vec<Clip>,
-    /// How the motion was captured, where it was.
+    /// Capture frames, for motion capture.
     pub(crate) frames: Option<CapturedFrames>,
-    /// What reading changed or left out.
+    /// Notes of the reader.
     pub(crate) notes: Vec<String>,
-    /// The bones that a figure turns.
+    /// Bones that rotate in a skeleton of this armature.
     pub(crate) turning: BTreeSet<BoneId>,
-    /// The file of a scene, with the same armature and clips.
+    /// Scene file, with the same armature and clips.
     pub(crate) scene: Option<Box<SceneFile>>,
 }
 
-/// Frames of motion capture, an even time apart.
+/// Capture frames at a constant rate.
 #[derive(Debug)]
 pub(crate) struct CapturedFrames {
     pub(crate) count: usize,
-    /// In seconds.
+    /// Time between frames, in seconds.
     pub(crate) time: f64,
-    /// Of each bone.
+    /// Channels of each bone.
     pub(crate) channels: Vec<Vec<BvhChannel>>,
 }
 
 impl AnimatedArmature {
-    /// Whether a path is of a file of animation, by its extension.
+    /// True if a path has the extension of an animation file.
     pub(crate) fn is_at(path: &Path) -> bool {
         matches!(extension(path).as_str(), "bvh" | "glb" | "gltf")
     }
 
-    /// Reads a file of animation.
+    /// Reads an animation file.
     pub(crate) fn read(path: &Path) -> Outcome<Self> {
         let file = path.display().to_string();
         Ok(match extension(path).as_str() {
@@ -91,7 +91,7 @@ impl AnimatedArmature {
         }
     }
 
-    /// The clip of a name, or the first.
+    /// Clip of a name, or the first.
     pub(crate) fn clip(&self, name: Option<&str>) -> Outcome<&Clip> {
         match name {
             Some(name) => Ok(Clip::named(&self.clips, name)?),
@@ -102,14 +102,14 @@ impl AnimatedArmature {
         }
     }
 
-    /// The pose at a time of a clip, in seconds as the file counts them.
+    /// Pose at a time of a clip, in seconds of the file.
     pub(crate) fn pose_at(&self, clip: &Clip, time: f64, playback: Playback) -> Outcome<Pose> {
         let mut pose = self.armature.rest().clone();
         clip.sample(time, playback, &mut Cursor::new(), &mut pose)?;
         Ok(pose)
     }
 
-    /// Where the bones are in the model, by index.
+    /// Placements of the bones in model coordinates, by index.
     pub(crate) fn placements(&self, pose: &Pose) -> Outcome<Vec<Placement<f64>>> {
         // Initial values do not matter, only the number of bones.
         let mut model_from_bone = self.armature.rest_from_model().to_vec();
@@ -123,7 +123,7 @@ impl AnimatedArmature {
         Ok(placements.collect())
     }
 
-    /// Places the named bones, or all of them, in the model or in the bone named `base`.
+    /// Placements of the named bones, or of all, in model coordinates or in the bone named `base`.
     pub(crate) fn frame_report(
         &self,
         names: &[String],
@@ -143,8 +143,7 @@ impl AnimatedArmature {
         report.map_err(|unknown: UnknownName| unknown.into())
     }
 
-    /// The length across a scene's meshes at rest, or without any across all bones, in the file's
-    /// unit.
+    /// Diagonal of the box around a scene's meshes at rest, or around all bones without meshes, in the file's unit.
     pub(crate) fn size(&self) -> Outcome<f64> {
         if let Some(scene) = self.scene.as_deref() {
             let mut posing = ScenePosing::new(scene.scene(), SkinningMethod::LinearBlend)?;
@@ -164,7 +163,7 @@ impl AnimatedArmature {
     }
 }
 
-/// A path's extension in small letters; empty where there is none.
+/// Extension of a path in lower case; empty without an extension.
 pub(crate) fn extension(path: &Path) -> String {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.unwrap_or("").to_ascii_lowercase()

@@ -11,27 +11,19 @@ use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
 
-/// Options about the joints of a figure.
+/// Options of the joints of a skeleton.
 #[derive(Args, Debug, Default)]
 pub(crate) struct FigureOptions {
-    /// What the bones of a rig, a scene or a capture turn on: `ball`, one ball joint each (q has a quaternion w, x, y, z
-    /// a bone, how it is turned from rest in its own axes), or `twist-bend-twist`, three angles each.
-    ///
-    /// Default: twist-bend-twist. With `ball` the ranges of a rig's file do not count, those of --cones do; and
-    /// --base-joint free lets the figure move as a whole: x, y, z come before the quaternion of its root.
+    /// Joints of bones: a quaternion (ball) or three angles each. Default: twist-bend-twist.
     #[arg(long, value_enum, value_name = "KIND", help_heading = MODEL, hide_short_help = true)]
     joints: Option<FigureJoints>,
 
-    /// How far bones may swing and twist from rest, from a JSON file; with it joints are balls.
-    ///
-    /// For each bone's name an object: "swing" in degrees, of one number or two, "twist": [from, to], "angle", how far
-    /// it may turn in all; and where wanted "axis": [x, y, z], what it twists about in its own axes, along it unless
-    /// said, and "about": [x, y, z], the axis of the first of two swings. Default: bones turn any way.
+    /// Ball joints with swing and twist limits of a JSON file; see docs/guide/ball-joints.md.
     #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
     cones: Option<PathBuf>,
 }
 
-/// What bones turn on.
+/// Joint type of bones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FigureJoints {
     TwistBendTwist,
@@ -39,21 +31,21 @@ enum FigureJoints {
 }
 
 impl FigureOptions {
-    /// The option that was given, if one was.
+    /// The given option, if any.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let joints = self.joints.map(|_| "--joints");
         joints.or(self.cones.as_ref().map(|_| "--cones"))
     }
 
-    /// Whether bones turn on balls.
+    /// True if bones have ball joints.
     pub(crate) fn are_balls(&self) -> bool {
         self.joints == Some(FigureJoints::Ball) || self.cones.is_some()
     }
 
-    /// The cones of the bones.
+    /// Cones of the bones.
     ///
     /// # Errors
-    /// A file that cannot be read, or cones for joints that are no balls.
+    /// A file that cannot be read, or cones for joints that are not ball joints.
     fn cones(&self) -> Outcome<Cones> {
         if self.cones.is_some() && self.joints == Some(FigureJoints::TwistBendTwist) {
             return Err(usage!(
@@ -66,7 +58,7 @@ impl FigureOptions {
 }
 
 impl LoadedModel {
-    /// The same figure on ball joints.
+    /// The skeleton on ball joints.
     pub(crate) fn on_balls(mut self, options: &FigureOptions, root: SkeletonRoot) -> Outcome<Self> {
         let Some(rig) = &self.rig else {
             return Ok(self);
@@ -83,7 +75,7 @@ impl LoadedModel {
     }
 }
 
-/// From the configurations of a figure to poses of its armature.
+/// Map from configurations of a skeleton to poses of its armature.
 #[derive(Clone, Debug)]
 pub(crate) enum FigurePosing {
     Angles(EulerPoseMap),
@@ -91,7 +83,7 @@ pub(crate) enum FigurePosing {
 }
 
 impl FigurePosing {
-    /// For poses of an armature whose bones the figure's are; none for a robot.
+    /// Map for an armature with the bones of the model; `None` for a robot.
     pub(crate) fn of(loaded: &LoadedModel, armature: &Armature) -> Option<Self> {
         let rig = loaded.rig.as_ref()?;
         Some(match &loaded.balls {

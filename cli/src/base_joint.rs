@@ -9,22 +9,20 @@ use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::number_list::number;
 
-/// Options about a robot's base.
+/// Options of a robot's base.
 #[derive(Args, Debug, Default)]
 pub(crate) struct BaseJointOptions {
-    /// Put a robot's root on a joint that moves the whole of it: `free` any way (q begins with its x, y, z and
-    /// its quaternion w, x, y, z), `planar` over the ground (x, y and a turn about z), or a slide. Default: the
-    /// root stands in the world.
+    /// Joint between the root and the world. Default: fixed.
     #[arg(long, value_enum, value_name = "KIND", help_heading = MODEL, hide_short_help = true)]
     base_joint: Option<BaseKind>,
 
-    /// Where that base may stand, metres along the world's axes: `x=-1..1,z=0.5..1.2`. Default: anywhere.
+    /// Base bounds in metres along the world axes, such as x=-1..1,z=0.5..1.2. Default: none.
     #[arg(long, value_name = "AXIS=LOW..HIGH,…", value_delimiter = ',', value_parser = Room::parse,
         requires = "base_joint", help_heading = MODEL, hide_short_help = true)]
     base_bounds: Vec<Room>,
 }
 
-/// The kinds of base joints.
+/// Base joint types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum BaseKind {
     Fixed,
@@ -37,7 +35,7 @@ enum BaseKind {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A range along one of the world's axes.
+/// Range along one axis of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Room {
     axis: usize,
@@ -53,39 +51,39 @@ impl Room {
         let limits = Limits::new(number(low.trim())?, number(high.trim())?);
         match axis {
             Some(axis) if limits.is_valid() => Ok(Self { axis, limits }),
-            Some(_) => Err(format!("{range} is no range: its ends are in wrong order")),
+            Some(_) => Err(format!("{range}: the lower end is above the upper end")),
             None => Err(SHAPE.to_owned()),
         }
     }
 }
 
 impl BaseJointOptions {
-    /// The option that was given, if one was.
+    /// The given option, if any.
     pub(crate) fn given(&self) -> Option<&'static str> {
         self.base_joint.map(|_| "--base-joint")
     }
 
-    /// Where the base may stand along an axis.
+    /// Base bounds along an axis.
     fn along(&self, axis: usize) -> Limits {
         let rooms = self.base_bounds.iter().filter(|room| room.axis == axis);
         let whole = Limits::UNBOUNDED;
         rooms.fold(whole, |limits, room| limits.intersection(&room.limits))
     }
 
-    /// How the root of a figure stands, whose room counts from rest.
+    /// Root joint of a skeleton; its bounds are relative to the rest pose.
     pub(crate) fn root(&self) -> Outcome<SkeletonRoot> {
         let room = [0, 1, 2].map(|axis| self.along(axis));
         match self.base_joint {
             Some(BaseKind::Free) => Ok(SkeletonRoot::Free { room }),
             None | Some(BaseKind::Fixed) if self.base_bounds.is_empty() => Ok(SkeletonRoot::Fixed),
-            None | Some(BaseKind::Fixed) => Err(usage!("--base-bounds: this root does not move")),
+            None | Some(BaseKind::Fixed) => Err(usage!("--base-bounds: the root is fixed")),
             Some(_) => Err(usage!(
-                "--base-joint of a figure is free or fixed; the others are for robots"
+                "--base-joint of a skeleton is free or fixed; other types are for robots"
             )),
         }
     }
 
-    /// The robot on its base.
+    /// Robot with the base joint.
     pub(crate) fn put_under(&self, robot: Robot, file: &str) -> Outcome<Robot> {
         let kind = self.base_joint.and_then(|kind| kind.to_possible_value());
         let kind = kind.as_ref().map_or("fixed", |kind| kind.get_name());

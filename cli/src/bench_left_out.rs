@@ -6,12 +6,12 @@ use clap::Args;
 
 use crate::failure::Outcome;
 
-/// Compare solvers: not in this build, needs the feature `bench`.
+/// Compare solvers; needs a build with the feature `bench`.
 ///
 /// cargo run --release -p kinopt-cli --features bench -- bench robot.urdf --out results
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Whatever the comparison would take.
+    /// All arguments; ignored.
     #[arg(hide = true, allow_hyphen_values = true, trailing_var_arg = true)]
     rest: Vec<OsString>,
 }
@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &Arguments, _json: bool) -> Outcome<()> {
         .map(|word| word.to_string_lossy())
         .collect();
     Err(failure!(
-        "bench is not in this build; to have it: \
+        "bench needs a build with the feature `bench`: \
          cargo run --release -p kinopt-cli --features bench -- bench {}",
         rest.join(" ")
     ))

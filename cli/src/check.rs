@@ -20,43 +20,41 @@ use crate::world_file::TouchOption;
 const EXAMPLES: &str = "\
 Examples:
   kinopt check franka_panda.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04 --world kitchen.json
-                                                  what touches the table, and how deep
+                                                  collisions with the table, with penetration depths
   kinopt check robot.urdf --q-file solved.json --world scene.yaml --margin 0.02 --json
-                                                  what is nearer than 2 cm, in a scene of MoveIt's
-  kinopt check robot.urdf --srdf robot.srdf       the rest pose, the robot against itself alone";
+                                                  distances below 2 cm in a MoveIt scene
+  kinopt check robot.urdf --srdf robot.srdf       self-collisions of the rest pose";
 
-/// Whether a robot touches the obstacles of a world, or itself.
+/// Collision check of a robot against the obstacles of a world and against itself.
 ///
-/// By the exact distances of its collision shapes. Told are all pairs that are nearer to each other than --margin,
-/// the deepest first; and where there are none, the nearest. Which links are kept apart: all but those joined to each
-/// other, those that --srdf disables, and those that cannot touch or nearly always do in random configurations. Ends with
-/// code 1 where something is too near. Joints that are beyond their limits are told too.
+/// Reports all enabled pairs nearer than --margin, deepest first, or else the nearest pair. Distances are exact.
+/// Disabled pairs are those of adjacent links, of --srdf, and those that random configurations show in contact never or
+/// almost always. Exits with code 1 on a collision. Also reports joints outside their limits.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The robot's .urdf or MJCF .xml file.
+    /// Robot file: .urdf or MJCF .xml.
     #[arg(value_name = "ROBOT")]
     robot: PathBuf,
 
-    /// The configuration, in radians (or --degrees) and metres, as of `kinopt fk`. Default: the rest pose.
+    /// Configuration in radians and metres, as in `kinopt fk`. Default: the rest pose.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
           value_parser = Numbers::parse)]
     q: Option<Numbers>,
 
-    /// A JSON file with the configuration, as of `kinopt fk`. Default: none.
+    /// JSON file with the configuration, as in `kinopt fk`. Default: none.
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
-    /// The angles of --q are in degrees. Default: radians.
+    /// The angles of --q are degrees. Default: radians.
     #[arg(long, requires = "q", conflicts_with = "q_file")]
     degrees: bool,
 
-    /// The obstacles: our .json, or a planning scene of MoveIt's as .yaml. Default: none, so that the robot is checked
-    /// against itself.
+    /// Obstacle file: .json, or a MoveIt planning scene .yaml. Default: self-collisions only.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
 
-    /// How far all is to be apart at least, in metres. Default: 0.
+    /// Required distance, in metres. Default: 0.
     #[arg(long, value_name = "METRES", default_value = "0", hide_default_value = true,
           value_parser = number_list::not_negative)]
     margin: f64,
@@ -77,9 +75,9 @@ struct Document<'a> {
     free: bool,
     margin: f64,
     collisions: Vec<CollisionDocument<'a>>,
-    /// Of all pairs; none where nothing is checked.
+    /// Nearest of all pairs; `None` if no pair is checked.
     nearest: Option<CollisionDocument<'a>>,
-    /// Joints beyond their limits.
+    /// Joints outside their limits.
     outside_limits: &'a [OutsideLimits],
 }
 
@@ -121,8 +119,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     match collisions.len() {
         0 => Ok(()),
         count => Err(Failure::Touching(match (count, arguments.margin) {
-            (1, 0.0) => "1 pair touches".to_owned(),
-            (count, 0.0) => format!("{count} pairs touch"),
+            (1, 0.0) => "1 pair is in contact".to_owned(),
+            (count, 0.0) => format!("{count} pairs are in contact"),
             (1, margin) => format!("1 pair is nearer than {margin} m"),
             (count, margin) => format!("{count} pairs are nearer than {margin} m"),
         })),
@@ -132,7 +130,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
 fn text(collisions: &[Collision], nearest: Option<&Collision>) -> String {
     let millimetres = |metres: f64| format!("{:.3} mm", 1e3 * metres);
     match (collisions, nearest) {
-        ([], None) => "free: there is nothing to touch\n".to_owned(),
+        ([], None) => "free: no enabled pairs\n".to_owned(),
         ([], Some(nearest)) => format!(
             "free: {nearest} are nearest, {} apart\n",
             millimetres(nearest.distance)

@@ -3,14 +3,14 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kinopt::task::Axis;
 
-/// A name, what --help says of it, if anything, and what it stands for.
+/// Name of a choice, its help text or "", and its value.
 pub(crate) type Choice<T> = (&'static str, &'static str, T);
 
-/// An axis by its letter.
+/// Axes by letter.
 pub(crate) const AXES: [Choice<Axis>; 3] =
     [("x", "", Axis::X), ("y", "", Axis::Y), ("z", "", Axis::Z)];
 
-/// Accepts the names of some choices, and gives what the one given stands for.
+/// Parser of the names of choices; returns the value of the given name.
 pub(crate) fn among<const N: usize, T: Copy + Send + Sync + 'static>(
     choices: [Choice<T>; N],
 ) -> impl TypedValueParser<Value = T> {
@@ -21,11 +21,11 @@ pub(crate) fn among<const N: usize, T: Copy + Send + Sync + 'static>(
     PossibleValuesParser::new(names).try_map(move |given| {
         let mut named = choices.iter().filter(|(name, ..)| *name == given);
         let chosen = named.next().map(|(_, _, value)| *value);
-        chosen.ok_or("there is no such choice")
+        chosen.ok_or("unknown choice")
     })
 }
 
-/// The first of some options that was given.
+/// First given option of several.
 pub(crate) fn first_given<const N: usize>(
     options: [(&'static str, bool); N],
 ) -> Option<&'static str> {

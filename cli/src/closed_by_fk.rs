@@ -8,13 +8,13 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::output;
 
-/// How far a loop is open.
+/// Closure error of a loop.
 #[derive(Serialize)]
 pub(crate) struct LoopDocument {
     pub(crate) name: String,
-    /// In metres.
+    /// Distance in metres.
     pub(crate) gap: f64,
-    /// In radians.
+    /// Angle in radians.
     pub(crate) angle: f64,
     pub(crate) closed: bool,
 }
@@ -31,11 +31,12 @@ impl From<&LoopGap> for LoopDocument {
 }
 
 impl LoadedModel {
-    /// Moves a robot's passive joints so that its loops close, as far as it has any, and tells how its loops are then.
-    /// Where no joint is passive the numbers stay as given.
+    /// Moves a robot's passive joints so that its loops close. Returns the closure errors.
+    ///
+    /// Without passive joints the configuration stays as given.
     ///
     /// # Errors
-    /// Loops that passive joints do not close where the others stand.
+    /// Loops that the passive joints cannot close with the other joints at their values.
     pub(crate) fn close_loops(&self, q: &mut [f64]) -> Outcome<Vec<LoopDocument>> {
         let Some(robot) = self
             .robot
@@ -61,7 +62,7 @@ impl LoadedModel {
         let open = gaps.iter().filter(|gap| !gap.is_closed());
         for gap in open {
             output::message(&format!(
-                "note: {}: {gap}, as given; --passive names joints that close it",
+                "note: {}: {gap} at the given values; --passive names joints that close it",
                 self.file
             ));
         }

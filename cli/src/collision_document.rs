@@ -3,7 +3,7 @@
 use kinopt::collision::Collision;
 use serde::Serialize;
 
-/// A pair, what each of it is, and how far it is apart.
+/// Pair of links or obstacles with their distance.
 #[derive(Serialize)]
 pub(crate) struct CollisionDocument<'a> {
     first: &'a str,
@@ -11,9 +11,9 @@ pub(crate) struct CollisionDocument<'a> {
     first_kind: &'static str,
     second: &'a str,
     second_kind: &'static str,
-    /// In metres, negative where one is in the other.
+    /// Distance in metres; negative for a penetration.
     distance: f64,
-    /// Whether it ends a way instead of touching at the configuration.
+    /// True for a collision along a motion, false at the configuration.
     on_the_way: bool,
 }
 
@@ -30,7 +30,7 @@ impl<'a> CollisionDocument<'a> {
     }
 }
 
-/// How deep one is in the other, or how far they are apart.
+/// Penetration depth or distance as text, in millimetres.
 pub(crate) fn depth(pair: &Collision) -> String {
     let millimetres = 1e3 * pair.distance.abs();
     let how = if pair.distance < 0.0 { "deep" } else { "apart" };

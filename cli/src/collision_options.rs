@@ -11,54 +11,47 @@ use crate::help_headings::COLLISIONS;
 use crate::model_options::ModelOptions;
 use crate::output;
 
-/// Random configurations that decide about pairs, where no file does.
+/// Number of random configurations that select enabled pairs, without an SRDF file.
 const SAMPLES: u64 = 10_000;
 
-/// Convex pieces of a mesh.
+/// Largest number of convex pieces of a mesh.
 const PIECES: usize = 16;
 
-/// Options of every subcommand that looks at a robot's shapes.
+/// Options of every subcommand that reads a robot's collision shapes.
 #[derive(Args, Debug)]
 pub(crate) struct CollisionOptions {
     #[command(flatten)]
     shapes: ShapeOptions,
 
-    /// An SRDF file whose disabled pairs of links may touch. Default: none.
+    /// SRDF file with disabled pairs of links. Default: none.
     #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
     srdf: Option<PathBuf>,
 
-    /// Let links touch that do so in nearly all of so many random configurations, or in none and are brought to
-    /// touch by no descent from the nearest of them. Default: 10000, and 0 with --srdf.
+    /// Number of random configurations that select pairs. Default: 10000; 0 with --srdf.
     #[arg(long, value_name = "N", help_heading = COLLISIONS)]
     samples: Option<u64>,
 }
 
-/// Options about a robot's shapes alone.
+/// Options of a robot's collision shapes.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ShapeOptions {
-    /// A folder that holds ROS packages, or is one; repeat it for several. Default: none.
-    ///
-    /// Meshes at package://NAME/… are looked for in it, and in the folders above the robot's file.
+    /// Folder of ROS packages for package:// meshes. Default: folders above the file. Repeatable.
     #[arg(long = "package", value_name = "FOLDER", help_heading = COLLISIONS, hide_short_help = true)]
     packages: Vec<PathBuf>,
 
-    /// What meshes count as. Default: hull.
-    #[arg(long, value_name = "AS", default_value = "hull", hide_default_value = true, help_heading = COLLISIONS, hide_short_help = true)]
+    /// Collision shapes of meshes. Default: hull.
+    #[arg(long, value_name = "SHAPES", default_value = "hull", hide_default_value = true, help_heading = COLLISIONS, hide_short_help = true)]
     meshes: MeshChoice,
 
-    /// Leave meshes out that are not found, each with a note. Default: refuse the robot.
+    /// Omit meshes that are not found, with a note. Default: error.
     #[arg(long, help_heading = COLLISIONS, hide_short_help = true)]
     leave_out_meshes: bool,
 }
 
-/// Spheres that cover a robot's shapes.
+/// Sphere model of a robot's shapes.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SphereOption {
-    /// Spheres that cover the robot's shapes, by which configurations are looked through first. Default: made anew.
-    ///
-    /// As `kinopt spheres` writes them, or others: cuRobo's collision_spheres (.yml), or a robot's URDF of spheres. They are grown
-    /// by the gaps that they leave, so that no answer touches anything. Made anew they stick out by at most a tenth of the largest
-    /// shape, which takes up to seconds where shapes are meshes.
+    /// Sphere model for fast checks, as of `kinopt spheres` or cuRobo. Default: computed.
     #[arg(long, value_name = "FILE", help_heading = COLLISIONS, hide_short_help = true)]
     sphere_model: Option<PathBuf>,
 }
@@ -68,7 +61,7 @@ impl SphereOption {
         self.sphere_model.is_some()
     }
 
-    /// What keeps a robot's shapes apart, but for pairs that cannot touch or always do.
+    /// Checker of a robot's shapes; pairs that random configurations never or always have in contact are disabled.
     pub(crate) fn checker(&self, model: CollisionModel) -> Outcome<Checker> {
         let Some(file) = &self.sphere_model else {
             return Ok(Checker::sampled(model));
@@ -80,7 +73,7 @@ impl SphereOption {
         if spheres.gap() > 0.0 {
             let (file, millimetres) = (file.display(), 1e3 * spheres.gap());
             output::message(&format!(
-                "note: {file}: the spheres leave up to {millimetres:.3} mm of the shapes uncovered, and are grown by that"
+                "note: {file}: the spheres leave up to {millimetres:.3} mm of the shapes uncovered; radii grow by that"
             ));
         }
         Ok(Checker::sampled_with_spheres(model, spheres))
@@ -89,24 +82,24 @@ impl SphereOption {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum MeshChoice {
-    /// Their convex hulls.
+    /// Convex hull of each mesh.
     Hull,
-    /// The convex hull of each connected part.
+    /// Convex hull of each connected part.
     Parts,
-    /// Up to 16 convex pieces each.
+    /// Up to 16 convex pieces for each mesh.
     Pieces,
-    /// Their triangles, and what those enclose.
+    /// Triangles and their interior.
     Triangles,
 }
 
 impl ShapeOptions {
-    /// In words, unless all is as usual.
+    /// Options in words, or `None` for the defaults.
     pub(crate) fn unusual(&self) -> Option<String> {
         let usual = self.packages.is_empty() && self.meshes == MeshChoice::Hull;
         (!usual || self.leave_out_meshes).then(|| format!("{self:?}"))
     }
 
-    /// The model of a robot's shapes; notes go to standard error.
+    /// Collision model of a robot; notes go to standard error.
     pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
         let meshes = match self.meshes {
             MeshChoice::Hull => MeshUse::Hull,
@@ -134,7 +127,7 @@ impl ShapeOptions {
 }
 
 impl CollisionOptions {
-    /// The model of a robot's shapes; notes go to standard error.
+    /// Collision model of a robot with its enabled pairs; notes go to standard error.
     pub(crate) fn model(&self, robot: &Robot, options: &ModelOptions) -> Outcome<CollisionModel> {
         let mut model = self.shapes.model(robot)?;
         let mut samples = SAMPLES;

@@ -13,10 +13,10 @@ use crate::number_format::six_digits;
 use crate::target::QUATERNION_LENGTH_WITHIN;
 use crate::{json_file, output};
 
-/// How far a joint that follows another may be off before that is worth a note.
+/// Deviation of a mimic joint, in radians or metres, above which a note is printed.
 const LOOSE: f64 = 1e-9;
 
-/// A list of numbers, or any document with one under `q`, such as those that `--json` prints.
+/// List of numbers, or a document with a list under `q`, such as the output of `--json`.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum ConfigurationFile {
@@ -28,7 +28,7 @@ enum ConfigurationFile {
 }
 
 impl LoadedModel {
-    /// Numbers as typed: angles in radians, or in degrees where asked; lengths as they are.
+    /// Configuration from typed numbers: angles in degrees if `degrees`, otherwise radians; lengths in metres.
     pub(crate) fn typed_configuration(
         &self,
         numbers: &[f64],
@@ -40,7 +40,7 @@ impl LoadedModel {
         Ok(self.convert_angles(numbers, degrees, f64::to_radians))
     }
 
-    /// A configuration in radians as it is shown: its angles in degrees where that is asked for.
+    /// Configuration for display: its angles in degrees if `degrees`, otherwise radians.
     pub(crate) fn shown(&self, q: &[f64], degrees: bool) -> Vec<f64> {
         self.convert_angles(q, degrees, f64::to_degrees)
     }
@@ -54,7 +54,7 @@ impl LoadedModel {
         converted.collect()
     }
 
-    /// A configuration out of a JSON file, in radians.
+    /// Configuration of a JSON file, in radians.
     pub(crate) fn configuration_file(&self, path: &Path) -> Outcome<Vec<f64>> {
         let file = path.display();
         let value = json_file::read(path)?;
@@ -85,13 +85,12 @@ impl LoadedModel {
         Ok(numbers)
     }
 
-    /// The rig's keyframes; `option` is what needs them. Says on standard error which bones have
-    /// tracks without keys.
+    /// Keyframes of a rig; `option` needs them. Notes bones with tracks without keys on standard error.
     pub(crate) fn keyframes(&self, option: &str) -> Outcome<&EulerClip> {
         if self.balls.is_some() {
             let file = &self.file;
             return Err(usage!(
-                "{file}: {option} reads angles of keyframes, which ball joints have not"
+                "{file}: {option} reads keyframes of angles; ball joints have none"
             ));
         }
         let clip = self.rig.as_ref().map(|rig| &rig.clip);
@@ -109,15 +108,14 @@ impl LoadedModel {
         clip.filter(|clip| !clip.is_empty()).ok_or_else(lacks)
     }
 
-    /// The rig's keyframes at a time in seconds.
+    /// Configuration of the rig's keyframes at a time in seconds.
     pub(crate) fn keyframes_at(&self, time: f64, playback: Playback) -> Outcome<Vec<f64>> {
         let mut q = vec![0.0; self.model.configuration_len()];
         self.keyframes("--time")?.sample(time, playback, &mut q)?;
         Ok(q)
     }
 
-    /// Whether numbers from a source are a configuration, or why not; says on standard error which quaternions are
-    /// no unit ones.
+    /// Checks that numbers from a source are a configuration. Notes quaternions without unit length on standard error.
     fn check_numbers(&self, numbers: &[f64], source: &str) -> Result<(), String> {
         let expected = self.model.configuration_len();
         if numbers.len() == expected {
@@ -142,7 +140,7 @@ impl LoadedModel {
         ))
     }
 
-    /// Says on standard error whose quaternions are not of length 1, beyond what rounding by hand makes of them.
+    /// Notes quaternions on standard error whose length differs from 1 by more than rounding of typed numbers.
     fn note_lengths(&self, numbers: &[f64], source: &str) {
         let is_of_ball: Vec<bool> = self.is_of_ball().collect();
         let mut coordinate = 0;
@@ -161,25 +159,25 @@ impl LoadedModel {
         }
     }
 
-    /// Says on standard error which joints are not where the joint that they follow takes them.
+    /// Notes mimic joints on standard error that differ from the value of their source joint.
     pub(crate) fn note_loose_followers(&self, q: &[f64], consequence: &str) {
         let followed = followed(&self.parameters(), q);
         let locked = self.model.limits().map(|limits| limits.is_locked());
         let values = q.iter().zip(&followed).zip(locked).zip(self.joint_names());
         let loose = values.filter_map(|(((value, followed), locked), name)| {
             let off = !locked && (value - followed).abs() > LOOSE;
-            off.then(|| format!("`{name}` (to {followed})"))
+            off.then(|| format!("`{name}` (expected {followed})"))
         });
         let loose: Vec<String> = loose.collect();
         if !loose.is_empty() {
             output::message(&format!(
-                "note: the joint that it follows would take {}; {consequence}",
+                "note: mimic joints differ from their source joints: {}; {consequence}",
                 loose.join(", ")
             ));
         }
     }
 
-    /// Says on standard error which coordinates are outside their limits, if any.
+    /// Notes coordinates outside their limits on standard error.
     pub(crate) fn note_outside_limits(&self, q: &[f64], consequence: &str) {
         let limits = self.model.limits().zip(q).zip(self.model.moving_joints());
         let mut outside = limits.filter(|((limits, value), _)| !limits.contains(**value));
@@ -192,7 +190,7 @@ impl LoadedModel {
             more => format!(" and {more} more"),
         };
         output::message(&format!(
-            "note: `{name}`{others} outside the limits ({value} is not within [{lower}, {upper}]); \
+            "note: `{name}`{others}: outside the limits ({value} is not within [{lower}, {upper}]); \
              {consequence}"
         ));
     }

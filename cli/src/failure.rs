@@ -2,28 +2,28 @@
 
 use std::fmt::Display;
 
-/// A [`Failure`] for a reason that is put together as `format!` does.
+/// [`Failure`] with a reason from `format!` arguments.
 macro_rules! failure {
     ($($reason:tt)+) => { $crate::failure::Failure::new(format_args!($($reason)+)) };
 }
 
-/// As `failure!`, of options that do not go together.
+/// Usage error from `format!` arguments.
 macro_rules! usage {
     ($($reason:tt)+) => { $crate::failure::Failure::usage(format_args!($($reason)+)) };
 }
 
-/// What ends a command early.
+/// Failure that ends a command.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// A reason for people, in one line.
+    /// Reason in one line.
     Reason(String),
-    /// Options that do not go together for this model, in one line.
+    /// Usage error of options for this model, in one line.
     Usage(String),
-    /// What --fail-on-miss says to scripts, in one line.
+    /// Message of --fail-on-miss, in one line.
     Missed(String),
-    /// What check says to scripts, in one line.
+    /// Message of `check` about a collision, in one line.
     Touching(String),
-    /// Whoever reads the output has gone: nobody is left to read.
+    /// The reader of standard output has closed it.
     ReaderGone,
 }
 
@@ -44,7 +44,7 @@ fn one_line(reason: impl Display) -> String {
     reason.to_string().replace(['\n', '\r'], " ")
 }
 
-/// Every error of the library names the thing and the valid names already.
+/// Errors of the library name the object and the valid names.
 impl<E: std::error::Error> From<E> for Failure {
     fn from(error: E) -> Self {
         Self::new(error)

@@ -12,15 +12,15 @@ use crate::help_headings::MODEL;
 /// Options of every subcommand that opens files.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct FileOptions {
-    /// Allow a scene, rig or world to name files below this folder; repeat it for several. Default: below its own folder alone.
+    /// Folder with files that a scene, rig or world may name. Default: its own. Repeatable.
     #[arg(long = "allow-folder", value_name = "FOLDER", global = true, help_heading = MODEL, hide_short_help = true)]
     folders: Vec<PathBuf>,
 
-    /// Read no file above this size, in bytes. Default: 1073741824.
+    /// Largest size of a file, in bytes. Default: 1073741824.
     #[arg(long, value_name = "BYTES", global = true, help_heading = MODEL, hide_short_help = true)]
     max_file_bytes: Option<u64>,
 
-    /// Open a robot's meshes and included files only below its own folder and the --package folders. Default: wherever its file says.
+    /// Open robot meshes and includes only below its folder and --package. Default: off.
     #[arg(long, global = true, help_heading = MODEL, hide_short_help = true)]
     confine: bool,
 }
@@ -29,7 +29,7 @@ pub(crate) struct FileOptions {
 static OPTIONS: OnceLock<(FileAccess, bool)> = OnceLock::new();
 
 impl FileOptions {
-    /// Makes these the options of this run.
+    /// Sets the options of this run.
     pub(crate) fn hold(&self) {
         let folders = self
             .folders
@@ -43,7 +43,7 @@ impl FileOptions {
     }
 }
 
-/// The files that may be opened.
+/// Allowed file access.
 pub(crate) fn allowed() -> FileAccess {
     OPTIONS
         .get()
@@ -51,12 +51,12 @@ pub(crate) fn allowed() -> FileAccess {
         .unwrap_or_default()
 }
 
-/// Whether robots are confined to their folders.
+/// True if robots are confined to their folders.
 pub(crate) fn confines() -> bool {
     OPTIONS.get().is_some_and(|(_, confine)| *confine)
 }
 
-/// The text of a file.
+/// Text of a file.
 pub(crate) fn text(path: &Path) -> Outcome<String> {
     let bytes = allowed().read(path)?;
     String::from_utf8(bytes).map_err(|_| failure!("{}: is not UTF-8 text", path.display()))

@@ -21,85 +21,82 @@ use crate::output;
 const EXAMPLES: &str = "\
 Examples:
   kinopt fk robot.urdf --q 0,-45,0,-135,0,90,45 --degrees --frame tool
-                                                  a robot's tool, for joint angles in degrees
-  kinopt fk leg.xml --q 0.3,0.1,0,0 --frame foot  an MJCF leg's foot: rods close, as its motors stand
+                                                  the tool of a robot, joint angles in degrees
+  kinopt fk leg.xml --q 0.3,0.1,0,0 --frame foot  the foot of an MJCF leg with closed rods
   kinopt fk arm.json                              the rest pose, every bone
-  kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes after 1.5 s, one bone
-  kinopt fk arm.json --q-file solved.json --json  the q that `kinopt solve --json` printed
-  kinopt fk fox.glb --clip Run --time 0.2         a scene's clip after 0.2 s, every node
-  kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture after 1.5 s, the top of the head
+  kinopt fk arm.json --time 1.5 --frame bone/6    the keyframes at 1.5 s, one bone
+  kinopt fk arm.json --q-file solved.json --json  the q of `kinopt solve --json`
+  kinopt fk fox.glb --clip Run --time 0.2         a scene's clip at 0.2 s, every node
+  kinopt fk walk.bvh --time 1.5 --frame Head/tip  a capture at 1.5 s, the top of the head
   kinopt fk walk.bvh --joints ball --base-joint free --time 1.5 --json
-                                                  the same pose as a configuration q of ball joints";
+                                                  the pose as a configuration q of ball joints";
 
-/// Where the frames stand for a configuration (forward kinematics).
+/// Forward kinematics: placements of frames for a configuration.
 ///
-/// For a robot a frame is a link. For a rig it is a bone's own: its origin at the bone's tail, x
-/// towards the tip; the tip is given beside it. For motion capture it is a joint, or an End Site,
-/// called `JOINT/tip`; for a scene it is a node. Without --q, --q-file and --time it is the rest
-/// pose: all zeros, moved into the limits where they exclude zero. Of a robot with loops the passive joints
-/// (--passive) follow the others, from the values given for them; q in the output is what came of it.
+/// Frames are links of a robot, joints and End Sites (`JOINT/tip`) of a capture, or nodes of a scene. In a rig a frame
+/// is a bone: its origin is the bone's tail, and its x axis points to the tip. The tip is listed too.
+///
+/// The default configuration is the rest pose: all zeros, moved into the limits. Passive joints (--passive) close the
+/// loops of a robot; the output q has their values.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or MJCF .xml, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
+    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb or .gltf.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// The configuration, in radians (or --degrees) and metres. Default: the rest pose.
+    /// Configuration in radians (or --degrees) and metres. Default: the rest pose.
     ///
-    /// In the order of `kinopt info`, separated by commas or spaces; only sliding joints are in metres, and a
-    /// ball joint's quaternion is w, x, y, z. For a robot these are all moving joints in the
-    /// order of the file, joints that follow others among them; fixed joints have no number. Limits
-    /// are not enforced.
+    /// One number for each coordinate in the order of `kinopt info`, separated by commas or spaces. Prismatic joints
+    /// are in metres, ball joints are quaternions w, x, y, z. Mimic joints have numbers, fixed joints do not. Limits do
+    /// not apply.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",
           value_parser = Numbers::parse)]
     q: Option<Numbers>,
 
-    /// A JSON file with the configuration, in radians and metres. Default: none.
+    /// JSON file with the configuration, in radians and metres. Default: none.
     ///
-    /// It holds a list of numbers, or a document with one under "q", such as `--json` prints. With
-    /// names of joints under "joints" beside it, numbers go by name: any order, and a robot's joints
-    /// that are not named stay at rest.
+    /// A list of numbers, or a document with a list under "q", such as the output of --json. If the document names
+    /// joints under "joints", numbers go by name. Joints that are not named are at rest.
     #[arg(long, value_name = "FILE", group = "configuration")]
     q_file: Option<PathBuf>,
 
-    /// Take the rig's keyframes, the captured motion or the scene's clip at this time, in seconds. Default: none.
+    /// Time of the rig's keyframes, the capture or the scene's clip, in seconds. Default: none.
     ///
-    /// Before the first and after the last key the pose is held, unless --loop.
+    /// Before the first key and after the last, the pose is constant, unless --loop is given.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, group = "configuration",
           value_parser = number_list::number)]
     time: Option<f64>,
 
-    /// With --time: which of a scene's clips: its name, or the end of it. Default: the first.
+    /// With --time: clip of a scene, by name or end of the name. Default: the first.
     #[arg(long, value_name = "NAME", requires = "time")]
     clip: Option<String>,
 
-    /// With --time: repeat the keyframes instead of holding the ends. Default: off.
+    /// With --time: repeat the keyframes. Default: constant before the first and after the last.
     // Not `requires` alone: clap waives it for arguments that conflict with a given one.
     #[arg(long = "loop", requires = "time", conflicts_with_all = ["q", "q_file"])]
     looped: bool,
 
-    /// With --time: what runs between keys, whatever the file says: `linear`, `catmull-rom` or
-    /// `kochanek-bartels:T,C,B`. Default: as the file says, else catmull-rom.
+    /// With --time: linear, catmull-rom or kochanek-bartels:T,C,B. Default: that of the file.
     ///
-    /// T, C and B are tension, continuity and bias at every key, usually within −1 and 1.
+    /// Files without an interpolation use catmull-rom. T, C and B are tension, continuity and bias of every key,
+    /// usually within −1 and 1.
     #[arg(long, value_name = "NAME", requires = "time", conflicts_with_all = ["q", "q_file"],
           value_parser = InterpolationChoice::parse)]
     interpolation: Option<InterpolationChoice>,
 
-    /// A frame to report; repeat it for several. Default: all of them.
+    /// Frame to report. Default: all. Repeatable.
     ///
-    /// In a robot it is a link's name. In a rig `bone/3` or a bone's name is the bone at its tail,
-    /// `bone/3/tip` at its tip. In motion capture it is a joint's name, `NAME/tip` its End Site.
+    /// A link of a robot, a joint of a capture, or a bone of a rig by name or number (`bone/3`). `/tip` selects the tip
+    /// of a bone or the End Site of a joint.
     #[arg(long = "frame", value_name = "NAME")]
     frames: Vec<String>,
 
-    /// Report where the frames stand in this frame. Default: in the world, which for a robot is
-    /// its root link.
+    /// Frame in which placements are reported. Default: the world, for a robot its root link.
     #[arg(long, value_name = "NAME")]
     base: Option<String>,
 
-    /// The angles of --q are in degrees. Default: radians.
+    /// The angles of --q are degrees. Default: radians.
     #[arg(long, requires = "q", conflicts_with_all = ["time", "q_file"])]
     degrees: bool,
 
@@ -113,7 +110,7 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
     frames: &'a FrameReport,
-    /// Of a robot that has any.
+    /// Loops of a robot, if any.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     loops: &'a [LoopDocument],
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -122,7 +119,7 @@ struct Document<'a> {
 
 #[derive(Serialize)]
 struct AnimatedDocument<'a> {
-    /// In seconds; none at rest.
+    /// Time in seconds; `None` for the rest pose.
     time: Option<f64>,
     frames: &'a FrameReport,
 }
@@ -142,7 +139,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut q = configuration(&loaded, arguments)?;
     let loops = loaded.close_loops(&mut q)?;
     let frames = loaded.frame_report(&arguments.frames, arguments.base.as_deref(), &q)?;
-    let consequence = "the frames are those of the numbers as given";
+    let consequence = "the frames use the numbers as given";
     loaded.note_outside_limits(&q, consequence);
     loaded.note_loose_followers(&q, consequence);
     let document = || Document {
@@ -166,7 +163,7 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(option) = first_given(given) {
         let (file, kind) = (&animated.file, animated.kind);
         return Err(usage!(
-            "{file}: {option} is for robots and rigs; {kind} is posed by --time"
+            "{file}: {option} is for robots and rigs; --time poses a {kind}"
         ));
     }
     let pose = match arguments.time {

@@ -6,18 +6,19 @@ use kinopt::skeleton::BoneId;
 
 use crate::loaded_model::LoadedModel;
 
-/// What a bone's bare name stands for.
+/// End of a bone that its name without suffix denotes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BareName {
-    /// The bone's tail, where its own frame is.
+    /// Tail of the bone, the origin of its frame.
     Tail,
-    /// The bone's tip, which is what one drags.
+    /// Tip of the bone, which targets move.
     Tip,
 }
 
 impl LoadedModel {
-    /// The frame that `name` means. In a rig: `bone/3` counts from 0 and always works, a bone's own
-    /// name does too, and `/tip` or `/tail` may follow either. In a robot: a link's name.
+    /// Frame of a name: a link of a robot, or a bone of a rig by name or number, as in `bone/3` (from 0).
+    ///
+    /// `/tip` or `/tail` after a bone selects its end; otherwise `bare` does.
     pub(crate) fn frame(&self, name: &str, bare: BareName) -> Result<FrameId, UnknownName> {
         let Some(rig) = &self.rig else {
             // The frames of a robot are its links, so the message says `link`.
@@ -35,7 +36,7 @@ impl LoadedModel {
     }
 }
 
-/// The bone, and the end of it where the name says which.
+/// Bone of a name, with the end if the name has one.
 fn split(rig: &Rig, name: &str) -> Result<(BoneId, Option<BareName>), UnknownName> {
     if let Some(bone) = bone(rig, name) {
         return Ok((bone, None));
@@ -51,7 +52,7 @@ fn split(rig: &Rig, name: &str) -> Result<(BoneId, Option<BareName>), UnknownNam
     Err(UnknownName::new("bone", name, names).with_note(note))
 }
 
-/// The bone of a name, or of a number as in `bone/3`.
+/// Bone of a name, or of a number as in `bone/3`.
 pub(crate) fn bone(rig: &Rig, name: &str) -> Option<BoneId> {
     let index = name.strip_prefix("bone/").and_then(|n| n.parse().ok());
     let numbered = index.and_then(|index| rig.skeleton.bone_at(index));
@@ -76,7 +77,7 @@ mod tests {
             model_from_rest: Placement::identity(),
             limits: [Limits::UNBOUNDED; 3],
         };
-        // The last one has the name of another one's number.
+        // The last bone has the name of another bone's number.
         let bones = ["hip", "arm/left", "bone/0"].map(bone).to_vec();
         let skeleton = Skeleton::new("named", bones).unwrap();
         LoadedModel::of_skeleton("named.json".to_owned(), skeleton)
@@ -95,7 +96,7 @@ mod tests {
                 assert_eq!(index(&tail, bare), 2 * bone);
             }
         }
-        // Numbers have priority, so that they always work.
+        // Numbers have priority over names.
         assert_eq!(index("bone/0", BareName::Tail), 0);
     }
 

@@ -6,20 +6,20 @@ use serde::{Serialize, Serializer};
 use crate::number_format::{LengthFormat, six_digits};
 use crate::table::Table;
 
-/// One frame's placement in the world, or in another frame.
+/// Placement of a frame in the world, or in another frame.
 #[derive(Debug, Serialize)]
 pub(crate) struct FramePlacement {
     position: [f64; 3],
-    /// w, x, y, z with w ≥ 0.
+    /// Components w, x, y, z with w ≥ 0.
     quaternion: [f64; 4],
-    /// The bone's ends, for a rig.
+    /// Tail of the bone, for a rig.
     #[serde(skip_serializing_if = "Option::is_none")]
     tail: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tip: Option<[f64; 3]>,
 }
 
-/// Frames by name, in the order asked for.
+/// Frames by name, in the requested order.
 #[derive(Debug)]
 pub(crate) struct FrameReport(Vec<(String, FramePlacement)>);
 
@@ -29,7 +29,7 @@ impl Serialize for FrameReport {
     }
 }
 
-/// Of the two quaternions of a rotation the one with w ≥ 0.
+/// Quaternion of a rotation with w ≥ 0.
 fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     let Quaternion { w, v } = Quaternion::from_matrix(&placement.rotation);
     let quaternion = [w, v.x, v.y, v.z];
@@ -37,11 +37,11 @@ fn quaternion(placement: &Placement<f64>) -> [f64; 4] {
     quaternion.map(|c| if w < 0.0 { -c + 0.0 } else { c + 0.0 })
 }
 
-/// Where a frame stands, and of a bone's its tail and tip.
+/// Placement of a frame; for a bone also those of its tail and tip.
 pub(crate) type Placed = (Placement<f64>, Option<[Placement<f64>; 2]>);
 
 impl FrameReport {
-    /// The named frames where `placed` says that they stand, in the world or in the frame `base`.
+    /// Report of the named frames, placed by `placed`, in the world or in the frame `base`.
     pub(crate) fn new<E>(
         names: &[impl AsRef<str>],
         base: Option<&str>,
@@ -69,7 +69,7 @@ impl FrameReport {
         Ok(Self(frames.collect::<Result<_, E>>()?))
     }
 
-    /// An aligned table.
+    /// Aligned table.
     pub(crate) fn text(&self, format: LengthFormat) -> String {
         let rigs = self.0.iter().any(|(_, placement)| placement.tip.is_some());
         let tip = match rigs {

@@ -7,7 +7,7 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 
-/// One way for all tracks.
+/// Interpolation of all tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum InterpolationChoice {
     Linear,
@@ -16,7 +16,7 @@ pub(crate) enum InterpolationChoice {
 }
 
 impl InterpolationChoice {
-    /// `linear`, `catmull-rom` or `kochanek-bartels[:T,C,B]`.
+    /// Parses `linear`, `catmull-rom` or `kochanek-bartels[:T,C,B]`.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let (name, numbers) = match text.split_once(':') {
             Some((name, numbers)) => (name, Some(numbers)),
@@ -38,7 +38,7 @@ impl InterpolationChoice {
             }
             ("linear" | "catmull-rom", Some(_)) => Err(format!("`{name}` takes no numbers")),
             _ => Err(format!(
-                "there is no interpolation `{name}`; there are linear, catmull-rom and \
+                "unknown interpolation `{name}`; expected linear, catmull-rom or \
                  kochanek-bartels:T,C,B"
             )),
         }
@@ -55,7 +55,7 @@ impl InterpolationChoice {
     }
 }
 
-/// `--loop`.
+/// Playback of `--loop`.
 pub(crate) fn playback(looped: bool) -> Playback {
     match looped {
         true => Playback::Loop,
@@ -64,7 +64,7 @@ pub(crate) fn playback(looped: bool) -> Playback {
 }
 
 impl LoadedModel {
-    /// Puts one interpolation in place of the file's own; `None` leaves those.
+    /// Replaces the interpolation of the file; `None` keeps it.
     pub(crate) fn interpolate_keyframes(
         &mut self,
         choice: Option<InterpolationChoice>,

@@ -6,23 +6,23 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 
-/// Which coordinate of a configuration each column holds.
+/// Coordinates of a configuration that the columns of a file hold.
 #[derive(Clone, Debug)]
 pub(crate) struct JointColumns {
     coordinates: Vec<usize>,
-    /// Of every coordinate.
+    /// Flag of every coordinate that is an angle.
     is_angle: Vec<bool>,
     rest: Vec<f64>,
-    /// Coordinates that no column names and that follow another: they are worked out.
+    /// Mimic coordinates without a column; their values follow from their source joints.
     followers: Vec<usize>,
     map: ParameterMap,
 }
 
 impl LoadedModel {
-    /// Columns for the named joints, in any order; a ball has four, one after the other.
+    /// Columns of the named joints, in any order; a ball joint has four consecutive columns.
     ///
     /// # Errors
-    /// A name twice, of a fixed joint, or unknown (the valid ones are listed), in words.
+    /// A duplicate name, a fixed joint, or an unknown name with a list of the valid ones, in words.
     pub(crate) fn joint_columns(&self, names: &[impl AsRef<str>]) -> Result<JointColumns, String> {
         let mut coordinates: Vec<usize> = Vec::with_capacity(names.len());
         for name in names {
@@ -43,7 +43,7 @@ impl LoadedModel {
         Ok(self.columns_of(coordinates))
     }
 
-    /// Columns for the given coordinates.
+    /// Columns of the given coordinates.
     pub(crate) fn columns_of(&self, coordinates: Vec<usize>) -> JointColumns {
         let map = self.parameters();
         let follows = |(coordinate, source): (usize, &Source)| match source {
@@ -68,20 +68,21 @@ impl LoadedModel {
 }
 
 impl JointColumns {
-    /// How many numbers a row has.
+    /// Count of numbers in a row.
     pub(crate) fn width(&self) -> usize {
         self.coordinates.len()
     }
 
-    /// The joints' names, in the order of the columns.
+    /// Joint names, in the order of the columns.
     pub(crate) fn names<'l>(&self, loaded: &'l LoadedModel) -> Vec<&'l str> {
         let names = loaded.joint_names();
         let columns = self.coordinates.iter();
         columns.filter_map(|&c| names.get(c).copied()).collect()
     }
 
-    /// One number for each column out of one for all (not for a posture), one for each, or one for each
-    /// moving joint of the model; in radians.
+    /// One number for each column, in radians if angles are typed in degrees.
+    ///
+    /// Given is one number for all (not for a posture), one for each column, or one for each coordinate of the model.
     pub(crate) fn one_each(
         &self,
         loaded: &LoadedModel,
@@ -97,7 +98,7 @@ impl JointColumns {
             _ if given.len() == width => given.clone(),
             _ => {
                 return Err(usage!(
-                    "{option}: {} numbers given; it takes {width} ({}) or {all}, one for each moving joint",
+                    "{option}: {} numbers given; expected {width} ({}) or {all}, one for each moving joint",
                     given.len(),
                     self.names(loaded).join(", ")
                 ));
@@ -106,12 +107,12 @@ impl JointColumns {
         Ok(self.in_radians(&picked, degrees))
     }
 
-    /// As [`configuration`](Self::configuration), of a row whose angles may be in degrees.
+    /// Configuration as of [`configuration`](Self::configuration), of a row whose angles may be in degrees.
     pub(crate) fn typed(&self, row: &[f64], degrees: bool) -> Vec<f64> {
         self.configuration(&self.in_radians(row, degrees))
     }
 
-    /// A row whose angles may be in degrees, in radians.
+    /// Row with its angles in radians; they may be typed in degrees.
     pub(crate) fn in_radians(&self, row: &[f64], degrees: bool) -> Vec<f64> {
         let numbers = row.iter().zip(&self.coordinates);
         let converted = numbers.map(|(&number, &coordinate)| {
@@ -123,7 +124,7 @@ impl JointColumns {
         converted.collect()
     }
 
-    /// The configuration that a row means: joints without a column are at rest, or follow.
+    /// Configuration of a row: joints without a column are at rest, mimic joints follow their source joints.
     pub(crate) fn configuration(&self, row: &[f64]) -> Vec<f64> {
         let mut q = self.rest.clone();
         for (&coordinate, &value) in self.coordinates.iter().zip(row) {
@@ -144,7 +145,7 @@ impl JointColumns {
     }
 }
 
-/// `q` with every joint that follows another where the other takes it, within limits or not.
+/// `q` with all mimic joints at the values of their source joints, regardless of limits.
 pub(crate) fn followed(map: &ParameterMap, q: &[f64]) -> Vec<f64> {
     let leaders = map.leaders().iter();
     let x = leaders.map(|&leader| q.get(leader).copied().unwrap_or(0.0));

@@ -18,56 +18,56 @@ use crate::file_access;
 use crate::model_options::ModelOptions;
 use crate::output;
 
-/// What kinds of files [`LoadedModel::read`] takes. A new kind is a line here and an arm there.
+/// File types of [`LoadedModel::read`]. A new type also needs a match arm there.
 const SUPPORTED: &str =
     ".urdf and .xml (a robot), .json (a rig), .glb and .gltf (a scene), .bvh (motion capture)";
 
-/// URDF, and MuJoCo's MJCF: which of them it is the document's own element says.
+/// Extensions of robots: URDF and MJCF. The root element of the document selects the reader.
 const ROBOTS: [&str; 3] = ["urdf", "xml", "mjcf"];
 
-/// Rigs count as reached within this share of their size; an angle within as many radians.
+/// Default tolerance of rigs: a share of their size, and an angle in radians.
 const RIG_TOLERANCE: f64 = 1e-9;
-/// Robots count as reached within so many metres and radians.
+/// Default tolerance of robots, in metres and radians.
 const ROBOT_TOLERANCE: f64 = 1e-6;
 
-/// A model and what else its file holds.
+/// Model with the rest of its file.
 #[derive(Debug)]
 pub(crate) struct LoadedModel {
-    /// The file, as typed.
+    /// File name, as typed.
     pub(crate) file: String,
-    /// What problems are stated on.
+    /// Model of all problems.
     pub(crate) model: Model,
-    /// The rest of a rig, or a scene's bones as one; `None` for a robot.
+    /// Rest of a rig, or the bones of a scene; `None` for a robot.
     pub(crate) rig: Option<Box<Rig>>,
-    /// The same bones on ball joints, where those are asked for.
+    /// The same bones on ball joints, if selected.
     pub(crate) balls: Option<Box<BallSkeleton>>,
-    /// The file of a scene.
+    /// Scene file.
     pub(crate) scene: Option<Box<LoadedScene>>,
-    /// The bones of motion capture.
+    /// Bones of a motion capture.
     pub(crate) capture: Option<Box<Capture>>,
-    /// A robot with its mimic joints; `None` for a rig.
+    /// Robot with its mimic joints; `None` for a rig.
     pub(crate) robot: Option<Box<Robot>>,
-    /// What an SRDF file says of the robot, where one is given.
+    /// SRDF file of the robot, if given.
     pub(crate) srdf: Option<Box<Srdf>>,
-    /// Joints that the command holds.
+    /// Joints that the command locks.
     pub(crate) held: Option<Box<HeldJoints>>,
-    /// A frame and the tool on it, which targets for the frame are for.
+    /// Frame with a tool, and the frame of the tool; targets of the former apply to the latter.
     pub(crate) tool: Option<(FrameId, FrameId)>,
 }
 
-/// The joints that a command holds.
+/// Joints that a command locks.
 #[derive(Clone, Debug)]
 pub(crate) struct HeldJoints {
-    /// Joints, each at a value in radians or metres.
+    /// Locked joints with values in radians or metres.
     pub(crate) locked: Vec<(JointId, f64)>,
-    /// Balls, each at a quaternion w, x, y, z.
+    /// Locked ball joints with quaternions w, x, y, z.
     pub(crate) turned: Vec<(JointId, [f64; 4])>,
-    /// The joints that alone may move, and a configuration that holds the others.
+    /// The only free joints, and a configuration for all others.
     pub(crate) only: Option<(Vec<JointId>, Vec<f64>)>,
     pub(crate) map: ParameterMap,
 }
 
-/// A scene's file, and the pose in which its bones stand where the model's are at rest.
+/// Scene file, and the pose of its bones in the rest configuration of the model.
 #[derive(Debug)]
 pub(crate) struct LoadedScene {
     pub(crate) file: SceneFile,
@@ -75,7 +75,7 @@ pub(crate) struct LoadedScene {
 }
 
 impl LoadedScene {
-    /// The pose of a configuration of its figure.
+    /// Pose of a configuration of its skeleton.
     pub(crate) fn pose(&self, bridge: &FigurePosing, q: &[f64]) -> Result<Pose, ReachError> {
         let mut pose = self.stands.clone();
         bridge.pose_of(q, &mut pose)?;
@@ -83,33 +83,33 @@ impl LoadedScene {
     }
 }
 
-/// The bones of motion capture, at rest as the model is.
+/// Bones of a motion capture, in the rest pose of the model.
 #[derive(Debug)]
 pub(crate) struct Capture {
     pub(crate) armature: Armature,
-    /// From one frame to the next, in seconds.
+    /// Time between frames, in seconds.
     pub(crate) frame_time: f64,
-    /// Of each bone.
+    /// Channels of each bone.
     pub(crate) channels: Vec<Vec<BvhChannel>>,
     notes: Vec<String>,
 }
 
-/// A time of a clip, at which a figure is at rest instead of as its file has it.
+/// Time of a clip whose pose is the rest pose of a skeleton.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment<'a> {
-    /// In seconds, as the file counts them.
+    /// Time in seconds of the file.
     pub(crate) time: f64,
-    /// The clip's name; the first where there is none.
+    /// Name of the clip; `None` for the first.
     pub(crate) clip: Option<&'a str>,
 }
 
 impl LoadedModel {
-    /// Reads any supported file, told apart by its extension.
+    /// Reads any supported file; its extension selects the reader.
     pub(crate) fn read(path: &Path, options: &ModelOptions) -> Outcome<Self> {
         Self::read_at(path, options, None)
     }
 
-    /// As [`read`](Self::read), a scene or a capture at a moment of a clip.
+    /// Reads a model as [`read`](Self::read) does, with a scene or a capture at a time of a clip.
     pub(crate) fn read_at(
         path: &Path,
         options: &ModelOptions,
@@ -147,8 +147,8 @@ impl LoadedModel {
         }
     }
 
-    /// The bones of a scene or a capture, each free to turn about where it stands. Where a scene has skins,
-    /// only their joints are; of a capture those that have channels.
+    /// Bones of a scene or a capture, all free to rotate. In a scene with skins, only the joints of skins rotate; in a
+    /// capture, only joints with channels.
     fn of_animated(animated: AnimatedArmature, moment: Option<Moment<'_>>) -> Outcome<Self> {
         let pose = moment.map(|Moment { time, clip }| {
             animated.pose_at(animated.clip(clip)?, time, Playback::Hold)
@@ -186,7 +186,7 @@ impl LoadedModel {
         })
     }
 
-    /// Bones without a mesh, keyframes or pins.
+    /// Bones without mesh, keyframes and pins.
     pub(crate) fn of_skeleton(file: String, skeleton: Skeleton) -> Self {
         let rig = Rig {
             skeleton,
@@ -232,14 +232,14 @@ impl LoadedModel {
         }
     }
 
-    /// Refuses `--clip`, which scenes have.
+    /// Rejects `--clip`, an option of scenes.
     pub(crate) fn refuse_clip(&self, clip: Option<&str>) -> Outcome<()> {
         let (file, kind) = (&self.file, self.kind());
         let refused = || usage!("{file}: --clip is for scenes; this is a {kind}");
         clip.map_or(Ok(()), |_| Err(refused()))
     }
 
-    /// What reading a rig did without.
+    /// Notes of the reader.
     pub(crate) fn notes(&self) -> Vec<String> {
         let notes = self.rig.iter().flat_map(|rig| &rig.notes);
         let notes = notes.map(ToString::to_string);
@@ -259,27 +259,26 @@ impl LoadedModel {
         }
     }
 
-    /// The robot, for what its collision shapes are needed for.
+    /// Robot with its collision shapes, for a subcommand.
     ///
     /// # Errors
     /// A rig, a scene or a motion capture.
     pub(crate) fn robot_with_shapes(&self, subcommand: &str) -> Outcome<&Robot> {
         self.robot.as_deref().ok_or_else(|| {
             usage!(
-                "{subcommand} is for robots with collision shapes (.urdf or .xml), and {} is a {}",
+                "{subcommand} is for robots with collision shapes (.urdf or .xml); {} is a {}",
                 self.file,
                 self.kind()
             )
         })
     }
 
-    /// Whether the file says neither how far bones turn nor what is pinned.
+    /// True if the file has neither rotation limits of bones nor pins.
     pub(crate) fn is_bare_figure(&self) -> bool {
         self.scene.is_some() || self.capture.is_some()
     }
 
-    /// A length of the model's own scale: a rig's mesh (or, without one, its bones) in the rig's
-    /// unit, a robot's reach in metres.
+    /// Size of the model: of a rig's mesh, or its bones without one, in the rig's unit; of a robot its reach in metres.
     pub(crate) fn size(&self) -> f64 {
         match &self.rig {
             Some(rig) => match rig.mesh.as_ref().map(|mesh| mesh.size()) {
@@ -290,7 +289,7 @@ impl LoadedModel {
         }
     }
 
-    /// How far off counts as reached: a length in metres (rigs: their own unit), and radians.
+    /// Default tolerances: a length in metres (rigs: their own unit), and an angle in radians.
     pub(crate) fn default_tolerances(&self) -> (f64, f64) {
         match self.rig {
             Some(_) => (RIG_TOLERANCE * self.size(), RIG_TOLERANCE),
@@ -298,7 +297,7 @@ impl LoadedModel {
         }
     }
 
-    /// The name of the unit of length.
+    /// Name of the unit of length.
     pub(crate) fn length_unit(&self) -> &'static str {
         match self.rig {
             Some(_) => "rig units",
@@ -306,7 +305,7 @@ impl LoadedModel {
         }
     }
 
-    /// The map from solver variables to configurations: mimic joints follow, locked ones stay.
+    /// Map from solver variables to configurations, with mimic and locked joints.
     pub(crate) fn parameters(&self) -> ParameterMap {
         match &self.held {
             Some(held) => held.map.clone(),
@@ -314,7 +313,7 @@ impl LoadedModel {
         }
     }
 
-    /// The map of the model alone, without what a command holds.
+    /// Map of the model alone, without the joints that a command locks.
     pub(crate) fn own_parameters(&self) -> ParameterMap {
         match &self.robot {
             Some(robot) => robot.map().clone(),
@@ -322,12 +321,12 @@ impl LoadedModel {
         }
     }
 
-    /// All zeros, moved into the limits; joints that follow others follow.
+    /// Rest configuration: all zeros, moved into the limits, with mimic joints.
     pub(crate) fn rest(&self) -> Vec<f64> {
         self.within_limits(&self.model.neutral())
     }
 
-    /// The configuration moved into the limits; joints that follow others follow.
+    /// Configuration moved into the limits, with mimic joints.
     pub(crate) fn within_limits(&self, q: &[f64]) -> Vec<f64> {
         let map = self.parameters();
         let mut within = q.to_vec();
@@ -340,14 +339,14 @@ impl LoadedModel {
         }
     }
 
-    /// The link of a robot that stands in the world.
+    /// Root link of a robot.
     pub(crate) fn root_link(&self) -> Option<&str> {
         let mut frames = self.model.frames().iter();
         let root = frames.find(|frame| frame.joint.is_none());
         root.map(|frame| frame.name.as_str())
     }
 
-    /// The links of a robot on which nothing hangs.
+    /// Links of a robot without child links.
     pub(crate) fn tip_links(&self) -> Vec<&str> {
         let tips = self.robot.as_ref().map(|robot| robot.tips());
         let frames = tips.unwrap_or_default().into_iter();
@@ -355,7 +354,7 @@ impl LoadedModel {
         frames.map(|frame| frame.name.as_str()).collect()
     }
 
-    /// What `--frame` may be: links, or the bones of a figure.
+    /// Valid names of `--frame`: links, or the bones of a skeleton.
     pub(crate) fn frame_names(&self) -> Vec<&str> {
         match &self.rig {
             Some(rig) => rig
@@ -373,19 +372,19 @@ impl LoadedModel {
         }
     }
 
-    /// The name of a joint; empty for one of another model.
+    /// Name of a joint; empty for a joint of another model.
     pub(crate) fn joint_name(&self, joint: JointId) -> &str {
         let joint = self.model.joints().get(joint.index());
         joint.map_or("", |joint| joint.name.as_str())
     }
 
-    /// The names of the moving joints, in the order of a configuration.
+    /// Names of the moving joints, in the order of a configuration.
     pub(crate) fn joint_names(&self) -> Vec<&str> {
         let moving = self.model.moving_joints().iter();
         moving.map(|&joint| self.joint_name(joint)).collect()
     }
 
-    /// As [`joint_names`](Self::joint_names), with the parts of a ball's quaternion told apart.
+    /// Names as of [`joint_names`](Self::joint_names), with the components of quaternions.
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
         let first = |(coordinate, id): (usize, &JointId)| {
             let part = coordinate - self.model.coordinate(*id).unwrap_or(coordinate);
@@ -400,24 +399,24 @@ impl LoadedModel {
         names.map(|(name, part)| format!("{name}{part}")).collect()
     }
 
-    /// As [`joint_names`](Self::joint_names), for documents: a rig's angles are known by their
-    /// bones.
+    /// Names as of [`joint_names`](Self::joint_names), for documents; `None` for a rig, whose bones identify its
+    /// angles.
     pub(crate) fn documented_joints(&self) -> Option<Vec<&str>> {
         let named = self.robot.is_some() || self.balls.is_some();
         named.then(|| self.joint_names())
     }
 
-    /// Which coordinates of a configuration a solver may change.
+    /// Flags of the coordinates that a solver may change.
     pub(crate) fn free_coordinates(&self) -> Vec<bool> {
         self.leaders(&self.parameters())
     }
 
-    /// Which coordinates of a configuration a solver may change or the command holds.
+    /// Flags of the coordinates that a solver may change or the command locks.
     pub(crate) fn leading_coordinates(&self) -> Vec<bool> {
         self.leaders(&self.own_parameters())
     }
 
-    /// Which coordinates of a configuration would be free were they not held.
+    /// Flags of the coordinates that the command locks.
     pub(crate) fn held_coordinates(&self) -> Vec<bool> {
         let own = self.leading_coordinates().into_iter();
         let free = self.free_coordinates();
@@ -437,7 +436,7 @@ impl LoadedModel {
         leads
     }
 
-    /// The variable of `map` that moves a joint.
+    /// Variable of `map` that moves a joint.
     pub(crate) fn variable_of(&self, map: &ParameterMap, joint: JointId) -> Option<usize> {
         match map.sources().get(self.model.coordinate(joint)?) {
             Some(Source::Variable { variable, .. } | Source::Rotation { variable }) => {
@@ -447,8 +446,8 @@ impl LoadedModel {
         }
     }
 
-    /// The coordinates of a robot that move none of some frames, which every solver leaves where the
-    /// start has them. None for a rig, whose whole pose is the answer.
+    /// Coordinates of a robot that move none of some frames; solvers keep them at the start. Empty for a rig, whose
+    /// whole pose is the solution.
     pub(crate) fn idle_coordinates(&self, frames: impl Iterator<Item = FrameId>) -> Vec<usize> {
         if self.robot.is_none() {
             return Vec::new();
@@ -465,23 +464,23 @@ impl LoadedModel {
         idle.map(|(coordinate, _)| coordinate).collect()
     }
 
-    /// Which coordinates of a configuration are angles; the others are lengths and parts of quaternions.
+    /// Flags of the coordinates that are angles; others are lengths and components of quaternions.
     pub(crate) fn is_angle(&self) -> impl Iterator<Item = bool> + '_ {
         let kinds = self.kinds();
         kinds.map(|kind| kind.turns() && !kind.is_ball())
     }
 
-    /// Which coordinates of a configuration are parts of quaternions.
+    /// Flags of the coordinates that are components of quaternions.
     pub(crate) fn is_of_ball(&self) -> impl Iterator<Item = bool> + '_ {
         self.kinds().map(JointKind::is_ball)
     }
 
-    /// Whether some joint slides.
+    /// True if there is a prismatic joint.
     pub(crate) fn slides(&self) -> bool {
         self.kinds().any(JointKind::slides)
     }
 
-    /// What the joint of each coordinate is.
+    /// Kind of the joint of each coordinate.
     fn kinds(&self) -> impl Iterator<Item = JointKind> + '_ {
         let moving = self.model.moving_joints().iter();
         let joints = moving.filter_map(|id| self.model.joints().get(id.index()));

@@ -10,33 +10,29 @@ use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::target::parse_placement;
 
-/// Options about a robot's loops.
+/// Options of a robot's loops.
 #[derive(Args, Debug, Default)]
 pub(crate) struct LoopOptions {
-    /// Close a loop that a robot's file does not know of: the origins of two frames, or of places on them
-    /// (`@x,y,z`, metres), stay together, as by a ball joint. Repeat it for several. Default: an MJCF file's own.
-    ///
-    /// Every answer keeps loops closed to 1e-9 m and rad, or tells which it does not ("open_loops").
+    /// Close a loop: two frame origins, or points on frames in metres, coincide. Repeatable.
     #[arg(long, value_name = "FRAME[@x,y,z]=FRAME[@x,y,z]", value_parser = Joined::parse,
           help_heading = MODEL, hide_short_help = true)]
     connect: Vec<Joined>,
 
-    /// As --connect, the axes too: two frames, or places on them (`@x,y,z[,qw,qx,qy,qz]`), are one.
+    /// Close a loop as --connect does, with equal orientation. Repeatable.
     #[arg(long, value_name = "FRAME[@…]=FRAME[@…]", value_parser = Joined::parse,
           help_heading = MODEL, hide_short_help = true)]
     weld: Vec<Joined>,
 
-    /// A joint that nothing drives: `fk` moves it so that loops close. Repeat it for several. Default: of an MJCF
-    /// file with actuators those that none of them moves.
+    /// Passive joint, moved by `fk` to close loops. Default: MJCF joints without actuators.
     #[arg(long, value_name = "JOINT", help_heading = MODEL, hide_short_help = true)]
     passive: Vec<String>,
 
-    /// Leave the loops of a robot's file out. Default: they are closed.
+    /// Ignore the loops of the robot's file. Default: they are closed.
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     without_loops: bool,
 }
 
-/// Two frames, and places on them.
+/// Two frames with points or placements on them.
 #[derive(Clone, Debug)]
 struct Joined {
     typed: String,
@@ -45,8 +41,8 @@ struct Joined {
 
 impl Joined {
     fn parse(text: &str) -> Result<Self, String> {
-        const SHAPE: &str = "expected FRAME=FRAME, each with @x,y,z or @x,y,z,qw,qx,qy,qz after it \
-                             where a place on it is meant";
+        const SHAPE: &str = "expected FRAME=FRAME, each optionally with @x,y,z or @x,y,z,qw,qx,qy,qz \
+                             for a placement on the frame";
         let (first, second) = text.split_once('=').ok_or(SHAPE)?;
         type Side = (String, Placement<f64>);
         let side = |side: &str| -> Result<Side, String> {
@@ -67,7 +63,7 @@ impl Joined {
 }
 
 impl LoopOptions {
-    /// The first option that was given.
+    /// First given option, if any.
     pub(crate) fn given(&self) -> Option<&'static str> {
         first_given([
             ("--connect", !self.connect.is_empty()),
@@ -77,7 +73,7 @@ impl LoopOptions {
         ])
     }
 
-    /// The robot with these loops.
+    /// Robot with these loops.
     pub(crate) fn close(&self, robot: Robot, file: &str) -> Outcome<Robot> {
         let mut robot = match self.without_loops {
             true => robot.without_loops(),

@@ -1,7 +1,7 @@
 //! The `kinopt` command.
 //!
-//! Exit codes: 0 done (a target that is not reached is a result, not a failure), 1 failed with a one-line reason on
-//! standard error, 2 wrong usage, 3 a target was missed and --fail-on-miss was given.
+//! Exit code 0 is success; a target that is not reached is a result, not a failure. Exit code 1 is a failure with a
+//! one-line reason on standard error, and 2 wrong usage. With --fail-on-miss, 3 is a target that is not reached.
 
 #[macro_use]
 mod failure;
@@ -64,16 +64,14 @@ use bench_left_out as bench;
 use failure::Failure;
 
 const AFTER_HELP: &str = "\
-Conventions: metres and radians (for rigs the rig's own unit of length), quaternions w,x,y,z.
-With --json one JSON document is printed on standard output and nothing else; messages go to
-standard error.
+Units: metres and radians; a rig has its own unit of length. Quaternions are w,x,y,z.
+With --json, standard output is one JSON document; messages go to standard error.
 
 Exit codes, of every subcommand:
-  0  done; a target that is missed is an answer
-  1  failed: a file, or a name or number that the model does not have; one line says which; of check
-     also that something is too near
-  2  wrong usage: options that there are not, that are badly written or do not go together
-  3  done, but a target was missed, where solve was told to --fail-on-miss
+  0  done; a target that is not reached is a result
+  1  failed, with a one-line reason; for check also a collision
+  2  wrong usage: unknown, malformed or conflicting options
+  3  target not reached, in solve and path with --fail-on-miss
 
 Examples:
   kinopt info robot.urdf
@@ -91,22 +89,18 @@ Examples:
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results
 
-kinopt bench and the picture of skin-report are in builds with the features `bench` and `charts`:
+kinopt bench and the chart of skin-report need the features `bench` and `charts`:
   cargo run --release -p kinopt-cli --features bench -- bench robot.urdf --out results
   cargo install --path cli --features bench";
 
-/// Inverse kinematics by optimisation: inspect models, pose them, and find the joint angles that
-/// bring their frames where you want them, within the joints' limits.
+/// Inverse kinematics by optimisation: inspect and pose models, and find joint values within limits for targets.
 #[derive(Debug, Parser)]
 #[command(name = "kinopt", version, about, after_help = AFTER_HELP)]
 struct Command {
     #[command(subcommand)]
     subcommand: Subcommands,
 
-    /// Print one JSON document, in radians and metres.
-    ///
-    /// Default: text for people. For rigs lengths are in the rig's own unit. Quaternions are [w,x,y,z]. What is in degrees is
-    /// called so.
+    /// Print one JSON document, in radians and metres (rigs: their own unit). Default: text.
     #[arg(long, global = true, help_heading = help_headings::OUTPUT)]
     json: bool,
 
@@ -128,17 +122,16 @@ enum Subcommands {
     Bench(bench::Arguments),
 }
 
-/// Words that people look for among the subcommands, and where what they mean is.
+/// Common names of functions that are options or other subcommands, with the command.
 const ELSEWHERE: [(&str, &str); 5] = [
-    ("ik", "solve MODEL --target FRAME=PLACE"),
+    ("ik", "solve MODEL --target FRAME=POSE"),
     ("track", "solve MODEL --targets FILE --track"),
     ("follow", "solve MODEL --targets FILE --track"),
-    ("servo", "solve MODEL --targets FILE --servo TICKS_A_SECOND"),
+    ("servo", "solve MODEL --targets FILE --servo HZ"),
     ("collide", "check MODEL"),
 ];
 
-/// The command as it was typed. A negative number is one wherever an option takes a value, so that it is refused for what it is and not
-/// as an option that is unknown.
+/// Parsed command line. Options that take a value accept negative numbers, so that their error message names the value.
 fn parsed() -> Result<Command, Error> {
     let mut command = Command::command().mut_subcommands(|subcommand| {
         subcommand.mut_args(|option| {

@@ -19,26 +19,26 @@ use crate::output;
 use crate::scene_output::write_posed;
 use crate::weights_choice::WeightsChoice;
 
-/// `--out`: where to write, and as what.
+/// Path and format of `--out`.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshFile {
     path: PathBuf,
     format: MeshFormat,
 }
 
-/// What meshes are written as.
+/// Format of mesh files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum MeshFormat {
-    /// Wavefront, as text.
+    /// Wavefront OBJ, text.
     Obj,
-    /// Stanford, little-endian binary.
+    /// Stanford PLY, little-endian binary.
     Ply,
     /// glTF 2.0, binary.
     Glb,
 }
 
 impl MeshFormat {
-    /// The format that a path's extension stands for.
+    /// Format of a path's extension.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         Self::from_str(&extension(path), false).ok()
     }
@@ -51,7 +51,7 @@ impl MeshFile {
         Ok(Self { path, format })
     }
 
-    /// A file in a folder, its extension that of the format.
+    /// File in a folder, with the extension of its format.
     pub(crate) fn within(folder: &Path, stem: &str, format: MeshFormat) -> Self {
         let extension = format.to_possible_value();
         let extension = extension.as_ref().map_or("", PossibleValue::get_name);
@@ -73,18 +73,18 @@ impl MeshFile {
     }
 }
 
-/// A mesh that bones move.
+/// Mesh of a skeleton or a scene.
 #[derive(Clone, Debug)]
 pub(crate) enum Skin<'a> {
     Rig {
         skeleton: &'a Skeleton,
-        /// The same bones, where they turn on balls.
+        /// The same bones on ball joints, if selected.
         balls: Option<&'a BallSkeleton>,
         mesh: &'a TriangleMesh,
         weights: Box<SkinWeights>,
-        /// The same, as meshes are posed by them.
+        /// The weights in the layout for posing.
         mesh_weights: Box<MeshWeights>,
-        /// What was made up.
+        /// Note about computed weights, if any.
         note: Option<String>,
     },
     Scene {
@@ -94,8 +94,8 @@ pub(crate) enum Skin<'a> {
 }
 
 impl LoadedModel {
-    /// The model's mesh and its weights, both of which posing it needs. A rig's mesh without weights gets
-    /// some, and one with weights others where that is asked for, which is said.
+    /// Mesh of the model with its skin weights. Weights are computed if the rig has none or `choice` is given; a note
+    /// says so.
     pub(crate) fn skin(&self, choice: Option<WeightsChoice>) -> Outcome<Skin<'_>> {
         let (file, kind) = (&self.file, self.kind());
         let lacks = || lacks_mesh(file, kind);
@@ -110,11 +110,11 @@ impl LoadedModel {
             (Some(weights), None) => (weights.clone(), None),
             (given, choice) => {
                 let choice = choice.unwrap_or_default();
-                let weights = choice
-                    .made(mesh, &rig.skeleton)
-                    .map_err(|error| failure!("{file}: no skin weights can be made up: {error}"))?;
+                let weights = choice.made(mesh, &rig.skeleton).map_err(|error| {
+                    failure!("{file}: skin weights cannot be computed: {error}")
+                })?;
                 let why = match given {
-                    Some(_) => "the skin weights of the file are not taken",
+                    Some(_) => "the skin weights of the file are ignored",
                     None => "there are no skin weights",
                 };
                 let note = format!("{why}: each vertex follows {}", choice.follows());
@@ -133,7 +133,7 @@ impl LoadedModel {
     }
 }
 
-/// A scene that has meshes, whose weights are its own.
+/// Scene with meshes and their own weights.
 pub(crate) fn with_meshes<'s>(
     scene: Option<&'s Scene>,
     (file, kind): (&str, &str),
@@ -152,7 +152,7 @@ fn lacks_mesh(file: &str, kind: &str) -> Failure {
 }
 
 impl Skin<'_> {
-    /// What was made up, if anything.
+    /// Note about computed weights, if any.
     pub(crate) fn note(&self) -> Option<String> {
         match self {
             Self::Rig { note, .. } => note.clone(),
@@ -160,7 +160,7 @@ impl Skin<'_> {
         }
     }
 
-    /// The mesh in a configuration: stacked angles in radians, or the quaternions of balls.
+    /// Mesh in a configuration: angles of bones in radians, or quaternions of ball joints.
     pub(crate) fn posed(&self, q: &[f64], method: SkinningMethod) -> Outcome<TriangleMesh> {
         match self {
             Self::Rig {
@@ -186,7 +186,7 @@ impl Skin<'_> {
         }
     }
 
-    /// Writes the mesh in a configuration; a scene as glTF keeps all that its file holds.
+    /// Writes the mesh in a configuration. A scene written as glTF keeps all content of its file.
     pub(crate) fn write(&self, q: &[f64], method: SkinningMethod, to: &MeshFile) -> Outcome<()> {
         match self {
             Self::Scene { scene, bridge } if to.format == MeshFormat::Glb => {

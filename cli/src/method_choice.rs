@@ -7,7 +7,7 @@ use kinopt::solver::{Damping, FirstStep, GaussNewton, LevenbergMarquardt, Projec
 
 use crate::choices::Choice;
 
-/// Every solver there is; the first is the default.
+/// All solvers; the first is the default.
 fn solvers() -> [Solver; 5] {
     [
         Solver::new(LevenbergMarquardt::new(Damping::GainRatio)),
@@ -18,18 +18,18 @@ fn solvers() -> [Solver; 5] {
     ]
 }
 
-/// Accepts the names that the methods give themselves.
+/// Parser of the names of methods.
 pub(crate) fn names() -> PossibleValuesParser {
     PossibleValuesParser::new(solvers().iter().map(Solver::method).collect::<Vec<_>>())
 }
 
-/// The solver of a name that [`names`] accepted.
+/// Solver of a name that [`names`] accepted.
 pub(crate) fn solver(name: &str) -> Solver {
     let found = solvers().into_iter().find(|solver| solver.method() == name);
     found.unwrap_or_default()
 }
 
-/// `--jacobian`.
+/// Derivative modes of `--jacobian`.
 pub(crate) const JACOBIAN_ROUTES: [Choice<Derivatives>; 4] = [
     (
         "analytic",

@@ -15,29 +15,22 @@ use crate::loaded_model::LoadedModel;
 use crate::loop_options::LoopOptions;
 use crate::output;
 
-/// Options of every subcommand that takes a model: of robots, and of figures.
+/// Options of every subcommand that reads a model.
 #[derive(Args, Debug, Default)]
 pub(crate) struct ModelOptions {
-    /// Mend a robot's damaged file where that needs no guess. Default: refuse it.
-    ///
-    /// Limits out of order are exchanged, a joint without <limit> is held at 0, of an element given
-    /// twice the first counts, and so on; of an SRDF file what names what the robot has not is left out.
-    /// Each repair is told on standard error; `kinopt info --json` lists the robot's under "repairs".
+    /// Repair damaged robot and SRDF files where no guess is needed, with notes. Default: error.
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     lenient: bool,
 
-    /// Keep a robot's joints also within the soft limits of its file (<safety_controller>). Default:
-    /// only within <limit>.
+    /// Apply the soft limits of a robot's file (<safety_controller>) too. Default: <limit> alone.
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     soft_limits: bool,
 
-    /// Limits that restrict a joint which mimic joints follow: its own (`source`), or also those of its mimic joints (`both`).
-    /// Default: source.
-    #[arg(long, value_name = "WHICH", value_parser = ["source", "both"], help_heading = MODEL, hide_short_help = true)]
+    /// Limits of a source joint: its own, or also its mimic joints'. Default: source.
+    #[arg(long, value_name = "LIMITS", value_parser = ["source", "both"], help_heading = MODEL, hide_short_help = true)]
     mimic_limits: Option<String>,
 
-    /// Limits of a robot's joints, as MoveIt's joint_limits.yaml: velocities and accelerations, and positions within those of its own file.
-    /// Default: the robot's file alone.
+    /// Joint limits of a robot, as in MoveIt's joint_limits.yaml. Default: the robot's file.
     #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
     joint_limits: Option<PathBuf>,
 
@@ -52,7 +45,7 @@ pub(crate) struct ModelOptions {
 }
 
 impl ModelOptions {
-    /// Reads a robot, and tells what was taken where the file says nothing or cannot be right.
+    /// Reads a robot. Repairs and defaults of the reader go to standard error.
     pub(crate) fn read(&self, path: &Path) -> Outcome<Robot> {
         let reader = match file_access::confines() {
             true => Robot::reader().confined(),
@@ -64,7 +57,7 @@ impl ModelOptions {
         };
         let robot = reader.read(path).map_err(|error| {
             let hint = match reader.lenient().read(path) {
-                Ok(_) if !self.lenient => " (--lenient mends it)",
+                Ok(_) if !self.lenient => " (--lenient repairs it)",
                 _ => "",
             };
             failure!("{error}{hint}")
@@ -94,12 +87,12 @@ impl ModelOptions {
         self.loops.close(robot, &file)
     }
 
-    /// Whether it is said what a robot's root moves on.
+    /// True if an option sets the base joint.
     pub(crate) fn says_base(&self) -> bool {
         self.base.given().is_some()
     }
 
-    /// Reads what an SRDF file says of a robot, and tells what was left out.
+    /// Reads the SRDF file of a robot. Repairs of the reader go to standard error.
     pub(crate) fn read_srdf(&self, path: &Path, robot: &Robot) -> Outcome<Srdf> {
         let reader = match self.lenient {
             true => Srdf::reader().lenient(),
@@ -107,7 +100,7 @@ impl ModelOptions {
         };
         let srdf = reader.read(path, robot).map_err(|error| {
             let hint = match reader.lenient().read(path, robot) {
-                Ok(_) if !self.lenient => " (--lenient leaves it out)",
+                Ok(_) if !self.lenient => " (--lenient omits it)",
                 _ => "",
             };
             failure!("{error}{hint}")
@@ -118,12 +111,12 @@ impl ModelOptions {
         Ok(srdf)
     }
 
-    /// Whether a scene or a capture is to be a model with joints.
+    /// True if an option gives joints to a scene or a capture.
     pub(crate) fn makes_figure(&self) -> bool {
         self.figure.given().is_some()
     }
 
-    /// A figure as the options say.
+    /// Skeleton with the joints of the options.
     pub(crate) fn figure(&self, loaded: LoadedModel) -> Outcome<LoadedModel> {
         match self.figure.are_balls() {
             true => {
@@ -138,7 +131,7 @@ impl ModelOptions {
         }
     }
 
-    /// Refuses what only figures have.
+    /// Rejects options of skeletons.
     pub(crate) fn refuse_of_figures(&self, file: &str) -> Outcome<()> {
         let refused = |option| usage!("{file}: {option} is for rigs, scenes and motion capture");
         self.figure
@@ -146,12 +139,12 @@ impl ModelOptions {
             .map_or(Ok(()), |option| Err(refused(option)))
     }
 
-    /// Refuses what only robots have.
+    /// Rejects options of robots.
     pub(crate) fn refuse(&self, file: &str) -> Outcome<()> {
         self.refuse_of_robots(file)?;
         let refused = |option| {
             usage!(
-                "{file}: {option} is for robots (.urdf, .xml), and for figures with --joints ball"
+                "{file}: {option} is for robots (.urdf, .xml), and for skeletons with --joints ball"
             )
         };
         self.base

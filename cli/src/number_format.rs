@@ -1,6 +1,6 @@
 //! Number format of texts, with a precision that suits the model's size.
 
-/// Digits after the point for lengths of a model.
+/// Number of decimals for lengths of a model.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LengthFormat {
     decimals: usize,
@@ -28,12 +28,12 @@ impl LengthFormat {
     }
 }
 
-/// An angle or a quaternion's component, with six digits after the point.
+/// Angle in radians or component of a quaternion, with six decimals.
 pub(crate) fn six_digits(value: f64) -> String {
     without_minus_zero(format!("{value:.6}"))
 }
 
-/// An error, where the order of magnitude matters most.
+/// Error with three significant digits.
 pub(crate) fn magnitude(value: f64) -> String {
     match value == 0.0 {
         true => "0".to_owned(),
@@ -41,12 +41,12 @@ pub(crate) fn magnitude(value: f64) -> String {
     }
 }
 
-/// An angle in degrees, with three digits after the point.
+/// Angle in degrees, with three decimals.
 pub(crate) fn three_digits(value: f64) -> String {
     without_minus_zero(format!("{value:.3}"))
 }
 
-/// A time given in microseconds.
+/// Time from microseconds, in a readable unit.
 pub(crate) fn time(micros: f64) -> String {
     if micros < 1e3 {
         format!("{micros:.2} µs")

@@ -2,16 +2,16 @@
 
 use std::time::Duration;
 
-/// Numbers beyond this are refused: with its square all that is computed of one is finite.
+/// Largest accepted number; its square is finite, so that results of the solvers are finite.
 pub(crate) const LARGEST: f64 = 1e150;
 
-/// Reads finite numbers out of `text`.
+/// Parses finite numbers.
 pub(crate) fn parse(text: &str) -> Result<Vec<f64>, String> {
     let words = text.split(|c: char| c == ',' || c.is_whitespace());
     words.filter(|word| !word.is_empty()).map(number).collect()
 }
 
-/// A list of numbers as one value of an option.
+/// List of numbers as one value of an option.
 #[derive(Clone, Debug)]
 pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
@@ -20,7 +20,7 @@ impl Numbers {
         parse(text).map(Self)
     }
 
-    /// At least one number.
+    /// Parses at least one number.
     pub(crate) fn parse_some(text: &str) -> Result<Self, String> {
         match parse(text)? {
             numbers if numbers.is_empty() => Err("expected numbers".to_owned()),
@@ -29,7 +29,7 @@ impl Numbers {
     }
 }
 
-/// As [`parse`], with exactly N numbers between N − 1 commas.
+/// Parses exactly N numbers between N − 1 commas.
 pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f64; N], String> {
     let numbers = between_commas(text)?;
     let given = numbers.len();
@@ -37,24 +37,24 @@ pub(crate) fn parse_exactly<const N: usize>(text: &str, what: &str) -> Result<[f
     numbers.try_into().map_err(wrong)
 }
 
-/// Numbers between commas, none left out.
+/// Parses numbers between commas, none omitted.
 pub(crate) fn between_commas(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(|word| number(word.trim())).collect()
 }
 
-/// One finite number, at most [`LARGEST`].
+/// Parses one finite number, at most [`LARGEST`].
 pub(crate) fn number(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
         Ok(number) if number.abs() <= LARGEST => Ok(number),
         Ok(number) if number.is_finite() => Err(format!(
-            "`{word}` is beyond {LARGEST:e}, the largest number taken"
+            "`{word}` is beyond {LARGEST:e}, the largest accepted number"
         )),
         Ok(_) => Err(format!("`{word}` is not a finite number")),
         Err(_) => Err(format!("`{word}` is not a number")),
     }
 }
 
-/// One number above zero.
+/// Parses one number above zero.
 pub(crate) fn positive(word: &str) -> Result<f64, String> {
     match number(word)? {
         number if number > 0.0 => Ok(number),
@@ -62,7 +62,7 @@ pub(crate) fn positive(word: &str) -> Result<f64, String> {
     }
 }
 
-/// A time limit in milliseconds that a clock can hold: above zero, at most 30 years.
+/// Parses a time limit in milliseconds: above zero, at most 1e12, about 30 years.
 pub(crate) fn milliseconds(text: &str) -> Result<Duration, String> {
     let milliseconds = positive(text)?;
     if milliseconds > 1e12 {
@@ -71,7 +71,7 @@ pub(crate) fn milliseconds(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(milliseconds * 1e-3).map_err(|error| error.to_string())
 }
 
-/// One number that is not negative.
+/// Parses one number that is not negative.
 pub(crate) fn not_negative(word: &str) -> Result<f64, String> {
     match number(word)? {
         number if number >= 0.0 => Ok(number),

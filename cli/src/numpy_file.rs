@@ -1,7 +1,7 @@
-//! NumPy files: arrays from .npy, and several of them to .npz.
+//! NumPy files: reader of .npy, writer of .npz.
 //!
-//! A .npy is a magic string, a version, a header (a Python dictionary in ASCII) and the numbers ("NumPy Enhancement
-//! Proposal 1"); a .npz is a ZIP archive of such files, here uncompressed.
+//! A .npy file has a magic string, a version, a header (a Python dictionary in ASCII) and the numbers ("NumPy
+//! Enhancement Proposal 1"). A .npz file is a ZIP archive of .npy files, here uncompressed.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -13,10 +13,10 @@ use crate::failure::Outcome;
 use crate::file_access;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// Numbers begin at a multiple of this.
+/// Alignment of the numbers, in bytes.
 const ALIGNED: usize = 64;
 
-/// Numbers and the lengths of their axes, the last one's side by side.
+/// Numbers with the lengths of their axes, in C order.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Array {
     pub(crate) shape: Vec<usize>,
@@ -30,7 +30,7 @@ pub(crate) fn read(path: &Path) -> Outcome<Array> {
 }
 
 fn parse(bytes: &[u8]) -> Result<Array, String> {
-    let damaged = || "no NumPy array, or a damaged one".to_owned();
+    let damaged = || "not a NumPy array, or damaged".to_owned();
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(damaged)?;
     let (header, data) = match rest {
         [1, _, a, b, rest @ ..] => rest.split_at_checked(usize::from(u16::from_le_bytes([*a, *b]))),
@@ -59,14 +59,16 @@ fn parse(bytes: &[u8]) -> Result<Array, String> {
         .map(|axis| axis.parse().map_err(|_| damaged()))
         .collect::<Result<_, _>>()?;
     if fortran && shape.len() > 1 {
-        return Err("in Fortran's order of axes; save it by numpy.ascontiguousarray".to_owned());
+        return Err(
+            "the array is in Fortran order; save it after numpy.ascontiguousarray".to_owned(),
+        );
     }
     let numbers: Vec<f64> = match kind {
         Some("<f4") => numbers_of(data, |four| f64::from(f32::from_le_bytes(four))),
         Some("<f8") => numbers_of(data, f64::from_le_bytes),
         other => {
             let other = other.unwrap_or("none");
-            return Err(format!("of the type {other}; <f4 and <f8 are read"));
+            return Err(format!("unsupported type {other}; expected <f4 or <f8"));
         }
     };
     let product = shape
@@ -78,20 +80,20 @@ fn parse(bytes: &[u8]) -> Result<Array, String> {
     }
 }
 
-/// All whole numbers of so many bytes.
+/// Numbers of N bytes each; an incomplete last one is ignored.
 fn numbers_of<const N: usize>(data: &[u8], number: impl Fn([u8; N]) -> f64) -> Vec<f64> {
     let each = data.chunks_exact(N).filter_map(|bytes| bytes.first_chunk());
     each.map(|bytes| number(*bytes)).collect()
 }
 
-/// One array of a .npz.
+/// Array of a .npz file.
 pub(crate) enum Column<'a> {
     Numbers(&'a [f64]),
     Flags(&'a [bool]),
     Words(&'a [String]),
 }
 
-/// The bytes of a .npz with arrays by name, each with the lengths of its axes.
+/// Bytes of a .npz file with arrays by name, each with the lengths of its axes.
 pub(crate) fn npz(arrays: &[(&str, &[usize], Column<'_>)]) -> Outcome<Vec<u8>> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     let stored = SimpleFileOptions::default()

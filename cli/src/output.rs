@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Outcome};
 
-/// Prints a result: where `json` as one document on one line, else as text for people.
+/// Prints a result: one document on one line if `json`, otherwise text.
 pub(crate) fn result<D: Serialize>(
     json: bool,
     document: impl FnOnce() -> D,
@@ -25,10 +25,10 @@ pub(crate) fn result<D: Serialize>(
     })
 }
 
-/// Makes a folder to write into, where there is none.
+/// Creates an output folder, if missing.
 pub(crate) fn make_folder(path: &Path) -> Outcome<()> {
     std::fs::create_dir_all(path)
-        .map_err(|error| failure!("{}: cannot be made: {error}", path.display()))
+        .map_err(|error| failure!("{}: cannot be created: {error}", path.display()))
 }
 
 /// Writes a whole file.
@@ -36,7 +36,7 @@ pub(crate) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Outcome<()>
     Ok(kinopt::io::write_file(path, contents.as_ref())?)
 }
 
-/// Tells people something on standard error; a closed one leaves nobody to tell.
+/// Prints a message on standard error; a closed stream is ignored.
 pub(crate) fn message(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "kinopt: {text}");
 }

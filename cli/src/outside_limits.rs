@@ -7,11 +7,11 @@ use serde::Serialize;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 
-/// A joint that is.
+/// Joint outside its limits.
 #[derive(Serialize)]
 pub(crate) struct OutsideLimits {
     joint: String,
-    /// Where it stands and may stand, radians or metres; none of these of a ball, whose limits are a cone and a twist.
+    /// Value and limits in radians or metres; `None` for a ball joint, which has a cone and a twist.
     #[serde(flatten)]
     range: Option<Range>,
 }
@@ -24,7 +24,7 @@ struct Range {
 }
 
 impl LoadedModel {
-    /// The joints of a configuration that are beyond their limits.
+    /// Joints of a configuration outside their limits.
     pub(crate) fn outside_limits(&self, q: &[f64]) -> Outcome<Vec<OutsideLimits>> {
         let (model, balls) = (&self.model, self.is_of_ball());
         let numbers = model.moving_joints().iter().zip(q).zip(model.limits());

@@ -9,8 +9,9 @@ use crate::frame_report::FrameReport;
 use crate::loaded_model::LoadedModel;
 
 impl LoadedModel {
-    /// Places the named frames, or all of them, for `q` (radians and metres, within limits or not),
-    /// in the world or in the frame named `base`.
+    /// Placements of the named frames, or of all, in the world or in the frame named `base`.
+    ///
+    /// `q` is in radians and metres, within limits or not.
     pub(crate) fn frame_report(
         &self,
         names: &[String],
@@ -37,8 +38,8 @@ impl LoadedModel {
         })
     }
 
-    /// world_from_frame of every frame of the model, by index; none for a `q` of the wrong length,
-    /// which the reader of `q` has ruled out.
+    /// world_from_frame of every frame of the model, by index; empty for a `q` of the wrong length, which its reader
+    /// rejects.
     pub(crate) fn all_frames(&self, q: &[f64]) -> Vec<Placement<f64>> {
         let mut kinematics = ForwardKinematics::new(&self.model);
         kinematics.place(q).map(<[_]>::to_vec).unwrap_or_default()

@@ -7,22 +7,22 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use kinopt::solver::{Iteration, Observer};
 
-/// What takes less than this shows nothing.
+/// Time until the line appears.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// How many drawings a second.
+/// Refresh rate, in hertz.
 const DRAWINGS: u8 = 10;
-/// How many iterations pass between looks at the clock.
+/// Number of iterations between two checks of the time.
 const BETWEEN_LOOKS: usize = 16;
 
-/// A line that is shown late, and taken away with what it is a line of.
+/// Progress line that appears late and is removed on drop.
 struct Line {
     started: Instant,
-    /// None where nobody would see it.
+    /// Bar of a terminal; `None` without one.
     bar: Option<ProgressBar>,
 }
 
 impl Line {
-    /// As `shape` says, of so many things where that is known.
+    /// Line with a template, and a length if it is known.
     fn new(length: Option<usize>, shape: &str) -> Self {
         let target = ProgressDrawTarget::stderr_with_hz(DRAWINGS);
         let bar = (!target.is_hidden()).then(|| {
@@ -37,7 +37,7 @@ impl Line {
         Self { started, bar }
     }
 
-    /// The bar, once that is worth looking at.
+    /// Bar, after the initial delay.
     fn late(&self) -> Option<&ProgressBar> {
         let bar = self.bar.as_ref();
         bar.filter(|_| self.started.elapsed() > PATIENCE)
@@ -52,14 +52,14 @@ impl Drop for Line {
     }
 }
 
-/// Counts answers. It counts between questions, so no time that is taken holds its drawing.
+/// Counter of solved queries. It is updated between queries, so that measured times do not contain it.
 pub(crate) struct Countdown {
     line: Line,
     done: AtomicU64,
 }
 
 impl Countdown {
-    /// Counts up to `total`; `noun` is what is counted.
+    /// Counter up to `total`; `noun` is the counted unit.
     pub(crate) fn new(total: usize, noun: &str) -> Self {
         let shape = format!("{{bar:40}} {{pos}} of {{len}} {noun}, {{eta}} left");
         let line = Line::new(Some(total), &shape);
@@ -75,7 +75,7 @@ impl Countdown {
     }
 }
 
-/// Counts attempts and iterations of one search.
+/// Counter of attempts and iterations of one search.
 pub(crate) struct Progress {
     line: Line,
     attempts: usize,

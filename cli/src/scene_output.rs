@@ -9,7 +9,7 @@ use kinopt::skinning::SkinningMethod;
 use crate::failure::Outcome;
 use crate::file_access;
 
-/// Writes a scene's file in a pose, with all that it holds.
+/// Writes a scene's file in a pose, with all of its content.
 pub(crate) fn write_posed(
     file: &SceneFile,
     pose: &Pose,
@@ -18,7 +18,7 @@ pub(crate) fn write_posed(
 ) -> Outcome<()> {
     if method != SkinningMethod::LinearBlend {
         return Err(usage!(
-            "--out {}: a scene that is written as glTF keeps its skin, which whoever shows it blends linearly; --skinning {} is \
+            "--out {}: a scene written as glTF keeps its skin, which viewers blend linearly; --skinning {} is \
              for .obj and .ply",
             to.display(),
             method.name()
@@ -29,8 +29,7 @@ pub(crate) fn write_posed(
     Ok(posed.write(to)?)
 }
 
-/// The file that a clip of a scene is added to: the one at a path, which has the same bones, or where there is none a copy of the
-/// scene's own.
+/// File to which a scene's clip is added: the file at a path, with the same bones, or a copy of the scene's own file.
 pub(crate) fn file_to_add_to(own: &SceneFile, into: &Path) -> Outcome<SceneFile> {
     if !into.exists() {
         return Ok(own.clone());
@@ -39,13 +38,13 @@ pub(crate) fn file_to_add_to(own: &SceneFile, into: &Path) -> Outcome<SceneFile>
     match file.scene().armature.names() == own.scene().armature.names() {
         true => Ok(file),
         false => Err(failure!(
-            "{}: its bones are not those of the model; `kinopt info` lists either",
+            "{}: its bones differ from those of the model; `kinopt info` lists both",
             into.display()
         )),
     }
 }
 
-/// Writes a file with one clip more, called as given; without that by its own name, or where that is taken by another.
+/// Writes a file with one more clip, named `given`, or its own name, or `other` if that name exists.
 pub(crate) fn write_with_clip(
     mut file: SceneFile,
     clip: Clip,
@@ -63,7 +62,7 @@ pub(crate) fn write_with_clip(
         None => clip,
     };
     let added = file.add_clip(&clip, &WriteOptions::default());
-    added.map_err(|error| failure!("{}: {error}; --clip-name gives another", to.display()))?;
+    added.map_err(|error| failure!("{}: {error}; --clip-name sets another name", to.display()))?;
     file.write(to)?;
     Ok(clip)
 }

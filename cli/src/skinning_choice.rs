@@ -3,11 +3,11 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use kinopt::skinning::SkinningMethod;
 
-/// Accepts the names that the ways to skin give themselves.
+/// Parser of the names of skinning methods.
 pub(crate) fn parser() -> impl TypedValueParser<Value = SkinningMethod> {
     let named = SkinningMethod::ALL.map(|method| {
         PossibleValue::new(method.name()).help(match method {
-            SkinningMethod::DualQuaternion => "Dual quaternions, which keep twisted skin's volume",
+            SkinningMethod::DualQuaternion => "Dual quaternions, keep the volume of twisted skin",
             _ => "Linear blend, fastest",
         })
     });

@@ -19,52 +19,48 @@ use crate::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt spheres robot.urdf --out spherised.urdf     the same robot, of spheres that stick out by a
-                                                     fiftieth of its reach at most
+  kinopt spheres robot.urdf --out spherised.urdf     URDF, maximum protrusion 2 % of the reach
   kinopt spheres robot.urdf --max-protrusion 0.02 --out spheres.yml
-                                                     by 2 cm, for cuRobo
+                                                     cuRobo spheres, maximum protrusion 2 cm
   kinopt spheres robot.urdf --spheres 6 --package /opt/ros/jazzy/share --out spheres.yml
-                                                     at most six a link, meshes of ROS packages";
+                                                     at most six spheres a link, ROS meshes";
 
-/// The largest protrusion, unless given, as a share of the robot's reach.
+/// Default maximum protrusion, as a share of the robot's reach.
 const SHARE: f64 = 0.02;
-/// And where a link is too large for that, as a share of the radius around the largest shape.
+/// Maximum protrusion for larger links, as a share of the radius around the largest shape.
 const SHARE_OF_LARGEST: f64 = 0.05;
-/// So often it is doubled at most.
+/// Largest number of doublings of the maximum protrusion.
 const DOUBLINGS: usize = 40;
 
-/// Covers a robot's collision shapes with spheres, for fast checks here and elsewhere.
+/// Cover a robot's collision shapes with spheres, for fast collision checks.
 ///
-/// Every point of every shape lies in a sphere of its link, and no sphere sticks out of the shapes further than
-/// is said. Links whose shapes are spheres keep them. Which links are checked against each other is told: all but
-/// those joined to each other, those that --srdf disables, and those that cannot touch or nearly always do in random
-/// configurations.
+/// Every point of every shape is in a sphere of its link; spheres exceed the shapes by at most the maximum protrusion.
+/// Links of spheres keep them. The report lists the enabled pairs of links. Disabled are adjacent links, pairs of
+/// --srdf, and pairs that random configurations show in contact never or almost always.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The robot's .urdf or MJCF .xml file.
+    /// Robot file: .urdf or MJCF .xml.
     #[arg(value_name = "ROBOT")]
     robot: PathBuf,
 
-    /// Where to write: .urdf (the robot with spheres for its collision shapes, as foam and VAMP have it) or
-    /// .yml (cuRobo's collision_spheres).
+    /// Output file: .urdf (robot of spheres) or .yml (cuRobo collision_spheres).
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     out: PathBuf,
 
-    /// What to write, whatever the file's name ends in. Default: as it ends.
+    /// Output format. Default: by the extension of --out.
     #[arg(long, help_heading = OUTPUT)]
     format: Option<Format>,
 
-    /// As few spheres as are found that stick out by at most this, in metres. Default: a fiftieth of
-    /// the robot's reach, and more where a link is too large for that.
+    /// Maximum protrusion in metres. Default: 2 % of the reach, more for large links.
     #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
     max_protrusion: Option<f64>,
 
-    /// At most so many spheres a link, sticking out as little as is found. Default: as --max-protrusion.
+    /// Largest number of spheres a link, with small protrusion. Default: as --max-protrusion.
     #[arg(long, value_name = "N")]
     spheres: Option<usize>,
 
-    /// Write which links may touch as an SRDF file. Default: do not.
+    /// Write the disabled pairs of links as an SRDF file. Default: no file.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     save_srdf: Option<PathBuf>,
 
@@ -77,9 +73,9 @@ pub(crate) struct Arguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// The robot's URDF with spheres for its collision shapes.
+    /// URDF of the robot with spheres as collision shapes.
     Urdf,
-    /// cuRobo's collision_spheres.
+    /// cuRobo collision_spheres.
     #[value(alias = "yml")]
     Yaml,
 }
@@ -107,10 +103,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let robot = loaded.robot_with_shapes("spheres")?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let spheres = match (arguments.max_protrusion, arguments.spheres) {
-        (Some(max_protrusion), _) => {
-            SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))
-                .map_err(|wrong| failure!("--max-protrusion {max_protrusion}: {}", wrong.allowed))?
-        }
+        (Some(max_protrusion), _) => SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))
+            .map_err(|wrong| failure!("--max-protrusion {max_protrusion}: {}", wrong.allowed))?,
         (_, Some(count)) => SphereModel::of(&model, Resolution::PerLink(count))
             .map_err(|wrong| failure!("--spheres {count}: {}", wrong.allowed))?,
         _ => as_fine_as_may_be(&model, robot.model().reach())?,
@@ -130,7 +124,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     report(arguments, &model, &spheres, json)
 }
 
-/// Spheres that stick out by a fiftieth of the reach, or where a link is too large for that by a share of the largest.
+/// Sphere model with a maximum protrusion of 2 % of the reach, or more for large links.
 fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel> {
     // A robot with a single revolute joint may have reach 0, but has shapes.
     let finest = match reach > 0.0 && reach.is_finite() {
@@ -146,7 +140,7 @@ fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel>
         if let Ok(spheres) = SphereModel::of(model, Resolution::MaxProtrusion(max_protrusion)) {
             if max_protrusion > finest {
                 output::message(&format!(
-                    "note: the spheres stick out by up to {max_protrusion} m: some link is too large for {finest} m, a fiftieth of the reach"
+                    "note: maximum protrusion {max_protrusion} m: a link is too large for {finest} m, 2 % of the reach"
                 ));
             }
             return Ok(spheres);
@@ -207,7 +201,7 @@ fn report(
         };
         let millimetres = 1e3 * spheres.max_protrusion();
         format!(
-            "{count} on {}, sticking out by {millimetres:.1} mm at most; {pairs}\n\n{}\n{} written\n",
+            "{count} on {}, maximum protrusion {millimetres:.1} mm; {pairs}\n\n{}\n{} written\n",
             counted(groups.len(), "link"),
             table.text(),
             arguments.out.display(),
@@ -226,7 +220,7 @@ impl Arguments {
         };
         let format = self.format.or(by_name).ok_or_else(|| {
             let out = self.out.display();
-            usage!("{out}: the name must end in .urdf or .yml, or --format say what to write")
+            usage!("{out}: expected a name that ends in .urdf or .yml, or --format")
         })?;
         let is_urdf = self
             .robot
@@ -234,7 +228,7 @@ impl Arguments {
             .is_some_and(|end| end.eq_ignore_ascii_case("urdf"));
         match format == Format::Urdf && !is_urdf {
             true => Err(usage!(
-                "{}: only a URDF robot can be written as .urdf; take .yml",
+                "{}: only a URDF robot can be written as .urdf; use .yml",
                 self.robot.display()
             )),
             false => Ok(format),

@@ -1,6 +1,6 @@
 //! Text in aligned columns.
 
-/// Lines of a name and what there is to say of it.
+/// Lines of a name and a text.
 pub(crate) fn lines<'n>(lines: impl IntoIterator<Item = (&'n str, String)>) -> String {
     let lines = lines.into_iter();
     lines
@@ -8,16 +8,16 @@ pub(crate) fn lines<'n>(lines: impl IntoIterator<Item = (&'n str, String)>) -> S
         .collect()
 }
 
-/// Rows under a header; every column as wide as its widest cell.
+/// Rows under a header; every column is as wide as its widest cell.
 #[derive(Debug)]
 pub(crate) struct Table {
-    /// Which columns are filled up on the left.
+    /// Flags of the columns that are aligned right.
     right: Vec<bool>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// The columns' names between bars; `>` before a name fills the column up on the left.
+    /// Table with column names between bars; `>` before a name aligns the column right.
     pub(crate) fn new(columns: &str) -> Self {
         let columns = columns.split('|').map(str::trim);
         let aligned = columns.map(|name| match name.strip_prefix('>') {
@@ -33,7 +33,7 @@ impl Table {
         self.rows.push(cells.into());
     }
 
-    /// The table, each line indented by two spaces; empty when there is only the header.
+    /// Table with every line indented by two spaces; empty without rows.
     pub(crate) fn text(&self) -> String {
         if self.rows.len() < 2 {
             return String::new();

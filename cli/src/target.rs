@@ -4,20 +4,20 @@ use kinopt::spatial::{Placement, Quaternion, Vector3};
 
 use crate::number_list::{between_commas, number, parse_exactly};
 
-/// How far a typed quaternion's length may be from 1; it is normalised.
+/// Largest deviation of a typed quaternion's length from 1; the quaternion is normalised.
 pub(crate) const QUATERNION_LENGTH_WITHIN: f64 = 0.01;
 
-/// `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
+/// Target `FRAME=x,y,z` or `FRAME=x,y,z,qw,qx,qy,qz`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Target {
     pub(crate) frame: String,
-    /// Where the frame should stand; unturned where only its position is given.
+    /// Target pose of the frame; the rotation is the identity if only a position is given.
     pub(crate) placement: Placement<f64>,
-    /// Whether its orientation is given.
+    /// True if an orientation is given.
     pub(crate) turns: bool,
 }
 
-/// `FRAME=ex,ey,ez:mx,my,mz`.
+/// Ray `FRAME=ex,ey,ez:mx,my,mz`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RayTarget {
     pub(crate) frame: String,
@@ -37,12 +37,12 @@ impl Target {
     }
 }
 
-/// `x,y,z` or `x,y,z,qw,qx,qy,qz`.
+/// Parses `x,y,z` or `x,y,z,qw,qx,qy,qz`.
 pub(crate) fn parse_placement(text: &str) -> Result<Placement<f64>, String> {
     Ok(placement(&between_commas(text)?)?.0)
 }
 
-/// The placement of a position and, where there is one, a quaternion, w first; and whether there is.
+/// Placement of a position and an optional quaternion, w first. The flag is true if there is a quaternion.
 pub(crate) fn placement(numbers: &[f64]) -> Result<(Placement<f64>, bool), String> {
     match *numbers {
         [x, y, z] => Ok((Placement::translation(Vector3::new(x, y, z)), false)),
@@ -69,7 +69,7 @@ impl RayTarget {
         let eye = parse_exactly(eye, "the eye")?;
         let through = parse_exactly(through, "the point")?;
         if eye == through {
-            return Err("the eye and the point coincide, so they span no ray".to_owned());
+            return Err("the eye and the point coincide".to_owned());
         }
         Ok(Self {
             frame,
@@ -79,7 +79,7 @@ impl RayTarget {
     }
 }
 
-/// The frame's name may hold anything, also `=`; numbers cannot.
+/// Splits at the last `=`: the name of the frame may contain `=`, numbers cannot.
 fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
     match text.rsplit_once('=') {
         Some((frame, numbers)) if !frame.trim().is_empty() => {
@@ -89,18 +89,18 @@ fn split<'t>(text: &'t str, shape: &str) -> Result<(String, &'t str), String> {
     }
 }
 
-/// A quaternion, w first, of length 1; one that is far from that is an error.
+/// Normalised quaternion, w first; an error if its length is not near 1.
 fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
     if (length - 1.0).abs() <= QUATERNION_LENGTH_WITHIN {
         return Ok(quaternion.map(|c| c / length));
     }
     Err(format!(
-        "the quaternion (w,x,y,z) has length {length:.6}; a rotation's is 1"
+        "the quaternion (w,x,y,z) has length {length:.6}; expected 1"
     ))
 }
 
-/// `--start`.
+/// Value of `--start`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Start {
     Default,

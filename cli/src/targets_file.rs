@@ -1,4 +1,4 @@
-//! The file of `--targets`, validated: every error names the file and the position in it.
+//! File of `--targets`, validated; every error names the file and the position in it.
 
 use std::path::Path;
 
@@ -12,14 +12,14 @@ use crate::loaded_model::LoadedModel;
 use crate::number_list::LARGEST;
 use crate::target::placement;
 
-/// What a file of targets says.
+/// Content of a file of targets.
 #[derive(Debug)]
 pub(crate) struct TargetsFile {
-    /// base_from_tip; unturned where only positions are given.
+    /// base_from_tip of each target; the rotation is the identity if only positions are given.
     pub(crate) targets: Vec<Placement<f64>>,
-    /// Whether the targets have orientations.
+    /// True if the targets have orientations.
     pub(crate) turns: bool,
-    /// One row a target, all of one length.
+    /// One row for each target, all of one length.
     starts: Option<Vec<Vec<f64>>>,
     joint_names: Option<Vec<String>>,
     pub(crate) tip_link: Option<String>,
@@ -33,8 +33,7 @@ impl TargetsFile {
         file.map_err(|problem| failure!("{}: {problem}", path.display()))
     }
 
-    /// The configurations that the starts are: of all moving joints, of those that are named, or of the
-    /// free ones from base to tip.
+    /// Start configurations: rows for all moving joints, for the named joints, or for the free joints from base to tip.
     pub(crate) fn starts(
         &self,
         loaded: &LoadedModel,
@@ -58,7 +57,7 @@ impl TargetsFile {
                     format!(", or {count} from base to tip: {}", names.join(", "))
                 });
                 return Err(format!(
-                    "starts[0]: has {width} numbers; without joint_names there are {all} for all \
+                    "starts[0]: has {width} numbers; without joint_names, expected {all} for all \
                      moving joints{or_arm}"
                 ));
             }
@@ -77,7 +76,7 @@ impl TargetsFile {
         let rows = rows(targets, "targets")?;
         let width = width_of(&rows);
         if width == 0 {
-            return Err("targets: holds no target".to_owned());
+            return Err("targets: the list is empty".to_owned());
         }
         if width != 3 && width != 7 {
             return Err(format!(
@@ -94,7 +93,7 @@ impl TargetsFile {
         if let Some(starts) = &starts {
             if starts.len() != targets.len() {
                 let (given, targets) = (starts.len(), targets.len());
-                return Err(format!("starts: {given} of them for {targets} targets"));
+                return Err(format!("starts: {given} starts for {targets} targets"));
             }
             let (width, names) = (width_of(starts), joint_names.as_ref().map(Vec::len));
             if let Some(names) = names.filter(|&names| names != width) {
@@ -114,7 +113,7 @@ impl TargetsFile {
     }
 }
 
-/// A key that may be missing or null.
+/// Value of a key that may be missing or null.
 fn optional<T>(
     document: &Map<String, Value>,
     key: &str,
@@ -135,7 +134,7 @@ fn rows(value: &Value, at: &str) -> Result<Vec<Vec<f64>>, String> {
         let numbers = numbers.map(|(column, number)| match number.as_f64() {
             Some(number) if number.abs() <= LARGEST => Ok(number),
             Some(_) => Err(format!(
-                "{at}[{column}]: is beyond {LARGEST:e}, the largest number taken"
+                "{at}[{column}]: is beyond {LARGEST:e}, the largest accepted number"
             )),
             _ => Err(format!("{at}[{column}]: is {}, not a number", a(number))),
         });
@@ -172,13 +171,13 @@ fn text(value: &Value, at: &str) -> Result<String, String> {
     text.ok_or_else(|| format!("{at}: is {}, not a name", a(value)))
 }
 
-/// What a value is, in words.
+/// Type of a value in words, with an article.
 fn a(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",
         Value::Bool(_) => "true or false",
         Value::Number(_) => "a number",
-        Value::String(_) => "a text",
+        Value::String(_) => "a string",
         Value::Array(_) => "a list",
         Value::Object(_) => "an object",
     }

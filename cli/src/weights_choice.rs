@@ -5,13 +5,13 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::Skeleton;
 use kinopt::skinning::{AutomaticWeights, AutomaticWeightsError, HeatWeights, SkinWeights};
 
-/// How skin weights are made up.
+/// Methods of automatic skin weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum WeightsChoice {
-    /// Heat spreads from the bones over the skin
+    /// Bone heat weighting along the skin
     #[default]
     Heat,
-    /// Bones pull at what is near, also through the air
+    /// Distance from the bones
     Distance,
 }
 
@@ -27,7 +27,7 @@ impl WeightsChoice {
         }
     }
 
-    /// What it does, to go on "each vertex follows …".
+    /// Rule of the method, which completes "each vertex follows …".
     pub(crate) fn follows(self) -> &'static str {
         match self {
             Self::Heat => "the bones that heat it along the skin",

@@ -10,17 +10,16 @@ use crate::file_access;
 use crate::help_headings::COLLISIONS;
 use crate::output;
 
-/// What may touch obstacles.
+/// Allowed collisions with obstacles.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TouchOption {
-    /// Let a link of the robot and an obstacle of --world touch, or two obstacles, however deep; repeat it for several pairs.
-    /// Default: what the file's own `may_touch` says.
+    /// Allowed collision of two obstacles, or of a link and one. Default: the file's. Repeatable.
     #[arg(long, value_name = "NAME=NAME", value_parser = pair, requires = "world", help_heading = COLLISIONS, hide_short_help = true)]
     allow_collision: Vec<[String; 2]>,
 }
 
 impl TouchOption {
-    /// As [`read`], with what may touch besides.
+    /// World of [`read`], with the allowed collisions of the options.
     pub(crate) fn read(&self, file: Option<&Path>) -> Outcome<World> {
         let mut world = read(file)?;
         for [one, other] in &self.allow_collision {
@@ -31,7 +30,7 @@ impl TouchOption {
     }
 }
 
-/// The world of a file, or one without obstacles; what was mended of its shapes, or not taken up, goes to standard error.
+/// World of a file, or an empty one. Notes about repaired and omitted shapes go to standard error.
 pub(crate) fn read(file: Option<&Path>) -> Outcome<World> {
     let Some(file) = file else {
         return Ok(World::new());
@@ -43,12 +42,12 @@ pub(crate) fn read(file: Option<&Path>) -> Outcome<World> {
     Ok(world)
 }
 
-/// Two names.
+/// Two names, separated by `=`.
 fn pair(text: &str) -> Result<[String; 2], String> {
     match text.split_once('=') {
         Some((one, other)) if !one.trim().is_empty() && !other.trim().is_empty() => {
             Ok([one, other].map(|name| name.trim().to_owned()))
         }
-        _ => Err("two names are expected, as left_foot=floor".to_owned()),
+        _ => Err("expected two names, such as left_foot=floor".to_owned()),
     }
 }

@@ -12,81 +12,77 @@ use crate::number_list;
 const EXAMPLES: &str = "\
 Examples:
   kinopt bench robot.urdf --problems random:100 --out results
-        every solver by every derivative route, on 100 random reachable poses
+        every solver with every derivative mode, on 100 random reachable poses
   kinopt bench robot.urdf --targets poses.json --out results
-        on targets of your own
+        targets of a file
   kinopt bench man.json --solver 'kinopt default' --solver 'argmin L-BFGS' --out results
         two solvers on the pinned tips of a rig
 
-Interrupt it (Ctrl-C) when you have seen enough: what is done is written.";
+Ctrl-C stops the comparison and writes the finished part.";
 
-/// Compare all solvers by all derivative routes on the same problems.
+/// Compare all solvers, with all derivative modes, on the same problems.
 ///
-/// Writes results.json, results.md and pictures (SVG) into a folder: a performance profile, the
-/// solved fraction over time, the derivative routes, the cost over the steps of one problem, and the
-/// cost of one Jacobian against the number of bones. Answers are judged by forward kinematics and
-/// the joint limits. The same seed makes the same answers, as long as no time limit ends a search.
+/// Writes results.json, results.md and SVG charts. The charts are a performance profile, the solved fraction over time,
+/// derivative modes, the cost over iterations, and the Jacobian cost by number of bones. Solutions are checked by
+/// forward kinematics and joint limits. Results are reproducible for a seed if no time limit ends a search.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or MJCF .xml or a rig's .json file.
+    /// Model file: robot .urdf or MJCF .xml, or rig .json.
     #[arg(value_name = "MODEL")]
     pub(super) model: PathBuf,
 
-    /// Where to write; made if it is not there.
+    /// Output folder; created if missing.
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
 
-    /// The frame that has targets. Default: the file's tip_link; for a robot the end of the longest
-    /// chain, for a rig all pinned tips (ik_constraints).
+    /// Frame with targets. Default: tip_link of the file; robots: end of the longest chain; rigs: pinned tips.
     #[arg(long, value_name = "FRAME")]
     pub(super) tip: Option<String>,
 
-    /// Targets of one frame from a JSON file, as for `kinopt solve`. Default: --problems.
+    /// JSON file of targets of one frame, as for `kinopt solve`. Default: --problems.
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Option<PathBuf>,
 
-    /// Problems drawn at random that have an answer: the tips' places in random configurations.
-    /// Default: random:100.
+    /// Number of random problems with a solution: tip poses of random configurations. Default: random:100.
     #[arg(long, value_name = "random:N", value_parser = random, conflicts_with = "targets")]
     pub(super) problems: Option<usize>,
 
-    /// Where searches start. Default: the file's starts; random for robots, rest for rigs.
+    /// Start configurations. Default: those of the file; else random for robots, rest for rigs.
     #[arg(long, value_name = "rest|random", value_enum)]
     pub(super) start: Option<StartAt>,
 
-    /// Positions alone count, also on robots. Default: off; of rigs only positions count.
+    /// Ignore orientations. Default: off for robots; always on for rigs.
     #[arg(long)]
     pub(super) position_only: bool,
 
-    /// What counts as solved: this share of the model's size, and as many radians.
+    /// Tolerance: share of the model's size, and radians.
     #[arg(long, value_name = "T", default_value_t = 1e-6, value_parser = number_list::positive)]
     pub(super) tolerance: f64,
 
-    /// Milliseconds that a solver has for one problem; what takes a tenth longer counts as missed.
+    /// Time limit of a problem in milliseconds; a solve 10 % above it counts as not reached.
     #[arg(long, value_name = "MS", default_value = "100",
           value_parser = number_list::milliseconds)]
     pub(super) time_limit: Duration,
 
-    /// How many starts a solver without restarts of its own may try: the problem's own, then random
-    /// ones, the same for all.
+    /// Largest number of starts for solvers without restarts: the problem's, then random ones, equal for all solvers.
     #[arg(long, value_name = "N", default_value_t = 16,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) attempts: u16,
 
-    /// Seed of everything random: a whole number.
+    /// Seed of the random generator, a whole number.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) rng_seed: u64,
 
-    /// Ask this solver only; repeat it for several. Default: all.
+    /// Solver to compare. Default: all. Repeatable.
     #[arg(long = "solver", value_name = "NAME", value_parser = solver)]
     pub(super) solvers: Vec<String>,
 
-    /// The problem, counted from 0, whose cost is drawn over the steps.
+    /// Index of the problem, from 0, in the chart of cost over iterations.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) problem: usize,
 
-    /// Measure one Jacobian on chains of up to so many bones; 0 for none.
+    /// Largest number of bones in the Jacobian measurement; 0 for none.
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub(super) bones: usize,
 
@@ -94,17 +90,17 @@ pub(crate) struct Arguments {
     pub(super) model_options: ModelOptions,
 }
 
-/// `--start`.
+/// Value of `--start`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum StartAt {
     /// All zeros, moved into the limits
     Rest,
-    /// Another random configuration for each problem
+    /// A random configuration for each problem
     Random,
 }
 
 impl Arguments {
-    /// What each solver may spend on one problem.
+    /// Budget of each solver for one problem.
     pub(super) fn budget(&self) -> Budget {
         Budget {
             time_limit: self.time_limit,
@@ -112,7 +108,7 @@ impl Arguments {
         }
     }
 
-    /// Whether a solver takes part.
+    /// True if a solver takes part.
     pub(super) fn wants(&self, solver: &str) -> bool {
         self.solvers.is_empty() || self.solvers.iter().any(|wanted| wanted == solver)
     }
@@ -124,7 +120,7 @@ fn solver(text: &str) -> Result<String, String> {
     if names.contains(&text) {
         return Ok(text.to_owned());
     }
-    Err(format!("the solvers are: {}", names.join(", ")))
+    Err(format!("unknown solver; solvers: {}", names.join(", ")))
 }
 
 fn random(text: &str) -> Result<usize, String> {

@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Outcome;
 
-/// What a shell says of a program that an interrupt ended.
+/// Exit code of a program that an interrupt ended, as in shells.
 const INTERRUPTED: i32 = 130;
 
-/// Whether somebody has interrupted.
+/// Flag that an interrupt sets.
 pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens from now on.
+    /// Installs the handler.
     pub(super) fn listen() -> Outcome<Self> {
         let came = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&came);

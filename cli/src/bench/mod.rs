@@ -61,7 +61,7 @@ fn compare(bench: &mut Bench<'_>, interrupt: &Interrupt) -> Outcome<Results> {
     let results = bench.run(&mut |progress| {
         match &countdown {
             Some(countdown) => countdown.one_more(),
-            None => countdown = Some(Countdown::new(progress.total, "answers")),
+            None => countdown = Some(Countdown::new(progress.total, "solves")),
         }
         interrupt.flow()
     });
@@ -86,7 +86,7 @@ fn document(results: &Results, arguments: &Arguments) -> serde_json::Value {
     })
 }
 
-/// Of the problems that were solved, in microseconds.
+/// Median time of the solved problems, in microseconds.
 fn median(run: &Run) -> Option<f64> {
     let records = run.records.iter();
     profile::median(records.filter_map(|record| record.solved_micros()))
@@ -97,7 +97,7 @@ fn text(results: &Results, arguments: &Arguments) -> String {
     let mut notes = String::new();
     for run in &results.runs {
         if let Some(why) = &run.sat_out {
-            notes.push_str(&format!("  {} sat out: {why}\n", run.solver));
+            notes.push_str(&format!("  {} skipped: {why}\n", run.solver));
             continue;
         }
         table.row([

@@ -13,10 +13,10 @@ use crate::loaded_model::LoadedModel;
 use crate::solve::base::Base;
 use crate::targets_file::TargetsFile;
 
-/// How many problems without a file.
+/// Number of random problems.
 const RANDOM: usize = 100;
 
-/// The problems that the arguments ask for.
+/// Problems of the arguments.
 pub(super) fn problems(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<ProblemSet> {
     match &arguments.targets {
         Some(path) => of_file(loaded, arguments, path),
@@ -49,7 +49,7 @@ fn of_file(loaded: &LoadedModel, arguments: &Arguments, path: &Path) -> Outcome<
             [only] => *only,
             tips => {
                 let problem = format!(
-                    "has no key `tip_link`, so --tip must say which of {} tips the targets are for",
+                    "has no key `tip_link`, so --tip must name one of {} tips",
                     tips.len()
                 );
                 return Err(fail(problem));
@@ -60,7 +60,7 @@ fn of_file(loaded: &LoadedModel, arguments: &Arguments, path: &Path) -> Outcome<
         Base::Still(placement) => placement,
         Base::Moving(_) => {
             return Err(fail(
-                "base_link: free joints move it, which bench does not take".to_owned(),
+                "base_link: free joints move it; bench needs a fixed base".to_owned(),
             ));
         }
     };
@@ -101,7 +101,7 @@ fn starts(loaded: &LoadedModel, arguments: &Arguments) -> StartAt {
     })
 }
 
-/// One start a target: the file's, unless the arguments say otherwise.
+/// One start for each target: the file's, unless the arguments set another.
 fn file_starts(
     loaded: &LoadedModel,
     arguments: &Arguments,
@@ -121,7 +121,7 @@ fn file_starts(
     Ok((0..file.targets.len()).map(start).collect())
 }
 
-/// A rig's pinned tips; the end of a robot's longest chain.
+/// Pinned tips of a rig; the end of a robot's longest chain.
 fn default_tips(loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
     if let Some(rig) = &loaded.rig {
         let tips = rig.constrained.iter();
@@ -133,8 +133,7 @@ fn default_tips(loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
     Ok(vec![tip])
 }
 
-/// The tip with the most turning joints above it; among equals the one with
-/// the longest way from the root, then the first.
+/// Tip with the most rotating joints above it. Ties go to the longest path from the root, then to the first.
 fn end_of_longest_chain(robot: &Robot) -> Option<FrameId> {
     let model = robot.model();
     let tips = robot.tips().into_iter();
@@ -146,8 +145,9 @@ fn end_of_longest_chain(robot: &Robot) -> Option<FrameId> {
     rated.fold(None, better).map(|(_, tip)| tip)
 }
 
-/// Turning joints above a frame, and the length of the way, in metres. Fingers slide: they do not
-/// make a chain longer than its tool.
+/// Number of rotating joints above a frame, and the length of the path to it in metres.
+///
+/// Prismatic joints do not count, so that a gripper finger does not make a chain longer than its tool.
 fn rating(model: &Model, tip: FrameId) -> (usize, f64) {
     let Some(frame) = model.frames().get(tip.index()) else {
         return (0, 0.0);

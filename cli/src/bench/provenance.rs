@@ -17,7 +17,7 @@ pub(super) fn provenance() -> Provenance {
     }
 }
 
-/// As it would be typed into a shell.
+/// Word quoted for a shell.
 fn quoted(word: &str) -> String {
     match word.contains([' ', '\'', '"', '$', '*']) {
         true => format!("'{}'", word.replace('\'', r"'\''")),
@@ -25,7 +25,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// The processor's name where Linux tells it, else its architecture.
+/// Name of the processor on Linux, elsewhere its architecture.
 fn cpu() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let mut lines = text.lines().filter_map(|line| line.split_once(':'));

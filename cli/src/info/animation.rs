@@ -19,13 +19,13 @@ pub(super) struct Document<'a> {
     size: f64,
     bones: Vec<BoneDocument<'a>>,
     clips: Vec<ClipDocument<'a>>,
-    /// Only of motion capture.
+    /// Only for motion capture.
     #[serde(skip_serializing_if = "Option::is_none")]
     captured: Option<CapturedDocument>,
-    /// Only of scenes.
+    /// Only for scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     meshes: Option<Vec<MeshDocument<'a>>>,
-    /// What reading changed or left out.
+    /// Notes of the reader.
     notes: &'a [String],
 }
 
@@ -36,7 +36,7 @@ struct MeshDocument<'a> {
     vertices: usize,
     triangles: usize,
     normals: bool,
-    /// How many joints its skin has; none without a skin.
+    /// Number of joints of its skin; `None` without a skin.
     joints: Option<usize>,
     max_influences: Option<usize>,
     morph_targets: Vec<&'a str>,
@@ -47,10 +47,10 @@ struct BoneDocument<'a> {
     name: &'a str,
     parent: Option<&'a str>,
     rest_position: [f64; 3],
-    /// Only in motion capture.
+    /// Only for motion capture.
     #[serde(skip_serializing_if = "Option::is_none")]
     channels: Option<Vec<&'static str>>,
-    /// Whether a skin follows it; only in scenes.
+    /// True if a skin has the bone as a joint; only for scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     joint: Option<bool>,
 }
@@ -58,7 +58,7 @@ struct BoneDocument<'a> {
 #[derive(Serialize)]
 struct ClipDocument<'a> {
     name: &'a str,
-    /// In seconds.
+    /// Start and end in seconds.
     start: f32,
     end: f32,
 }
@@ -66,13 +66,13 @@ struct ClipDocument<'a> {
 #[derive(Serialize)]
 struct CapturedDocument {
     frames: usize,
-    /// In seconds.
+    /// Time between frames, in seconds.
     frame_time: f64,
-    /// Numbers in a frame.
+    /// Number of values in a frame.
     channels: usize,
 }
 
-/// Everything there is to say about an armature with clips.
+/// Content of an armature with clips.
 pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
     let armature = &animated.armature;
     let names = armature.names();
@@ -106,7 +106,7 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
     })
 }
 
-/// The bones that skins follow, by index.
+/// Joints of skins, by bone index.
 fn joints(scene: &Scene) -> BTreeSet<usize> {
     let skins = scene.meshes.iter().filter_map(|mesh| mesh.skin.as_ref());
     let joints = skins.flat_map(|skin| &skin.joints);
@@ -147,7 +147,7 @@ fn captured(frames: &CapturedFrames) -> CapturedDocument {
     }
 }
 
-/// The document as text with an aligned table.
+/// Document as text with an aligned table.
 pub(super) fn text(document: &Document) -> String {
     let lengths = LengthFormat::of_size(document.size);
     let size = lengths.number(document.size);

@@ -7,22 +7,22 @@ use serde::Serialize;
 
 use crate::number_format::three_digits;
 
-/// In radians.
+/// Limits of a ball joint, in radians.
 #[derive(Serialize)]
 pub(super) struct ConeDocument {
     pub(super) axis: [f64; 3],
     pub(super) swing: [f64; 2],
-    /// The first axis of the two swings; none where they are the same.
+    /// First axis of the two swings; `None` if the swings are equal.
     pub(super) about: Option<[f64; 3]>,
-    /// None where there is no limit.
+    /// Range of the twist; `None` without a limit.
     pub(super) twist: [Option<f64>; 2],
-    /// How far it may turn in all, whichever way; none where only swing and twist say.
+    /// Largest rotation angle in any direction; `None` without a limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) angle: Option<f64>,
 }
 
 impl ConeDocument {
-    /// Of a ball that has limits.
+    /// Limits of a ball joint; `None` if it has none.
     pub(super) fn of(joint: &Joint) -> Option<Self> {
         let finite = |limit: f64| limit.is_finite().then_some(limit);
         joint.ball.map(|limits| Self {
@@ -34,7 +34,7 @@ impl ConeDocument {
         })
     }
 
-    /// How far a ball goes, in degrees; of one that goes anywhere nothing.
+    /// Limits in degrees; `None` if the joint rotates freely.
     pub(super) fn text(&self) -> Option<String> {
         let degrees = |radians: f64| three_digits(radians.to_degrees());
         let [first, second] = self.swing;
@@ -55,7 +55,7 @@ impl ConeDocument {
         };
         let angle = self
             .angle
-            .map(|most| format!("a turn of {}", degrees(most)));
+            .map(|most| format!("a rotation of {}", degrees(most)));
         let parts: Vec<String> = [swing, twist, angle].into_iter().flatten().collect();
         (!parts.is_empty()).then(|| format!("within {}", parts.join(", ")))
     }

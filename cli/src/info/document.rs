@@ -30,16 +30,16 @@ pub(super) struct Document<'a> {
 pub(super) struct JointDocument<'a> {
     pub(super) name: &'a str,
     pub(super) kind: &'static str,
-    /// Its place in a configuration; none for a fixed joint.
+    /// Index in a configuration; `None` for a fixed joint.
     pub(super) coordinate: Option<usize>,
     pub(super) free: bool,
-    /// Radians or metres; none where there is no limit.
+    /// Limits in radians or metres; `None` without a limit.
     pub(super) lower: Option<f64>,
     pub(super) upper: Option<f64>,
-    /// How far a ball may go; none where it turns any way.
+    /// Limits of a ball joint; `None` if it rotates freely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cone: Option<ConeDocument>,
-    /// Only in robots.
+    /// Only for robots.
     #[serde(flatten)]
     pub(super) place: Option<PlaceDocument<'a>>,
 }
@@ -51,7 +51,7 @@ pub(super) struct RigDocument<'a> {
     pub(super) weights: Option<WeightsDocument>,
     pub(super) keyframes: Option<KeyframesDocument>,
     pub(super) constrained: Vec<&'a str>,
-    /// What reading did without.
+    /// Notes of the reader.
     pub(super) notes: Vec<String>,
 }
 
@@ -82,14 +82,14 @@ pub(super) struct WeightsDocument {
 pub(super) struct KeyframesDocument {
     pub(super) bones: usize,
     pub(super) keys: usize,
-    /// In seconds.
+    /// Start and end in seconds.
     pub(super) start: f64,
     pub(super) end: f64,
-    /// Each that occurs, by name.
+    /// Interpolations of the tracks, by name.
     pub(super) interpolation: Vec<&'static str>,
 }
 
-/// Everything there is to say about a model.
+/// Content of a model.
 pub(super) fn document(loaded: &LoadedModel) -> Document<'_> {
     let (model, robot) = (&loaded.model, loaded.robot.as_deref());
     let free = loaded.free_coordinates();
@@ -175,7 +175,7 @@ fn rig_document(rig: &Rig) -> RigDocument<'_> {
     }
 }
 
-/// What runs between the keys of the rig's tracks.
+/// Names of the interpolations of the rig's tracks.
 fn interpolation(rig: &Rig) -> Vec<&'static str> {
     let tracks = rig.clip.tracks().iter();
     let names = tracks.map(|track| rig.clip.interpolation(track.bone).name());

@@ -19,21 +19,20 @@ use crate::output;
 const EXAMPLES: &str = "\
 Examples:
   kinopt info robot.urdf         the tree of links and joints, limits in degrees and metres
-  kinopt info arm.json           for people: limits in degrees and in radians
-  kinopt info arm.json --json    for programs: limits in radians, null where there is none
+  kinopt info arm.json           a rig: limits in degrees and radians
+  kinopt info arm.json --json    one JSON document: limits in radians, null without a limit
   kinopt info walk.bvh           motion capture: bones, frames, time and channels
   kinopt info fox.glb            a scene: nodes and joints, clips, meshes, morph targets";
 
-/// What a model has: joints with their limits, frames, degrees of freedom and which of them are
-/// free; for a robot the tree of its links, its tips and the joints that follow others; for a rig
-/// its mesh, skin weights, keyframes and pinned tips; for motion capture its bones, frames and
-/// channels; for a scene its nodes, clips, meshes and morph targets, and what was left out.
+/// Content of a model: joints with limits, frames and degrees of freedom.
 ///
-/// The column q says where in a configuration a joint's value stands; fixed joints have none.
+/// Robots also have links, tips and mimic joints; rigs have mesh, skin weights, keyframes and pinned tips. Captures
+/// have bones, frames and channels; scenes have nodes, clips, meshes and morph targets. The column q is the index of a
+/// joint in a configuration; fixed joints have none.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The model: a robot's .urdf or MJCF .xml, a rig's .json, a motion capture's .bvh or a scene's .glb or .gltf file.
+    /// Model file: robot .urdf or MJCF .xml, rig .json, motion capture .bvh, scene .glb or .gltf.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 

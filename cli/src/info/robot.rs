@@ -14,34 +14,34 @@ use crate::table::Table;
 #[derive(Serialize)]
 pub(super) struct RobotDocument<'a> {
     pub(super) name: &'a str,
-    /// The link that stands in the world.
+    /// Root link, which the base joint connects to the world.
     pub(super) root: Option<&'a str>,
-    /// The links on which nothing hangs.
+    /// Links without child links.
     pub(super) tips: Vec<&'a str>,
-    /// The joints whose values a configuration lists, in its order.
+    /// Joints of a configuration, in its order.
     pub(super) moving_joints: Vec<&'a str>,
-    /// Of all links together, kg; none where no link states any.
+    /// Mass of all links, kg; `None` if no link has a mass.
     pub(super) mass: Option<f64>,
     pub(super) links: Vec<LinkDocument<'a>>,
-    /// Places that every solution holds together.
+    /// Loop closures of every solution.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) loops: Vec<LoopDocument<'a>>,
-    /// The joints that nothing drives.
+    /// Passive joints.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) passive_joints: Vec<&'a str>,
-    /// What the file leaves to defaults or gets wrong, and what was taken instead.
+    /// Repairs and defaults of the reader.
     pub(super) repairs: Vec<RepairDocument<'a>>,
 }
 
 #[derive(Serialize)]
 pub(super) struct LinkDocument<'a> {
     pub(super) name: &'a str,
-    /// kg.
+    /// Mass, kg.
     pub(super) mass: Option<f64>,
-    /// How many shapes it is seen by, and how many it collides by.
+    /// Number of visual shapes.
     pub(super) visuals: usize,
     pub(super) collisions: usize,
-    /// Files of its meshes, as they stand in the robot's file.
+    /// Mesh files, as named in the robot's file.
     pub(super) meshes: BTreeSet<&'a str>,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct LoopDocument<'a> {
     /// "connect" or "weld".
     pub(super) kind: &'static str,
     pub(super) frames: [&'a str; 2],
-    /// The joints that move the two against each other.
+    /// Joints that move the two frames relative to each other.
     pub(super) joints: Vec<&'a str>,
 }
 
@@ -62,22 +62,22 @@ pub(super) struct RepairDocument<'a> {
     pub(super) repair: String,
 }
 
-/// Where a joint stands between links.
+/// Position of a joint between links.
 #[derive(Serialize)]
 pub(super) struct PlaceDocument<'a> {
     pub(super) parent_link: Option<&'a str>,
     pub(super) child_link: Option<&'a str>,
-    /// Unit axis in the joint's own frame; none for a fixed joint.
+    /// Unit axis in the joint's frame; `None` for a fixed joint.
     pub(super) axis: Option<[f64; 3]>,
     pub(super) mimic: Option<MimicDocument<'a>>,
-    /// rad/s or m/s, and N·m or N; none where the file states none.
+    /// Velocity limit, rad/s or m/s; `None` if the file has none.
     pub(super) velocity: Option<f64>,
     pub(super) effort: Option<f64>,
-    /// Where the joint's safety controller leaves it alone; null on a side without limit.
+    /// Soft limits of the safety controller, radians or metres; null on a side without a limit.
     pub(super) soft_limits: Option<[Option<f64>; 2]>,
 }
 
-/// The joint's value is `ratio` times that of `joint`, plus `offset` (radians or metres).
+/// Mimic joint: its value is `ratio` times that of `joint`, plus `offset` (radians or metres).
 #[derive(Serialize)]
 pub(super) struct MimicDocument<'a> {
     pub(super) joint: &'a str,
@@ -170,14 +170,14 @@ pub(super) fn place<'a>(robot: &'a Robot, id: JointId, joint: &Joint) -> PlaceDo
     }
 }
 
-/// The link that a joint carries; that of no joint stands in the world.
+/// Link that a joint moves; `None` selects the root link.
 fn link_on(robot: &Robot, joint: Option<JointId>) -> Option<&str> {
     let mut frames = robot.model().frames().iter();
     let link = frames.find(|frame| frame.joint == joint);
     link.map(|frame| frame.name.as_str())
 }
 
-/// Every link indented below the one it hangs on, and the joint between the two.
+/// Tree of links, indented by depth, with the joint above each link.
 pub(super) fn tree(robot: &Robot) -> String {
     let mut table =
         Table::new("link | joint | kind | axis | >lower | >upper | >speed | >effort | >q | ");
@@ -253,7 +253,7 @@ fn follows(mimic: &MimicDocument) -> String {
     text
 }
 
-/// A coordinate axis by its letter, any other by its components.
+/// Coordinate axis by its letter, any other axis by its components.
 fn axis(axis: [f64; 3]) -> String {
     let signs = axis.map(|component| component.abs() == 1.0);
     let letter = signs.iter().position(|&is_unit| is_unit);

@@ -8,7 +8,7 @@ use crate::number_format::{LengthFormat, six_digits, three_digits};
 use crate::table::{self, Table};
 use kinopt::counted;
 
-/// The document as text with aligned tables.
+/// Document as text with aligned tables.
 pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
     let lengths = LengthFormat::of_size(document.size);
     let mut lines = vec![
@@ -42,7 +42,7 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
         let total =
             |count: fn(&LinkDocument) -> usize| robot.links.iter().map(count).sum::<usize>();
         let shapes = format!(
-            "{} to be seen, {} to collide, {} of meshes",
+            "{} visual, {} collision, {} of meshes",
             total(|link| link.visuals),
             total(|link| link.collisions),
             counted(total(|link| link.meshes.len()), "file"),

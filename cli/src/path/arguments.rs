@@ -19,93 +19,87 @@ use crate::target;
 const EXAMPLES: &str = "\
 Examples:
   kinopt path robot.urdf weld.csv --tip tool
-        joints for a path, and where a branch had to be left
+        joint path for a Cartesian path, with its reconfigurations
   kinopt path robot.urdf weld.csv --tip tool --out joints.csv
-        the joints as a table, a row a point
+        joint values as a table, one row a point
   kinopt path robot.urdf weld.csv --tip tool --free-axis z --world cell.json --margin 0.01 --json
-        the tool turns about its own axis at will; all stays a centimetre clear of the cell
+        any rotation about the tool axis, 1 cm from all obstacles
   kinopt path robot.urdf contour.csv --tip tool --traversal any-start
-        a closed contour, entered wherever that saves a reconfiguration
+        a closed contour, with the best start point
   kinopt path robot.urdf weld.csv --tip tool --joint-limits joint_limits.yaml --out timed.csv
-        with times that keep velocities and accelerations
+        with times within velocity and acceleration limits
   kinopt path robot.urdf path.csv --tip tool --at 0.5,0,0.3,0,1,0,0
-        the table's numbers are of a frame that stands there in the base
+        a path in a frame with this placement in the base
 
-Exit codes: 0 done (points that are missed are an answer), 1 failed, 2 wrong usage, 3 a point was missed and --fail-on-miss
-was given.";
+Exit codes: 0 done, 1 failed with a one-line reason, 2 wrong usage, 3 point not reached with
+--fail-on-miss.";
 
-/// Joints for a whole path of a robot's tool, with the fewest reconfigurations.
+/// Joint path for a Cartesian path of a robot's tool, with the fewest reconfigurations.
 ///
-/// The path is a table: x,y,z and a quaternion, with a time or without, in the columns that its header names (x, pos_x,
-/// target-POS_X, qw, rot_w, time, tool, …); without names 7 columns are x,y,z,qw,qx,qy,qz, and 8 the same after a time. How it was
-/// read is told on standard error.
+/// The path is a CSV table: x,y,z, optionally a quaternion, time and tool. A header names the columns. Without one, 7
+/// columns are x,y,z,qw,qx,qy,qz, and 8 have a time first.
 ///
-/// Branches are followed from all along the path; chosen is what leaves its branch least often, then the shortest, and
-/// the freedom that is left is spent on shortening it. A reconfiguration is a step in which a joint moves further than
-/// --max-step. Told beside it: how far the tool is at most from the straight way between two points while all joints move evenly,
-/// a bound and not samples; the points that are missed and why; the steps that are not surely free of --world.
+/// The solution has the fewest reconfigurations, then the shortest joint path. A reconfiguration is a step in which a
+/// joint moves more than --max-step. The report bounds the deviation from the straight segments. It also lists points
+/// that are not reached, and steps that may collide.
 ///
-/// JSON: "q" (a row a point, all moving joints, named in "joints"), "reconfigurations" (how many), "reconfigured_at" (a list
-/// of "index", the row that the step leads to, "joint", "distance", "length"), "length", "largest_deviation" (metres), "largest_turn" (radians),
-/// with "…_at", the row that the step leads to, "missed", "blocked", "entry", "times" (seconds: the table's, or those of --accelerations).
+/// JSON fields and details: docs/guide/paths.md.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The robot's .urdf or MJCF .xml file.
+    /// Robot file: .urdf or MJCF .xml.
     #[arg(value_name = "ROBOT")]
     pub(super) robot: PathBuf,
 
-    /// The path, a table of points.
+    /// Path: CSV table of points.
     #[arg(value_name = "PATH.csv")]
     pub(super) path: PathBuf,
 
-    /// The frame that follows the path. Default: the robot's only tip.
+    /// Frame that follows the path. Default: the robot's only tip.
     #[arg(long, value_name = "FRAME", help_heading = TARGETS)]
     pub(super) tip: Option<String>,
 
-    /// The frame that the path is given in. Default: the world, which for a robot is its root link.
+    /// Frame in which the path is given. Default: the world, for a robot its root link.
     #[arg(long, value_name = "FRAME", help_heading = TARGETS)]
     pub(super) base: Option<String>,
 
-    /// Where the table's own frame stands in the base. Default: there.
+    /// Placement of the table's frame in the base, in metres. Default: identity.
     #[arg(long, value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
           value_parser = target::parse_placement, help_heading = TARGETS)]
     pub(super) at: Option<Placement<f64>>,
 
-    /// The order of a quaternion that no header names. Default: w-first.
+    /// Order of quaternions without a header. Default: w-first.
     #[arg(long, value_name = "ORDER", value_parser = among(ORDERS), default_value = "w-first", hide_default_value = true, help_heading = TARGETS)]
     pub(super) order: QuaternionOrder,
 
-    /// Another tool, where it stands in the tip: the table's column `tool` says which points are for it, 0 being --tool, 1 the
-    /// first of these and so on; give it again for more. Default: none.
+    /// Placement of tool 1, 2, ... (table column `tool`) in the tip. Default: none. Repeatable.
     #[arg(long = "add-tool", value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
           value_parser = target::parse_placement, help_heading = TARGETS)]
     pub(super) other_tools: Vec<Placement<f64>>,
 
-    /// How the path is gone: open, cyclic (back to where it began, in the configuration that it began in), or any-start (round
-    /// once from whichever point is best). Default: open.
+    /// Traversal: open, cyclic (ends in its first q) or any-start (closed path). Default: open.
     #[arg(long, value_name = "TRAVERSAL", value_parser = among(TRAVERSALS), default_value = "open", hide_default_value = true, help_heading = TARGETS)]
     pub(super) traversal: Traversal,
 
-    /// The configuration that it begins in, in radians (--degrees) and metres; it must stand at the first point. Default: any.
+    /// Configuration at the first point, in radians (--degrees) and metres. Default: any.
     ///
     /// One number for each free joint from base to tip, or for each moving joint in the order of `kinopt info`.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = TARGETS)]
     pub(super) start: Option<Numbers>,
 
-    /// The same at the last point. Default: any.
+    /// Configuration at the last point, in the format of --start. Default: any.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = TARGETS)]
     pub(super) end: Option<Numbers>,
 
-    /// Positions alone count. Default: off, unless the table has no orientations.
+    /// Ignore orientations. Default: off, unless the table has no orientations.
     #[arg(long, help_heading = TARGETS)]
     pub(super) position_only: bool,
 
-    /// An axis of each point's frame about which the tool may turn freely. Default: none.
+    /// Axis of each point about which the tool rotates freely. Default: none.
     #[arg(long, value_name = "AXIS", value_parser = among(AXES), conflicts_with = "position_only", help_heading = TARGETS)]
     pub(super) free_axis: Option<Axis>,
 
-    /// Room on axes of each point's frame, as of `kinopt solve`: `x=0.01`, `z=0..0.05`, `rz=free`. Default: none.
+    /// Goal bounds in m and rad along each point's axes: x=0.01,z=0..0.05,rz=free. Default: none.
     #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',', allow_hyphen_values = true,
           value_parser = Interval::parse, help_heading = TARGETS)]
     pub(super) intervals: Vec<Interval>,
@@ -116,41 +110,39 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) chain: ChainArguments,
 
-    /// The furthest that a joint may move from point to point on the same branch, in radians (--degrees); slides by the metres that
-    /// weigh as much. Default: 0.2 rad.
+    /// Largest joint displacement in a step, in radians or weighted metres. Default: 0.2 rad.
     #[arg(long, value_name = "ANGLE", value_parser = number_list::positive, help_heading = LIMITS)]
     max_step: Option<f64>,
 
-    /// A step in which a joint would be faster than its velocity limit, by the table's times, is a reconfiguration too. Default: off.
+    /// Count steps above velocity limits, by the table's times, as reconfigurations. Default: off.
     #[arg(long, help_heading = LIMITS)]
     pub(super) keep_times: bool,
 
-    /// Largest joint accelerations for the times of the rows, in radians (--degrees) or metres a second squared. The times are the shortest
-    /// within these and the joints' velocity limits. One number for all, or as for --start. Default: those of --joint-limits, where it has any.
+    /// Joint acceleration limits of the times, rad/s² or m/s². Default: --joint-limits.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = LIMITS)]
     pub(super) accelerations: Option<Numbers>,
 
-    /// Configurations that are known of a place at most, from 4 to 4096: more find more, and take longer. Default: 256.
+    /// Largest number of configurations of a point, 4 to 4096. Default: 256.
     #[arg(long, value_name = "N", default_value_t = 256, hide_default_value = true, help_heading = LIMITS)]
     pub(super) samples: usize,
 
-    /// What counts as reached, in metres and radians. Default: 1e-6.
+    /// Tolerance in metres and radians. Default: 1e-6.
     #[arg(long, value_name = "T", value_parser = number_list::positive, help_heading = LIMITS)]
     pub(super) tolerance: Option<f64>,
 
-    /// What a radian or metre of each joint weighs in lengths: numbers above 0 as for --start, or one for all. Default: 1.
+    /// Weight of each joint in lengths, above 0, one a joint or one for all. Default: 1.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = PREFERENCES)]
     pub(super) joint_weights: Option<Numbers>,
 
-    /// Write the rows to a file: .csv (a row a point, joints by name, after the time where there is one) or .json (as --json prints).
+    /// Write the rows to a .csv file, or the report to a .json file. Default: no file.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(super) out: Option<PathBuf>,
 
-    /// End with exit code 3 where a point is missed. Default: off.
+    /// Exit with code 3 if a point is not reached. Default: off.
     #[arg(long, help_heading = OUTPUT)]
     pub(super) fail_on_miss: bool,
 
-    /// Angles in options are in degrees. Default: radians.
+    /// Angles in options are degrees. Default: radians.
     #[arg(long, help_heading = MODEL)]
     pub(super) degrees: bool,
 
@@ -159,7 +151,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// Radians.
+    /// Largest joint displacement of a step, in radians.
     pub(super) fn max_step(&self) -> f64 {
         match (self.max_step, self.degrees) {
             (Some(step), true) => step.to_radians(),
@@ -169,13 +161,13 @@ impl Arguments {
     }
 }
 
-/// `--order`.
+/// Values of `--order`.
 const ORDERS: [Choice<QuaternionOrder>; 2] = [
     ("w-first", "qw, qx, qy, qz", QuaternionOrder::WFirst),
     ("w-last", "qx, qy, qz, qw", QuaternionOrder::WLast),
 ];
 
-/// `--traversal`.
+/// Values of `--traversal`.
 const TRAVERSALS: [Choice<Traversal>; 3] = [
     ("open", "", Traversal::Open),
     ("cyclic", "", Traversal::Cyclic),

@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     match arguments.fail_on_miss && !solution.missed.is_empty() {
         true => Err(Failure::Missed(format!(
-            "{} of {} points are missed",
+            "{} of {} points are not reached",
             solution.missed.len(),
             path.points().len()
         ))),
@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
 }
 
-/// Times of the rows, seconds: the shortest under joint limits where accelerations are known, otherwise the table's.
+/// Times of the rows, in seconds: shortest times under joint limits if accelerations are known, else the table's.
 fn times(
     arm: &Arm,
     path: &CartesianPath,
@@ -127,7 +127,7 @@ fn times(
     Ok(own.map(<[f64]>::to_vec))
 }
 
-/// The arm from the base to the tip, and whose numbers its joints are.
+/// Arm from the base to the tip, and the columns of its joints.
 fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm, JointColumns)> {
     let Some(robot) = loaded.robot.as_deref() else {
         return Err(usage!("{}: path is for robots", loaded.file));
@@ -139,7 +139,7 @@ fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm,
         (None, [only]) => frame(only)?,
         (None, tips) => {
             return Err(usage!(
-                "--tip: the robot has several tips, so it must be said which: {}",
+                "--tip is needed, because the robot has several tips: {}",
                 tips.join(", ")
             ));
         }
@@ -159,7 +159,7 @@ fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm,
     Ok((arm, columns))
 }
 
-/// The path where it is to be, the room about its points even.
+/// Path in the base, with points at the middle of their goal bounds.
 fn placed(arguments: &Arguments, path: CartesianPath, room: Room) -> Outcome<CartesianPath> {
     let path = match &arguments.at {
         Some(at) => path.moved(at),

@@ -11,16 +11,16 @@ use crate::collision_document::{CollisionDocument, depth};
 use crate::loaded_model::LoadedModel;
 use crate::table;
 
-/// How many places of a kind are told to people.
+/// Largest number of entries in a list of the text.
 const TOLD: usize = 10;
 
-/// A solved path.
+/// Solution of a path.
 pub(super) struct Report<'a> {
     pub(super) loaded: &'a LoadedModel,
     pub(super) arm: &'a Arm,
     pub(super) path: &'a CartesianPath,
     pub(super) solution: &'a PathSolution,
-    /// When each row is, seconds, if that is known.
+    /// Time of each row in seconds, if known.
     pub(super) times: Option<Vec<f64>>,
     pub(super) milliseconds: f64,
     pub(super) columns_read: &'a CsvColumns,
@@ -72,7 +72,7 @@ struct Block<'a> {
 }
 
 impl<'a> Report<'a> {
-    /// The model's configuration for every row, the joints that are not the arm's at rest.
+    /// Configuration of the model for every row; joints outside the arm are at rest.
     pub(super) fn rows(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
         let rest = self.loaded.rest();
         self.solution.rows().map(move |row| {
@@ -141,7 +141,7 @@ impl<'a> Report<'a> {
             ("deviation", told_deviation(&solution.largest_deviation)),
         ];
         if solution.entry > 0 {
-            told.push(("entry", format!("begun at point {}", solution.entry)));
+            told.push(("entry", format!("starts at point {}", solution.entry)));
         }
         if let Some(last) = self.times.as_ref().and_then(|times| times.last()) {
             told.push((
@@ -169,16 +169,16 @@ impl<'a> Report<'a> {
                 _ => format!("  row {row}: by {metres:.3e} m and {radians:.3e} rad, {why}"),
             }
         });
-        add(&mut text, "missed", missed.collect());
+        add(&mut text, "not reached", missed.collect());
         let blocked = solution.blocked.iter();
         let blocked = blocked.map(|step| format!("  to row {}: {}", step.index, step.by));
-        add(&mut text, "not surely free", blocked.collect());
+        add(&mut text, "possible collisions", blocked.collect());
         text
     }
 
     fn branches(&self) -> String {
         match self.solution.reconfigurations.len() {
-            0 => "one from end to end: no reconfiguration".to_owned(),
+            0 => "one branch, no reconfiguration".to_owned(),
             1 => "1 reconfiguration".to_owned(),
             count => format!("{count} reconfigurations"),
         }
@@ -203,9 +203,9 @@ fn add(text: &mut String, name: &str, lines: Vec<String>) {
 fn reason(missed: &Missed) -> String {
     match &missed.reason {
         MissReason::BeyondReach { distance, reach } => format!(
-            "beyond reach: {distance:.4} m from where the chain begins, which is {reach:.4} m long"
+            "beyond reach: {distance:.4} m from the base of the chain, which is {reach:.4} m long"
         ),
-        MissReason::Touches(pair) => format!("{pair} touch there, {}", depth(pair)),
+        MissReason::Touches(pair) => format!("{pair} are in contact, {}", depth(pair)),
         _ => "no configuration within the limits was found".to_owned(),
     }
 }

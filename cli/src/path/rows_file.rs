@@ -13,10 +13,7 @@ pub(super) fn write(path: &Path, report: &Report<'_>) -> Outcome<()> {
         Some("csv") => table(report),
         Some("json") => serde_json::to_string(&report.document())? + "\n",
         _ => {
-            return Err(usage!(
-                "--out {}: a path is written as .csv or .json",
-                path.display()
-            ));
+            return Err(usage!("--out {}: expected .csv or .json", path.display()));
         }
     };
     output::write_file(path, text)

@@ -20,18 +20,18 @@ mod picture;
 const EXAMPLES: &str = "\
 Examples:
   kinopt skin-report                        the table
-  kinopt skin-report --out twist.svg        and a picture
+  kinopt skin-report --out twist.svg        the table and a chart
   kinopt skin-report --twists 0,30,60 --json";
 
 #[cfg(not(feature = "charts"))]
-const LEFT_OUT: &str = "--out: pictures are not in this build; to have them: \
+const LEFT_OUT: &str = "--out: charts need a build with the feature `charts`: \
     cargo run --release -p kinopt-cli --features charts -- skin-report --out twist.svg";
 
-/// How much of a twisted tube's volume each way to skin keeps.
+/// Volume of a twisted tube under each skinning method.
 ///
-/// A closed tube of radius 1 and length 8 follows two bones; the weight goes over linearly along
-/// its middle half. One bone stands still, the other twists about the tube's axis. Volumes are those
-/// of the posed meshes, in percent of the tube at rest; the waist is the narrowest ring's radius.
+/// A closed tube of radius 1 and length 8 follows two bones; the weights blend linearly along its middle half. One bone
+/// is fixed, the other twists about the tube's axis. Volumes are percentages of the rest volume. The waist is the
+/// smallest radius of a ring.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -40,9 +40,7 @@ pub(crate) struct Arguments {
           default_value = "0,45,90,135,180", value_parser = Numbers::parse)]
     twists: Numbers,
 
-    /// Draw volumes over the twist, and the tube's radius along it, as .svg. Default: not drawn.
-    ///
-    /// Needs a build with the feature `charts`.
+    /// Write a chart of volumes and radii as .svg; needs the feature `charts`. Default: no file.
     #[arg(long, value_name = "FILE", value_parser = picture_file)]
     out: Option<PathBuf>,
 }
@@ -51,7 +49,7 @@ fn picture_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match extension(&path).as_str() {
         "svg" => Ok(path),
-        _ => Err("pictures are written as .svg".to_owned()),
+        _ => Err("charts are written as .svg".to_owned()),
     }
 }
 
@@ -71,7 +69,7 @@ struct Row {
     dqs: Kept,
 }
 
-/// Shares of the tube at rest.
+/// Ratios to the tube at rest.
 #[derive(Clone, Copy, Serialize)]
 struct Kept {
     volume: f64,
@@ -85,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
     if let Some(beyond) = twists.iter().find(|twist| twist.abs() > 180.0) {
         return Err(usage!(
-            "--twists: {beyond} degrees is beyond half a turn, where dual quaternions turn the other way"
+            "--twists: {beyond} degrees is outside [-180, 180], the range of dual quaternions"
         ));
     }
     #[cfg(not(feature = "charts"))]
@@ -133,7 +131,7 @@ fn table(rows: &[Row]) -> String {
     table.text()
 }
 
-/// The tube and what it is at rest.
+/// Tube with its rest mesh, weights and volume.
 struct Subject {
     tube: TwistedTube,
     rest: TriangleMesh,

@@ -7,14 +7,14 @@ use super::Subject;
 use crate::failure::Outcome;
 
 impl Subject {
-    /// Volumes up to `furthest` degrees, and the tube's outline there.
+    /// Chart of volumes up to `furthest` degrees, and of the tube's outline at that angle.
     pub(super) fn picture(&self, furthest: f64) -> Outcome<Figure> {
         const STEPS: u32 = 36;
         let mut volumes = Chart::new("Volume kept")
             .x(Axis::linear("twist, degrees"))
             .y(Axis::linear("volume, %").range(0.0, 105.0));
         let mut outline = Chart::new(format!("Radius at {furthest} degrees"))
-            .x(Axis::linear("place along the tube"))
+            .x(Axis::linear("position along the tube"))
             .y(Axis::linear("radius").range(0.0, 1.05 * self.tube.radius));
         for method in SkinningMethod::ALL {
             let mut points = Vec::new();

@@ -1,4 +1,4 @@
-//! Options of the arm solver only.
+//! Options of arms.
 
 use clap::Args;
 use kinopt::arm::{Axis, Search};
@@ -8,110 +8,72 @@ use crate::choices::{AXES, among, first_given};
 use crate::help_headings::{FOLLOWING, PREFERENCES, SEARCH, TARGETS};
 use crate::number_list::{self, Numbers};
 
-/// How far apart distinct solutions are unless said otherwise, in radians (or metres) of joint
-/// distance.
+/// Default distance between distinct solutions, in radians (or metres) of joint distance.
 const APART: f64 = 0.5;
 
-/// Options of robots' single frames, some of figures too; those of an arm do not go with the general solvers.
+/// Options of an arm; some also apply to skeletons. The general solver does not accept those of an arm.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ArmArguments {
-    /// Which of several answers is wanted. Default: start.
-    ///
-    /// Of a rig, scene or capture: `start`, where the figure comes to as it settles from its start, in
-    /// small steps, as a drag does; other places are searched only where that misses, and taken only
-    /// where they reach, which is told. `first`: a search from several places at once, as with
-    /// --solver and --max-iterations. Of a robot:
-    ///
-    /// `start`: the one that the start's own attempt comes to, others only where it fails; `first`:
-    /// whichever is fastest; `nearest` to the start by the root of the summed squares of the joints'
-    /// moves; `distinct:K`: up to K, nearest first, that are more than 0.5 (radians and metres)
-    /// apart, or more than D with `distinct:K,D`.
+    /// Choice among several solutions; see docs/guide/targets.md. Default: start.
     #[arg(long, value_name = "start|first|nearest|distinct:K", value_parser = search,
           conflicts_with_all = METHOD, help_heading = SEARCH)]
     pub(super) search: Option<Search>,
 
-    /// How far each joint may move from the start, in radians (--degrees) and metres: one number,
-    /// or one a joint. Default: as far as its limits.
-    ///
-    /// One number a joint goes by all moving joints in the order of `kinopt info`, or, of an arm, by the free
-    /// joints from base to tip. Of a ball, whose four numbers are the same, it is the angle that it turns by. A body or a
-    /// figure does not settle on the way then; of a path each step counts from the one before.
+    /// Largest displacement from the start, rad and m, one or one a joint. Default: none.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = SEARCH, hide_short_help = true)]
     pub(super) max_move: Option<Numbers>,
 
-    /// A configuration to come close to where the target leaves room, in radians (--degrees) and
-    /// metres. Robots only. Default: none.
-    ///
-    /// Numbers as for --max-move. It goes with the searches start and first.
+    /// Nominal posture of a robot, in radians and metres, one number a joint. Default: none.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some,
           conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) posture: Option<Numbers>,
 
-    /// An axis of the target's frame about which its frame may turn freely (a drill, a suction cup).
-    /// Default: none. Of several targets each that has an orientation.
+    /// Axis of the target about which the frame rotates freely. Default: none.
     #[arg(long, value_name = "AXIS", value_parser = among(AXES), conflicts_with = "position_only",
           help_heading = TARGETS, hide_short_help = true)]
     pub(super) free_axis: Option<Axis>,
 
-    /// Room on axes of the target's frame, separated by commas: in metres along x, y, z, in radians
-    /// (--degrees) about them as rx, ry, rz. Default: none.
-    ///
-    /// `x=0.01` is 1 cm either way, `x=-0.01..0.03` from 1 cm before the target to 3 cm beyond it,
-    /// `x=free` anywhere. Turns are either way: `rz=0.5`, `rz=free`. A target without an orientation
-    /// has the axes of --base. Of several targets each has this room, in turns those with an orientation.
+    /// Goal bounds in m and rad along the target's axes: x=0.01,z=0..0.05,rz=free. Default: none.
     #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',',
           allow_hyphen_values = true, value_parser = Interval::parse,
           help_heading = TARGETS, hide_short_help = true)]
     pub(super) intervals: Vec<Interval>,
 
-    /// What a radian or metre of each joint weighs where answers are compared (--search nearest and
-    /// distinct, --posture): numbers above 0 as for --max-move. Robots only. Default: 1 for each.
+    /// Weight of each joint in distances, above 0; robots only. Default: 1 each.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some,
           conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) joint_weights: Option<Numbers>,
 
-    /// Answer a miss by the best place anywhere.
-    ///
-    /// A robot's path whose branch ends goes on by a jump. Default: a miss stays near the start, a path on
-    /// its branch.
+    /// If not reached, return the closest pose of any branch. Default: the branch of the start.
     #[arg(long, conflicts_with_all = METHOD, help_heading = SEARCH, hide_short_help = true)]
     pub(super) global_search_on_miss: bool,
 
-    /// Follow --targets as a servo does: one a tick, so many ticks a second.
-    ///
-    /// Robots only. Default: off. It begins at the first start; every tick keeps the position, velocity, acceleration and jerk limits of
-    /// the joints (the files', or --velocity-limits, --acceleration-limits and --jerk-limits). Told: how ticks ended, top speeds, the error
-    /// at last (JSON: every tick's q, velocity, errors and what held which joint). --fail-on-miss counts
-    /// the last target.
+    /// Follow --targets as a servo, one a control cycle, at a rate in hertz. Default: off.
     #[arg(long, value_name = "HZ", value_parser = number_list::positive,
           conflicts_with_all = ["solver", "jacobian", "max_iterations", "rays", "targets", "track", "batch", "threads", "search", "max_move", "time_limit", "attempts", "restarts", "global_search_on_miss"],
           help_heading = FOLLOWING)]
     pub(super) servo: Option<f64>,
 
-    /// Velocity limits of the joints for --servo, radians (--degrees) or metres a second: numbers as for --max-move. Default: those of
-    /// the robot's files.
+    /// Joint velocity limits of --servo, rad/s or m/s. Default: those of the robot's files.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
           hide_short_help = true)]
     pub(super) velocity_limits: Option<Numbers>,
 
-    /// Acceleration limits of the joints for --servo, radians (--degrees) or metres a second squared: numbers as for --max-move.
-    /// Default: those of the robot's files.
+    /// Joint acceleration limits of --servo, rad/s² or m/s². Default: those of the robot's files.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
           hide_short_help = true)]
     pub(super) acceleration_limits: Option<Numbers>,
 
-    /// Jerk limits of the joints for --servo, radians (--degrees) or metres a second cubed: numbers as for --max-move. Default: those
-    /// of the robot's files.
+    /// Joint jerk limits of --servo, rad/s³ or m/s³. Default: those of the robot's files.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
           hide_short_help = true)]
     pub(super) jerk_limits: Option<Numbers>,
 
-    /// Keep the tool on the straight line to each target of --servo, slower rather than off it.
+    /// With --servo: keep the tool on straight lines between targets. Default: off.
     #[arg(long, requires = "servo", help_heading = FOLLOWING, hide_short_help = true)]
     pub(super) straight_line: bool,
 
-    /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
-    /// quarter of the arm's length.
+    /// Metres that weigh as much as a radian out of reach. Default: a quarter of the arm's length.
     #[arg(long, value_name = "METRES", value_parser = number_list::positive,
           conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) metres_per_radian: Option<f64>,
@@ -121,7 +83,7 @@ const GENERAL: [&str; 4] = ["solver", "jacobian", "max_iterations", "rays"];
 const METHOD: [&str; 3] = ["solver", "jacobian", "max_iterations"];
 
 impl ArmArguments {
-    /// The first of the options that was given, if any; of a `rig`, and of what `settles` from where it stands, those that it understands
+    /// The first given option that only an arm accepts, if any. Options that a `rig` or a model that `settles` accepts
     /// do not count.
     pub(super) fn given(&self, rig: bool, settles: bool) -> Option<&'static str> {
         let searched = match self.search {
@@ -158,7 +120,9 @@ fn search(text: &str) -> Result<Search, String> {
     };
     match k.parse() {
         Ok(k) if k > 0 => Ok(Search::Distinct { k, distance }),
-        _ => Err(format!("`{k}` is not a number of answers of at least 1")),
+        _ => Err(format!(
+            "`{k}` is not a number of solutions; expected 1 or more"
+        )),
     }
 }
 

@@ -22,7 +22,7 @@ use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 use crate::output;
 
-/// An arm and the model that its answers are given in.
+/// Arm with the model in which its solutions are given.
 pub(super) struct ArmBackend<'a> {
     loaded: &'a LoadedModel,
     arm: Arm,
@@ -31,11 +31,11 @@ pub(super) struct ArmBackend<'a> {
     columns: JointColumns,
     tasks: [TaskName; 1],
     idle: Vec<usize>,
-    /// Whether it tells how its answers move with their targets.
+    /// True if each solution has its derivative by the target.
     derives: bool,
 }
 
-/// Memory of one thread.
+/// Workspace of one thread.
 #[derive(Default)]
 pub(super) struct ArmWorkspace {
     q_arm: Vec<f64>,
@@ -43,8 +43,7 @@ pub(super) struct ArmWorkspace {
 }
 
 impl<'a> ArmBackend<'a> {
-    /// The arm from the base (without one the world) to the frame with the target, with the options as
-    /// typed.
+    /// Arm from the base, or the world without one, to the frame with the target; options as typed.
     pub(super) fn new(
         loaded: &'a LoadedModel,
         robot: &Robot,
@@ -52,7 +51,7 @@ impl<'a> ArmBackend<'a> {
         goals: &Goals,
     ) -> Outcome<Self> {
         let [target] = goals.targets.as_slice() else {
-            return Err(usage!("a robot's arm is asked for one --target"));
+            return Err(usage!("an arm takes one --target"));
         };
         // Unknown links are reported with the valid ones, as links.
         let frame = |name| loaded.frame(name, BareName::Tail);
@@ -98,18 +97,18 @@ impl<'a> ArmBackend<'a> {
         })
     }
 
-    /// Where the tip is to stand, the room about it even.
+    /// Target of the tip, at the middle of the goal bounds.
     pub(super) fn target(&self, query: &Query) -> Placement<f64> {
         let target = query.targets.first().copied();
         self.room.middle(target.unwrap_or_else(Placement::identity))
     }
 
-    /// The names of the free joints from base to tip.
+    /// Names of the free joints from base to tip.
     pub(super) fn joint_names(&self) -> Vec<&str> {
         self.arm.joints().collect()
     }
 
-    /// The model's configuration with the arm at `q_arm`.
+    /// Configuration of the model with the arm at `q_arm`.
     pub(super) fn configuration(&self, query: &Query, q_arm: &[f64]) -> Outcome<Vec<f64>> {
         let mut q = query.start.clone();
         self.arm.configuration(q_arm, &mut q)?;
@@ -129,7 +128,7 @@ impl<'a> ArmBackend<'a> {
         Ok(answer)
     }
 
-    /// A servo that stands at a query's start, with so many ticks a second.
+    /// Servo at the start of a query, with `rate` control cycles per second.
     pub(super) fn servo(
         &self,
         arguments: &Arguments,
@@ -160,15 +159,15 @@ impl<'a> ArmBackend<'a> {
         let without: Vec<_> = without.map(|(joint, _)| format!("`{joint}`")).collect();
         if !without.is_empty() {
             output::message(&format!(
-                "{} without a velocity limit in the file: a tick moves them by at most 0.1 rad; \
-                 --velocity-limits gives one",
+                "{} without a velocity limit in the file: limited to 0.1 rad in a control cycle; \
+                 --velocity-limits sets one",
                 without.join(", ")
             ));
         }
         Ok(servo)
     }
 
-    /// Several answers that differ; where there is none, what comes closest.
+    /// Distinct solutions, or the closest pose if there is none.
     fn distinct(&self, query: &Query, start: &[f64]) -> Outcome<Answer> {
         let (started, target) = (Instant::now(), self.target(query));
         let mut all = self.arm.solve_all(target, start)?.into_iter();
@@ -277,7 +276,7 @@ impl QueryBackend for ArmBackend<'_> {
     }
 }
 
-/// The joints that the command holds.
+/// Adds the joints that the command locks.
 pub(crate) fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> ArmBuilder<'m> {
     if let Some(held) = &loaded.held {
         for &(joint, value) in &held.locked {
@@ -290,7 +289,7 @@ pub(crate) fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> Arm
     builder
 }
 
-/// The options with one number a joint.
+/// Adds the options with one number for each joint.
 fn with_joint_options<'m>(
     mut builder: ArmBuilder<'m>,
     loaded: &LoadedModel,

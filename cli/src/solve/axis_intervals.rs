@@ -8,21 +8,21 @@ use super::goals::Goals;
 use super::interval::Interval;
 use crate::failure::Outcome;
 
-/// What of a target counts.
+/// Goal bounds of a target.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
     pub(crate) goal: PoseBounds,
-    /// Where the middle of the room lies in the target, where it is not the target itself.
+    /// Offset of the middle of the bounds from the target, in the target's frame; `None` if it is zero.
     shift: Option<Placement<f64>>,
 }
 
 impl Room {
-    /// As the options say of a target with an orientation that counts, or of one without.
+    /// Bounds from the options, for a target whose orientation counts (`turns`) or not.
     pub(super) fn of(arguments: &Arguments, turns: bool) -> Outcome<Self> {
         Self::beside(arguments, turns, turns)
     }
 
-    /// Of every target, where an option gives them room: turns to those whose orientation counts.
+    /// Bounds of every target, or `None` without options; orientation bounds apply if the orientation counts.
     pub(super) fn of_targets(arguments: &Arguments, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
         let targets = goals.targets.iter();
         if arguments.arm.free_axis.is_none() && arguments.arm.intervals.is_empty() {
@@ -30,7 +30,7 @@ impl Room {
         }
         if targets.len() == 0 {
             return Err(usage!(
-                "--interval and --free-axis give targets room, of which there are none"
+                "--interval and --free-axis need targets, and there are none"
             ));
         }
         let some_turn = targets.clone().any(|target| target.turns);
@@ -39,7 +39,7 @@ impl Room {
             .collect()
     }
 
-    /// Of a target beside others, of which some may turn.
+    /// Bounds of one of several targets; `some_turn` if the orientation of any of them counts.
     fn beside(arguments: &Arguments, turns: bool, some_turn: bool) -> Outcome<Self> {
         let options = &arguments.arm;
         let (free_axis, intervals) = (options.free_axis, options.intervals.as_slice());
@@ -47,7 +47,7 @@ impl Room {
         Self::of_options(free_axis, intervals, counts, arguments.degrees)
     }
 
-    /// As `--free-axis` and `--interval` say of a target that turns or not, beside others of which some may.
+    /// Bounds from `--free-axis` and `--interval`; `turns` for this target, `some_turn` for any target.
     pub(crate) fn of_options(
         free_axis: Option<Axis>,
         intervals: &[Interval],
@@ -56,7 +56,7 @@ impl Room {
     ) -> Outcome<Self> {
         let only_turning = match free_axis {
             _ if some_turn => None,
-            _ if intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
+            _ if intervals.iter().any(Interval::turns) => Some("--interval of a rotation"),
             free_axis => free_axis.map(|_| "--free-axis"),
         };
         if let Some(option) = only_turning {
@@ -100,7 +100,7 @@ impl Room {
         }
     }
 
-    /// Where to stand for a target, the room about it even.
+    /// Pose at the middle of the bounds about a target.
     pub(crate) fn middle(&self, target: Placement<f64>) -> Placement<f64> {
         self.shift.map_or(target, |shift| target * shift)
     }

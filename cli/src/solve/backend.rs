@@ -10,12 +10,12 @@ use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 
-/// Answers one query after another, with memory that each thread has its own of.
+/// Solver of queries, with a workspace for each thread.
 pub(super) trait QueryBackend: Sync {
-    /// The memory.
+    /// Workspace of one thread.
     type Workspace: Default;
 
-    /// Answers, and takes the time of that alone.
+    /// Solves a query, and measures the time of the solve alone.
     fn answer(
         &self,
         workspace: &mut Self::Workspace,
@@ -23,23 +23,23 @@ pub(super) trait QueryBackend: Sync {
         observer: &mut dyn Observer,
     ) -> Outcome<Answer>;
 
-    /// Answers queries each of which starts from the answer to the one before; the start of the
-    /// first counts. `answered` is called after every step.
+    /// Solves queries as a path, each from the solution of the one before. Only the start of the first query counts.
+    /// Calls `answered` after every step.
     fn path(&self, queries: &[Query], answered: &dyn Fn()) -> Outcome<Path>;
 
-    /// The tasks behind every query.
+    /// Tasks of every query.
     fn tasks(&self) -> &[TaskName];
 
     /// Coordinates that no task depends on.
     fn idle_coordinates(&self) -> &[usize];
 
-    /// Columns for the free joints from base to tip, where there is one tip.
+    /// Columns of the free joints from base to tip, if there is one tip.
     fn columns(&self) -> Option<JointColumns>;
 
-    /// The start without --start.
+    /// Start configuration without --start.
     fn default_start(&self) -> Outcome<Vec<f64>>;
 
-    /// Answers all queries by themselves, on the threads of the current pool where `parallel`.
+    /// Solves all queries independently, on the threads of the current pool if `parallel`.
     fn each(
         &self,
         queries: &[Query],
@@ -59,7 +59,7 @@ pub(super) trait QueryBackend: Sync {
         queries.iter().map(|q| answer(workspace, q)).collect()
     }
 
-    /// Answers all queries together. Returns the microseconds that took.
+    /// Solves all queries together. Returns the solutions and the time, in microseconds.
     fn batch(&self, queries: &[Query], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {
         let started = Instant::now();
         let mut answers = self.each(queries, parallel, &|| ())?;

@@ -14,40 +14,32 @@ use crate::help_headings::TARGETS;
 use crate::loaded_model::LoadedModel;
 use crate::number_list::{not_negative, number, parse_exactly};
 
-/// Of the bodies of figures, in kilograms a cubic unit; the centre is the same for any.
+/// Density of the bones of skeletons, kilograms per cubic unit; the centre of mass does not depend on it.
 const DENSITY: f64 = 1000.0;
 
-/// Options about the centre of mass.
+/// Options of the centre of mass.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct BalanceArguments {
-    /// Where the centre of mass should be, in metres (rigs: their own unit).
-    ///
-    /// Default: anywhere. Two numbers are a place seen from above, at any height; of three, x,y,z, each may be `free`.
-    /// Masses are those of a robot's file, but for links that stand in the world; a rig's bones have the volume of
-    /// its mesh that goes with them.
+    /// Target of the centre of mass in metres; `free` for a free coordinate. Default: none.
     #[arg(long, value_name = "x,y[,z]", allow_hyphen_values = true, value_parser = Centre::parse,
           help_heading = TARGETS)]
     center_of_mass: Option<Centre>,
 
-    /// Keep the centre of mass over a foot, seen from above.
-    ///
-    /// Default: off. With a point of the frame, metres, that is a corner of the foot's sole; without one a robot's link
-    /// stands on the collision shapes and origins of all links that are fixed to it (files of meshes are not opened). Repeat it
-    /// for all corners and feet: the body balances over the hull of them all. Feet stay where they are by --hold.
+    /// Keep the centre of mass above a foot link, or above a point of it in metres. Repeatable.
     #[arg(long, value_name = "FRAME[=x,y,z]", value_parser = Foot::parse, help_heading = TARGETS)]
     balance: Vec<Foot>,
 
-    /// With --balance: how far from the edges of that hull to stay, in metres. Default: 0.
+    /// With --balance: distance from the edges of the support polygon, in metres. Default: 0.
     #[arg(long, value_name = "M", requires = "balance", value_parser = not_negative, help_heading = TARGETS,
           hide_short_help = true)]
     balance_margin: Option<f64>,
 
-    /// Which axis of the world is up. Default: y for scenes and captures, else z.
+    /// Up axis of the world. Default: y for scenes and captures, else z.
     #[arg(long, value_name = "AXIS", value_parser = among(AXES), help_heading = TARGETS, hide_short_help = true)]
     up: Option<Axis>,
 }
 
-/// The place of a centre of mass as it is typed.
+/// Target of a centre of mass, as typed.
 #[derive(Clone, Debug, PartialEq)]
 enum Centre {
     Above([f64; 2]),
@@ -63,7 +55,9 @@ impl Centre {
         };
         match *parts.as_slice() {
             [x, y] => Ok(Self::Above([number(x)?, number(y)?])),
-            ["free", "free", "free"] => Err("something of it must not be free".to_owned()),
+            ["free", "free", "free"] => {
+                Err("at least one coordinate must not be `free`".to_owned())
+            }
             [x, y, z] => Ok(Self::At([part(x)?, part(y)?, part(z)?])),
             _ => Err(format!(
                 "expected x,y or x,y,z, not {} numbers",
@@ -73,7 +67,7 @@ impl Centre {
     }
 }
 
-/// A frame to stand on, and a point of it.
+/// Frame in contact with the ground, with a point of the frame.
 #[derive(Clone, Debug, PartialEq)]
 struct Foot {
     frame: String,
@@ -97,7 +91,7 @@ impl Foot {
 }
 
 impl BalanceArguments {
-    /// Which axis of the world is up.
+    /// Index of the world axis that points up.
     pub(super) fn up(&self, loaded: &LoadedModel) -> usize {
         match self.up {
             Some(up) => up as usize,
@@ -106,13 +100,13 @@ impl BalanceArguments {
         }
     }
 
-    /// Whether anything is asked of the centre of mass.
+    /// True if there is an option for the centre of mass.
     pub(super) fn given(&self) -> bool {
         self.center_of_mass.is_some() || !self.balance.is_empty()
     }
 }
 
-/// What is asked of the centre of mass.
+/// Tasks of the centre of mass.
 #[derive(Clone, Debug)]
 pub(super) struct Balance {
     masses: Masses,
@@ -121,10 +115,10 @@ pub(super) struct Balance {
 }
 
 impl Balance {
-    /// As the options say, if they do.
+    /// Tasks from the options, or `None` without options.
     ///
     /// # Errors
-    /// A model without masses, a frame that it does not have.
+    /// A model without masses, or an unknown frame.
     pub(super) fn of(loaded: &LoadedModel, arguments: &BalanceArguments) -> Outcome<Option<Self>> {
         if !arguments.given() {
             return Ok(None);
@@ -159,12 +153,12 @@ impl Balance {
         }))
     }
 
-    /// The frames that what is asked depends on.
+    /// Frames on which the tasks depend.
     pub(super) fn frames(&self) -> impl Iterator<Item = FrameId> + '_ {
         self.masses.points().iter().map(|point| point.frame)
     }
 
-    /// What the tasks are called, in their order.
+    /// Names of the tasks, in their order.
     pub(super) fn names(&self) -> impl Iterator<Item = TaskName> {
         let centre = self.centre.iter().map(|_| "center of mass");
         let names = centre.chain(self.polygon.iter().map(|_| "balance"));
@@ -174,7 +168,7 @@ impl Balance {
         })
     }
 
-    /// Adds the tasks, each on its level.
+    /// Adds the tasks, each with its priority level.
     pub(super) fn add(
         &self,
         builder: &mut ProblemBuilder<'_>,
@@ -220,7 +214,7 @@ impl Centre {
 }
 
 impl Foot {
-    /// The points that it stands on, in its frame.
+    /// Contact points of the foot, in its frame.
     fn points(&self, loaded: &LoadedModel, frame: FrameId) -> Vec<Vector3<f64>> {
         if let Some(at) = self.at {
             return vec![at.into()];

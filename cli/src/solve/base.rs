@@ -10,16 +10,16 @@ use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
-/// Where targets are measured from.
+/// Reference frame of targets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Base {
-    /// A frame that nothing moves (the world's own is the identity): world_from_base.
+    /// World, or a frame that no free joint moves: world_from_base.
     Still(Placement<f64>),
-    /// A frame that free joints move.
+    /// Frame that free joints move.
     Moving(FrameId),
 }
 
-/// A target's task in a problem, so that it can be aimed anew.
+/// Task of a target in a problem, so that its target can change.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TargetTask {
     Point(TaskId<Point>),
@@ -27,7 +27,7 @@ pub(super) enum TargetTask {
 }
 
 impl Base {
-    /// The frame of that name; without one the world.
+    /// Base of a name, or the world without one.
     pub(crate) fn named(loaded: &LoadedModel, name: Option<&str>) -> Outcome<Self> {
         let Some(name) = name else {
             return Ok(Self::Still(Placement::identity()));
@@ -43,7 +43,7 @@ impl Base {
         Ok(Self::Still(placed.unwrap_or_else(Placement::identity)))
     }
 
-    /// The frame, where free joints move it.
+    /// The frame, if free joints move it.
     pub(super) fn moving_frame(&self) -> Option<FrameId> {
         match *self {
             Self::Still(_) => None,
@@ -51,9 +51,9 @@ impl Base {
         }
     }
 
-    /// Adds the task that brings `tip` to a target in this frame, by its name, its weight beside
-    /// others and its level; of a target with room only what its goal says counts, else without `turns` its orientation
-    /// does not matter.
+    /// Adds the task that brings `tip` to a target in this frame, with its name, weight and priority level.
+    ///
+    /// With goal bounds, only those decide which axes count. Otherwise the orientation counts if `turns` is true.
     pub(super) fn add_target(
         &self,
         builder: &mut ProblemBuilder,
@@ -78,7 +78,7 @@ impl Base {
         }
     }
 
-    /// Moves a task's target, which is given in this frame.
+    /// Sets the target of a task, given in this frame.
     pub(super) fn aim(
         &self,
         body: &mut Drag,
@@ -93,7 +93,7 @@ impl Base {
         Ok(())
     }
 
-    /// A target in this frame as its task takes it: in the world, or in a frame that moves.
+    /// Target in the coordinates of its task: those of the world, or of a frame that moves.
     fn placed(&self, target: Placement<f64>) -> Placement<f64> {
         match *self {
             Self::Still(world_from_base) => world_from_base * target,

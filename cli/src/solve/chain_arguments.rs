@@ -1,4 +1,4 @@
-//! Options of free joints and tools, for all solvers.
+//! Options of locked joints and tools, for all solvers.
 
 use std::path::PathBuf;
 
@@ -17,45 +17,32 @@ use crate::model_options::ModelOptions;
 use crate::number_list;
 use crate::target;
 
-/// Joints to hold and to free, and a tool.
+/// Joints to lock and to free, and a tool.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct ChainArguments {
-    /// Hold a joint: at a value, or where --start has it, without --start at rest.
-    ///
-    /// Values are in radians (--degrees) or metres. Joints are named as `kinopt info` lists them; in a rig or scene a bone's name stands for all
-    /// its angles, and then takes no value; nor does a ball. Repeat it for several. Default: none.
+    /// Lock a joint at a value in radians or metres, or at its start value. Repeatable.
     #[arg(long = "lock", value_name = "JOINT[=VALUE]", value_parser = Lock::parse, help_heading = MODEL)]
     lock: Vec<Lock>,
 
-    /// Let only these joints move.
-    ///
-    /// By name, separated by commas (in a rig or scene also bones); every other one is held where --start
-    /// has it, without --start at rest, whatever a file's starts say. Default: all move.
+    /// Free joints or bones; all others are locked at the start. Default: all joints are free.
     #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',', help_heading = MODEL)]
     only: Vec<String>,
 
-    /// A robot's SRDF file: an arm starts at its state `ready` or `home`, and its passive joints are held where --start has them.
-    ///
-    /// Its names must be the robot's, or with --lenient what has others is left out. Default: none.
+    /// SRDF file: start at state `ready` or `home`, passive joints locked. Default: none.
     #[arg(long, value_name = "FILE", help_heading = MODEL)]
     srdf: Option<PathBuf>,
 
-    /// Let only the joints of a group of the SRDF file move.
-    ///
-    /// As --only with the joints that it names, by links, chains and groups. Default: all move.
+    /// Free only the joints of a group of the SRDF file. Default: all joints are free.
     #[arg(long, value_name = "GROUP", requires = "srdf", help_heading = MODEL, hide_short_help = true)]
     group: Option<String>,
 
-    /// A tool on the frame that the target is for.
-    ///
-    /// Where it stands in that frame, in metres (rigs: their own unit), and how it is turned. For one
-    /// --target, or for --targets. Default: none.
+    /// Tool placement in the frame of --target or --targets, in metres. Default: none.
     #[arg(long, value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
           value_parser = target::parse_placement, help_heading = MODEL)]
     pub(crate) tool: Option<Placement<f64>>,
 }
 
-/// `--lock`.
+/// Value of `--lock`.
 #[derive(Clone, Debug, PartialEq)]
 struct Lock {
     joint: String,
@@ -95,13 +82,12 @@ impl ChainArguments {
         Ok(())
     }
 
-    /// Whether some joint is to be held.
+    /// True if an option locks joints.
     pub(crate) fn holds(&self) -> bool {
         !(self.lock.is_empty() && self.only.is_empty() && self.srdf.is_none())
     }
 
-    /// Resolves the names; `start` is where joints without a value are held, and `degrees` what values
-    /// are in.
+    /// Resolves the names. Joints without a value are locked as in `start`; `degrees` is the unit of typed angles.
     pub(crate) fn held(
         &self,
         loaded: &LoadedModel,
@@ -116,7 +102,7 @@ impl ChainArguments {
             if let (Some(_), [_, _, ..]) = (lock.value, joints.as_slice()) {
                 let names = joints.iter().map(|&joint| loaded.joint_name(joint));
                 return Err(usage!(
-                    "--lock: bone `{}` has several angles, so a value is for one of them: {}",
+                    "--lock: bone `{}` has several angles; give a value to one of them: {}",
                     lock.joint,
                     names.collect::<Vec<_>>().join(", ")
                 ));
@@ -126,7 +112,7 @@ impl ChainArguments {
                 if let Some(first) = coordinate.filter(|_| is_ball(model, joint)) {
                     if lock.value.is_some() {
                         return Err(usage!(
-                            "--lock: joint `{}` is a ball, which is held where the start has it",
+                            "--lock: joint `{}` is a ball joint; it takes no value and is locked as in the start",
                             lock.joint
                         ));
                     }
@@ -176,7 +162,7 @@ impl ChainArguments {
 }
 
 impl HeldJoints {
-    /// Says in a map what is held, but for what it holds already.
+    /// Adds the locked joints to a map, except those in `already`.
     pub(super) fn say<'m>(
         &self,
         mut builder: ParameterMapBuilder<'m>,
@@ -201,7 +187,7 @@ fn is_ball(model: &Model, joint: JointId) -> bool {
 }
 
 impl ChainArguments {
-    /// Holds what nothing drives, and frees a group, as far as neither follows another.
+    /// Locks passive joints and frees the joints of the group. Mimic joints are left out.
     fn take_srdf(
         &self,
         srdf: &Srdf,
@@ -222,14 +208,14 @@ impl ChainArguments {
             let is_held = |joint: JointId| locked.iter().any(|(held, _)| *held == joint);
             only.extend(joints.filter(|&joint| !follows(joint) && !is_held(joint)));
             if only.is_empty() {
-                return Err(failure!("group `{group}` has no joint that may move"));
+                return Err(failure!("group `{group}` has no movable joint"));
             }
         }
         Ok(())
     }
 }
 
-/// The joints that a name stands for: one, or a bone's that its limits leave free.
+/// Joints of a name: one joint, or the joints of a bone that its limits do not lock.
 fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
     let model = &loaded.model;
     if let Some(rig) = &loaded.rig {
@@ -263,7 +249,7 @@ fn joints(loaded: &LoadedModel, wanted: &str) -> Outcome<Vec<JointId>> {
 }
 
 impl LoadedModel {
-    /// Puts a tool on a frame: targets for the frame are for the tool from now on.
+    /// Adds a tool to a frame. Targets of the frame then apply to the tool.
     pub(super) fn put_tool(&mut self, frame: FrameId, tool: &Placement<f64>) -> Outcome<()> {
         let Some(on) = self.model.frames().get(frame.index()) else {
             return Ok(());
@@ -276,7 +262,7 @@ impl LoadedModel {
         Ok(())
     }
 
-    /// The frame that a tool is on; any other frame itself.
+    /// The frame under a tool; any other frame itself.
     pub(super) fn under_tool(&self, frame: FrameId) -> FrameId {
         match self.tool {
             Some((on, tool)) if tool == frame => on,
@@ -284,7 +270,7 @@ impl LoadedModel {
         }
     }
 
-    /// The frame that a target of this name is for: the tool, where there is one on it.
+    /// Frame of a target by name: the tool, if there is one on the named frame.
     pub(super) fn target_frame(&self, name: &str) -> Result<FrameId, UnknownName> {
         let frame = self.frame(name, BareName::Tip)?;
         Ok(match self.tool {

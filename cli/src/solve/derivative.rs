@@ -15,21 +15,21 @@ use crate::loaded_model::LoadedModel;
 use crate::number_format::six_digits;
 use crate::table::Table;
 
-/// The derivative of an answer by its targets.
+/// Derivative of a solution by its targets.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct TargetDerivatives {
-    /// `unique`, `shortest_of_many`, or why there is none.
+    /// `unique`, `shortest_of_many`, or the reason without a derivative.
     differentiability: &'static str,
-    /// The same in a sentence.
+    /// The differentiability in a sentence.
     explanation: String,
-    /// What the rows are of: joints, of a ball its turn about its own axes; radians and metres.
+    /// Names of the rows: joints, and rotations of a ball joint about its own axes; radians and metres.
     velocity: Vec<String>,
-    /// By frame, a row for each of those and a column for each number of the target: of a pose along and about its own
-    /// axes (metres, radians), of a position along the axes that it is given in.
+    /// Matrix by frame: one row for each name in `velocity`, one column for each number of the target. A pose has
+    /// columns along and about its own axes (metres, radians). A position has columns along the axes of its base.
     by_target: BTreeMap<String, Vec<Vec<f64>>>,
 }
 
-/// Of a problem as it was asked, at the answer q.
+/// Derivative of a problem's solution q by its targets.
 pub(super) fn of_problem(
     loaded: &LoadedModel,
     question: ProblemInstance<'_>,
@@ -66,7 +66,7 @@ pub(super) fn of_problem(
     ))
 }
 
-/// Of an arm, by its target.
+/// Derivative of an arm's solution by its target.
 pub(super) fn of_arm(
     derivative: &ArmDerivative,
     joints: &[&str],
@@ -96,7 +96,7 @@ impl TargetDerivatives {
         }
     }
 
-    /// Whether it exists, and a table for each target of the joints that move.
+    /// Differentiability, and a table of the joints that move for each target.
     pub(super) fn text(&self) -> String {
         let mut text = format!("\nDerivative by the target: {}.\n", self.explanation);
         for (frame, rows) in &self.by_target {

@@ -28,39 +28,39 @@ use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 
-/// A solver and the problem that it solves again and again.
+/// General solver with the problem of all queries.
 pub(super) struct GeneralBackend<'a> {
     loaded: &'a LoadedModel,
     arguments: &'a Arguments,
     goals: &'a Goals<'a>,
     finder: PoseFinder,
     base: Base,
-    /// Those with targets, then those with rays.
+    /// Frames with targets, then frames with rays.
     frames: Vec<FrameId>,
-    /// Of every target, if it has any.
+    /// Goal bounds of each target, if any.
     rooms: Vec<Option<Room>>,
     held: Held,
     weights: Weights,
-    /// What is asked of the centre of mass.
+    /// Tasks of the centre of mass.
     balance: Option<Balance>,
-    /// What is kept clear of.
+    /// Collision checker.
     checker: Option<Checker>,
-    /// What else is asked.
+    /// Tasks of --tasks.
     others: Option<TaskFile>,
     tasks: Vec<TaskName>,
-    /// The strict level of each.
+    /// Priority level of each task.
     levels: Vec<usize>,
     idle: Vec<usize>,
 }
 
-/// The memory of one thread.
+/// Workspace of one thread.
 #[derive(Default)]
 pub(super) struct GeneralWorkspace {
     statement: Option<Statement>,
     solver: Workspace,
 }
 
-/// The problem as it is for one start, and a body there.
+/// Problem of one start configuration, with a drag there.
 struct Statement {
     body: Drag,
     targets: Vec<TargetTask>,
@@ -124,7 +124,7 @@ impl<'a> GeneralBackend<'a> {
         })
     }
 
-    /// Moves the targets of a query, the room about each even.
+    /// Sets the targets of a query, at the middle of their goal bounds.
     fn aim(&self, body: &mut Drag, tasks: &[TargetTask], query: &Query) -> Outcome<()> {
         for ((&task, &target), room) in tasks.iter().zip(&query.targets).zip(&self.rooms) {
             let target = room.map_or(target, |room| room.middle(target));
@@ -133,7 +133,7 @@ impl<'a> GeneralBackend<'a> {
         Ok(())
     }
 
-    /// Where the frames that have targets stand at the start of a query, as targets are given.
+    /// Placements of the frames with targets at the start of a query, in the base.
     fn standing(&self, query: &Query) -> Vec<Placement<f64>> {
         let placed = self.loaded.all_frames(&query.start);
         let at = |frame: &FrameId| placed.get(frame.index()).copied();
@@ -148,8 +148,8 @@ impl<'a> GeneralBackend<'a> {
         stand.collect()
     }
 
-    /// The problem for queries that start at `start`, where what is held still stays. Targets and held
-    /// tips are aimed anew for every query.
+    /// Problem for queries that start at `start`. Held joints keep their values of `start`. Targets and held tips are
+    /// set again for every query.
     fn state(&self, start: &[f64]) -> Outcome<Statement> {
         let mut builder = Problem::builder(&self.loaded.model);
         let (length, angle) = self.arguments.tolerances(self.loaded);
@@ -210,7 +210,7 @@ impl<'a> GeneralBackend<'a> {
     }
 }
 
-/// A placement at a share of the way from one to another, straight and turned evenly.
+/// Placement at a share between two others: straight line, and rotation at a constant rate.
 fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
     if share >= 1.0 {
         return *to;
@@ -222,7 +222,7 @@ fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<
 }
 
 impl Statement {
-    /// Aims at the targets of a query, and holds tips where its start has them.
+    /// Sets the targets of a query, and holds tips at their placements in its start.
     fn aim(&mut self, backend: &GeneralBackend<'_>, query: &Query) -> Outcome<()> {
         backend.aim(&mut self.body, &self.targets, query)?;
         if self.held.is_empty() {

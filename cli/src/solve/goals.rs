@@ -1,4 +1,4 @@
-//! Goals of every query: the frames with targets, and their reference frame.
+//! Targets of every query, and their base.
 
 use std::path::Path;
 
@@ -11,22 +11,22 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::targets_file::TargetsFile;
 
-/// The targets of the command line, or those of a file.
+/// Targets of the command line, or of a file.
 pub(super) struct Goals<'a> {
     arguments: &'a Arguments,
-    /// Of `--targets`.
+    /// File of `--targets`.
     file: Option<(&'a Path, TargetsFile)>,
     /// One for each target of a query, as typed.
     pub(super) targets: Vec<TargetFrame>,
-    /// The frame that targets are given in; without one the world.
+    /// Frame in which targets are given; `None` for the world.
     pub(super) base: Option<String>,
 }
 
-/// A frame that has a target.
+/// Frame with a target.
 #[derive(Clone, Debug)]
 pub(super) struct TargetFrame {
     pub(super) name: String,
-    /// Whether its orientation counts.
+    /// True if the orientation counts.
     pub(super) turns: bool,
 }
 
@@ -58,7 +58,7 @@ impl<'a> Goals<'a> {
         })
     }
 
-    /// The frames that are to go somewhere, by the names typed.
+    /// Frames with targets or rays, with the typed names.
     pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<(String, FrameId)>> {
         let targets = self.targets.iter().map(|target| &target.name);
         let rays = self.arguments.rays.iter().map(|ray| &ray.frame);
@@ -66,8 +66,8 @@ impl<'a> Goals<'a> {
         targets.chain(rays).map(frame).collect()
     }
 
-    /// Whether something is between the base and a frame that has a target that no arm can have: a ball joint, or
-    /// one that moves a loop, itself or by what follows it.
+    /// True if the chain between the base and a target frame has a ball joint or moves a loop, itself or by mimic
+    /// joints. An arm does not support either.
     pub(super) fn need_more_than_an_arm(&self, loaded: &LoadedModel) -> bool {
         let model = &loaded.model;
         let carriers = |name: &str| -> Vec<JointId> {
@@ -96,7 +96,7 @@ impl<'a> Goals<'a> {
         })
     }
 
-    /// Puts the tool on the one frame that has targets.
+    /// Adds the tool to the one frame with targets.
     pub(super) fn put_tool(&self, loaded: &mut LoadedModel) -> Outcome<()> {
         let Some(tool) = &self.arguments.chain.tool else {
             return Ok(());
@@ -106,12 +106,12 @@ impl<'a> Goals<'a> {
                 loaded.put_tool(*first, tool)
             }
             _ => Err(usage!(
-                "--tool is for the targets of one frame, not of several"
+                "--tool: targets are on several frames; a tool needs targets of one frame"
             )),
         }
     }
 
-    /// The targets with their starts.
+    /// Queries: targets with their start configurations.
     pub(super) fn queries(
         &self,
         loaded: &LoadedModel,
@@ -141,7 +141,7 @@ impl<'a> Goals<'a> {
     }
 }
 
-/// The frame that the targets of a file are for.
+/// Frame of the targets of a file.
 fn tip<'a>(
     loaded: &'a LoadedModel,
     arguments: &'a Arguments,
@@ -158,7 +158,7 @@ fn tip<'a>(
         tips => format!("; tips: {}", tips.join(", ")),
     };
     Err(failure!(
-        "{}: has no key `tip_link`, so --tip must say which frame the targets are for{listed}",
+        "{}: has no key `tip_link`, so --tip must name the frame of the targets{listed}",
         path.display()
     ))
 }

@@ -10,31 +10,30 @@ use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::loaded_model::LoadedModel;
 
-/// How much more feet count than what is dragged, on a free base: they stay where a hand is beyond reach.
+/// Weight of held feet on a free base: they stay if a target is out of reach.
 const FEET: f64 = 10.0;
 
-/// What `--hold none` is called.
+/// Value of `--hold` that holds nothing.
 pub(super) const NOTHING: &str = "none";
 
-/// What is held.
+/// Bones and frames that keep their poses.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
-    /// Bones that do not turn, and those that hardly bend.
+    /// Bones that do not rotate, and bones with a narrow range.
     holds: Holds,
-    /// Whether a figure keeps to the posture that it starts in.
+    /// True if a skeleton keeps near its start posture.
     keeps_posture: bool,
-    /// Whether it was said what is held.
+    /// True if `--hold` names the bones.
     by_name: bool,
-    /// Tips that stay where they are, by their bones' names, and links of a robot, turned as they are.
+    /// Tips that keep their positions, by bone name; links of a robot keep their poses.
     pub(super) tips: Vec<(String, FrameId)>,
 }
 
 impl Held {
-    /// What `--hold` names, or else what the model's kind holds: of a rig the tips that its file pins,
-    /// of a scene its trunk and the ends of its other limbs, of a robot nothing. Of these never the `dragged` frames.
+    /// Frames of `--hold`, or the default of the model's kind, without the `dragged` frames. A rig holds the tips that
+    /// its file pins. A scene or a capture holds the trunk and the ends of the other limbs. A robot holds nothing.
     ///
-    /// # Errors
-    /// An unknown bone or link, or one of the dragged by name.
+    /// # Errors An unknown bone or link, or a dragged frame in `--hold`.
     pub(super) fn of(
         loaded: &LoadedModel,
         arguments: &Arguments,
@@ -94,28 +93,28 @@ impl Held {
         Ok(held)
     }
 
-    /// What the errors of something held are multiplied by.
+    /// Factor of the errors of a held frame.
     pub(super) fn weight(&self, loaded: &LoadedModel, weights: &Weights, frame: FrameId) -> f64 {
         let usual = if self.stands(loaded) { FEET } else { 1.0 };
         weights.given(frame).unwrap_or(usual)
     }
 
-    /// Whether a body on a free base stands on what is held, its feet.
+    /// True if a model on a free base has held frames, its feet.
     pub(super) fn stands(&self, loaded: &LoadedModel) -> bool {
         !loaded.model.free_joints().is_empty() && !self.tips.is_empty()
     }
 
-    /// Whether what is held stays as it is turned, too: links of a robot, and of a figure on a free base what is held by name, its feet.
+    /// True if held frames keep their orientation: links of a robot, and named frames of a skeleton on a free base.
     pub(super) fn turns(&self, loaded: &LoadedModel) -> bool {
         loaded.rig.is_none() || (self.by_name && self.stands(loaded))
     }
 
-    /// Whether some bones stay as the start has them.
+    /// True if some bones keep their joints near the start.
     pub(super) fn holds_still(&self) -> bool {
         self.keeps_posture || !self.holds.trunk.is_empty()
     }
 
-    /// The variables of the solver: what is held still stays as in `start`.
+    /// Solver variables; bones that do not rotate keep their joints of `start`.
     ///
     /// # Errors
     /// None for a start within the limits.
@@ -146,8 +145,7 @@ impl Held {
         }
     }
 
-    /// What keeps a figure that says nothing of itself near the posture it starts in, where the targets
-    /// leave room, its back more than its limbs: none for the others.
+    /// Soft tasks that keep a model near its start posture, spines more than limbs. Empty for models without the need.
     pub(super) fn posture(
         &self,
         loaded: &LoadedModel,
@@ -164,24 +162,24 @@ impl Held {
     }
 }
 
-/// What goes somewhere cannot stay as well.
+/// Rejects a held frame that has a target.
 fn refuse_dragged(name: &str, frame: FrameId, dragged: &[FrameId]) -> Outcome<()> {
     match dragged.contains(&frame) {
         true => Err(usage!(
-            "--hold {name}: it has a target, so it cannot stay where it is"
+            "--hold {name}: it has a target, so it cannot be held"
         )),
         false => Ok(()),
     }
 }
 
 impl LoadedModel {
-    /// A bone and those above it, up to the root.
+    /// A bone and its ancestors, up to the root.
     fn up_from(&self, bone: BoneId) -> impl Iterator<Item = BoneId> + '_ {
         let bones = self.rig.as_ref().map(|rig| rig.skeleton.bones());
         std::iter::successors(Some(bone), move |at| bones?.get(at.index())?.parent)
     }
 
-    /// Whether `bone` carries `other`, which is another.
+    /// True if `bone` is a proper ancestor of `other`.
     fn carries(&self, bone: BoneId, other: BoneId) -> bool {
         self.up_from(other).skip(1).any(|above| above == bone)
     }

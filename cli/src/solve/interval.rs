@@ -6,10 +6,10 @@ const AXES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 const SHAPE: &str = "expected AXIS=WIDTH, AXIS=LOW..HIGH or AXIS=free, \
                      the axis one of x, y, z, rx, ry, rz";
 
-/// How far a component of the tip's pose may be from its target, in metres or as typed angles.
+/// Goal bounds of one component of the tip's pose: offset from the target, in metres or in the typed angle unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
-    /// x, y, z, then turns about them.
+    /// Index of the component: x, y, z, then the rotations about them.
     pub(super) axis: usize,
     pub(super) low: f64,
     pub(super) high: f64,
@@ -30,19 +30,19 @@ impl Interval {
         };
         if low > high {
             return Err(format!(
-                "{low}..{high} is no interval: its ends are in wrong order"
+                "{low}..{high}: the lower end is above the upper end"
             ));
         }
         if axis >= 3 && low != -high {
             return Err(format!(
-                "a turn may be so far either way: {}=ANGLE, not {low}..{high}",
+                "bounds of a rotation are symmetric: expected {}=ANGLE, not {low}..{high}",
                 AXES[axis]
             ));
         }
         Ok(Self { axis, low, high })
     }
 
-    /// Whether it is about how the tip is turned.
+    /// True for a rotation.
     pub(crate) fn turns(&self) -> bool {
         self.axis >= 3
     }

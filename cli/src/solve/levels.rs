@@ -1,4 +1,4 @@
-//! `--level`: priority levels of goals.
+//! `--level`: priority levels of tasks.
 
 use clap::Args;
 use kinopt::model::UnknownName;
@@ -7,35 +7,27 @@ use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::help_headings::TARGETS;
 
-/// Of what is held, where something is held or balanced by name.
+/// Level of held frames, if frames are held or balanced by name.
 pub(super) const HELD: usize = 0;
-/// Of the centre of mass there.
+/// Level of the centre of mass in that case.
 pub(super) const BALANCE: usize = 1;
-/// Of all other goals there.
+/// Level of all other required tasks in that case.
 pub(super) const GOALS: usize = 2;
 
-/// Options about strict levels.
+/// Options of priority levels.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct LevelArguments {
-    /// On which strict level something that is asked for stands: a whole number.
-    ///
-    /// Level 0 comes first: it is met as if it were alone. What is on level 1 comes as near as it can at no cost to level
-    /// 0, and so on, whatever the weights, which count within a level. Names are those of targets, rays and held
-    /// frames, `balance`, `center of mass` and the names of --tasks. Default: 0 for all; with --hold or --balance what
-    /// is held has 0, the balance 1, and all other goals have 2, so that feet neither slip nor lose balance
-    /// for a hand that is out of reach. Where everything is reached, levels change nothing but rounding.
+    /// Priority level of a target, frame or task, from 0 (first); see docs/guide/priorities.md.
     #[arg(long = "level", value_name = "NAME=N", value_parser = NamedLevel::parse, help_heading = TARGETS,
           hide_short_help = true)]
     levels: Vec<NamedLevel>,
 
-    /// Weigh all goals against each other, whatever is held: the default of --level is 0 for all.
-    ///
-    /// Default: off.
+    /// Give all tasks level 0 unless --level names them. Default: held frames, balance, others.
     #[arg(long, help_heading = TARGETS, hide_short_help = true)]
     no_priorities: bool,
 }
 
-/// `NAME=N`.
+/// Level of a named task: `NAME=N`.
 #[derive(Clone, Debug, PartialEq)]
 struct NamedLevel {
     name: String,
@@ -47,7 +39,9 @@ impl NamedLevel {
         let (name, level) = text.rsplit_once('=').unwrap_or_default();
         match (name.trim(), level.trim().parse()) {
             ("", _) => Err("expected NAME=LEVEL".to_owned()),
-            (_, Err(_)) => Err(format!("`{level}` is no whole number of at least 0")),
+            (_, Err(_)) => Err(format!(
+                "`{level}` is not a level; expected a whole number from 0"
+            )),
             (name, Ok(level)) => Ok(Self {
                 name: name.to_owned(),
                 level,
@@ -57,16 +51,15 @@ impl NamedLevel {
 }
 
 impl LevelArguments {
-    /// Whether any is given.
+    /// True if an option sets a level.
     pub(super) fn given(&self) -> bool {
         !self.levels.is_empty()
     }
 
-    /// The level of each of these tasks: as typed, or else as `ranked` has it where something is held or balanced
-    /// (`steps_back`).
+    /// Level of each task: as typed, else as in `ranked` if frames are held or balanced (`steps_back`).
     ///
     /// # Errors
-    /// A name that none of the tasks has.
+    /// A name of no task.
     pub(super) fn of(
         &self,
         tasks: &[TaskName],
@@ -98,11 +91,11 @@ impl LevelArguments {
     }
 }
 
-/// The level of a task unless --level says another.
+/// Level of a task without --level.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Unless {
-    /// Of its own.
+    /// Level of the task file.
     Said(usize),
-    /// Where something is held or balanced by name; else 0.
+    /// Level if frames are held or balanced by name; otherwise 0.
     Ranked(usize),
 }

@@ -5,10 +5,10 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 
-/// One move for every number of a configuration, in radians and metres, if the option was given.
+/// Largest displacement of every coordinate, in radians and metres, or `None` without the option.
 ///
 /// # Errors
-/// Another number of them, which is told with what they belong to.
+/// A wrong count of numbers; the message lists the coordinates.
 pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Option<Vec<f64>>> {
     let Some(Numbers(given)) = &arguments.arm.max_move else {
         return Ok(None);
@@ -25,7 +25,7 @@ pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<
             ));
         }
     };
-    // A ball's displacement is its rotation angle, although its numbers are no angles.
+    // The displacement of a ball joint is its rotation angle, although its numbers are not angles.
     let turns = loaded.is_angle().zip(loaded.is_of_ball());
     let moves = each.into_iter().zip(turns);
     let moves = moves.map(

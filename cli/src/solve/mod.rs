@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
 }
 
-/// Answers what is asked, one query or a file of them, and prints what came out.
+/// Solves one query or a file of queries, and prints the results.
 fn solve(
     loaded: &LoadedModel,
     arguments: &Arguments,

@@ -15,21 +15,14 @@ use crate::loaded_model::LoadedModel;
 use crate::number_list::not_negative;
 use crate::world_file::TouchOption;
 
-/// Options about collisions.
+/// Options of collisions.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ObstacleArguments {
-    /// Keep clear of the obstacles of a file, and of oneself.
-    ///
-    /// Our JSON (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`), or a planning scene of MoveIt's
-    /// (.yaml). Default: nothing is in the way. An answer is reached only if it touches nothing, by the exact distances of the
-    /// robot's collision shapes; the pairs that touch are told otherwise. Of a path nothing touches between its points
-    /// either, and a body that goes on from where it stands slides along what is in its way. A figure has capsules along its bones, as
-    /// thick as its skin. Pairs of links are those that can touch and, in a thousand random configurations, do not always, less
-    /// those that --srdf disables.
+    /// Avoid self-collisions and the obstacles of a .json or MoveIt .yaml file. Default: none.
     #[arg(long, value_name = "FILE", help_heading = TARGETS)]
     world: Option<PathBuf>,
 
-    /// How far all is to be apart at least, in metres; without --world of the robot's own links. Default: 0.
+    /// Required distance, in metres; without --world only between the robot's links. Default: 0.
     #[arg(long, value_name = "M", value_parser = not_negative, help_heading = COLLISIONS, hide_short_help = true)]
     margin: Option<f64>,
 
@@ -44,7 +37,7 @@ pub(crate) struct ObstacleArguments {
 }
 
 impl ObstacleArguments {
-    /// The first of the options that was given.
+    /// First given option, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given([
             ("--world", self.world.is_some()),
@@ -53,10 +46,10 @@ impl ObstacleArguments {
         ])
     }
 
-    /// What is to be kept clear of, if anything is: a robot by its collision shapes, a figure by capsules along its bones.
+    /// Checker of the options, if any: collision shapes of a robot, capsules along the bones of a skeleton.
     ///
     /// # Errors
-    /// A file that is not there or damaged, and a rig without a skin.
+    /// A missing or damaged file, or a rig without a skin.
     pub(super) fn checker(&self, loaded: &LoadedModel) -> Outcome<Option<Checker>> {
         let Some(option) = self.given() else {
             return Ok(None);
@@ -69,7 +62,7 @@ impl ObstacleArguments {
             }
             None if self.spheres.is_given() => {
                 return Err(usage!(
-                    "--sphere-model is for robots with collision shapes, and {} is a {}",
+                    "--sphere-model is for robots with collision shapes; {} is a {}",
                     loaded.file,
                     loaded.kind()
                 ));
@@ -80,10 +73,10 @@ impl ObstacleArguments {
         Ok(Some(checker.with_margin(self.margin.unwrap_or(0.0))?))
     }
 
-    /// An arm kept clear of what is given, with the robot's other joints at `rest`.
+    /// Arm that avoids the obstacles of the options, with the robot's other joints at `rest`.
     ///
     /// # Errors
-    /// As [`checker`](Self::checker).
+    /// Errors of [`checker`](Self::checker).
     pub(crate) fn keep_clear(&self, arm: Arm, loaded: &LoadedModel, rest: &[f64]) -> Outcome<Arm> {
         Ok(match self.checker(loaded)? {
             Some(checker) => arm.with_checker(&checker, rest)?,
@@ -100,13 +93,13 @@ impl ObstacleArguments {
     }
 }
 
-/// Capsules as thick as the skin.
+/// Collision model of capsules as thick as the skin.
 fn of_figure(loaded: &LoadedModel, option: &str) -> Outcome<CollisionModel> {
     let rig = loaded.rig.as_deref();
     let skin = rig.and_then(|rig| Some((rig, rig.mesh.as_ref()?, rig.weights.as_ref()?)));
     let Some((rig, mesh, weights)) = skin else {
         return Err(usage!(
-            "{option} is for robots with collision shapes and figures with a skin, and {} is a {} without one",
+            "{option} is for robots with collision shapes and skeletons with a skin; {} is a {} without one",
             loaded.file,
             loaded.kind()
         ));

@@ -14,21 +14,21 @@ use crate::mesh_output::{MeshFile, Skin};
 use crate::scene_output;
 use crate::weights_choice::WeightsChoice;
 
-/// A file for what was found.
+/// Output file of a solution.
 #[derive(Clone, Debug)]
 pub(super) enum OutFile {
     Mesh(MeshFile),
     Capture(PathBuf),
 }
 
-/// What goes into the file, made ready before the search.
+/// Content of the output file, prepared before the search.
 pub(super) enum Written<'a> {
     Mesh(&'a MeshFile, Box<Skin<'a>>),
     Capture(&'a Path, &'a Capture, FigurePosing),
     Clip(&'a Path, &'a str, &'a LoadedScene, FigurePosing),
 }
 
-/// What `--into` adds to a file.
+/// Clip that `--into` adds to a file.
 ///
 /// # Errors
 /// A model that is no scene.
@@ -42,7 +42,7 @@ pub(super) fn added<'a>(
     let both = scene.zip(bridge);
     let (scene, bridge) = both.ok_or_else(|| {
         usage!(
-            "{}: --into adds the pose of a scene to a file; this is a {}",
+            "{}: --into needs a scene; this is a {}",
             loaded.file,
             loaded.kind()
         )
@@ -61,10 +61,10 @@ impl OutFile {
         }
     }
 
-    /// What the model has for this file.
+    /// Content of this file from the model.
     ///
     /// # Errors
-    /// A model without a mesh, or that is no motion capture.
+    /// A model without a mesh for a mesh file, or a .bvh file for a model that is no motion capture.
     pub(super) fn of<'a>(
         &'a self,
         loaded: &'a LoadedModel,
@@ -78,7 +78,7 @@ impl OutFile {
                 Ok(Written::Capture(path, capture, bridge))
             }
             (Self::Capture(_), ..) => Err(usage!(
-                "{}: a .bvh is written of motion capture; this is a {}",
+                "{}: --out FILE.bvh needs motion capture; this is a {}",
                 loaded.file,
                 loaded.kind()
             )),
@@ -87,7 +87,7 @@ impl OutFile {
 }
 
 impl Written<'_> {
-    /// What was made up, if anything.
+    /// Note about computed skin weights, if any.
     pub(super) fn note(&self) -> Option<String> {
         match self {
             Self::Mesh(_, skin) => skin.note(),
@@ -95,7 +95,7 @@ impl Written<'_> {
         }
     }
 
-    /// Writes it for a configuration; where.
+    /// Writes the file for a configuration. Returns its path.
     pub(super) fn write(&self, q: &[f64], method: SkinningMethod) -> Outcome<&Path> {
         match self {
             Self::Mesh(file, skin) => {

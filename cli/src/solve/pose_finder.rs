@@ -1,4 +1,4 @@
-//! Pose search of a skeleton: converges on the current branch, and searches after a miss.
+//! Pose search of a skeleton: converges on the current branch, then searches if the target is not reached.
 
 use std::time::{Duration, Instant};
 
@@ -13,38 +13,38 @@ use super::query::{Answer, Settled, Way};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 
-/// Frames until a figure rests at most; in a path, at 0.15 rad each, several turns.
+/// Largest number of frames until a skeleton converges. In a path, at 0.15 rad each, several full rotations.
 const FRAMES: usize = 200;
-/// Steps on the way to a target, where one is gone.
+/// Number of intermediate targets on the motion to a target.
 const STEPS_OF_A_WAY: u32 = 30;
-/// Steps of a frame at most.
+/// Largest number of iterations of a frame.
 const FRAME_STEPS: usize = 40;
-/// A search from elsewhere has found better where its cost is lower by a thousandth.
+/// Ratio of costs below which another attempt counts as better.
 const BETTER: f64 = 1.0 - 1e-3;
 
-/// Aims a body at a share of the way to its targets.
+/// Sets the targets of a drag to a share of the motion.
 pub(super) type Aim<'a> = dyn Fn(&mut Drag, f64) -> Outcome<()> + 'a;
 
-/// How poses are found.
+/// Pose search of a model.
 #[derive(Clone, Debug)]
 pub(super) struct PoseFinder {
     solver: Solver,
     stopping: Stopping,
     settles: bool,
-    /// Whether a miss is searched for from elsewhere.
+    /// True if a target that is not reached starts a search.
     searches: bool,
-    /// Whether what is found there counts though it misses too.
+    /// True if the result of that search counts although it is not reached.
     anywhere: bool,
     limit: Option<Duration>,
-    /// How far joints may go from a start.
+    /// Largest displacement of each coordinate from a start.
     moves: Option<Vec<f64>>,
 }
 
 impl PoseFinder {
-    /// A figure settles, and so does a body that `stands` on what is held.
+    /// Skeletons converge on their branch first, and so does a model on a free base with held feet.
     ///
     /// # Errors
-    /// A wrong number of moves.
+    /// A wrong number of displacement limits.
     pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments, stands: bool) -> Outcome<Self> {
         Ok(Self {
             moves: max_move::max_moves(loaded, arguments)?,
@@ -57,8 +57,8 @@ impl PoseFinder {
         })
     }
 
-    /// The pose for the targets as they are, from `start`; a figure that settles goes there on the `way` first, which
-    /// aims at a share of it.
+    /// Pose for the current targets, from `start`. A skeleton that converges on its branch follows the motion `way`
+    /// first; `way` sets the targets to a share of the motion.
     pub(super) fn find(
         &self,
         body: &mut Drag,
@@ -103,7 +103,7 @@ impl PoseFinder {
         let (solver, question) = (self.search(left), body.question());
         let searched = solver.solve_observed(question, start, workspace, observer)?;
         let better = searched.cost < BETTER * settled.cost;
-        // If the goals are met only in collision, that solution is reported, as for an arm.
+        // If the targets are reached only in collision, that solution is reported, as for an arm.
         let only_touches = searched.goals_reached() && !settled.goals_reached();
         let taken = searched.reached || only_touches || (self.anywhere && better);
         let (way, best) = match taken {
@@ -127,7 +127,7 @@ impl PoseFinder {
         Ok(answer(solution, Some(settled)))
     }
 
-    /// A body at a problem's start, for the poses that are asked for.
+    /// Drag at a problem's start.
     pub(super) fn body(&self, problem: Problem, start: &[f64]) -> Outcome<Drag> {
         let drag = Drag::new(problem, start)?;
         let Some(limit) = self.limit.filter(|_| self.settles) else {
@@ -137,11 +137,10 @@ impl PoseFinder {
         Ok(drag.with_solver(Solver::default(), frame.with_time_limit(limit))?)
     }
 
-    /// A step of a path: to where the target is reached as a single one would be, or as near as the body comes
-    /// on its way. With a method or limits of the caller's own a frame is all that they allow.
+    /// Step of a path: until the target is reached or the drag converges. With a method or limits of the caller, one
+    /// frame is all that they allow.
     ///
-    /// # Errors
-    /// Moves that are none.
+    /// # Errors Invalid displacement limits.
     pub(super) fn follow(&self, body: &mut Drag, workspace: &mut Workspace) -> Outcome<Solution> {
         if self.moves.is_some() {
             let start = body.q().to_vec();
@@ -162,12 +161,12 @@ impl PoseFinder {
         Ok(body.solution().clone())
     }
 
-    /// A body that follows a path by the solver's method.
+    /// Drag that follows a path by the solver's method.
     pub(super) fn follower(&self, body: Drag) -> Outcome<Drag> {
         Ok(body.with_solver(self.solver.clone(), self.stopping)?)
     }
 
-    /// The solver with the time that is left.
+    /// Solver with the remaining time.
     fn search(&self, left: Option<Duration>) -> Solver {
         let solver = self.solver.clone();
         match left {

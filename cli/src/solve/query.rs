@@ -8,79 +8,78 @@ use serde::Serialize;
 use super::derivative::TargetDerivatives;
 use crate::number_format::six_digits;
 
-/// A joint that moves further in a step is reported, in radians.
+/// Joint displacement of a step above which the step is reported, in radians.
 const LONG: f64 = 0.2;
 
-/// Where frames should stand, and where the search for that starts.
+/// Targets of frames, and the start configuration.
 #[derive(Clone, Debug)]
 pub(super) struct Query {
-    /// base_from_target of each frame that has a target.
+    /// base_from_target of each frame with a target.
     pub(super) targets: Vec<Placement<f64>>,
-    /// A configuration of the model within its limits.
+    /// Configuration of the model within its limits.
     pub(super) start: Vec<f64>,
 }
 
-/// What came out for one query.
+/// Result of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Answer {
-    /// All moving joints of the model, in radians and metres.
+    /// Values of all moving joints of the model, in radians and metres.
     pub(super) q: Vec<f64>,
-    /// Further answers where several distinct ones are wanted, nearest to the start first.
+    /// Further distinct solutions, nearest to the start first.
     pub(super) alternatives: Vec<Vec<f64>>,
-    /// The truth about it; its own `q` may hold fewer joints.
+    /// Solution of the solver; its `q` may have fewer joints.
     pub(super) solution: Solution,
-    /// Time spent solving, in microseconds; none where it was solved together with others.
+    /// Solve time in microseconds; `None` for a target that was solved together with others.
     pub(super) micros: Option<f64>,
-    /// Of a figure that settled.
+    /// Branch of the pose, for a skeleton that converges first.
     pub(super) settled: Option<Settled>,
-    /// Where it was asked for.
+    /// Derivative by the targets, if requested.
     pub(super) derivative: Option<TargetDerivatives>,
 }
 
-/// How a figure came to its pose.
+/// Branch on which a skeleton reached its pose.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Settled {
     pub(super) way: Way,
-    /// The cost of a nearer miss that a search found elsewhere, which --global-search-on-miss would
-    /// answer.
+    /// Lower cost of a search that did not reach either. --global-search-on-miss returns that pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) lower_cost_elsewhere: Option<f64>,
 }
 
-/// Which way a figure took to its pose.
+/// Origin of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Way {
-    /// It settled there from where it stood.
+    /// Convergence from the start, on its branch.
     Own,
-    /// Its own way missed, and a search from other places found better.
+    /// A search from other starts, after the branch of the start did not reach the target.
     Another,
 }
 
-/// What came out for a path.
+/// Result of a path.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Path {
-    /// One for each step.
+    /// Solutions, one for each step.
     pub(super) answers: Vec<Answer>,
-    /// The steps in which a joint moved far.
+    /// Steps in which a joint exceeds the jump bound.
     pub(super) jumps: Vec<LongStep>,
 }
 
-/// A step of a path in which a joint moved further than 0.2 rad.
+/// Step of a path in which a joint moves more than 0.2 rad.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct LongStep {
-    /// The position of its target, from 0.
+    /// Index of its target, from 0.
     step: usize,
-    /// The joint that moved furthest.
+    /// Joint with the largest displacement.
     joint: String,
-    /// How far, in radians; a slide by the metres that weigh as much.
+    /// Displacement in radians; of a prismatic joint, weighted metres.
     distance: f64,
-    /// Whether small steps lead there too; if not, the arm flipped to another branch.
+    /// True if smaller steps also lead there; false for a jump to another branch.
     continuous: bool,
 }
 
 impl Answer {
-    /// The only answer, at `q`.
+    /// Answer without alternatives, at `q`.
     pub(super) fn new(q: Vec<f64>, solution: Solution, micros: Option<f64>) -> Self {
         Self {
             q,
@@ -94,7 +93,7 @@ impl Answer {
 }
 
 impl LongStep {
-    /// A jump of an arm with these joints.
+    /// Long step from a jump of an arm with these joints.
     pub(super) fn of(jump: &Jump, joints: &[&str]) -> Self {
         let joint = joints.get(jump.joint).copied().unwrap_or_default();
         Self {
@@ -105,8 +104,8 @@ impl LongStep {
         }
     }
 
-    /// A step of a path that was dragged, from `before` to `after` (coordinates of the model; those
-    /// that are no `angles` do not count), if it is long: in one piece, as a drag never leaps.
+    /// Long step of a dragged path from `before` to `after`, in coordinates of the model, if a joint exceeds the bound.
+    /// Only `angles` count. The step is continuous, because a drag stays on its branch.
     pub(super) fn between(
         step: usize,
         before: &[f64],
@@ -126,11 +125,11 @@ impl LongStep {
         })
     }
 
-    /// A line for people.
+    /// Line of text.
     pub(super) fn text(&self) -> String {
         let how = match self.continuous {
-            true => "in one piece: a fast motion or a coarse path",
-            false => "a flip, as the branch ends there",
+            true => "continuous: a fast motion or a coarse path",
+            false => "a jump: the branch ends there",
         };
         let (step, joint, distance) = (self.step, &self.joint, six_digits(self.distance));
         format!("step {step}: `{joint}` moves by {distance} rad, {how}")

@@ -11,59 +11,59 @@ use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
 use crate::table::Table;
 
-/// An answer and what was asked.
+/// Answer with its query.
 #[derive(Clone, Copy)]
 pub(super) struct Report<'a> {
     pub(super) loaded: &'a LoadedModel,
     pub(super) answer: &'a Answer,
     pub(super) tasks: &'a [TaskName],
-    /// Coordinates that no task depends on, which text does not show.
+    /// Coordinates that no task depends on; text does not show them.
     pub(super) idle: &'a [usize],
-    /// Whether anything was to be kept clear of.
+    /// True if obstacles are avoided.
     pub(super) keeps_clear: bool,
 }
 
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
     q: &'a [f64],
-    /// The names that belong to q, for a robot; once for many answers.
+    /// Joint names of q, for a robot; given once for several answers.
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
-    /// Further answers, where several distinct ones were asked for.
+    /// Further distinct solutions.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     alternatives: &'a [Vec<f64>],
     reached: bool,
-    /// Whether all goals are met, though something may touch.
+    /// True if all required tasks are reached, whether in contact or not.
     goals_reached: bool,
     termination: &'static str,
     cost: f64,
     tasks: Vec<TaskDocument<'a>>,
     active_limits: Vec<LimitDocument<'a>>,
-    /// Of a model that has loops: those that are open.
+    /// Open loops, for a model with loops.
     #[serde(skip_serializing_if = "Option::is_none")]
     open_loops: Option<Vec<OpenLoopDocument<'a>>>,
-    /// What is in the way, where anything was to be kept clear of.
+    /// Pairs in contact, if obstacles are avoided.
     #[serde(skip_serializing_if = "Option::is_none")]
     collisions: Option<Vec<CollisionDocument<'a>>>,
     iterations: usize,
     attempts: usize,
-    /// How many of them ended at the same miss; 0 where it is reached or was not counted.
+    /// Number of attempts that ended at the same unreached pose; 0 if reached or not counted.
     agreeing_attempts: usize,
-    /// Whether the miss is certain: a target farther away than its chain is long.
+    /// True if the target is proven unreachable: farther away than the chain is long.
     out_of_reach: bool,
-    /// `way`: `own` where a figure settled from where it stood, `another` where a search found better;
-    /// and the lower cost of a miss elsewhere.
+    /// `way`: `own` for convergence from the start, `another` for the result of a search; and the lower cost of another
+    /// unreached pose.
     #[serde(flatten)]
     settled: Option<Settled>,
     evaluations: Evaluations,
-    /// How q moves with the targets, where --derivative asks for it.
+    /// Derivative of q by the targets, with --derivative.
     #[serde(skip_serializing_if = "Option::is_none")]
     derivative: Option<&'a TargetDerivatives>,
-    /// Time spent solving, in microseconds; not known for targets that are solved together.
+    /// Solve time in microseconds; `None` for targets that are solved together.
     #[serde(skip_serializing_if = "Option::is_none")]
     micros: Option<f64>,
     explanation: String,
-    /// What was done without or made up; once for many answers.
+    /// Notes about omitted or computed data; given once for several answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
 }
@@ -72,13 +72,13 @@ pub(super) struct Document<'a> {
 struct TaskDocument<'a> {
     name: &'a str,
     frame: &'a str,
-    /// In metres (rigs: their own unit).
+    /// Position error in metres (skeletons: the file's unit).
     position_error: Option<f64>,
-    /// In radians.
+    /// Orientation error in radians.
     orientation_error: Option<f64>,
     reached: bool,
     held: bool,
-    /// Its strict level: 0 comes first.
+    /// Priority level, from 0.
     level: usize,
 }
 
@@ -88,16 +88,16 @@ struct LimitDocument<'a> {
     side: &'static str,
     /// `limit` of the joint, or end of its allowed `move`.
     kind: &'static str,
-    /// In radians or metres.
+    /// Value of the bound, in radians or metres.
     value: f64,
 }
 
 #[derive(Serialize)]
 struct OpenLoopDocument<'a> {
     name: &'a str,
-    /// In metres.
+    /// Closure error in metres.
     gap: f64,
-    /// In radians.
+    /// Closure error in radians.
     angle: f64,
 }
 
@@ -109,8 +109,7 @@ struct Evaluations {
 }
 
 impl<'a> Report<'a> {
-    /// As [`document`](Self::document), with the joints' names for a robot, and what was done without or
-    /// made up.
+    /// Document as of [`document`](Self::document), with the joint names of a robot and the notes.
     pub(super) fn whole_document(&self, notes: Vec<String>) -> Document<'a> {
         Document {
             notes,
@@ -178,20 +177,20 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// The explanation, the tasks' errors, and the free joints' values.
+    /// Explanation, errors of the tasks, and values of the free joints.
     pub(super) fn text(&self, degrees: bool) -> String {
         let solution = &self.answer.solution;
         let mut text = solution.explain();
         if !solution.goals_reached() && self.tasks.iter().any(|task| task.held) {
-            text.push_str("\n  What is held should stay where it was; --hold says what else.");
+            text.push_str("\n  Held frames keep their poses; --hold selects other frames.");
         }
         let settled = self.answer.settled;
         text.push_str(match settled {
             Some(settled) if settled.way == Way::Another => {
-                "\n  The figure's own way missed; a search from other places found this."
+                "\n  The branch of the start did not reach the target; a search from other starts found this."
             }
             Some(settled) if settled.lower_cost_elsewhere.is_some() => {
-                "\n  Another way comes nearer; --global-search-on-miss answers with that."
+                "\n  A pose on another branch is closer; --global-search-on-miss returns it."
             }
             _ => "",
         });
@@ -208,14 +207,15 @@ impl<'a> Report<'a> {
         text
     }
 
-    /// Further answers, a line each with the free joints' values.
+    /// Further solutions, one line each with the values of the free joints.
     fn alternatives(&self, degrees: bool) -> String {
         let alternatives = &self.answer.alternatives;
         if alternatives.is_empty() {
             return String::new();
         }
         let count = alternatives.len() + 1;
-        let mut text = format!("\n{count} answers in all; the others, in the same order:\n");
+        let mut text =
+            format!("\n{count} solutions in all; the others, in the same joint order:\n");
         let shown = self.shown();
         for alternative in alternatives {
             let values = self
@@ -231,7 +231,7 @@ impl<'a> Report<'a> {
         text
     }
 
-    /// Which coordinates people are shown: those that may move, and those that the command holds.
+    /// Flags of the coordinates in the text: free coordinates and those that the command locks.
     fn shown(&self) -> Vec<bool> {
         let mut shown = self.loaded.leading_coordinates();
         for &idle in self.idle {
@@ -285,7 +285,7 @@ impl<'a> Report<'a> {
                 continue;
             }
             let note = if held {
-                "held"
+                "locked"
             } else if ball {
                 // The ranges of quaternion components are not limits.
                 ""

@@ -23,31 +23,31 @@ fn count(count: u32) -> usize {
 }
 
 impl Arguments {
-    /// When a figure is as the search finds it.
+    /// Time of a clip at which a skeleton is at rest.
     pub(super) fn moment(&self) -> Option<Moment<'_>> {
         let clip = self.clip.as_deref();
         self.time.map(|time| Moment { time, clip })
     }
 
-    /// How many attempts at most, as typed.
+    /// Largest number of attempts, as typed.
     pub(super) fn attempts(&self) -> Option<u32> {
         self.attempts
             .or_else(|| self.restarts.map(|restarts| restarts.saturating_add(1)))
     }
 
-    /// Whether a figure settles from where it stands before anything is searched for.
+    /// True if a skeleton converges from its start before any search.
     pub(super) fn settles(&self) -> bool {
         let plain =
             self.solver.is_none() && self.max_iterations.is_none() && self.arm.max_move.is_none();
         plain && self.arm.search != Some(Search::First)
     }
 
-    /// The derivatives of the general solvers.
+    /// Derivatives of the general solver.
     pub(super) fn derivatives(&self) -> Derivatives {
         self.jacobian.unwrap_or_default()
     }
 
-    /// A length in metres (rigs: their own unit), and radians.
+    /// Tolerances: a length in metres (skeletons: the file's unit), and an angle in radians.
     pub(super) fn tolerances(&self, loaded: &LoadedModel) -> (f64, f64) {
         match self.tolerance {
             Some(tolerance) => (tolerance, tolerance),
@@ -55,7 +55,7 @@ impl Arguments {
         }
     }
 
-    /// The limits of the general solver's attempts.
+    /// Limits of the general solver's attempts.
     pub(super) fn stopping(&self) -> Stopping {
         let mut stopping = Stopping::default();
         if let Some(iterations) = self.max_iterations {
@@ -67,7 +67,7 @@ impl Arguments {
         }
     }
 
-    /// The general solver with its limits.
+    /// General solver with its limits.
     pub(super) fn general_solver(&self) -> Solver {
         let mut restarts = Restarts::default().with_seed(self.rng_seed);
         if let Some(attempts) = self.attempts() {
@@ -82,10 +82,10 @@ impl Arguments {
             .with_restarts(restarts)
     }
 
-    /// The robot whose arm answers, or none for the general solvers.
+    /// Robot whose arm solves the query, or `None` for the general solver.
     ///
     /// # Errors
-    /// An option that only the arm understands where it does not answer.
+    /// An option of arms for a query of the general solver.
     pub(super) fn arm_of<'l>(
         &self,
         loaded: &'l LoadedModel,
@@ -111,33 +111,33 @@ impl Arguments {
             || (!self.hold.is_empty() && loaded.rig.is_none())
             || goals.need_more_than_an_arm(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
-        // Engines that converge from the current configuration.
+        // Solvers that converge from the start configuration.
         let settles = loaded.rig.is_some() || self.solver.is_none() && (general || !one_frame);
         let of_an_arm = self.arm.given(loaded.rig.is_some(), settles);
         match (&loaded.robot, of_an_arm) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(
-                "--weight is for several targets or held tips; beside a single target's position \
-                     --metres-per-radian weighs its orientation"
+                "--weight is for several targets or held tips; for a single target, \
+                     --metres-per-radian weighs orientation against position"
             )),
             (Some(robot), _) if one_frame && !general => Ok(Some(robot)),
             (_, None) => Ok(None),
             (None, Some("--search")) => Err(usage!(
-                "--search of a {} is start or first; the others are for robots",
+                "--search of a {} is start or first; nearest and distinct are for robots",
                 loaded.kind()
             )),
             (None, Some(option)) => Err(usage!(
-                "{option} is for robots, and {} is a {}",
+                "{option} is for robots; {} is a {}",
                 loaded.file,
                 loaded.kind()
             )),
             (Some(_), Some(option)) => Err(usage!(
-                "{option} is for one --target or for --targets, not for {} targets at once, nor for a free base or ball joints",
+                "{option} is for one --target or for --targets, not for {} targets at once, a free base or ball joints",
                 self.targets.len()
             )),
         }
     }
 
-    /// Holds the joints that are not to move.
+    /// Locks the joints of the options.
     pub(super) fn hold(&self, loaded: &mut LoadedModel) -> Outcome<()> {
         if !self.chain.holds() {
             return Ok(());
@@ -155,11 +155,11 @@ impl Arguments {
         Ok(())
     }
 
-    /// At rest, knees bent a little over what is held.
+    /// Rest configuration with slightly bent knees above the held frames.
     fn bent(&self, loaded: &LoadedModel) -> Outcome<Vec<f64>> {
         if loaded.model.free_joints().is_empty() {
             return Err(usage!(
-                "--start bent is for bodies on a free base (--base-joint free), which stand on what --hold names"
+                "--start bent needs a free base (--base-joint free) and feet named by --hold"
             ));
         }
         let named = self
@@ -179,20 +179,20 @@ impl Arguments {
         )?)
     }
 
-    /// Ends with a code of its own where --fail-on-miss wants it and targets were missed.
+    /// Returns an error with its own exit code if --fail-on-miss is given and targets are not reached.
     pub(super) fn fail_on_misses(&self, missed: usize, targets: usize) -> Outcome<()> {
         if missed == 0 || !self.fail_on_miss {
             return Ok(());
         }
         let what = match targets {
-            1 => "the target was missed".to_owned(),
-            _ => format!("{missed} of {targets} targets were missed"),
+            1 => "the target was not reached".to_owned(),
+            _ => format!("{missed} of {targets} targets were not reached"),
         };
         Err(Failure::Missed(what))
     }
 
-    /// Where the search starts, within the limits; `arm` has the columns of an arm's own joints, which
-    /// may be typed alone. `default` is the start without --start.
+    /// Start configuration within the limits. `arm` has the columns of an arm's joints, which may be typed alone.
+    /// `default` is the start without --start.
     pub(super) fn start(
         &self,
         loaded: &LoadedModel,
@@ -213,7 +213,10 @@ impl Arguments {
                     Some(columns) => columns.typed(numbers, self.degrees),
                     None => loaded.typed_configuration(numbers, self.degrees, "--start")?,
                 };
-                loaded.note_outside_limits(&typed, "the search starts within them");
+                loaded.note_outside_limits(
+                    &typed,
+                    "the search starts at the nearest values within them",
+                );
                 typed
             }
         };

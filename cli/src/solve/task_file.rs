@@ -29,25 +29,25 @@ const KINDS: [&str; 6] = [
     "posture",
 ];
 
-/// What a file of tasks asks.
+/// Tasks of a file.
 #[derive(Debug)]
 pub(super) struct TaskFile(Vec<Entry>);
 
-/// A task and how it counts.
+/// Task with its common settings.
 #[derive(Debug)]
 struct Entry {
-    /// Where it stands, for complaints: the file and its place there.
+    /// File and index of the task, for error messages.
     place: String,
     common: Common,
     kind: Kind,
 }
 
-/// What every task may say of itself.
+/// Settings of every task.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Common {
     name: Option<String>,
-    /// What its errors are multiplied by.
+    /// Factor of the errors.
     #[serde(default = "one")]
     weight: f64,
     tolerance: Option<f64>,
@@ -81,7 +81,7 @@ enum Kind {
 struct GazeEntry {
     frame: String,
     axis: [f64; 3],
-    /// In radians.
+    /// Half angle of the cone, in radians.
     half_angle: f64,
     target: Option<[f64; 3]>,
     direction: Option<[f64; 3]>,
@@ -136,7 +136,7 @@ enum Motions {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PostureEntry {
-    /// A configuration; where the search starts unless given.
+    /// Configuration; the start if absent.
     q: Option<Vec<f64>>,
     joint_weights: Option<JointWeights>,
 }
@@ -160,13 +160,13 @@ enum Share {
 }
 
 impl TaskFile {
-    /// Reads and checks what can be checked without the model.
+    /// Reads a file, with all checks that need no model.
     pub(super) fn read(path: &Path) -> Outcome<Self> {
         let Value::Array(list) = json_file::read(path)? else {
-            return Err(failure!("{}: is no list of tasks", path.display()));
+            return Err(failure!("{}: is not a list of tasks", path.display()));
         };
         if list.is_empty() {
-            return Err(failure!("{}: no task is in it", path.display()));
+            return Err(failure!("{}: the list has no task", path.display()));
         }
         let entries = list.into_iter().enumerate().map(|(index, value)| {
             let place = format!("{}: [{index}]", path.display());
@@ -176,7 +176,7 @@ impl TaskFile {
         entries.collect::<Outcome<_>>().map(Self)
     }
 
-    /// Whether some task counts from where the search starts.
+    /// True if a task depends on the start configuration.
     pub(super) fn depends_on_start(&self) -> bool {
         self.0.iter().any(|entry| match &entry.kind {
             Kind::FrameVelocity(_) => true,
@@ -185,7 +185,7 @@ impl TaskFile {
         })
     }
 
-    /// What the tasks are called, in their order.
+    /// Names of the tasks, in their order.
     pub(super) fn names(&self) -> impl Iterator<Item = TaskName> + '_ {
         self.0.iter().map(|entry| TaskName {
             frame: entry.name(),
@@ -193,7 +193,7 @@ impl TaskFile {
         })
     }
 
-    /// The level of each: its own; of a goal else that of goals, and of what only pulls the first one.
+    /// Level of each task: its own, else that of required tasks, and 0 for soft tasks.
     pub(super) fn levels(&self) -> impl Iterator<Item = Unless> + '_ {
         self.0.iter().map(|entry| match entry.common.level {
             Some(level) => Unless::Said(level),
@@ -202,10 +202,10 @@ impl TaskFile {
         })
     }
 
-    /// The frames that the tasks depend on; all of them where a task is about joints.
+    /// Frames on which the tasks depend; all frames for a task of joints.
     ///
     /// # Errors
-    /// A name that the model does not have.
+    /// An unknown frame.
     pub(super) fn frames(&self, loaded: &LoadedModel) -> Outcome<Vec<FrameId>> {
         let mut frames = Vec::new();
         for entry in &self.0 {
@@ -226,10 +226,10 @@ impl TaskFile {
         Ok(frames)
     }
 
-    /// Adds the tasks for a search that starts at `start`, each on its level.
+    /// Adds the tasks of a search from `start`, each with its priority level.
     ///
     /// # Errors
-    /// A name that the model does not have, a configuration of another length.
+    /// An unknown name, or a configuration of another length.
     pub(super) fn add(
         &self,
         builder: &mut ProblemBuilder<'_>,
@@ -244,13 +244,13 @@ impl TaskFile {
 impl Entry {
     fn of(value: Value, place: String) -> Result<Self, String> {
         let Value::Object(mut own) = value else {
-            return Err("is no object that describes a task".to_owned());
+            return Err("is not an object that describes a task".to_owned());
         };
         let listed = KINDS.join(", ");
         let kind = match own.remove("task") {
             Some(Value::String(kind)) => kind,
-            Some(_) => return Err(format!("`task` is no name; tasks are {listed}")),
-            None => return Err(format!("has no key `task`; tasks are {listed}")),
+            Some(_) => return Err(format!("`task` is not a name; tasks: {listed}")),
+            None => return Err(format!("has no key `task`; tasks: {listed}")),
         };
         let common = ["name", "weight", "tolerance", "role", "level"];
         let common = common.iter().filter_map(|key| own.remove_entry(*key));
@@ -270,11 +270,11 @@ impl Entry {
             "joint coupling" => Kind::JointCoupling(read(own)?),
             "manipulability" => Kind::Manipulability(read(own)?),
             "posture" => Kind::Posture(read(own)?),
-            other => return Err(format!("there is no task `{other}`; tasks are {listed}")),
+            other => return Err(format!("unknown task `{other}`; tasks: {listed}")),
         };
         match &kind {
             Kind::Gaze(own) if own.target.is_some() == own.direction.is_some() => {
-                Err("takes `target` or `direction`, one of them".to_owned())
+                Err("expected either `target` or `direction`".to_owned())
             }
             Kind::JointCoupling(own) if own.coefficients.is_empty() => {
                 Err("`coefficients` names no joint".to_owned())
@@ -287,7 +287,7 @@ impl Entry {
         }
     }
 
-    /// Whether it can be missed, as it says or as its kind is.
+    /// True for a required task, by its role or else by its kind.
     fn is_goal(&self) -> bool {
         match (self.common.role, &self.kind) {
             (Some(role), _) => matches!(role, Role::Goal),
@@ -377,7 +377,7 @@ impl Entry {
                 if given != expected {
                     let place = &self.place;
                     return Err(failure!(
-                        "{place}: q has {given} numbers, a configuration has {expected}"
+                        "{place}: q has {given} numbers; expected {expected}"
                     ));
                 }
                 let posture = Posture::new(model, q);
@@ -397,7 +397,7 @@ impl Entry {
         Ok(())
     }
 
-    /// One for each moving joint, 1 where none is given.
+    /// Weight of each moving joint; 1 for joints that are not given.
     fn joint_weights(&self, model: &Model, given: &BTreeMap<String, f64>) -> Outcome<Vec<f64>> {
         let mut moving = model.moving_joints().to_vec();
         moving.dedup();
@@ -414,7 +414,7 @@ impl Entry {
         Ok(weights)
     }
 
-    /// Adds a task as its entry says it counts.
+    /// Adds a task with the settings of its entry.
     fn ask<R: Residual>(&self, OnLevel { builder, level }: &mut OnLevel<'_, '_>, residual: R) {
         let rows = residual.rows();
         let mut task = Task::new(residual)
@@ -435,13 +435,13 @@ impl Entry {
     }
 }
 
-/// Where a task goes.
+/// Problem builder with the priority level of a task.
 struct OnLevel<'a, 'm> {
     builder: &'a mut ProblemBuilder<'m>,
     level: usize,
 }
 
-/// What is left of an object, all of whose keys must be known.
+/// Reads an object; an unknown key is an error.
 fn read<T: DeserializeOwned>(own: Map<String, Value>) -> Result<T, String> {
     serde_json::from_value(Value::Object(own)).map_err(|error| error.to_string())
 }

@@ -1,10 +1,10 @@
 //! Names of the tasks of a query.
 
-/// A task of a query, in the order of the solution's tasks.
+/// Task of a query, in the order of the solution's tasks.
 #[derive(Clone, Debug)]
 pub(super) struct TaskName {
-    /// The frame as it was typed; for a held tip the bone's name.
+    /// Frame as typed; for a held tip the name of its bone.
     pub(super) frame: String,
-    /// A pinned tip that is kept where it was, rather than something asked for.
+    /// True for a held tip that keeps its pose; false for a target or task.
     pub(super) held: bool,
 }

@@ -6,7 +6,7 @@ use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_list;
 
-/// `FRAME=WEIGHT`.
+/// Weight of a frame: `FRAME=WEIGHT`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FrameWeight {
     frame: String,
@@ -25,12 +25,12 @@ impl FrameWeight {
     }
 }
 
-/// The weights that were given, by frame.
+/// Given weights, by frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weights(Vec<(FrameId, f64)>);
 
 impl Weights {
-    /// The weights typed, each of a frame among `known`, which the user knows by these names.
+    /// Typed weights; each frame must be in `known`, which has the typed names.
     pub(super) fn of(
         loaded: &LoadedModel,
         given: &[FrameWeight],
@@ -51,12 +51,12 @@ impl Weights {
         Ok(Self(weights))
     }
 
-    /// What a frame's errors are multiplied by.
+    /// Factor of a frame's errors; 1 if not given.
     pub(super) fn weight(&self, frame: FrameId) -> f64 {
         self.given(frame).unwrap_or(1.0)
     }
 
-    /// The same, where it was typed.
+    /// Weight of a frame, if given.
     pub(super) fn given(&self, frame: FrameId) -> Option<f64> {
         let own = self.0.iter().find(|(other, _)| *other == frame);
         own.map(|(_, weight)| *weight)

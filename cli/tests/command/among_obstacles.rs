@@ -130,7 +130,7 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
     let q = "--q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04";
     let touching = kinopt!("check {panda} {q} --world {floor}");
     assert_eq!(touching.status.code(), Some(1));
-    says!(stderr(&touching) => "1 pair touches");
+    says!(stderr(&touching) => "1 pair is in contact");
     for world in [format!("{floor} --allow-collision floor=base"), kept] {
         has!(answer!("check {panda} {q} --world {world}"), {"free": true});
     }

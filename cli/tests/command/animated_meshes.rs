@@ -106,7 +106,7 @@ fn unanimatable_input_is_an_error() {
     let bare = folder.changed("bare.json", |rig| (rig.weights, rig.mesh) = (None, None));
     refused!("animate {bare} --time=1 --out {file}" => 1, "bare.json | a mesh");
     let blocked = folder.file("rig.json/frames");
-    refused!("animate {rig_file} --fps=2 --out {blocked}" => 1, "cannot be made");
+    refused!("animate {rig_file} --fps=2 --out {blocked}" => 1, "cannot be created");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn rig_with_a_missing_weights_file_is_posed() {
     let other = Folder::new("animate-other-weights");
     let whole = other.rig();
     let output = kinopt!("animate {whole} --time=1 --out {out} --skin-weights=heat");
-    says!(stderr(&output) => "not taken");
+    says!(stderr(&output) => "are ignored");
 }
 
 #[test]

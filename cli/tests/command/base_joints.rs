@@ -59,7 +59,7 @@ fn base_stays_within_its_bounds() {
     assert_eq!(rail["reached"], false, "it is 2 m beside the rail");
     refused!("{ask} slide-x {room}" => 2, "--base-bounds y | does not move along y");
     refused!("{ask} hover" => 2, "hover | free");
-    refused!("{ask} planar --base-bounds x=1..0" => 2, "1..0 | wrong order");
+    refused!("{ask} planar --base-bounds x=1..0" => 2, "1..0 | above the upper end");
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn contacts_are_reported_with_their_depth() {
     assert!((depth - 0.25).abs() < 1e-12, "{depth}");
     assert_eq!(told["free"], false);
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "1 pair touches");
+    says!(told => "1 pair is in contact");
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn moveit_scenes_are_worlds() {
     let told = stderr(&run);
     says!(told => "note: | allowed.yaml: defaults are not taken from `allowed_collision_matrix`");
     let told = text!("check {robot}");
-    assert_eq!(told, "free: there is nothing to touch\n");
+    assert_eq!(told, "free: no enabled pairs\n");
 }
 
 /// An obstacle may bear a link's name.

@@ -107,7 +107,7 @@ fn held_joints_are_shown_in_text() {
         let told = rows.iter().filter(|row| row.last() == Some(&"held"));
         let told: Vec<&str> = told.filter_map(|row| row.first().copied()).collect();
         assert_eq!(told, held, "{text}");
-        assert!(rows.contains(&vec!["joint3", "0.300000", "held"]));
+        assert!(rows.contains(&vec!["joint3", "0.300000", "locked"]));
     }
 }
 

@@ -42,7 +42,7 @@ fn info_reports_limits_of_ball_joints() {
     for ball in limited {
         let most = ball["cone"]["angle"].as_f64().unwrap().to_degrees();
         let text = text!("info {walker}");
-        says!(text => &format!("{} | within a turn of {most:.3}", word(&ball["name"])));
+        says!(text => &format!("{} | within a rotation of {most:.3}", word(&ball["name"])));
     }
 }
 

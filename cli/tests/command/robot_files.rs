@@ -54,7 +54,7 @@ fn shapes_masses_and_limits_are_reported() {
     has!(info["joints"][0], {"velocity": 2.0, "effort": 30.0, "soft_limits": [-0.5, null]});
     has!(info["joints"][1], {"velocity": null, "soft_limits": null});
     let text = text!("info {file} --lenient");
-    says!(text => "1 to be seen, 0 to collide, 1 file of meshes | 12.5 | kg");
+    says!(text => "1 visual, 0 collision, 1 file of meshes | 12.5 | kg");
 }
 
 #[test]

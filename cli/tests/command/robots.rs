@@ -195,7 +195,7 @@ fn text_output_shows_the_essentials() {
     let panda = Seeded::panda();
     let target = typed("tool", &panda.pose(&panda.configuration(11)));
     let text = text!("solve {panda} {target} --search=distinct:3");
-    says!(text => "Reached | joint7 | 3 answers in all | orientation error (rad)");
+    says!(text => "Reached | joint7 | 3 solutions in all | orientation error (rad)");
     assert!(!text.contains("finger"), "{text}");
 }
 

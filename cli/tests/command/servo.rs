@@ -73,8 +73,8 @@ fn line_is_followed_within_velocity_limits() {
     }
     assert!(top_speeds.iter().any(|top| *top > 0.1), "{top_speeds:?}");
     let text = text!("solve {seeded} --targets {file} --servo 1000");
-    assert!(text.starts_with("ticks     400 at 1000 a second"), "{text}");
-    says!(text => "at last   on target");
+    assert!(text.starts_with("cycles    400 at 1000 Hz"), "{text}");
+    says!(text => "end       on target");
 }
 
 #[test]
@@ -132,10 +132,10 @@ fn contact_is_reported_and_target_unreached() {
     );
     let line = format!("solve {seeded} --targets {targets} --servo 100 --world {world}");
     let told = text!("{line}");
-    says!(told => "1 touching something | obstacle `block`");
+    says!(told => "1 in contact | obstacle `block`");
     let document = answer!("{line}");
     let tick = &document["ticks"][0];
-    assert_eq!(tick["status"], "touching something");
+    assert_eq!(tick["status"], "in contact");
     assert_eq!(tick["collisions"][0]["second"], "block");
     assert!(tick["collisions"][0]["distance"].as_f64().unwrap() < 0.0);
     assert_eq!(kinopt!("{line} --fail-on-miss").status.code(), Some(3));

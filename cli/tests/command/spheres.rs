@@ -58,7 +58,7 @@ fn srdf_pairs_are_kept() {
     let all = answer!("spheres {ur5e} --spheres 8 --samples 0 --out {out}");
     assert!(list(&all["pairs"]).len() > list(&sampled["pairs"]).len());
     let text = text!("spheres {ur5e} --spheres 8 --samples 0 --out {out}");
-    says!(text => "spheres on 7 links | mm at most | 15 pairs of links are checked | link6");
+    says!(text => "spheres on 7 links | maximum protrusion | 15 pairs of links are checked | link6");
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn default_accepts_links_of_any_size() {
     let told = answer!("spheres {robot} --samples 0 --out {out}");
     assert!(number(&told["max_protrusion"]) > 0.008, "{told}");
     let run = kinopt!("spheres {robot} --samples 0 --out {out}");
-    says!(stderr(&run) => "note: | too large for 0.008 m, a fiftieth of the reach");
+    says!(stderr(&run) => "note: | too large for 0.008 m, 2 % of the reach");
     refused!("spheres {robot} --samples 0 --max-protrusion 0.0001 --out {out}" => 1, "--max-protrusion 0.0001: | larger");
     let rig = model("humanoid/humanoid.json");
     refused!("spheres {rig} --out {out}" => 2, "spheres is for robots with collision shapes | is a rig");

@@ -102,9 +102,9 @@ fn posture_weights_distribute_the_null_space() {
 fn invalid_task_files_are_rejected_by_location() {
     let folder = Folder::new("task-refused");
     for (tasks, words) in [
-        (json!({}), "no list of tasks"),
-        (json!([]), "no task is in it"),
-        (json!([3]), "[0] | no object"),
+        (json!({}), "not a list of tasks"),
+        (json!([]), "the list has no task"),
+        (json!([3]), "[0] | not an object"),
         (json!([{"frame": "head"}]), "[0] | `task` | gaze, look at"),
         (json!([{"task": "stare"}]), "[0] | `stare` | gaze, look at"),
         (

@@ -12,7 +12,7 @@ use crate::loaded_model::LoadedModel;
 use crate::output;
 use crate::progress::Countdown;
 
-/// Answers every query in the way that the arguments say, and prints what came out.
+/// Solves all queries as the arguments say, and prints the results.
 pub(super) fn run(
     loaded: &LoadedModel,
     arguments: &Arguments,

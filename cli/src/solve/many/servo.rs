@@ -19,30 +19,30 @@ use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
 use crate::output;
 
-/// Where the arm stands after a tick. Radians, metres and seconds.
+/// State of the arm after a control cycle, in radians, metres and seconds.
 #[derive(Clone, Debug, Serialize)]
 struct Tick {
-    /// All moving joints of the robot.
+    /// Values of all moving joints of the robot.
     q: Vec<f64>,
-    /// The joints from base to tip.
+    /// Velocities of the joints from base to tip.
     velocity: Vec<f64>,
     #[serde(serialize_with = "in_words")]
     status: ServoStatus,
     position_error: f64,
     orientation_error: f64,
-    /// The joints that would go on, and what keeps them.
+    /// Joints that a limit holds back, with the limit.
     held: BTreeMap<String, &'static str>,
-    /// What is in the way, or touches where the arm stands.
+    /// Obstacles that block the arm or are in contact with it.
     #[serde(serialize_with = "documents")]
     collisions: Vec<Collision>,
 }
 
-/// What came of all ticks.
+/// Result of all control cycles.
 #[derive(Clone, Debug, Serialize)]
 struct Document<'a> {
-    /// The names that belong to every q.
+    /// Joint names of every `q`.
     joints: Option<Vec<&'a str>>,
-    /// The names that belong to every velocity, and their limits; none where there is no limit.
+    /// Joint names of every `velocity`.
     arm_joints: Vec<&'a str>,
     velocity_limits: Vec<Option<f64>>,
     ticks: Vec<Tick>,
@@ -53,15 +53,15 @@ struct Document<'a> {
 struct Summary {
     ticks_a_second: f64,
     total: usize,
-    /// How many ticks ended so.
+    /// Number of control cycles by status.
     statuses: BTreeMap<&'static str, usize>,
-    /// The fastest that each joint from base to tip moved.
+    /// Largest speed of each joint from base to tip.
     top_speeds: Vec<f64>,
     micros_median: Option<f64>,
     micros_p99: Option<f64>,
 }
 
-/// Follows the targets from the first one's start, at so many ticks a second, and prints what came out.
+/// Follows the targets from the start of the first, at a rate in control cycles per second, and prints the result.
 pub(in super::super) fn run(
     loaded: &LoadedModel,
     backend: &ArmBackend<'_>,
@@ -137,13 +137,13 @@ impl Document<'_> {
     fn text(&self) -> String {
         let summary = &self.summary;
         let (total, rate) = (summary.total, summary.ticks_a_second);
-        let mut text = format!("ticks     {total} at {rate} a second\n");
+        let mut text = format!("cycles    {total} at {rate} Hz\n");
         for (status, count) in &summary.statuses {
             text.push_str(&format!("          {count} {status}\n"));
         }
         if let Some(last) = self.ticks.last() {
             text.push_str(&format!(
-                "at last   {}, {} m and {} rad from the target\n",
+                "end       {}, {} m and {} rad from the target\n",
                 words(last.status),
                 magnitude(last.position_error),
                 magnitude(last.orientation_error),
@@ -156,7 +156,7 @@ impl Document<'_> {
         for ((joint, limit), top) in joints.zip(&summary.top_speeds) {
             let (top, of) = (six_digits(*top), limit.map(six_digits));
             let of = of.as_deref().unwrap_or("no limit");
-            text.push_str(&format!("top speed {joint}: {top} of {of} a second\n"));
+            text.push_str(&format!("top speed {joint}: {top} of {of} per second\n"));
         }
         if let (Some(one), Some(p99)) = (summary.micros_median, summary.micros_p99) {
             let [one, p99] = [one, p99].map(time);
@@ -177,10 +177,10 @@ fn documents<S: Serializer>(pairs: &[Collision], serializer: S) -> Result<S::Ok,
 fn words(status: ServoStatus) -> &'static str {
     match status {
         ServoStatus::OnTarget => "on target",
-        ServoStatus::SpeedLimited => "held by a limit of velocity, acceleration or jerk",
-        ServoStatus::Nearest => "at rest as near as it comes",
-        ServoStatus::Blocked => "stopped before it touches something",
-        ServoStatus::Touching => "touching something",
+        ServoStatus::SpeedLimited => "limited by velocity, acceleration or jerk",
+        ServoStatus::Nearest => "at rest at the closest pose",
+        ServoStatus::Blocked => "stopped before a collision",
+        ServoStatus::Touching => "in contact",
         _ => "settling",
     }
 }

@@ -8,31 +8,31 @@ use super::super::task_name::TaskName;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
 
-/// How many misses and jumps are explained to people.
+/// Largest number of unreached targets and jumps that the text explains.
 const EXPLAINED: usize = 3;
 
-/// Answers in the order of the targets.
+/// Solutions in the order of the targets.
 pub(super) struct Outcomes<'b> {
     pub(super) answers: Vec<Answer>,
     pub(super) tasks: &'b [TaskName],
-    /// Whether anything was to be kept clear of.
+    /// True if obstacles are avoided.
     pub(super) keeps_clear: bool,
-    /// Of a path: the steps in which a joint moved far.
+    /// Steps of a path in which a joint exceeds the jump bound.
     pub(super) jumps: Option<Vec<LongStep>>,
-    /// The time for all together, in microseconds, where they were solved together.
+    /// Time of all targets that were solved together, in microseconds.
     pub(super) batch_micros: Option<f64>,
 }
 
 #[derive(Serialize)]
 pub(super) struct Document<'a> {
-    /// The names that belong to every q, for a robot.
+    /// Joint names of every q, for a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     joints: Option<Vec<&'a str>>,
     solutions: Vec<report::Document<'a>>,
     summary: Summary<'a>,
 }
 
-/// Times are in microseconds for one target.
+/// Counts, and times of one target in microseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Summary<'a> {
     solved: usize,
@@ -42,7 +42,7 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     micros_p99: Option<f64>,
     micros_mean: f64,
-    /// With --track: steps in which a joint moved further than 0.2 rad.
+    /// With --track: steps in which a joint moves more than 0.2 rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     jumps: Option<&'a [LongStep]>,
 }
@@ -81,7 +81,7 @@ impl Outcomes<'_> {
         }
     }
 
-    /// The counts, the times, the worst errors of what was reached, and the first misses.
+    /// Counts, times, largest errors of reached targets, and the first targets that are not reached.
     pub(super) fn text(&self, loaded: &LoadedModel) -> String {
         let summary = self.summary();
         let [one, mean] = [summary.micros_median, Some(summary.micros_mean)]
@@ -104,11 +104,11 @@ impl Outcomes<'_> {
         if count > 0 {
             let shown = count.min(EXPLAINED);
             let which = match count {
-                1 => "The one that was missed".to_owned(),
-                _ if shown == count => format!("The {count} that were missed"),
-                _ => format!("The first {shown} of {count} misses"),
+                1 => "The target that is not reached".to_owned(),
+                _ if shown == count => format!("The {count} targets that are not reached"),
+                _ => format!("The first {shown} of {count} targets that are not reached"),
             };
-            text.push_str(&format!("\n{which} (targets count from 0):\n"));
+            text.push_str(&format!("\n{which} (numbered from 0):\n"));
             for (index, answer) in misses.take(shown) {
                 let explanation = answer.solution.explain().replace('\n', "\n    ");
                 text.push_str(&format!("  target {index}: {explanation}\n"));
@@ -117,16 +117,16 @@ impl Outcomes<'_> {
         text
     }
 
-    /// Whether a path stayed in one piece.
+    /// Line about the continuity of a path, with the first jumps.
     fn jumps_text(&self) -> String {
         let Some(jumps) = &self.jumps else {
             return String::new();
         };
         let mut text = match jumps.len() {
-            0 => "jumps     none: no joint moves further than 0.2 rad in a step\n".to_owned(),
+            0 => "jumps     none: no joint moves more than 0.2 rad in a step\n".to_owned(),
             count => {
                 let steps = if count == 1 { "step" } else { "steps" };
-                format!("jumps     {count} {steps} in which a joint moves further than 0.2 rad\n")
+                format!("jumps     {count} {steps} in which a joint moves more than 0.2 rad\n")
             }
         };
         for jump in jumps.iter().take(EXPLAINED) {
@@ -138,7 +138,7 @@ impl Outcomes<'_> {
         text
     }
 
-    /// The largest errors among the answers that reached.
+    /// Largest errors of the reached solutions.
     fn worst_errors(&self, loaded: &LoadedModel) -> Option<String> {
         let reached = || self.answers.iter().filter(|a| a.solution.reached);
         let tasks = || reached().flat_map(|answer| answer.solution.tasks());
@@ -153,7 +153,7 @@ impl Outcomes<'_> {
     }
 }
 
-/// Of sorted numbers; the mean of the two in the middle of an even count.
+/// Median of sorted numbers; the mean of the two in the middle if their count is even.
 pub(super) fn median(sorted: &[f64]) -> Option<f64> {
     let upper = sorted.get(sorted.len() / 2)?;
     if sorted.len() % 2 == 1 {
@@ -163,7 +163,7 @@ pub(super) fn median(sorted: &[f64]) -> Option<f64> {
     Some(0.5 * (lower + upper))
 }
 
-/// The smallest of sorted numbers that at least `percent` of them do not exceed.
+/// Smallest of sorted numbers that at least `percent` of them do not exceed.
 pub(super) fn percentile(sorted: &[f64], percent: usize) -> Option<f64> {
     let rank = (sorted.len() * percent).div_ceil(100);
     sorted.get(rank.max(1) - 1).copied()
