@@ -57,7 +57,7 @@ mod world_file;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, Error};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 #[cfg(not(feature = "bench"))]
 use bench_left_out as bench;
@@ -134,13 +134,37 @@ const ELSEWHERE: [(&str, &str); 5] = [
 /// Parsed command line. Options that take a value accept negative numbers, so that their error message names the value.
 fn parsed() -> Result<Command, Error> {
     let mut command = Command::command().mut_subcommands(|subcommand| {
-        subcommand.mut_args(|option| {
+        let subcommand = subcommand.mut_args(|option| {
             let takes_value = option.get_action().takes_values();
             option.allow_negative_numbers(takes_value)
-        })
+        });
+        let has_more = subcommand
+            .get_arguments()
+            .any(clap::Arg::is_hide_short_help_set);
+        if has_more {
+            with_short_help(subcommand)
+        } else {
+            subcommand
+        }
     });
     let typed = command.try_get_matches_from_mut(std::env::args_os())?;
     Command::from_arg_matches(&typed).map_err(|error| error.format(&mut command))
+}
+
+/// `--help` lists the common options of a subcommand, a line each; `--help-all` lists all options and examples.
+fn with_short_help(subcommand: clap::Command) -> clap::Command {
+    let option = |name, action, help| {
+        let option = clap::Arg::new(name).long(name).action(action).help(help);
+        option.help_heading(help_headings::OUTPUT)
+    };
+    subcommand
+        .disable_help_flag(true)
+        .arg(option("help", ArgAction::HelpShort, "Print the common options.").short('h'))
+        .arg(option(
+            "help-all",
+            ArgAction::HelpLong,
+            "Print all options, with examples.",
+        ))
 }
 
 fn main() -> ExitCode {

@@ -103,8 +103,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let robot = loaded.robot_with_shapes("spheres")?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let spheres = match (arguments.max_protrusion, arguments.spheres) {
-        (Some(max_protrusion), _) => SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))
-            .map_err(|wrong| failure!("--max-protrusion {max_protrusion}: {}", wrong.allowed))?,
+        (Some(max_protrusion), _) => {
+            SphereModel::of(&model, Resolution::MaxProtrusion(max_protrusion))
+                .map_err(|wrong| failure!("--max-protrusion {max_protrusion}: {}", wrong.allowed))?
+        }
         (_, Some(count)) => SphereModel::of(&model, Resolution::PerLink(count))
             .map_err(|wrong| failure!("--spheres {count}: {}", wrong.allowed))?,
         _ => as_fine_as_may_be(&model, robot.model().reach())?,

@@ -56,7 +56,7 @@ Exit codes: 0 done, 1 failed with a one-line reason, 2 wrong usage, 3 target not
 /// other limbs (see --hold). The result q lists all moving joints in file order. Guide: docs/guide/targets.md.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "kinopt solve --help lists all options, with defaults, examples and exit codes.",
+    after_help = "kinopt solve --help-all lists all options, with defaults, examples and exit codes.",
     after_long_help = EXAMPLES,
     group = ArgGroup::new("wanted").required(true).multiple(true).args(["targets", "rays", "file", "center_of_mass", "balance", "tasks"])
 )]
