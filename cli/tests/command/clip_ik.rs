@@ -169,7 +169,7 @@ fn keys_beyond_a_limit_are_reported_by_joint() {
     assert_eq!(told[0]["joint"], "right_forearm/bend");
     assert!(told[0]["by"].as_f64().unwrap() > 0.2 - 1e-6, "{told:?}");
     let text = text!("{asked}");
-    says!(text => "`right_forearm/bend` stays up to | rad beyond its limit");
+    says!(text => "`right_forearm/bend`: up to | rad beyond its limit");
 }
 
 #[test]

@@ -211,7 +211,7 @@ fn world_collisions_are_avoided_on_request() {
     assert!(touches() > 0);
     for how in ["", "--margin 0.002 --whole", "--keep-clear 0.002"] {
         let (_, told) = answer!(told "{asked} --world {world} {how}");
-        assert!(!told.contains("touches"), "{told}");
+        assert!(!told.contains("remain in collision"), "{told}");
         assert_eq!(touches(), 0, "{how}");
     }
     // A person's pole stands as many times as near as the robot's steps are shorter.
@@ -224,18 +224,18 @@ fn world_collisions_are_avoided_on_request() {
         answer!("{asked} --world {persons} --world-scale {scale}");
         assert_eq!(touches(), 0, "{scale}");
     }
-    refused!("{asked} --world {persons} --world-scale 0" => 2, "number above 0, or stride");
+    refused!("{asked} --world {persons} --world-scale 0" => 2, "number > 0, or `stride`");
     refused!("{asked} --world-scale 2" => 2, "--world");
     // From what it holds itself there is no way, which is told.
     let held = r#"{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}"#;
     let world = folder.text("crate.json", held);
     let (_, told) = answer!(told "{asked} --world {world}");
-    says!(told => "touches all the same, first in frame 0");
+    says!(told => "remain in collision, first frame 0");
     refused!("{asked} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
     refused!("{asked} --margin=-1" => 2, "margin");
     refused!("{asked} --world none.json" => 1, "none.json");
     let rig = model("humanoid/humanoid.json");
-    refused!("retarget {rig} {rig} --world {world} --out {out}" => 2, "--world is for robots");
+    refused!("retarget {rig} {rig} --world {world} --out {out}" => 2, "--world applies to robots");
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn errors_write_no_file() {
         r#"{"joints": ["hips", "left", "right"], "drives": {}}"#,
     );
     let out = folder.file("out.npz");
-    let lacking = "foreign.json: it drives nothing of this target, and";
+    let lacking = "foreign.json: the map drives no frame of this target;";
     let empty = "nothing.json: the map drives no frame";
     for (source, map, more, code, words) in [
         (&source, &map, ".txt", 2, ".npz"),

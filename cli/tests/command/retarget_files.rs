@@ -37,7 +37,7 @@ fn rig_keyframes_are_retargeted_by_names() {
     let guessed = json(&out);
     let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --up y --print-map");
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "--up z says otherwise");
+    says!(told => "--up z changes it");
     // What is printed, saved and given again says the same.
     let printed = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map");
     let printed = String::from_utf8(printed.stdout).unwrap();
@@ -46,14 +46,14 @@ fn rig_keyframes_are_retargeted_by_names() {
     assert_eq!(String::from_utf8(run.stdout).unwrap(), printed);
     assert_eq!(json(&both), guessed);
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "frames, 10 a second");
+    says!(told => "frames, 10 per second");
     assert_eq!(told.matches("parts are driven").count(), 1, "{told}");
     // Frames of 0.033333 s.
     let steps = model("captures/steps.bvh");
     let out_of_steps = folder.file("steps.npz");
     let run = kinopt!("retarget {steps} {robot} --base-joint free --out {out_of_steps}");
     let told = String::from_utf8(run.stdout).unwrap();
-    says!(told => "181 frames, 30 a second");
+    says!(told => "181 frames, 30 per second");
     let saved = folder.file("map.json");
     let _ = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --save-map {saved}");
     assert_eq!(text(&saved), printed);
@@ -166,9 +166,9 @@ fn array_of_a_known_skeleton_needs_only_its_name() {
     let told = answer!("retarget {source} {rig} --map smpl --fps 30 --out {out}");
     assert_eq!(told["frames"], 2);
     let asked = format!("retarget {source} {rig} --fps 30 --out {out}x.npz");
-    refused!("{asked} --map lafan1" => 1, "no array of the skeleton lafan1");
+    refused!("{asked} --map lafan1" => 1, "does not fit the skeleton lafan1");
     refused!("{asked} --map smpk" => 2, "did you mean `smpl`");
-    refused!("{asked}" => 1, "what its 24 joints are called");
+    refused!("{asked}" => 1, "names of its 24 joints are missing");
     assert!(!std::path::Path::new(&format!("{out}x.npz")).exists());
 }
 
@@ -230,14 +230,14 @@ fn capture_upright_along_z_is_taken_upright() {
         ["detected", "given", "other"].map(|name| folder.file(&format!("{name}.json")));
     let run = kinopt!("retarget {source} {robot} --base-joint free --out {detected}");
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "which is taken for upward; --up y sets the other axis | after 3 whole frames of 9");
+    says!(told => "detected from the body; --up y selects the other axis | after 3 whole frames of 9");
     let run = kinopt!("retarget {source} {robot} --base-joint free --up z --out {given}");
     let told = String::from_utf8(run.stderr).unwrap();
-    assert!(!told.contains("taken for upward"), "{told}");
+    assert!(!told.contains("up axis"), "{told}");
     assert_eq!(json(&detected), json(&given));
     let run = kinopt!("retarget {source} {robot} --base-joint free --up y --out {other}");
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "the body stands along z, but y is taken for upward");
+    says!(told => "the body is upright along z, but the up axis is y");
     assert_ne!(json(&other), json(&given));
 }
 

@@ -113,7 +113,7 @@ fn folder_begun_by_the_library_is_continued() {
     );
     let told = answer!("{command}");
     has!(told, {"done": 1, "done_before": 1});
-    refused!("{command} --contact-height 0.1" => 1, "(contact_height): give another folder, or --overwrite");
+    refused!("{command} --contact-height 0.1" => 1, "(contact_height): use another folder, or --overwrite");
     // The map says something else now.
     std::fs::write(&map, text.replace("20", "25")).unwrap();
     refused!("{command}" => 1, "(fps)");
@@ -132,7 +132,7 @@ fn invalid_folders_are_rejected() {
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
     refused!("{asked}" => 1, "would both be written");
-    refused!("{asked} --format glb" => 2, "are of figures");
-    refused!("{asked} --print-map" => 2, "of one movement");
+    refused!("{asked} --format glb" => 2, "require a figure");
+    refused!("{asked} --print-map" => 2, "to one movement");
     assert!(!Path::new(&into).exists());
 }
