@@ -60,7 +60,7 @@ The body map; missing entries are guessed from names or taken from the file:
 /// free base.
 ///
 /// A .npz or .json file has `q` (frames × configuration), `fps`, `names` (of the configuration values) and `contacts`
-/// (frames × contact points). The frames of the contact points are in `contact_frames` (.npz) or `standing` (.json).
+/// (frames × contact points). The frames of the contact points are in `contact_frames`.
 ///
 /// A .csv file has one row per frame and no header: x, y, z and quaternion x, y, z, w of a free base, then the
 /// joints. Unitree's retargeted LAFAN1 data set has this layout. A .bvh or .glb file has a figure's animation.
