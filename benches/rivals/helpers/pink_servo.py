@@ -7,10 +7,10 @@ velocity limits, Levenberg-Marquardt damping 1e-2, solver DAQP. Its velocity is 
 
 Pinocchio's kinematics judges the joint values alone:
 
-- control cycles in which a joint exceeds its velocity limit or its range
-- the largest joint displacement in a cycle
-- the peak-to-peak velocity over the last 100 cycles at rest, and the tool's distance from its target there
-- the distance of the end from the start of the line
+- Control cycles in which a joint exceeds its velocity limit or its range.
+- The largest joint displacement in a cycle.
+- The peak-to-peak velocity over the last 100 cycles at rest, and the tool's distance from its target there.
+- The distance of the end from the start of the line.
 """
 
 import argparse

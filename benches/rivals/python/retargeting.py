@@ -13,17 +13,17 @@ FOLDER] [--frames N]``. The environment needs kinopt's wheel and requirements-re
 
 Columns by Pinocchio:
 
-- frames per second of processor time
-- mean position error of limbs after one scale and shift of the whole movement, and mean angle between bones
-- drift of a toe during foot contacts of the subject: mean and maximum
-- root mean square jerk of the joints at a fourth of the rate
-- number of values beyond position limits, and of steps beyond velocity limits
+- Frames per second of processor time.
+- Mean position error of limbs after one scale and shift of the whole movement, and mean angle between bones.
+- Drift of a toe during foot contacts of the subject: mean and maximum.
+- Root mean square jerk of the joints at a fourth of the rate.
+- Number of values beyond position limits, and of steps beyond velocity limits.
 
 Columns by holosoma's evaluator, at a fourth of the rate:
 
-- frames with penetration of the floor or a box by more than 1 cm, and the largest penetration
-- contact frames with sliding toes
-- frames that keep all of the subject's contacts with boxes
+- Frames with penetration of the floor or a box by more than 1 cm, and the largest penetration.
+- Contact frames with sliding toes.
+- Frames that keep all of the subject's contacts with boxes.
 """
 
 from __future__ import annotations
