@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let robot = Robot::read("models/franka_panda.urdf")?;
     let arm = Arm::new(&robot, "base", "flange")?;
     let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
-    // Half a metre ahead, half a metre up, pointing down.
+    // 0.5 m ahead, 0.5 m up, pointing down.
     let down = Vector3::x() * std::f64::consts::PI;
     let target = Isometry3::new(Vector3::new(0.5, 0.0, 0.5), down);
     let solution = arm.solve(target, &start)?;

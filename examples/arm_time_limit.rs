@@ -1,8 +1,8 @@
-//! How far an arm overruns a wall-clock limit, over hard questions of every kind: of 1 ms, and of 50 µs,
-//! which stops many more.
+//! Overrun of a wall-clock limit by an arm, over difficult queries of several kinds. The limits are 1 ms, and 50 µs,
+//! which stops many more queries.
 //!
-//! `cargo run --release --features urdf --example arm_time_limit`: questions in which the system gave
-//! the core to another thread are left out where it says so (Linux).
+//! `cargo run --release --features urdf --example arm_time_limit`. On Linux, queries with an involuntary context
+//! switch are left out.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use kinopt::solver::Termination;
 
 const QUESTIONS: usize = 300;
 
-/// SplitMix64.
+/// SplitMix64 generator.
 struct Random(u64);
 
 impl Random {
@@ -32,7 +32,7 @@ impl Random {
     }
 }
 
-/// How often this thread lost its core to another; 0 where the system does not say.
+/// Number of involuntary context switches of this thread; 0 on systems without the count.
 fn interruptions() -> u64 {
     let status = std::fs::read_to_string("/proc/thread-self/status").unwrap_or_default();
     let line = status
@@ -42,9 +42,9 @@ fn interruptions() -> u64 {
         .unwrap_or(0)
 }
 
-/// Times questions of which two in three are out of reach: some by a hair, some by far.
+/// Times queries, two thirds of which are out of reach: some barely, some by far.
 fn overruns(kind: &str, builder: &ArmBuilder<'_>, limit: Duration) {
-    // More attempts than the time allows.
+    // More attempts than the time limit allows.
     let arm = builder
         .clone()
         .with_time_limit(limit)

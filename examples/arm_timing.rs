@@ -1,7 +1,7 @@
-//! Times an arm's everyday questions on the shipped robots, and judges what comes back.
+//! Times common queries of an arm on the shipped robots, and checks the results.
 //!
-//! `cargo run --release --features urdf --example arm_timing`: single questions are timed one by
-//! one, the fastest of five rounds counts.
+//! `cargo run --release --features urdf --example arm_timing` times single queries one by one; the fastest of five
+//! rounds counts.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::time::Instant;

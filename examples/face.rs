@@ -1,8 +1,8 @@
-//! A face of fourteen vertices and four morph targets (smile, frown, surprise, blink), animated by a
-//! clip of their weights.
+//! Face of fourteen vertices and four morph targets (smile, frown, surprise, blink), animated by a clip of their
+//! weights.
 //!
-//! `cargo run --example face`: expect the mouth's corners to rise, the mouth to open, the corners to
-//! fall, and the eyes to close at 0.6 s and 3.6 s only.
+//! `cargo run --example face`: the mouth's corners rise, the mouth opens, the corners fall, and the eyes close only
+//! at 0.6 s and 3.6 s.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -12,7 +12,7 @@ use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, Clip, Cursor, Easing, Playback};
 use kinopt::skinning::{MorphTarget, MorphTargets};
 
-/// Brows, lids, nose, mouth and chin, left to right and top to bottom.
+/// Brows, lids, nose, mouth and chin, from left to right and top to bottom.
 const FACE: [[f32; 2]; 14] = [
     [-0.8, 0.8],
     [-0.3, 0.8],
@@ -34,7 +34,7 @@ const LIDS: [usize; 2] = [4, 6];
 const CORNER: usize = 9;
 const LIPS: [usize; 2] = [10, 12];
 
-/// A target from the vertices that it moves, in rising order, and by how much in x and y.
+/// Morph target from the moved vertices in ascending order, with their offsets in x and y.
 fn target(name: &str, moves: &[(u32, [f32; 2])]) -> Result<MorphTarget, Box<dyn Error>> {
     let vertices = moves.iter().map(|(vertex, _)| *vertex).collect();
     let deltas = moves.iter().map(|(_, [x, y])| Vec3::new(*x, *y, 0.0));
@@ -80,11 +80,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         target("blink", &[(4, [0.0, -0.2]), (5, [0.0, -0.2])])?,
     ];
     let names = targets.iter().map(|target| target.name().to_owned());
-    // No bones: the face moves by its shapes alone.
+    // The face has no bones, only morph targets.
     let armature = Armature::new(Vec::new(), names.collect())?;
     let targets = MorphTargets::new(FACE.len(), targets)?;
 
-    // Each expression comes and goes smoothly; the lids just shut and open.
+    // Expressions are smooth; the lids open and close linearly.
     let mut builder = Clip::builder("expressions", &armature);
     for (name, times) in [
         ("smile", [0.0, 1.0, 2.0]),

@@ -1,5 +1,5 @@
-//! A method of one's own: Powell's dogleg, a plain struct outside the library. The loop around its steps
-//! (derivatives, bounds, tests of convergence, restarts, reports) is the library's.
+//! Custom method: Powell's dogleg, as a struct outside the library. The library runs the loop around its steps:
+//! derivatives, bounds, convergence tests, restarts and reports.
 //!
 //! `cargo run --release --example own_method`
 #![allow(clippy::print_stdout)]
@@ -13,14 +13,14 @@ use kinopt::task::Point;
 use kinopt::{Problem, Solver};
 use nalgebra::DVector;
 
-/// Goes to where the linear model ½‖r + JΔ‖² is least within a radius: to its minimum, or along the
-/// gradient and from there towards it (Powell 1970; Nocedal & Wright 2006, section 4.1).
+/// Minimises the linear model ½‖r + JΔ‖² within a radius. The step goes along the gradient, then towards the minimum
+/// (Powell 1970; Nocedal & Wright 2006, section 4.1).
 struct Dogleg {
     first_radius: f64,
 }
 
 impl Method for Dogleg {
-    /// The radius, in units of x.
+    /// Trust-region radius, in units of x.
     type State = f64;
 
     fn name(&self) -> &'static str {
@@ -36,7 +36,7 @@ impl Method for Dogleg {
     }
 
     fn step(&self, radius: &mut f64, at: &mut Iterate<'_>) -> Step {
-        // Variables that a bound holds stay where they are.
+        // Variables in the active set do not move.
         let free = at.free().to_vec();
         let jacobian = at.jacobian().select_columns(&free);
         let residual = DVector::from_column_slice(at.residual());

@@ -1,8 +1,8 @@
-//! A residual of one's own: a plain struct outside the library, written once over the scalar. Its
-//! derivatives are exact on every route, and nothing was derived by hand.
+//! Custom residuals: structs outside the library, written once over the scalar type. All their derivatives are exact,
+//! without manual derivation.
 //!
-//! Two residuals here. A standing figure keeps its centre of mass over its foot, in two rows, and
-//! its hand on a ring (a torus) in the air, in one.
+//! There are two residuals. A standing figure keeps its centre of mass over its foot, in two rows. Its hand stays on
+//! a ring (a torus) in the air, in one row.
 //!
 //! `cargo run --release --example own_residual`
 #![allow(clippy::print_stdout)]
@@ -17,15 +17,15 @@ use kinopt::task::{Posture, Quantity, Residual, RowBlock, Task};
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 
-/// Keeps a frame's origin on the surface of a torus around the vertical through `centre`:
-/// (√(x² + y²) − R)² + z² = r², measured as a distance.
+/// Keeps a frame's origin on the surface of a torus around the vertical axis through `centre`: (√(x² + y²) − R)² + z²
+/// = r². The residual is a distance, in metres.
 #[derive(Clone)]
 struct OnTorus {
     frame: FrameId,
     centre: Vector3<f64>,
-    /// From the centre to the middle of the tube, in metres.
+    /// Distance of the tube's centre line from the centre, metres.
     ring: f64,
-    /// Of the tube, in metres.
+    /// Radius of the tube, metres.
     tube: f64,
 }
 
@@ -52,9 +52,9 @@ impl Residual for OnTorus {
 /// Keeps the centre of mass of several frames above a point of the floor.
 #[derive(Clone)]
 struct Balance {
-    /// Frames at the centres of mass of the parts, and the parts' masses in kilograms.
+    /// Frames at the parts' centres of mass, and their masses in kilograms.
     parts: Vec<(FrameId, f64)>,
-    /// In metres, on the floor.
+    /// Point on the floor, metres.
     support: [f64; 2],
 }
 
@@ -82,15 +82,15 @@ impl Residual for Balance {
     }
 }
 
-/// A figure on one foot.
+/// Figure on one foot.
 struct Figure {
     model: Model,
     hand: FrameId,
-    /// Centres of mass, and masses in kilograms.
+    /// Frames at the centres of mass, and masses in kilograms.
     parts: Vec<(FrameId, f64)>,
 }
 
-/// Ankle, knee, hip, shoulder and elbow, three of them turning both ways.
+/// Ankle, knee, hip, shoulder and elbow; three of them rotate about two axes.
 fn figure() -> Result<Figure, ModelError> {
     let mut builder = Model::builder("figure");
     let (x, y) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0));
@@ -125,7 +125,7 @@ fn figure() -> Result<Figure, ModelError> {
     Ok(Figure { model, hand, parts })
 }
 
-/// The largest difference between the Jacobian at `x` by two routes.
+/// Largest difference between the Jacobians at `x` by two derivative modes.
 fn disagreement(problem: &Problem, x: &[f64], one: Derivatives, other: Derivatives) -> f64 {
     let mut scratch = problem.scratch();
     let mut jacobian = |route| {
@@ -154,8 +154,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     builder.add(Task::new(Posture::new(&model, &start)).weight(Quantity::JointUnits, 1e-4));
     let problem = builder.build()?;
 
-    // The derivatives that nobody wrote: exact routes agree to rounding, and with differences to
-    // what differences can do.
+    // Exact derivatives agree to rounding, and finite differences to their accuracy.
     let routes = [
         (Derivatives::Dual, 1e-13),
         (Derivatives::CentralDifference, 1e-9),
@@ -177,7 +176,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     assert!(solution.reached);
 
-    // Out of reach: the figure would have to leave its foot.
+    // The target is out of reach: the foot is fixed.
     let Figure { model, hand, parts } = figure()?;
     let mut builder = Problem::builder(&model);
     let far = OnTorus {

@@ -1,9 +1,8 @@
-//! FABRIK in space, pass by pass: a chain of five bones reaches for several points. Then the same
-//! chain as a skeleton with ball joints, by FABRIK and by cyclic coordinate descent, watched by an
-//! observer.
+//! FABRIK in space, pass by pass: a chain of five bones reaches for several points. FABRIK and cyclic coordinate
+//! descent then solve the chain as a skeleton with ball joints, watched by an observer.
 //!
-//! `cargo run --example reaching`: expect FABRIK's misses to fall by a factor with every pass, slowly
-//! where the chain is nearly stretched, and at once to what is left where the target is out of reach.
+//! `cargo run --example reaching`: FABRIK's error falls by a factor with every pass, slowly if the chain is nearly
+//! stretched. For a target out of reach it falls to the remaining distance at once.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -20,7 +19,7 @@ use kinopt::task::{Point, Quantity, Task};
 const LENGTHS: [f64; 5] = [1.0, 0.9, 0.8, 0.6, 0.4];
 const TOLERANCE: f64 = 1e-3;
 
-/// The chain at rest, along x.
+/// Chain at rest, along x.
 fn chain() -> Vec<Vector3<f64>> {
     let mut at = 0.0;
     let mut points = vec![Vector3::zero()];
@@ -31,7 +30,7 @@ fn chain() -> Vec<Vector3<f64>> {
     points
 }
 
-/// The same chain as bones that turn freely.
+/// The chain as bones with ball joints.
 fn skeleton() -> Result<Skeleton, Box<dyn Error>> {
     let mut builder = Skeleton::builder("chain");
     let mut parent = None;
@@ -57,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, target) in targets {
         let mut points = chain();
         let mut misses = vec![(points[LENGTHS.len()] - target).norm()];
-        // One pass at a time; the points are there to be drawn in between.
+        // One pass at a time; the points can be drawn between passes.
         while misses.len() <= 50 {
             let done = fabrik(&mut points, target, TOLERANCE, 1);
             misses.push(done.miss);

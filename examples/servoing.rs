@@ -1,8 +1,8 @@
-//! Lines out of the workspace and back at 1 kHz, on every shipped robot, by a servo and by a follower.
+//! Lines out of the reach and back at 1 kHz, on every shipped robot, by a servo and by a follower.
 //!
-//! `cargo run --release --features urdf --example servoing [LINES] [FOLDER]`: how many ticks jumped or
-//! broke a velocity limit, how far the way back is from the way out, how calm the arm rests. With a
-//! folder the targets and what the servo made of them are written there, one JSON file a robot, for
+//! `cargo run --release --features urdf --example servoing [LINES] [FOLDER]` counts the cycles with a jump or a
+//! violated velocity limit. It also measures the difference between the paths out and back, and the chatter at rest.
+//! With a folder, the targets and the servo's commands are written there, one JSON file per robot, for
 //! benches/rivals/helpers/pink_servo.py.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
@@ -17,10 +17,10 @@ use support::arms::Random;
 use support::lines::{ROBOTS, STEP};
 
 const TICK: f64 = 1e-3;
-/// Ticks from the start of a line to its end, and at rest there.
+/// Control cycles from the start of a line to its end; below, cycles at rest there.
 const WAY: usize = 400;
 const REST: usize = 1500;
-/// The last ticks at rest, which are watched.
+/// Last cycles at rest, which are measured.
 const WATCHED: usize = 100;
 
 fn longest(a: &[f64], b: &[f64]) -> f64 {
@@ -28,7 +28,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// A line that leaves its branch half-way: the start, and a target a tick out, at rest, and back.
+/// Start and targets of a line that leaves its branch halfway: out, at rest, back and at rest, one target per cycle.
 fn line(arm: &Arm, random: &mut Random) -> Option<(Vec<f64>, Vec<Placement<f64>>)> {
     let within = |l: kinopt::model::Limits, share: f64| {
         let (lower, upper) = (l.lower.max(-3.0), l.upper.min(3.0));
@@ -67,11 +67,12 @@ struct Seen {
     missed: usize,
     jumps: usize,
     too_fast: usize,
-    /// Lines without a limit on the way, those that end more than 1e-3 rad from where they began, and the farthest.
+    /// Lines without an active limit; of these, lines that end more than 1e-3 rad from their start, and the largest
+    /// such distance.
     free: usize,
     elsewhere: usize,
     apart: f64,
-    /// Peak to peak at rest, radians or metres a second.
+    /// Peak-to-peak velocity at rest, rad/s or m/s.
     chatter: f64,
     unsettled: usize,
     micros: Vec<f64>,
@@ -98,7 +99,7 @@ impl Seen {
         );
     }
 
-    /// One line: what a way of following answered at each tick (reached or not).
+    /// Counts one line: the configuration at each cycle, and whether it was reached.
     fn line(&mut self, arm: &Arm, start: &[f64], ways: &[(Vec<f64>, bool)], limits: &[f64]) {
         let mut from = start;
         let on_limit = |q: &[f64]| {
@@ -138,7 +139,7 @@ impl Seen {
                 (ends.1 - ends.0, ends.0.abs().max(ends.1.abs()))
             });
             let widest = widest.fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
-            // One that is still on its way goes evenly, at the speed that it may.
+            // An arm that is still moving has a constant velocity, up to its limit.
             self.unsettled += usize::from(widest.1 > 1e-3);
             self.chatter = self.chatter.max(widest.0);
         }

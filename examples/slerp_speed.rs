@@ -1,9 +1,8 @@
-//! What is constant about slerp: the angle between neighbouring frames. Beside it nlerp, which takes
-//! the same arc faster in its middle, and straight lines between Euler angles, which take a detour at
-//! a speed that changes all the way.
+//! Constant angular velocity of slerp, measured as the angle between neighbouring frames. nlerp takes the same arc
+//! faster in its middle. Linear interpolation of Euler angles takes a longer path at a varying speed.
 //!
-//! `cargo run --example slerp_speed`: expect equal numbers in the first column only, and the shortest
-//! way in the first two.
+//! `cargo run --example slerp_speed`: only the first column has equal numbers, and only the first two take the
+//! shortest path.
 #![allow(clippy::print_stdout)]
 
 use glam::{DVec3, Quat};
@@ -12,14 +11,14 @@ use kinopt::animation::rotation::{AxisAngle, EulerOrder, nlerp, slerp};
 
 const FRAMES: u32 = 8;
 
-/// The angle between two rotations, in degrees.
+/// Angle between two rotations, degrees.
 fn apart(a: Quat, b: Quat) -> f64 {
     let turn = a.as_dquat().conjugate() * b.as_dquat();
     2.0 * turn.xyz().length().atan2(turn.w.abs()).to_degrees()
 }
 
 fn main() {
-    // The lecture's table: a turn of 120° about y, a quarter at a time.
+    // A rotation of 120° about y in steps of a quarter.
     let turn = AxisAngle {
         axis: DVec3::Y,
         angle: 120_f64.to_radians(),
@@ -35,7 +34,7 @@ fn main() {
         );
     }
 
-    // Euler angles that run from one gimbal lock nearly to the other (middle angles of ∓90°).
+    // Euler angles from near one gimbal lock to near the other (middle angles of ∓90°).
     let order = EulerOrder::Zyx;
     let [from, to] =
         [[0.0, -75.0, 0.0], [150.0, 75.0, 150.0_f64]].map(|angles| angles.map(f64::to_radians));

@@ -1,9 +1,9 @@
-//! Forward kinematics over time: the four joints of an arm swing like pendulums, each at its own
-//! frequency, and the hand draws a curve.
+//! Forward kinematics over time: the four joints of an arm swing like pendulums at different frequencies, and the
+//! hand draws a curve.
 //!
-//! `cargo run --example swinging_arm`: expect one period of three seconds that ends where it began,
-//! never farther from the shoulder than the bones are long. To see the curve:
-//! `cargo run -q --example swinging_arm | gnuplot -p -e "plot '-' using 2:3 with lines"`
+//! `cargo run --example swinging_arm` prints one period of three seconds that ends at its start. The hand is never
+//! farther from the shoulder than the length of the bones. To see the curve: `cargo run -q --example swinging_arm |
+//! gnuplot -p -e "plot '-' using 2:3 with lines"`
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -13,13 +13,13 @@ use glam::{Affine3A, Quat, Vec3A};
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform};
 
 const LENGTHS: [f32; 4] = [2.0, 1.5, 1.0, 0.5];
-/// Swings in a period, and how far to each side in radians.
+/// Swings per period, and amplitude in radians.
 const SWINGS: [(f32, f32); 4] = [(1.0, 0.8), (2.0, 0.9), (3.0, 0.7), (5.0, 0.5)];
 const PERIOD: f32 = 3.0;
 const FRAMES: u32 = 90;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Each bone stands at its parent's end.
+    // Each bone begins at the end of its parent.
     let bones = (0..LENGTHS.len()).map(|k| ArmatureBone {
         name: format!("bone {k}"),
         parent: k.checked_sub(1),

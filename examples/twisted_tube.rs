@@ -1,9 +1,9 @@
-//! The whole way from keys to skin: a clip twists one bone of a tube by half a turn, and the mesh
-//! follows by linear blend and by dual quaternions.
+//! From keys to skin: a clip twists one bone of a tube by half a turn, and the mesh follows by linear blend skinning
+//! and by dual quaternions.
 //!
-//! `cargo run --example twisted_tube`: expect linear blend to lose two thirds of the blended half at
-//! 180°, with a waist of nothing (the candy wrapper), and dual quaternions to keep both. `kinopt
-//! skin-report --out twist.svg` draws it.
+//! `cargo run --example twisted_tube`: at 180° linear blend skinning loses two thirds of the blended half and
+//! collapses the waist (the candy wrapper). Dual quaternions keep both. `kinopt skin-report --out twist.svg` draws
+//! the result.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     let armature = Armature::new(bones, Vec::new())?;
 
-    // Angles, not quaternions, because half a turn is as short either way.
+    // Angles instead of quaternions, as half a turn is equally short in both directions.
     let twist = EulerCurve {
         order: EulerOrder::Xyz,
         before: Quat::IDENTITY,
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "        volume kept, %          waist, %\ntwist   theory    lbs    dqs    lbs    dqs"
     );
     for step in 0..=4 {
-        // Keys to a pose, the pose down the bones, the bones to skinning matrices, and those to skin.
+        // Keys to local pose, local pose to bone placements, placements to skinning matrices, matrices to vertices.
         clip.sample(f64::from(step), Playback::Hold, &mut cursor, &mut pose)?;
         armature.local_to_model(&pose, &mut model_from_bone)?;
         armature.skinning_transforms(&model_from_bone, &mut posed_from_rest)?;

@@ -1,7 +1,7 @@
-//! An arm of two bones reaches a point in two ways: by the law of cosines, elbow up and elbow down.
+//! Two solutions of an arm of two bones by the law of cosines: elbow up and elbow down.
 //!
-//! `cargo run --example two_elbows`: expect one hand and two elbows, mirrored over the line from the
-//! shoulder to the target.
+//! `cargo run --example two_elbows` prints one hand and two elbows, mirrored at the line from the shoulder to the
+//! target.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -52,14 +52,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
 
-    // The formula itself: cos θ₂ = (d² − L₁² − L₂²) / (2 L₁ L₂).
+    // The formula: cos θ₂ = (d² − L₁² − L₂²) / (2 L₁ L₂).
     let cosine = (target.norm_squared() - UPPER * UPPER - LOWER * LOWER) / (2.0 * UPPER * LOWER);
     println!(
         "by the law of cosines the elbow turns by ±{:.3}°",
         cosine.acos().to_degrees()
     );
 
-    // In space there is a circle of elbows; a direction picks one. No model is needed.
+    // In space the elbows form a circle, and a direction selects one. No model is needed.
     let solved = triangle(Vector3::zero(), [UPPER, LOWER], target, z);
     println!(
         "bent towards z it is at ({:.3}, {:.3}, {:.3})",

@@ -1,8 +1,11 @@
-"""Writes tests/reference/distances.json: how far shapes are apart, by coal.
+"""Writes tests/reference/distances.json: distances of convex shapes by coal.
 
-Spheres, capsules, cylinders, boxes and the hulls of points, some flat to a tenth of a millimetre, at random places, at one place,
-with equal axes. coal's own search is given tight tolerances; what it says counts where the gap between both shapes along its
-direction, by support functions written here, is as wide, and none of many other directions has a wider one. `notebooks-ref/run` runs it.
+The shapes are spheres, capsules, cylinders, boxes and hulls of points. Some hulls are as flat as a tenth of a
+millimetre. Shapes have random positions, equal positions, or equal axes.
+
+coal runs with tight tolerances. A distance counts if it is certified: support functions written here give an
+equal gap between both shapes along coal's direction, and no other tested direction has a wider gap.
+`notebooks-ref/run` runs this script.
 """
 
 import importlib.metadata
@@ -15,7 +18,7 @@ import fixtures
 
 SEED = 20261123
 PAIRS = 400
-# How far the gap along its direction may be from coal's distance.
+# Largest difference between the gap along coal's direction and coal's distance, metres.
 CERTIFIED = 1e-11
 OTHERS = 1000
 
@@ -82,7 +85,7 @@ def main():
         distance = coal.distance(shapes[0][1], transforms[0], shapes[1][1], transforms[1], request, result)
         gap = lambda u: -sum(shape[2](place[0].T @ (sign * u)) + sign * u @ place[1]
                              for shape, place, sign in zip(shapes, places, (1, -1)))
-        # A wider gap along any other direction is a way out that is shorter than coal's.
+        # A wider gap along any other direction contradicts coal's distance.
         axes = np.concatenate([place[0].T for place in places])
         others = [*axes, *-axes, *Rotation.random(OTHERS, random_state=rng).as_matrix()[:, 0]]
         normal = np.array(result.normal)

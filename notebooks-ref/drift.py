@@ -1,10 +1,10 @@
 """Compares regenerated fixtures (KINOPT_FIXTURES) with the committed ones; numbers only, not dates.
 
-Kinematics, interpolants and skins repeat to rounding. So do the statements of the minima. Their answers come out of long iterations, whose last digits
-depend on the processor, and a few searches on a watershed may fall into another valley:
+Kinematics, interpolants, skins and the statements of the minima repeat to rounding. The solutions of the minima
+come from long iterations, whose last digits depend on the processor. A few searches can end in another minimum:
 
-- the best cost known for a problem must come out again, to 1e-7 of it, for all but 2 % of the problems;
-- each tool must come to the same cost, to 1e-6 of it, in all but 10 % of the answers that both times are stationary.
+- The best known cost of a problem must repeat to a relative 1e-7, for all but 2 % of the problems.
+- Each tool must repeat its cost to a relative 1e-6, in all but 10 % of the solutions that are stationary in both runs.
 """
 
 import itertools
@@ -59,7 +59,7 @@ def of_loops(old, new):
 
 
 def of_motions(old, new):
-    """Of clips, which end where IPOPT's own way leads."""
+    """Compares clips, whose minima depend on the path of IPOPT."""
     same = lambda a, b: a["targets"] == b["targets"] and same_cost(a["cost"], b["cost"], BEST_WITHIN)
     missed = [k for k, (a, b) in enumerate(zip(old["problems"], new["problems"])) if not same(a, b)]
     print(f"motions.json: another cost in {len(missed)} of {len(old['problems'])} problems")

@@ -1,6 +1,6 @@
-"""Executes notebooks headless, in place or only for what they write.
+"""Executes notebooks without display, in place or only for their output files.
 
-python execute.py [--keep] NOTEBOOK …    --keep leaves the notebook files as they are.
+    python execute.py [--keep] NOTEBOOK …    --keep leaves the notebook files unchanged
 """
 
 import os

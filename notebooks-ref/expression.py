@@ -30,10 +30,10 @@ def about(axis, angle):
 
 
 def turn_between(sine_axis, cosine):
-    """The rotation vector whose axis times sine and whose cosine are given: n sin(t) -> n t.
+    """The rotation vector n t from its axis times sine, n sin(t), and its cosine.
 
-    t = atan2(|n sin t|, cos t). Where sin t vanishes with a positive cosine, t / sin t is its series,
-    so that the expression has derivatives there; at a half turn it has none.
+    t = atan2(|n sin t|, cos t). For small sin t with a positive cosine, t / sin t is its series, so that the
+    expression has derivatives there. At a half turn it has none.
     """
     squared = ca.dot(sine_axis, sine_axis)
     near = ca.logic_and(squared < 1e-8, cosine > 0)
@@ -44,7 +44,7 @@ def turn_between(sine_axis, cosine):
 
 
 def rotation_vector(turn):
-    """log(R), a vector in the axes that R is written in."""
+    """log(R), a vector in the axes of R."""
     sine_axis = ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2
     return turn_between(sine_axis, (ca.trace(turn) - 1) / 2)
 

@@ -14,7 +14,7 @@ FOLDER = pathlib.Path(os.environ.get("KINOPT_FIXTURES", COMMITTED))
 
 
 def write(name, tool, version, seed, source, units, **parts):
-    """One line a list entry, so that differences can be read. `source` is the notebook or script that writes."""
+    """Writes one line per list entry, for readable differences. `source` is the notebook or script that calls it."""
     kind = "notebook" if source.endswith(".ipynb") else "script"
     provenance = {"tool": tool, "version": version, "date": datetime.date.today().isoformat(), "seed": seed,
                   kind: f"notebooks-ref/{source}", "units": units}
@@ -37,7 +37,7 @@ def read(folder, name):
 
 
 def differences(old, new, within, at=""):
-    """Where two documents differ by more than `within` in a number, or at all in anything else."""
+    """Differences of two documents: numbers by more than `within`, and any difference of other values."""
     if isinstance(old, dict) and isinstance(new, dict) and old.keys() == new.keys():
         for key in old:
             if (at, key) != ("", "provenance"):

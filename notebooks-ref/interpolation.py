@@ -1,6 +1,6 @@
-"""Writes tests/reference/interpolation.json: what SciPy says of the interpolants that kinopt has too.
+"""Writes tests/reference/interpolation.json: interpolants of kinopt, computed by SciPy.
 
-`notebooks-ref/run` runs it. The numbers need no picture: a script does.
+`notebooks-ref/run` runs this script.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ def wxyz(rotation):
 
 
 def slerp(rng):
-    """Arcs of all lengths up to half a turn, at shares of the way."""
+    """Arcs of all lengths up to half a turn, at several fractions."""
     cases = []
     for angle in [0.0, 1e-7, 1e-4, 1e-2, 0.3, 1.0, 2.0, 3.0, 3.14]:
         axis = rng.normal(size=3)
@@ -73,7 +73,7 @@ def bezier(rng):
 
 
 def rotation_spline(rng):
-    """SciPy's spline is another curve than ours, but about one axis both are the scalar Hermite cubic."""
+    """SciPy's spline differs from kinopt's, but about one axis both are the scalar Hermite cubic."""
     cases = []
     for keys in [2, 3, 6]:
         axis = rng.normal(size=3)
@@ -97,7 +97,7 @@ def rotation_spline(rng):
 
 
 def euler(rng):
-    """Rotations as angles of every order, and the angles of rotations."""
+    """Rotations from angles of every order, and angles from rotations."""
     cases = []
     for order in PROPER + TAIT_BRYAN:
         low, high = (0.05, np.pi - 0.05) if order in PROPER else (-1.5, 1.5)
@@ -118,7 +118,7 @@ def euler(rng):
 
 
 def polar(rng):
-    """Polar decompositions of matrices that do not mirror."""
+    """Polar decompositions of matrices without reflection."""
     cases = []
     for _ in range(6):
         matrix = rng.normal(size=(3, 3))

@@ -29,14 +29,14 @@ def listed(array):
 
 
 class Robot:
-    """A URDF as Pinocchio reads it, addressed by the names of its joints and links."""
+    """A URDF as read by Pinocchio, addressed by the names of its joints and links."""
 
     def __init__(self, file):
         self.file = file
         self.model = pin.buildModelFromUrdf(str(REPOSITORY / file), mimic=True)
         self.data = self.model.createData()
         joints = xml.parse(REPOSITORY / file).getroot().findall("joint")
-        # The order of the file, as the library's configurations have it.
+        # Joints in the order of the file, as in the library's configurations.
         self.moving = [j.get("name") for j in joints if j.get("type") != "fixed"]
         self.mimics = {
             j.get("name"): (m.get("joint"), float(m.get("multiplier", 1)), float(m.get("offset", 0)))
@@ -51,7 +51,7 @@ class Robot:
         return self.model.joints[self.model.getJointId(name)]
 
     def sample(self, rng):
-        """Random values by joint name within the limits, followers set by hand."""
+        """Random values by joint name within the limits; mimic joints are set explicitly."""
         values = {}
         for name in self.variables:
             joint = self.joint(name)
@@ -87,7 +87,7 @@ class Robot:
         return self.data.oMf[self.model.getFrameId(link, pin.FrameType.BODY)].homogeneous
 
     def jacobian(self, link, values):
-        """6 x variables: linear, then angular velocity, in world axes at the link's origin."""
+        """6 × variables: linear, then angular velocity, in world axes at the link's origin."""
         frame = self.model.getFrameId(link, pin.FrameType.BODY)
         q = self.configuration(values)
         columns = pin.computeFrameJacobian(self.model, self.data, q, frame, pin.LOCAL_WORLD_ALIGNED)
@@ -111,7 +111,7 @@ def robots():
 
 
 class RigDerivatives:
-    """A rig's placements, Jacobians of its tips, and cost, gradient and Hessian of reaching with them."""
+    """A rig's placements and Jacobians of its tips, and the cost, gradient and Hessian of reaching with them."""
 
     def __init__(self, name):
         self.rig = rig = read(name)
@@ -153,7 +153,7 @@ def as_list(value):
 
 
 def rigs():
-    """Fixture entries: rest, which is singular, and random configurations."""
+    """Fixture entries: the rest pose, which is singular, and random configurations."""
     entries = []
     for number, name in enumerate(RIGS):
         rng = np.random.default_rng([SEED, number])

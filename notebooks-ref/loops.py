@@ -1,8 +1,8 @@
-"""Writes tests/reference/loops.json: least squares of goals out of reach on mechanisms whose loops stay closed.
+"""Writes tests/reference/loops.json: least squares with unreachable targets, on mechanisms with closed loops.
 
-Every mechanism is written down here by its geometry: rods as distances, pins as equal points, two hands as equal
-placements. IPOPT minimises with those as equality constraints, from random starts; what it ends in counts where the
-first- and second-order conditions hold. `notebooks-ref/run` runs it. The numbers need no picture: a script does.
+Every mechanism is defined here by its geometry: rods as distances, pins as equal points, two hands as equal
+placements. IPOPT minimises with these equality constraints from random starts. A result counts if the first- and
+second-order conditions hold. `notebooks-ref/run` runs this script.
 """
 
 from dataclasses import dataclass
@@ -20,9 +20,10 @@ from tools import IPOPT
 
 SEED = 20261122
 STARTS = 16
-# Of the first-order conditions, of the constraints, and of the curvature along what these leave free.
+# Tolerances of the first-order conditions, of the constraints, and of the curvature in the directions that they leave
+# free.
 STATIONARY, CLOSED, CURVED = 1e-8, 1e-11, -1e-8
-# On its bound.
+# Distance at which a constraint or variable counts as on its bound.
 ACTIVE = 1e-7
 
 
@@ -49,7 +50,9 @@ class Mechanism:
                                       [self.constraints, gradient, hessian, slope])
 
     def minima(self, target, rng):
-        """The costs of local minima, least first, each with how many starts ended there; and a place near the least."""
+        """Costs of local minima in ascending order, each with the number of starts that ended there; and variables
+        of the best one.
+        """
         low, high = np.maximum(self.lower, -np.pi), np.minimum(self.upper, np.pi)
         ends = []
         for _ in range(STARTS):
@@ -130,7 +133,7 @@ def stewart():
 
 
 def gripper():
-    """Each side in mirrored coordinates, so that they read alike: crank, second, finger, rod; the slide last."""
+    """Each side in mirrored coordinates: crank, second, finger, rod; the slide is last."""
     out, arm, between, hole, rod = 0.03, 0.06, 0.02, 0.025, 0.055
     x, target = ca.SX.sym("x", 9), ca.SX.sym("target", 4)
     cost, pins = 0, []
@@ -147,7 +150,7 @@ def gripper():
 
 
 def knee():
-    """tests/loops/files/knee.xml with its pelvis held: hip, knee's motor, knee, ankle's motor, ankle; x and z."""
+    """tests/loops/files/knee.xml with a fixed pelvis: hip, knee's motor, knee, ankle's motor, ankle; x and z."""
     x, target = ca.SX.sym("x", 5), ca.SX.sym("target", 4)
     about_y = lambda angle, v: ca.vertcat(ca.cos(angle) * v[0] + ca.sin(angle) * v[1],
                                           -ca.sin(angle) * v[0] + ca.cos(angle) * v[1])
@@ -197,7 +200,7 @@ def main():
             rng = np.random.default_rng([SEED, number, k])
             target = own.draw(rng)
             minima, near = own.minima(target, rng)
-            # Within reach, or too hard for IPOPT from every start: no miss to compare.
+            # The target is reachable, or IPOPT failed from every start: there is no minimum to compare.
             if not minima or minima[0]["cost"] < 1e-6:
                 continue
             problems.append({"mechanism": own.name, "target": target.tolist(), "minima": minima, "near": near})

@@ -1,10 +1,18 @@
-"""Compares kinopt's distances and gradients with coal's on very many random pairs: ``python many_distances.py [PAIRS]``.
+"""Compares kinopt's distances and gradients with coal's on many random pairs: ``python many_distances.py [PAIRS]``.
 
-The pairs of distances.py, and triangles, needles among them; of every eight pairs one is at one place, one touches nearly or
-overlaps along an axis, one lies with equal axes. In an environment with kinopt's wheel and coal. What is compared: the distance; the
-gap between both shapes along the direction told, by support functions written here, which equals the distance for a right gradient only;
-and that the points told lie that far apart along it. Where coal's distance is not that of its own direction it is counted apart,
-and the pair is held to the wider gap of both.
+The pairs are those of distances.py, and triangles, including needles. Of every eight pairs one has equal
+positions, one nearly touches or overlaps along an axis, and one has equal axes. The environment needs kinopt's
+wheel and coal.
+
+The comparison covers three values:
+
+- The distance.
+- The gap between both shapes along the reported direction, by support functions written here. It equals the
+  distance only for a correct gradient.
+- The distance of the reported points along that direction.
+
+If coal's distance differs from the gap along its own direction, it is counted separately. The reference is then
+the gap along kinopt's direction.
 """
 
 import sys
@@ -68,12 +76,12 @@ def main():
             (kind, told), = shape[0].items()
             ADDERS[kind](world, name, told, homogeneous(place))
         ours = world.separation("a", "b")
-        # From the first to the second, as coal has it.
+        # Direction from the first to the second shape, as in coal.
         normal = np.asarray(ours.normal)
         other = np.array(result.normal)
         sound = abs(np.linalg.norm(other) - 1) < 1e-9 and abs(gap(other) - theirs) < ENOUGH
         uncertified += not sound
-        # Of two ways out the shorter is the depth.
+        # The penetration depth is the shorter of two separations.
         truth = max(theirs, gap(normal)) if sound else gap(normal)
         off = {"distance": abs(ours.distance - truth), "gap along the direction": abs(gap(normal) - ours.distance),
                "points": abs((np.asarray(ours.on_second) - np.asarray(ours.on_first)) @ normal - ours.distance)}

@@ -1,4 +1,4 @@
-"""Solves statements by every tool, judges the answers, and tells their local minima apart."""
+"""Solves statements by every tool, judges the solutions, and groups them into local minima."""
 
 import itertools
 import multiprocessing
@@ -9,9 +9,9 @@ import numpy as np
 from problem import Problem, shape_of
 from tools import TOOLS, ipopt
 
-# A KKT residual of at most this counts as stationary (units of the cost per joint unit).
+# Largest KKT residual that counts as stationary, in units of the cost per joint unit.
 STATIONARY = 1e-7
-# Costs closer than this share of each other, or than this cost, belong to one minimum.
+# Costs that differ by less than this fraction, or lie below this cost, belong to one minimum.
 SAME_COST, NO_COST = 1e-6, 1e-12
 RANDOM_STARTS = 3
 
@@ -23,7 +23,7 @@ def answer(problem, solve, start):
 
 
 def solve(statement, number):
-    """The statement with every tool's answer and the list of local minima that they ended in."""
+    """The statement with every tool's solution, and the list of local minima."""
     problem = Problem(statement)
     start = problem.start
     answers = {tool: answer(problem, solve, start) for tool, solve in TOOLS.items()}
@@ -38,8 +38,9 @@ def solve(statement, number):
 
 
 def minima_of(ends, start):
-    """Stationary answers grouped by cost. Redundant models have whole families of minimisers of one
-    cost: such a family is one minimum here, as far from the start as its nearest member found."""
+    """Stationary solutions grouped by cost. Redundant models have families of minimisers of one cost. Such a family
+    is one minimum here, at the distance of its member nearest to the start.
+    """
     stationary = sorted((end for end in ends if end[1]["kkt"] <= STATIONARY), key=lambda end: end[1]["cost"])
     minima = []
     for tool, end in stationary:
@@ -58,7 +59,7 @@ def _solve_group(group):
 
 
 def solve_all(statements, processes=None):
-    """All statements over the cores, those of one shape together so that each is compiled once."""
+    """Solves all statements on all cores. Statements of one shape are together, so that each shape is compiled once."""
     numbered = sorted(enumerate(statements), key=lambda s: repr(shape_of(s[1])))
     groups = []
     for _, group in itertools.groupby(numbered, key=lambda s: repr(shape_of(s[1]))):

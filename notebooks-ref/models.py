@@ -1,7 +1,7 @@
-"""The shipped rigs and robots, read here from their files and written down as CasADi expressions.
+"""The shipped rigs and robots, read from their files and expressed in CasADi.
 
-A `Model` has the variables x (every joint that can move and follows no other, in the order of the
-file), their bounds, and the placement of every frame as an expression of x.
+A `Model` has the variables x, their bounds, and the placement of every frame as an expression of x. The variables
+are all moving joints without mimic joints, in the order of the file.
 """
 
 import json
@@ -39,7 +39,7 @@ class Model:
     is_rig: bool
 
     def sample(self, rng, share=1.0):
-        """Uniform within the middle `share` of the bounds; within +-pi where there are none."""
+        """Uniform sample in the middle fraction `share` of the bounds; within ±π without bounds."""
         low = np.where(np.isfinite(self.lower), self.lower, -np.pi)
         high = np.where(np.isfinite(self.upper), self.upper, np.pi)
         middle, half = (low + high) / 2, (high - low) / 2
@@ -100,7 +100,7 @@ def placement_of(element):
 
 
 def read_robot(name, file):
-    """A URDF: each joint is its origin, then a turn about or a slide along its normalised axis."""
+    """A URDF: each joint is its origin, then a rotation about or a translation along its normalised axis."""
     joints = xml.parse(REPOSITORY / file).getroot().findall("joint")
     values, symbols, variables, lower, upper = {}, [], [], [], []
     moving = [j for j in joints if j.get("type") != "fixed"]
@@ -117,7 +117,7 @@ def read_robot(name, file):
         if (mimic := joint.find("mimic")) is not None:
             ratio, offset = float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))
             values[joint.get("name")] = ratio * values[mimic.get("joint")] + offset
-            # A follower's limits hold for the joint that it follows.
+            # The limits of a mimic joint bound its source joint.
             if joint.get("type") != "continuous":
                 limit, k = joint.find("limit"), variables.index(mimic.get("joint"))
                 ends = [(float(limit.get(end, 0)) - offset) / ratio for end in ("lower", "upper")]

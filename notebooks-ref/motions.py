@@ -1,9 +1,10 @@
-"""Writes tests/reference/motions.json: short clips within limits of position and speed, minimised as one by IPOPT.
+"""Writes tests/reference/motions.json: short clips within position and velocity limits, each minimised by IPOPT as
+one problem.
 
-Robots are read from their files by `models.py`. A clip's targets are places that tools have along a random motion, moved
-aside from a frame on, so that limits of speed bind; tasks and differences of velocities, accelerations or jerks are one
-cost, limits of position are bounds and those of speed linear constraints. IPOPT starts at the clip's own start; what it
-ends in counts where the first-order conditions hold. `notebooks-ref/run` runs it.
+`models.py` reads the robots. A clip's targets are tool positions along a random motion. From some frame on they
+are shifted, so that velocity limits become active. Tasks and differences of velocities, accelerations or jerks
+form one cost. Position limits are bounds, and velocity limits are linear constraints. IPOPT starts at the clip's
+own start. A result counts if the first-order conditions hold. `notebooks-ref/run` runs this script.
 """
 
 import casadi as ca
@@ -16,12 +17,12 @@ from tools import IPOPT
 SEED = 20261123
 ROBOTS = {"panda": ["tool"], "ur5e": ["flange"], "iiwa14": ["flange"], "baxter": ["left_tool", "right_tool"]}
 CLIPS = 20
-# Of the first-order conditions, and of the constraints.
+# Tolerances of the first-order conditions and of the constraints.
 STATIONARY, KEPT = 1e-7, 1e-9
 
 
 def smooth(rng, frames, count):
-    """Waves of each of so many numbers over the frames, within about one."""
+    """Waves of `count` numbers over the frames, approximately within ±1."""
     time = np.linspace(0, 1, frames)[:, None]
     phase, rate = rng.uniform(0, 2 * np.pi, count), rng.uniform(0.5, 1.5, count)
     return np.sin(2 * np.pi * rate * time + phase)
@@ -34,7 +35,7 @@ class Clip:
         self.model = model = read(name)
         self.tips, self.robot = ROBOTS[name], name
         self.frames, self.step = int(rng.integers(8, 17)), float(rng.choice([0.01, 0.02, 0.05]))
-        # A motion in the middle of the ranges; limits of speed that it nearly breaks.
+        # A motion in the middle of the ranges, with velocity limits close to its velocities.
         low = np.maximum(model.lower, -np.pi)
         high = np.minimum(model.upper, np.pi)
         middle, half = (low + high) / 2, (high - low) / 2
@@ -55,7 +56,7 @@ class Clip:
         self.first = motion[0] if rng.random() < 0.5 else None
         self.last = None
         if rng.random() < 0.3:
-            # What can be reached from the first in time.
+            # Configurations that are reachable from the first one in time.
             reach = 0.4 * self.speed * self.step * (self.frames - 1)
             from_first = motion[0] + rng.uniform(-1, 1, len(reach)) * reach
             self.last = np.clip(from_first, model.lower + 1e-3, model.upper - 1e-3)
@@ -92,7 +93,7 @@ class Clip:
         gradient, by = (np.array(v) for v in slope(values))
         left = gradient.ravel() + by.T @ force + held
         way = by @ values
-        # A multiplier that pushes is of a bound that is met.
+        # Complementarity: a nonzero multiplier needs an active bound.
         idle = np.concatenate([np.minimum(np.maximum(force, 0), most - way), np.minimum(np.maximum(-force, 0), way + most),
                                np.minimum(np.maximum(held, 0), upper.ravel() - values),
                                np.minimum(np.maximum(-held, 0), values - lower.ravel())])

@@ -1,7 +1,7 @@
-"""Inverse kinematics solvers that pip installs, each behind one function: target and start in, joints out.
+"""Inverse kinematics solvers from PyPI, each as one function from target and start to joint values.
 
-A peer that makes its own restarts is given the time limit; one that is a single local search is
-started again from random configurations (`restarted`) until it succeeds or the time is over.
+A peer with its own restarts gets the time limit. A single local search is started again from random
+configurations (`restarted`) until it succeeds or the time is over.
 """
 
 import contextlib
@@ -29,7 +29,7 @@ COMMAND = REPOSITORY / "target" / "release" / "kinopt"
 
 
 class Arm:
-    """A robot's chain, its limits, and Pinocchio as the judge of all answers."""
+    """A robot's chain and its limits, with Pinocchio as the judge of all solutions."""
 
     def __init__(self, name):
         self.name = name
@@ -42,7 +42,7 @@ class Arm:
         self.lower, self.upper = self.model.lower[: self.joints], self.model.upper[: self.joints]
 
     def whole(self, q):
-        """With the joints that do not move the tip, at their rest."""
+        """q with the joints that do not move the tip, at rest."""
         return np.concatenate([q, self.model.rest()[self.joints:]])
 
     def place(self, q):
@@ -50,7 +50,7 @@ class Arm:
         return self.data.oMf[self.frame].copy()
 
     def judge(self, q, target):
-        """Whether q stands within its limits and puts the tip where it should be."""
+        """Returns true if q is within its limits and puts the tip on the target."""
         q = None if q is None else np.asarray(q, float).ravel()
         if q is None or q.shape != (self.joints,) or not np.all(np.isfinite(q)):
             return False
@@ -105,7 +105,7 @@ def least_squares(arm, tool):
     problem = Problem(statement)
 
     def search(target, start):
-        # The order in which the statement's numbers become parameters.
+        # The order of the statement's numbers in the parameters.
         problem.p = np.concatenate([[1.0, 0.3], target.rotation.ravel(), target.translation])
         x, _ = tool(problem, arm.whole(start))
         return problem.project(x)[: arm.joints]
@@ -135,7 +135,7 @@ def optik(arm):
     import optik
     robot = optik.Robot.from_urdf_file(arm.file, arm.base, arm.tip)
     robot.set_parallelism(1)
-    # Its tolerance is on a squared error.
+    # OptIK's tolerance is on a squared error.
     config = optik.SolverConfig("speed", max_time=TIME_LIMIT_S, tol_f=0.1 * TOLERANCE**2, tol_df=-1.0, tol_dx=-1.0)
 
     def solve(target, start):
@@ -151,7 +151,7 @@ def trac_ik(arm):
 
     def solve(target, start):
         found = solver.ik(target.translation, target.rotation, start)
-        # It knows the limits to single precision and may stand 5e-9 rad beyond them.
+        # This peer has limits in single precision, so a result can exceed them by 5e-9 rad.
         return None if found is None else np.clip(found, arm.lower, arm.upper)
 
     return solve
@@ -213,7 +213,7 @@ def eaik(arm):
         return None
     from eaik.IK_URDF import UrdfRobot
     robot = UrdfRobot(arm.file)
-    # It has no tool: the last joint's origin, turned by nothing at zero.
+    # EAIK has no tool: its tip is the last joint's origin, without rotation at zero.
     zero, last = arm.place(np.zeros(6)), robot.fwdKin(np.zeros(6))
     tool = zero.translation - last[:3, 3]
 
@@ -243,7 +243,7 @@ PEERS = {
 
 
 def timed(arm, peer, workload):
-    """Processor seconds and verdict for every target; None where the peer cannot say anything on this arm."""
+    """Processor seconds and success for every target; None if the peer does not support the arm."""
     solve = peer(arm)
     if solve is None:
         return None
@@ -261,7 +261,7 @@ def timed(arm, peer, workload):
 
 
 def by_command(arm, workload, *options):
-    """The same by our command; it tells the time of each target itself, without its own start."""
+    """The equivalent by kinopt's command, which reports the time of each target without its own start."""
     def numbers(target):
         x, y, z, w = pin.Quaternion(target.rotation).coeffs()
         return [float(v) for v in (*target.translation, w, x, y, z)]
@@ -285,7 +285,7 @@ def by_command(arm, workload, *options):
 
 @contextlib.contextmanager
 def one_core():
-    """Everything in here, threads of peers and our command included, runs on one core."""
+    """Pins everything, including threads of peers and kinopt's command, to one core."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(before)})
     try:

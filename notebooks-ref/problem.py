@@ -32,7 +32,7 @@ def unit(vector):
 
 
 def rows(task, shape, parameter):
-    """The weighted rows of one task. `parameter(numbers)` turns its numbers into symbols."""
+    """Weighted rows of one task. `parameter(numbers)` turns its numbers into symbols."""
     kind, frames = task["task"], shape.frames
     weights = task["weights"]
     number = lambda key: parameter(task[key])
@@ -68,14 +68,14 @@ def rows(task, shape, parameter):
 
 
 def shape_of(statement):
-    """What problems must share to share one compiled expression: all but their numbers."""
+    """Key of all properties except numbers: problems with equal keys share one compiled expression."""
     tasks = tuple(tuple((key, task.get(key)) for key in ("task", "frame", "other")) + tuple(task["weights"])
                   for task in statement["tasks"])
     return statement["model"], tasks
 
 
 class Compiled:
-    """The expressions of one shape of problem: residual, cost, gradient, as functions of x and p."""
+    """The expressions of one shape of problem: residual, cost and gradient, as functions of x and p."""
 
     def __init__(self, statement):
         shape = model(statement["model"])
@@ -101,7 +101,7 @@ _compiled = {}
 
 
 class Problem:
-    """One statement with its numbers put in."""
+    """One statement with its numbers."""
 
     def __init__(self, statement):
         shape = shape_of(statement)

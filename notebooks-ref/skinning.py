@@ -1,6 +1,7 @@
-"""Writes tests/reference/skinning.json: where NumPy and SciPy put skinned vertices of the shipped rigs.
+"""Writes tests/reference/skinning.json: skinned vertices of the shipped rigs, by NumPy and SciPy.
 
-Everything is computed here from the rigs' files in double precision; nothing of kinopt runs. `notebooks-ref/run` runs it.
+All values are computed from the rigs' files in double precision, without kinopt. `notebooks-ref/run` runs this
+script.
 """
 
 import json
@@ -19,7 +20,7 @@ RIGS = [FILES["humanoid"], FILES["robot-arm"]]
 
 
 def read_vertices(path):
-    """Positions of a binary PLY whose vertices are three floats."""
+    """Positions of a binary PLY with three floats per vertex."""
     data = path.read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     header = data[:end].decode().splitlines()
@@ -32,7 +33,7 @@ def read_vertices(path):
 
 
 def read_weights(path):
-    """A vertices × columns table of a binary DMAT, which is stored column by column."""
+    """A vertices × columns table of a binary DMAT, which is stored by columns."""
     first, second, values = path.read_bytes().split(b"\n", 2)
     assert first.split() == [b"0", b"0"], path
     columns, rows = map(int, second.split())
@@ -44,7 +45,7 @@ def transforms(bones, q):
     out = []
     for bone, (first, bend, second) in zip(bones, q):
         turn = np.eye(4)
-        # Upper case: about the moving axes, so the second twist comes first.
+        # Upper case selects moving axes, so the second twist comes first.
         turn[:3, :3] = Rotation.from_euler("XZX", [second, bend, first]).as_matrix()
         rest = np.array(bone["rest_T"])
         parent = np.eye(4) if bone["parent_id"] < 0 else out[bone["parent_id"]]
@@ -59,7 +60,7 @@ def linear_blend(vertices, weights, matrices):
 
 
 def product(a, b):
-    """Hamilton's product of quaternions w, x, y, z, row by row."""
+    """Hamilton product of quaternions w, x, y, z, row by row."""
     w, v = a[..., :1], a[..., 1:]
     s, u = b[..., :1], b[..., 1:]
     real = w * s - np.sum(v * u, axis=-1, keepdims=True)
@@ -78,7 +79,7 @@ def dual_quaternions(vertices, weights, matrices):
     real, dual = real / norm, dual / norm
     conjugate = real * [1, -1, -1, -1]
     points = np.column_stack([np.zeros(len(vertices)), vertices])
-    # The dual part along the real one is no motion; it falls out with the real component.
+    # The dual component along the real one is no motion; it vanishes with the real component.
     moved = product(product(real, points), conjugate) + 2 * product(dual, conjugate)
     return moved[:, 1:]
 
@@ -93,7 +94,7 @@ def rig(path, rng):
     for index, bone in enumerate(bones):
         if bone["weight_id"] >= 0:
             weights[:, index] = table[:, bone["weight_id"]]
-    # Half of them those that most bones move, half anywhere.
+    # Half of the vertices are those with the most influences, half are random.
     crowded = np.argsort(-np.count_nonzero(weights, axis=1), kind="stable")[: VERTICES // 2]
     anywhere = rng.choice(len(vertices), VERTICES // 2, replace=False)
     chosen = np.unique(np.concatenate([crowded, anywhere]))

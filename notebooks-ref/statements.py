@@ -1,4 +1,4 @@
-"""The problems of notebook 2, drawn from a fixed seed. Lengths in metres, angles in radians."""
+"""The problems of notebook 2, sampled from a fixed seed. Lengths are in metres, angles in radians."""
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def unit(rng):
 
 
 class Draw:
-    """Draws problems of one kind; each has a stream of its own, so that kinds do not disturb each other."""
+    """Samples problems of one kind. Each kind has its own random stream, so that kinds are independent."""
 
     def __init__(self, number, kind):
         self.rng = np.random.default_rng([SEED, number])
@@ -49,7 +49,7 @@ class Draw:
                          "tasks": tasks, "start": listed(start)})
 
     def start(self, shape, k):
-        """Rest and random starts by turns. Rest is singular in both rigs."""
+        """Alternates between rest and random starts. Rest is singular in both rigs."""
         return shape.rest() if k % 2 == 0 else shape.sample(self.rng, 0.8)
 
 
@@ -91,7 +91,7 @@ def viewing_rays():
         rig = model(name)
         at = rig.place(tip, rig.sample(draw.rng, 0.8))[:3, 3]
         eye = at + 3 * unit(draw.rng)
-        # Every other ray passes beside everything that the tip can reach.
+        # Every other ray is out of the tip's reach.
         beside = np.cross(unit(draw.rng), at - eye) * (0.0 if k % 2 == 0 else 0.6)
         tasks = [{"task": "ray", "frame": tip, "eye": listed(eye + beside), "through": listed(at + beside),
                   "weights": {"metres": 1.0}}]
@@ -115,7 +115,7 @@ def poses():
 
 
 def beyond(shape, rng):
-    """Every variable 0.2 to 0.6 beyond a limit of its own, or anywhere where it has none."""
+    """Every variable 0.2 to 0.6 beyond one of its limits, or at any value without limits."""
     side = rng.integers(2, size=len(shape.variables))
     excess = rng.uniform(0.2, 0.6, size=len(side))
     outside = np.where(side == 0, shape.lower - excess, shape.upper + excess)
@@ -123,7 +123,7 @@ def beyond(shape, rng):
 
 
 def poses_at_limits():
-    """Poses of configurations that stand beyond all limits: at the minimum some limits are active."""
+    """Poses of configurations beyond all limits: at the minimum some limits are active."""
     draw = Draw(6, "pose with limits active")
     for k in range(40):
         name = ["panda", "iiwa14", "oblique", "nao"][k % 4]
@@ -156,7 +156,7 @@ def two_arms():
 
 
 def looks():
-    """The head looks at a place, the hands are a distance apart, the feet stand in a plane."""
+    """The head looks at a point, the hands have a given distance, and the feet are on a plane."""
     draw, body = Draw(9, "look, distance, plane"), model("humanoid")
     for k in range(24):
         seen = np.array([0, 0, 1.6]) + draw.rng.uniform(1.0, 3.0) * unit(draw.rng)

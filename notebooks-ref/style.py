@@ -1,4 +1,4 @@
-"""Figures that a colour-blind reader can tell apart: Okabe & Ito's colours, and markers beside them."""
+"""Figures for colour-blind readers: Okabe & Ito's colours, with markers."""
 
 import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""The same problem by every tool: CasADi with IPOPT, NLopt and SciPy, each from the same start."""
+"""Solvers of a problem from one start: CasADi with IPOPT, NLopt and SciPy."""
 
 import warnings
 
@@ -21,7 +21,7 @@ IPOPT = {
 
 
 def ipopt(problem, start):
-    """Interior point with the exact Hessian of the cost."""
+    """Interior point method with the exact Hessian of the cost."""
     solvers = problem.compiled.solvers
     if "ipopt" not in solvers:
         solvers["ipopt"] = ca.nlpsol("ipopt", "ipopt", problem.compiled.nlp, IPOPT)
@@ -73,7 +73,7 @@ def by_nlopt(algorithm, evaluations, local=None):
             code = optimiser.last_optimize_result()
         except (RuntimeError, nlopt.RoundoffLimited):
             code = -1
-        # 5 is the limit on evaluations: the ordinary end of a global method only.
+        # 5 is the limit on evaluations: the normal end of a global method only.
         return best[1], code > 0 and (code != 5 or local is not None)
 
     return solve
@@ -96,7 +96,7 @@ TOOLS = {
     "NLopt SLSQP": by_nlopt(nlopt.LD_SLSQP, at_most(600)),
     "NLopt L-BFGS": by_nlopt(nlopt.LD_LBFGS, at_most(2000)),
     "NLopt MMA": by_nlopt(nlopt.LD_MMA, at_most(500)),
-    # Its quadratic models cost n^2 a step, so that many variables get few steps.
+    # Its quadratic models cost n^2 per step, so problems with many variables get few steps.
     "NLopt BOBYQA": by_nlopt(nlopt.LN_BOBYQA, lambda variables: 1500 if variables <= 10 else 300),
     "NLopt MLSL": by_nlopt(nlopt.G_MLSL_LDS, at_most(2500), local=nlopt.LD_LBFGS),
     "SciPy trf": by_scipy("trf"),

@@ -77,8 +77,8 @@ pub fn random_configuration(chain: &Chain, random: &mut Sequence) -> Vec<f64> {
         .collect()
 }
 
-/// Tip poses along a path on which each joint oscillates slowly about the middle of its range, at most 0.005 rad for
-/// each step; all start from the first configuration of the path.
+/// Tip poses along a path on which each joint oscillates slowly about the middle of its range. A joint moves by at
+/// most 0.005 rad per step. All queries start from the first configuration of the path.
 #[must_use]
 pub fn smooth_path(chain: &Chain, count: usize) -> ArmPoses {
     let at = |step: usize| -> Vec<f64> {

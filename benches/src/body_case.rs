@@ -1,4 +1,4 @@
-//! Whole bodies that stand on their feet, balance, and reach with their hands: cases from the files in
+//! Standing whole bodies that balance and reach with their hands: cases from the files in
 //! `benches/whole_body/`, which the comparisons read too.
 
 use std::error::Error;

@@ -17,8 +17,8 @@ pub fn at_ease(skeleton: &Skeleton) -> Vec<f64> {
     limits.iter().enumerate().map(bent).collect()
 }
 
-/// Tip targets in one frame: those of the pose `q`, except for the second tip, a hand, on a circle of 5 cm through its
-/// position, 240 frames for each revolution.
+/// Tip targets in one frame: the tip positions of the pose `q`, except for the second tip, a hand. The hand moves on
+/// a circle of 5 cm through its position, with 240 frames per revolution.
 #[must_use]
 pub fn drag_targets(
     skeleton: &Skeleton,

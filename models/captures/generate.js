@@ -1,5 +1,5 @@
-// Writes steps.bvh, a movement drawn by hand: a person steps aside and back, crouches with arms ahead, and waves.
-// `node models/captures/generate.js`; six seconds that end as they begin, centimetres, y up, z ahead, left at +x.
+// Writes steps.bvh, a hand-made movement: a person steps aside and back, crouches with arms ahead, and waves.
+// Run `node models/captures/generate.js`. The six seconds end as they begin. Centimetres; y up, z ahead, left at +x.
 import { writeFileSync } from "node:fs";
 
 const RATE = 30;
@@ -7,7 +7,7 @@ const SECONDS = 6;
 const [THIGH, SHIN, ANKLE, HIP] = [43, 42, 8, 9];
 const TURNS = "CHANNELS 3 Zrotation Xrotation Yrotation";
 
-// Matrices of rows, in the order z, x, y in which a joint turns.
+// Rotation matrices by rows. A joint rotates in the order z, x, y.
 const multiply = (a, b) => a.map((row) => b[0].map((_, k) => row.reduce((sum, value, j) => sum + value * b[j][k], 0)));
 const transpose = (a) => a[0].map((_, k) => a.map((row) => row[k]));
 const about = {
@@ -20,7 +20,7 @@ const radians = (angle) => (Math.PI * angle) / 180;
 const turned = (z, x, y) => [about.z(radians(z)), about.x(radians(x)), about.y(radians(y))].reduce(multiply);
 const angles = (m) => [Math.atan2(-m[0][1], m[1][1]), Math.asin(m[2][1]), Math.atan2(-m[2][0], m[2][2])].map(degrees);
 
-/** A value that goes smoothly from key to key: `[seconds, value]`. */
+/** Smooth interpolation of keys `[seconds, value]`. */
 const keyed = (...keys) => (time) => {
     const next = keys.findIndex(([at]) => at > time);
     if (next === 0) return keys[0][1];
@@ -29,7 +29,7 @@ const keyed = (...keys) => (time) => {
     const share = (time - from) / (to - from);
     return before + (after - before) * share * share * (3 - 2 * share);
 };
-/** A foot: where it goes aside, and how high it is lifted on its way. */
+/** Lateral position of a foot, and its height during each step, centimetres. */
 const foot = (x, steps) => ({
     x: keyed([0, x], ...steps.flatMap(([from, to, [before, after]]) => [[from, before], [to, after]])),
     height: keyed([0, 0], ...steps.flatMap(([from, to]) => [[from, 0], [(from + to) / 2, 9], [to, 0]])),
@@ -47,14 +47,14 @@ const hips = {
     yaw: keyed([0, 0], [0.7, -10], [1.5, 0], [2.1, 10], [2.8, 0], [4.4, 0], [4.9, 8], [5.5, 8], [6, 0]),
 };
 const arms = {
-    /** How far an arm is from its side, and how far it is ahead. */
+    /** Angles of an arm from the side of the body, and ahead, degrees. */
     aside: keyed([0, 12], [0.7, 35], [1.5, 12], [2.1, 35], [2.9, 12]),
     ahead: keyed([0, 0], [2.9, 0], [3.5, 85], [3.8, 85], [4.4, 0]),
-    /** How far the right hand is up to wave. */
+    /** Fraction of the raise of the right hand, from 0 to 1. */
     wave: keyed([0, 0], [4.2, 0], [4.8, 1], [5.5, 1], [6, 0]),
 };
 
-/** The turns of a leg's joints, from the hips to the toes, that bring the ankle to its place over the ground and keep the foot level. */
+/** Rotations of a leg's joints, from hips to toes, that bring the ankle to its position and keep the foot level; degrees. */
 function leg(side, time, centre, pelvis) {
     const { x, height } = feet[side];
     const hip = multiply(pelvis, [[side === "Left" ? HIP : -HIP], [-4], [0]]).map(([value], k) => value + centre[k]);
@@ -69,7 +69,7 @@ function leg(side, time, centre, pelvis) {
     return [[degrees(swing), degrees(pitch), 0], [0, degrees(knee), 0], angles(transpose(shin)), [0, 0, 0]];
 }
 
-/** Of the collar, the upper arm, the forearm and the hand; the arms are straight aside at rest. */
+/** Rotations of collar, upper arm, forearm and hand, degrees. At rest the arms point straight sideways. */
 function arm(side, time) {
     const sign = side === "Left" ? 1 : -1;
     const wave = side === "Right" ? arms.wave(time) : 0;
@@ -90,7 +90,7 @@ function frame(time) {
     return [...centre, ...own, ...[...limbs, ...back, ...arm("Left", time), ...arm("Right", time)].flat()];
 }
 
-/** Joints one on another, from `[name, x, y, z]`, the last of them with an end. */
+/** Nested joints from `[name, x, y, z]`; the last one has an end site. */
 const chain = ([[name, ...offset], ...rest], end, more = []) => [
     `JOINT ${name}`, "{", `OFFSET ${offset.join(" ")}`, TURNS,
     ...(rest.length > 0 ? chain(rest, end, more) : ["End Site", "{", `OFFSET ${end.join(" ")}`, "}"]),

@@ -1,7 +1,7 @@
-"""OptIK in a process of its own: optik_helper.py ROBOT.urdf BASE TIP SECONDS TOLERANCE.
+"""Helper process of OptIK: optik_helper.py ROBOT.urdf BASE TIP SECONDS TOLERANCE.
 
-A line of numbers comes in (x y z qw qx qy qz, then the start) and a line goes out (the nanoseconds
-of the call, then the solution if there is one).
+Each request is a line of numbers: x y z qw qx qy qz, then the start. Each reply is a line: the nanoseconds of the
+call, then the solution if there is one.
 """
 
 import sys
@@ -23,7 +23,7 @@ def main():
     urdf, base, tip, seconds, tolerance = sys.argv[1:]
     robot = optik.Robot.from_urdf_file(urdf, base, tip)
     robot.set_parallelism(1)
-    # tol_f bounds the sum of the squared errors, metres and radians: both are then within tolerance.
+    # tol_f bounds the sum of the squared errors, metres and radians, so both are within the tolerance.
     config = optik.SolverConfig("speed", max_time=float(seconds), tol_f=float(tolerance) ** 2)
     print("ready", flush=True)
     for line in sys.stdin:

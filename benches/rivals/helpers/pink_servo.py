@@ -1,12 +1,16 @@
-"""pink beside kinopt's servo, on the lines that `example servoing LINES FOLDER` wrote.
+"""pink compared with kinopt's servo, on the lines of `example servoing LINES FOLDER`.
 
     python benches/rivals/helpers/pink_servo.py FOLDER/franka_panda.json [--lines N] [--plot line.png]
 
-pink solves one quadratic programme a tick (FrameTask of equal gain, its configuration and velocity limits,
-Levenberg-Marquardt damping 1e-2, solver DAQP) and integrates its velocity. Both are judged here by
-Pinocchio's kinematics on the joint values alone: ticks that move a joint beyond its velocity limit or its
-range, the longest move in a tick, peak to peak velocity over the last 100 ticks at rest, how far the
-tool is from its target there, and how far the end is from the start of the line.
+pink solves one quadratic programme per control cycle: a FrameTask of equal gain with its configuration and
+velocity limits, Levenberg-Marquardt damping 1e-2, solver DAQP. Its velocity is integrated.
+
+Pinocchio's kinematics judges the joint values alone:
+
+- Control cycles in which a joint exceeds its velocity limit or its range.
+- The largest joint displacement in a cycle.
+- The peak-to-peak velocity over the last 100 cycles at rest, and the tool's distance from its target there.
+- The distance of the end from the start of the line.
 """
 
 import argparse
@@ -40,7 +44,7 @@ def by_pink(model, data, indices, document, line):
         begun = time.perf_counter()
         try:
             velocity = pink.solve_ik(configuration, [task], document["tick"], solver="daqp", damping=1e-12)
-        except Exception:  # No solution within its limits: it stands.
+        except Exception:  # No solution within its limits: the arm stops.
             velocity = np.zeros(model.nv)
         configuration.integrate_inplace(velocity, document["tick"])
         micros.append(1e6 * (time.perf_counter() - begun))

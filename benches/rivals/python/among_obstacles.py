@@ -1,11 +1,12 @@
-"""Poses among obstacles, one at a time on one core: kinopt beside itself without a world, a loop that rejects by VAMP's check,
+"""Poses among obstacles, one at a time on one core: kinopt with and without a world, rejection by VAMP's check,
 OptIK and RoboPlan.
 
-``python among_obstacles.py FOLDER ROBOT [--per-kind N] [--slow N]``, from the top of the repository, in an environment with
-kinopt's wheel and requirements-obstacles.txt (VAMP, if it is there, takes part). FOLDER is one robot's of VAMP's resources: its
-``_spherized.urdf``, ``.urdf`` with meshes and ``.srdf``, and MotionBenchMaker's problems in ``problems/``. The question is the pose of
-a problem's goal, so that an answer exists; the start is the problem's. Every answer is judged by Pinocchio and coal, by the
-spheres and by the meshes.
+Usage: ``python among_obstacles.py FOLDER ROBOT [--per-kind N] [--slow N]``, in the root of the repository. The
+environment needs kinopt's wheel and requirements-obstacles.txt; VAMP takes part if it is installed.
+
+FOLDER has VAMP's resources of one robot: its ``_spherized.urdf``, ``.urdf`` with meshes, ``.srdf``, and
+MotionBenchMaker's problems in ``problems/``. A target is the pose of a problem's goal, so that a solution exists.
+The start is the problem's. Pinocchio and coal judge every solution by the spheres and by the meshes.
 """
 
 from __future__ import annotations
@@ -29,15 +30,15 @@ ROBOTS = {
     "panda": ("panda_link0", "panda_hand"),
     "ur5": ("base_link", "tool0"),
     "fetch": ("base_link", "gripper_link"),
-    "baxter": ("base", "left_gripper_base"),  # The other arm: --tip right_gripper_base.
+    "baxter": ("base", "left_gripper_base"),  # Other arm: --tip right_gripper_base.
 }
 TOLERANCE = 1e-6
-LOOSE = 1.1e-3  # RoboPlan's own, metres and radians
+LOOSE = 1.1e-3  # RoboPlan's default tolerance, metres and radians
 ATTEMPTS = 200
 
 
 class Problem:
-    """A scene of MoveIt and the goal in it."""
+    """A scene of MoveIt and its goal."""
 
     def __init__(self, request: Path) -> None:
         asked = yaml.load(request.read_text(), yaml.CSafeLoader)
@@ -71,13 +72,13 @@ class Judge:
         )
         self.shapes.addAllCollisionPairs()
         pinocchio.removeCollisionPairs(self.model, self.shapes, str(srdf))
-        # Neighbours overlap by design, spheres above all, and files do not list them all.
+        # Adjacent links overlap by design, especially with spheres, and SRDF files do not list all such pairs.
         for pair in list(self.shapes.collisionPairs):
             a, b = (self.shapes.geometryObjects[index].parentJoint for index in (pair.first, pair.second))
             if a in (b, self.model.parents[b]) or b == self.model.parents[a]:
                 self.shapes.removeCollisionPair(pair)
         self.own = len(self.shapes.geometryObjects)
-        body = pinocchio.FrameType.BODY  # A joint may have the name of its link.
+        body = pinocchio.FrameType.BODY  # A joint can have the name of its link.
         self.data, self.tip = self.model.createData(), self.model.getFrameId(tip, body)
         self.base = self.model.getFrameId(base, body)
 
@@ -107,7 +108,7 @@ class Judge:
 
 
 def vamp_check(robot: str, problem: Problem):
-    """VAMP's own check in a problem's scene."""
+    """VAMP's collision check in the scene of a problem."""
     import vamp
     from vamp.transformations import euler_from_matrix
 
@@ -125,7 +126,7 @@ def vamp_check(robot: str, problem: Problem):
 
 
 def rejection(solve, check, target, start, others):
-    """The plain question from one start after another, until the answer is free."""
+    """Solves without obstacles from one start after another until the solution is collision-free."""
     q = solve(target, start)
     for other in others:
         if q is not None and check(q):
@@ -135,7 +136,7 @@ def rejection(solve, check, target, start, others):
 
 
 def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str):
-    """RoboPlan's inverse kinematics, which checks collisions itself; among one problem's solids."""
+    """RoboPlan's inverse kinematics with its collision checks, among the solids of a problem."""
     from roboplan.core import (Box, CartesianConfiguration, Cylinder, JointConfiguration, Scene, Sphere,
                                loadUrdfSceneDescription)
     from roboplan.simple_ik import SimpleIk, SimpleIkOptions
@@ -165,7 +166,7 @@ def roboplan_solver(urdf: Path, srdf: Path, group: list, tip: str, base: str):
             found = JointConfiguration(group, np.array(start))
             try:
                 reached = solver.solveIk(goal, JointConfiguration(group, np.array(start)), found)
-            except RuntimeError:  # It draws starts that are free, and gives up where it finds none.
+            except RuntimeError:  # RoboPlan found no collision-free start.
                 return None
             return found.positions if reached else None
 
@@ -185,7 +186,7 @@ def rust(questions: dict) -> dict:
 
 
 class Row:
-    """How one contender did."""
+    """Statistics of one contender."""
 
     def __init__(self, name: str, tolerance: float = TOLERANCE) -> None:
         self.name, self.tolerance = name, tolerance
@@ -219,7 +220,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("robot", choices=ROBOTS)
     parser.add_argument("--per-kind", type=int, default=100)
-    parser.add_argument("--slow", type=int, default=10, help="problems of a kind for those that take long")
+    parser.add_argument("--slow", type=int, default=10, help="problems of each kind for slow solvers")
     parser.add_argument("--tip")
     parser.add_argument("--rounds", type=int, default=5)
     wanted = parser.parse_args()
@@ -229,7 +230,7 @@ def main() -> None:
     urdf, original = folder / f"{wanted.robot}_spherized.urdf", folder / f"{wanted.robot}.urdf"
     srdf = folder / f"{wanted.robot}.srdf"
     robot = kinopt.Robot.from_urdf(str(urdf))
-    # Fetch's names links that its URDF does not have.
+    # Removes pairs with links that are missing in the URDF, as in Fetch's file.
     lines = [line for line in srdf.read_text().splitlines()
              if all(name in robot.frame_names for name in re.findall(r'link[12]="([^"]*)"', line))]
     srdf = Path(tempfile.mkdtemp()) / srdf.name

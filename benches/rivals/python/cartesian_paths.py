@@ -1,12 +1,15 @@
-"""Whole Cartesian paths on one core: kinopt's path solver beside IKLink, a dense graph as Descartes builds it, OptIK started where
-it stood, and pink's differential steps.
+"""Whole Cartesian paths on one core: kinopt's path solver, IKLink, a dense graph like that of Descartes, OptIK
+started at the previous point, and pink's differential steps.
 
-``python cartesian_paths.py URDF BASE TIP PATH... [--iklink FOLDER] [--samples N] [--jump RADIANS]``, from anywhere, in an
-environment with kinopt's wheel and requirements-paths.txt. A PATH is a table as `kinopt path` reads it, or a problem of CppFlow's
-(``robot__name.yaml`` beside ``name.csv``), whose boxes only those that can keep clear of anything keep clear of. FOLDER is a clone of
-uwgraphics/IKLink in which ``cargo build --release`` was run; it solves a path only where its own settings know the robot.
-Every answer is judged by Pinocchio: a point counts within 1e-4 m and rad (IKLink's own check is wider), a jump is a step in which a joint
-moves further than 0.2 rad, or faster than its limit where the path has times.
+Usage: ``python cartesian_paths.py URDF BASE TIP PATH... [--iklink FOLDER] [--samples N] [--jump RADIANS]``. The
+environment needs kinopt's wheel and requirements-paths.txt.
+
+A PATH is a table for `kinopt path`, or a problem of CppFlow (``robot__name.yaml`` next to ``name.csv``). Only
+contenders with collision avoidance use its boxes. FOLDER is a built clone of uwgraphics/IKLink (``cargo build
+--release``). IKLink solves a path only if its settings include the robot.
+
+Pinocchio judges every solution. A point counts within 1e-4 m and rad (IKLink's own check is wider). A jump is a
+step in which a joint moves by more than 0.2 rad, or exceeds its velocity limit if the path has times.
 """
 
 from __future__ import annotations
@@ -33,7 +36,7 @@ MARGIN = 0.0
 
 
 class Asked:
-    """A path: placements of the tip in the base, times if there are any, boxes in the way."""
+    """A path: placements of the tip in the base frame, times if there are any, and boxes as obstacles."""
 
     def __init__(self, file: Path, judge: Judge) -> None:
         self.name, self.boxes = file.stem, []
@@ -42,7 +45,7 @@ class Asked:
         if file.suffix == ".yaml":
             told = yaml.safe_load(file.read_text())
             table = file.with_name(told["path_name"] + ".csv")
-            # From a frame's place at rest; each orientation is turned by itself.
+            # Positions are relative to a frame's placement at rest; each orientation is rotated separately.
             world_from_path = judge.at_rest(told["path_offset_frame"])
             world_from_path.translation += np.array(told["path_xyz_offset"])
             base_from_path = judge.at_rest(judge.base).actInv(world_from_path)
@@ -67,7 +70,7 @@ class Asked:
 
 
 class Judge:
-    """Pinocchio on the same file, and the joints that the contenders answer for."""
+    """Pinocchio's model of the same file, and the joints of the contenders' solutions."""
 
     def __init__(self, urdf: str, base: str, tip: str, names: list[str], jump: float) -> None:
         self.model = pinocchio.buildModelFromUrdf(urdf)
@@ -80,14 +83,14 @@ class Judge:
         self.jump = jump
 
     def at_rest(self, frame: str) -> pinocchio.SE3:
-        """Where a frame is in the world with every joint at zero."""
+        """Placement of a frame in the world with every joint at zero."""
         if frame == "world":
             return pinocchio.SE3.Identity()
         pinocchio.framesForwardKinematics(self.model, self.data, pinocchio.neutral(self.model))
         return self.data.oMf[self.model.getFrameId(frame)].copy()
 
     def whole(self, q: np.ndarray) -> np.ndarray:
-        """Pinocchio's configuration, in which a joint without limits is a cosine and a sine."""
+        """Pinocchio's configuration, in which an unbounded joint is a cosine and a sine."""
         whole = pinocchio.neutral(self.model)
         for value, joint in zip(q, self.joints):
             own = [np.cos(value), np.sin(value)] if joint.nq == 2 else [value]
@@ -95,7 +98,7 @@ class Judge:
         return whole
 
     def angles(self, whole: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The joints of such a configuration, those without limits as many turns on as is nearest."""
+        """Joint values of such a configuration. Unbounded joints get the nearest value up to full turns."""
         q = np.array(near)
         for index, joint in enumerate(self.joints):
             own = whole[joint.idx_q:joint.idx_q + joint.nq]
@@ -138,8 +141,9 @@ def by_kinopt(arm: kinopt.Arm, asked: Asked, rounds: int, keep_times: bool = Fal
 
 
 def by_dense_graph(arm: kinopt.Arm, asked: Asked, samples: int, jump: float) -> tuple[np.ndarray, float]:
-    """As Descartes does: so many solutions of each point on their own, all edges between neighbours, dynamic programming for
-    fewest jumps, then length. The solutions are kinopt's, found in batches from random starts."""
+    """Dense graph as in Descartes: n solutions per point, and all edges between neighbours. Dynamic programming
+    finds the fewest jumps, then the shortest length. kinopt computes the solutions in batches from random starts.
+    """
     begun = time.process_time()
     random = np.random.default_rng(1)
     lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
@@ -156,7 +160,7 @@ def by_dense_graph(arm: kinopt.Arm, asked: Asked, samples: int, jump: float) -> 
             steps = np.abs(layer[:, None] - layers[-1][None])
             jumps = cost[None, :, 0] + (steps > jump).any(axis=2)
             lengths = cost[None, :, 1] + np.linalg.norm(steps, axis=2)
-            # Jumps first: no path is a thousand radians long.
+            # Jumps have priority: no path is a thousand radians long.
             chosen = (1e6 * jumps + lengths).argmin(axis=1)
             rows = np.arange(len(layer))
             cost = np.stack([jumps[rows, chosen], lengths[rows, chosen]], axis=1)
@@ -184,7 +188,7 @@ def by_optik(urdf: str, base: str, tip: str, asked: Asked, start: np.ndarray) ->
 
 
 def by_pink(judge: Judge, asked: Asked, start: np.ndarray) -> tuple[np.ndarray, float]:
-    """Differential steps at each point until it is met or they do not help; the base is taken to stand at the origin."""
+    """Differential steps at each point until it is reached or a step fails."""
     configuration = pink.Configuration(judge.model, judge.data, judge.whole(start))
     task = FrameTask(judge.tip, position_cost=1.0, orientation_cost=1.0)
     pinocchio.framesForwardKinematics(judge.model, judge.data, pinocchio.neutral(judge.model))
@@ -208,7 +212,7 @@ def by_pink(judge: Judge, asked: Asked, start: np.ndarray) -> tuple[np.ndarray, 
 
 
 def by_iklink(folder: Path, robot: str, asked: Asked, names: list[str]) -> tuple[np.ndarray, float]:
-    """Its own program, in a copy of its folders, on this path alone."""
+    """IKLink's program on this path alone, in a copy of its folders."""
     with tempfile.TemporaryDirectory() as place:
         shutil.copytree(folder / "configs", Path(place) / "configs")
         for own in ("input_trajectories", "output_motions"):
@@ -236,8 +240,8 @@ def main() -> None:
     parser.add_argument("tip")
     parser.add_argument("paths", type=Path, nargs="+")
     parser.add_argument("--iklink", type=Path)
-    parser.add_argument("--iklink-robot", default="panda", help="by what name its settings know the robot")
-    parser.add_argument("--samples", type=int, default=200, help="solutions a point of the dense graph")
+    parser.add_argument("--iklink-robot", default="panda", help="robot name in IKLink's settings")
+    parser.add_argument("--samples", type=int, default=200, help="solutions per point of the dense graph")
     parser.add_argument("--jump", type=float, default=0.2)
     parser.add_argument("--rounds", type=int, default=5)
     wanted = parser.parse_args()
@@ -264,7 +268,7 @@ def main() -> None:
             ("dense graph", lambda: by_dense_graph(arm, asked, wanted.samples, wanted.jump)),
             ("pink, from where it stood", lambda: by_pink(judge, asked, start)),
         ]
-        # OptIK knows no slides: it aborts the process.
+        # OptIK does not support prismatic joints: it aborts the process.
         if not judge.slides:
             contenders.append(
                 ("OptIK, from where it stood", lambda: by_optik(wanted.urdf, wanted.base, wanted.tip, asked, start)))

@@ -1,4 +1,4 @@
-"""What gpu_batches.py asks in which batches, and what each contender took and said."""
+"""Batch sizes of gpu_batches.py, and the recorded times and solutions of each contender."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ CALLS = {1: 200, 100: 20, 1_000: 12, 10_000: 10}
 
 
 class Answers:
-    """What one contender took and said; written as it goes, so that what breaks later loses nothing. A row measured again is replaced."""
+    """Times and solutions of one contender, saved after each row, so that a crash loses nothing. A new measurement
+    replaces the row.
+    """
 
     def __init__(self, folder: Path, who: str, about: dict) -> None:
         self.folder, self.who = folder, who
@@ -24,7 +26,9 @@ class Answers:
             self.answers = dict(np.load(folder / f"{who}.npz"))
 
     def take(self, name: str, kind: str, batch: int, pool: int, prepared: float, call, fetch) -> None:
-        """`call(block)` with the numbers of the questions is timed until all is computed; `fetch` makes joint values of its answer."""
+        """Times `call(block)` until all results are computed; block has the indices of the queries. `fetch` extracts
+        joint values.
+        """
         answers, times = {}, []
         blocks = pool // batch
         for number in range(-2, CALLS[batch]):

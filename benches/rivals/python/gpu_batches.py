@@ -1,12 +1,15 @@
-"""Batches of poses on a GPU beside kinopt on the processor: PyRoki and cuRobo, plain and among obstacles, in one run.
+"""Batches of poses on a GPU compared with kinopt on the processor: PyRoki and cuRobo, with and without obstacles, in
+one run.
 
-``python gpu_batches.py CUROBO [--steps ask,kinopt,pyroki,curobo,judge] [--to FOLDER]``, from the top of the repository, in an environment
-with kinopt's wheel and requirements-gpu.txt. CUROBO is a checkout of cuRobo, whose Panda and spheres all are asked about. Each step is a
-process of its own and leaves its files in FOLDER, so that questions may be drawn and judged on one machine and answered on another.
+Usage: ``python gpu_batches.py CUROBO [--steps ask,kinopt,pyroki,curobo,judge] [--to FOLDER]``, in the root of the
+repository. The environment needs kinopt's wheel and requirements-gpu.txt. CUROBO is a checkout of cuRobo, whose
+Panda and spheres define the queries. Each step is a separate process that leaves its files in FOLDER, so steps
+can run on different machines.
 
-The poses are those of random configurations within the limits; among obstacles, of configurations whose spheres touch nothing, by the
-judge, by kinopt, by cuRobo's padded spheres and by PyRoki's capsules. There are two worlds, of what each rival has exactly: 30 boxes
-for cuRobo, 15 spheres and 15 capsules for PyRoki. The judge is Pinocchio in double precision, and distances of spheres in closed form.
+Targets are poses of random configurations within the limits. Among obstacles the configurations are
+collision-free by the judge, by kinopt, by cuRobo's padded spheres and by PyRoki's capsules. Each rival has a
+world of shapes that it supports exactly: 30 boxes for cuRobo, 15 spheres and 15 capsules for PyRoki. The judge is
+Pinocchio in double precision, with distances of spheres in closed form.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ import numpy as np
 
 from gpu_answers import BASE, BATCHES, TIP, Answers
 
-FINGER = 0.04  # As cuRobo locks them, metres
+FINGER = 0.04  # Position at which cuRobo locks the fingers, metres
 POOL = 10_000
 CLEAR_POOL = 1_000
 TOLERANCES = {"5 mm, 0.05 rad": (5e-3, 0.05), "1e-3 m, 1e-2 rad": (1e-3, 1e-2), "1e-6": (1.001e-6, 1.001e-6)}
@@ -39,7 +42,7 @@ def configuration(curobo: Path) -> dict:
 
 
 def write_robots(curobo: Path, folder: Path) -> None:
-    """cuRobo's Panda with its fingers fixed where cuRobo locks them: with its meshes, and with cuRobo's spheres for its shapes."""
+    """Writes cuRobo's Panda with fixed fingers: once with its meshes, and once with cuRobo's spheres as shapes."""
     content = curobo / "curobo/content/assets/robot/franka_description"
     spheres = configuration(curobo)["collision_spheres"]
     for name, with_spheres in (("panda.urdf", False), ("panda_spheres.urdf", True)):
@@ -69,7 +72,7 @@ def write_robots(curobo: Path, folder: Path) -> None:
 
 
 def turned(random: np.random.Generator, count: int) -> np.ndarray:
-    """Random quaternions w, x, y, z, (count, 4)."""
+    """Random quaternions w, x, y, z, shape (count, 4)."""
     drawn = random.normal(size=(count, 4))
     return drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
 
@@ -83,7 +86,9 @@ def matrices(quaternions: np.ndarray) -> np.ndarray:
 
 
 def draw_worlds(random: np.random.Generator) -> dict:
-    """Around the arm, none nearer to its axis than 0.3 m: 30 boxes; 15 spheres and 15 capsules. Metres."""
+    """Random worlds around the arm, at least 0.3 m from its axis: 30 boxes; 15 spheres and 15 capsules. Lengths are
+    in metres.
+    """
     around = random.uniform(-np.pi, np.pi, 60)
     far, high = random.uniform(0.45, 0.85, 60), random.uniform(0.05, 1.0, 60)
     at = np.stack([far * np.cos(around), far * np.sin(around), high], axis=1)
@@ -97,7 +102,7 @@ def draw_worlds(random: np.random.Generator) -> dict:
 
 
 class Judge:
-    """Forward kinematics by Pinocchio, spheres by closed forms."""
+    """Forward kinematics by Pinocchio, and sphere distances in closed form."""
 
     def __init__(self, folder: Path, worlds: dict) -> None:
         import pinocchio
@@ -133,7 +138,7 @@ class Judge:
         return bool((apart >= radii[self.first] + radii[self.second]).all())
 
     def clear_of(self, world: str, centres: np.ndarray) -> float:
-        """The least distance of the spheres to what stands there, metres."""
+        """Smallest distance of the spheres to a world, metres."""
         if world == "plain":
             return np.inf
         w = self.worlds
@@ -152,7 +157,7 @@ class Judge:
 
 
 def world_of(kind: str, worlds: dict):
-    """kinopt's world."""
+    """kinopt's world of this kind."""
     import kinopt
 
     def placed(at, turn=(1.0, 0.0, 0.0, 0.0)):
@@ -267,7 +272,7 @@ def by_kinopt(folder: Path, questions: dict) -> None:
 def judged(folder: Path, questions: dict) -> None:
     judge = Judge(folder, questions)
     lower, upper = judge.model.lowerPositionLimit, judge.model.upperPositionLimit
-    single = 1e-6 * (upper - lower)  # What single precision makes of a limit
+    single = 1e-6 * (upper - lower)  # Rounding of a limit in single precision
     rows = {}
     for who in ("kinopt", "pyroki", "curobo"):
         if not (folder / f"{who}.json").exists():
@@ -311,14 +316,14 @@ def main() -> None:
     parser.add_argument("curobo", type=Path, help="a checkout of cuRobo")
     parser.add_argument("--steps", default="ask,kinopt,pyroki,curobo,judge")
     parser.add_argument("--to", type=Path, default=Path("target/rivals/gpu-batches"))
-    parser.add_argument("--kinds", default="plain,boxes,rounds", help="poses alone, among boxes, among spheres and capsules")
+    parser.add_argument("--kinds", default="plain,boxes,rounds", help="plain poses, among boxes, among spheres and capsules")
     wanted = parser.parse_args()
     for kind in set(BATCHES) - set(wanted.kinds.split(",")):
         del BATCHES[kind]
     steps, folder = wanted.steps.split(","), wanted.to
     folder.mkdir(parents=True, exist_ok=True)
     if len(steps) > 1:
-        for step in steps:  # What one rival does to the GPU's memory or a fault in it is nothing to the next.
+        for step in steps:  # Separate processes: a GPU fault of one rival does not affect the next.
             subprocess.run([sys.executable, __file__, str(wanted.curobo), "--steps", step, "--to", str(folder),
                             "--kinds", wanted.kinds])
         return

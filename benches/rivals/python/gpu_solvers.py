@@ -1,4 +1,4 @@
-"""What PyRoki and cuRobo are asked in gpu_batches.py, as their authors ask them."""
+"""PyRoki and cuRobo for gpu_batches.py, with the settings of their authors."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ import numpy as np
 
 from gpu_answers import BATCHES, TIP, Answers
 
-# JAX would take most of the GPU's memory at once.
+# Without this JAX would allocate most of the GPU's memory.
 os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
 
-# Seeds of the first solves and how many of them are gone on with, steps of both: PyRoki's own benchmark/ik_benchmark.py.
+# Seeds of the first solves, number of kept seeds, and steps of both phases, as in PyRoki's benchmark/ik_benchmark.py.
 BEAM = {"seeds": 64, "kept": 4, "first": 6, "then": 10}
-# Starts for PyRoki's example with collisions, which has one: the best free one counts.
+# Number of starts for PyRoki's example with collisions, which has one start. The best collision-free solution counts.
 CLEAR_STARTS = 32
 
 
 def quaternion(matrices: np.ndarray) -> np.ndarray:
-    """w, x, y, z."""
+    """Quaternions w, x, y, z."""
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_matrix(matrices).as_quat()[:, [3, 0, 1, 2]]
 
 
 class PyRoki:
-    """Its robot, its capsules and its costs."""
+    """PyRoki's robot, capsules and costs."""
 
     def __init__(self, curobo: Path, folder: Path, worlds: dict) -> None:
         import jax.numpy as jnp
@@ -42,7 +42,7 @@ class PyRoki:
         self.robot = pk.Robot.from_urdf(urdf)
         ignored = json.loads((folder / "spheres.json").read_text())["ignored"]
         pairs = tuple((first, second) for first, others in ignored.items() for second in others)
-        pairs += (("panda_link3", "panda_link5"),)  # Its capsules touch in nine configurations of ten.
+        pairs += (("panda_link3", "panda_link5"),)  # These capsules overlap in nine of ten configurations.
         self.shapes = pk.collision.RobotCollision.from_urdf(urdf, user_ignore_pairs=pairs)
         self.tip = jnp.array(self.robot.links.names.index(TIP))
         self.world = [
@@ -51,7 +51,7 @@ class PyRoki:
         ]
 
     def distance(self, q):
-        """The least distance of its capsules to each other and to the world, metres."""
+        """Smallest distance of the capsules to each other and to the world, metres."""
         import jax.numpy as jnp
 
         told = [self.shapes.compute_self_collision_distance(self.robot, q).min()]
@@ -59,7 +59,7 @@ class PyRoki:
         return jnp.stack(told).min()
 
     def starts(self, count: int):
-        """Roberts' sequence over the limits, as its benchmark begins."""
+        """Roberts' sequence over the limits, as in PyRoki's benchmark."""
         import jax.numpy as jnp
 
         number = self.robot.joints.num_actuated_joints
@@ -76,7 +76,7 @@ class PyRoki:
         return jaxlie.SE3.from_rotation_and_translation(jaxlie.SO3(wxyz), at)
 
     def plain(self, wxyz, at):
-        """"IK-Beam" of its benchmark: a few steps from many seeds, then more from the best."""
+        """IK-Beam of PyRoki's benchmark: a few steps from many seeds, then more from the best ones."""
         import jax
         import jax.numpy as jnp
         import jaxls
@@ -100,7 +100,9 @@ class PyRoki:
         return last[jnp.argmin(costs)]
 
     def clear(self, wxyz, at):
-        """Its example with collisions (_solve_ik_with_collision.py) from many starts, of which the best free one counts."""
+        """PyRoki's example with collisions (_solve_ik_with_collision.py) from many starts; returns the best
+        collision-free solution.
+        """
         import jax
         import jax.numpy as jnp
         import jaxlie
@@ -128,7 +130,7 @@ class PyRoki:
 
 
 def capsules_touch(curobo: Path, folder: Path, worlds: dict, configurations: np.ndarray) -> np.ndarray:
-    """Which configurations touch by PyRoki's capsules."""
+    """Flags configurations that are in collision by PyRoki's capsules."""
     import jax
 
     return np.array(jax.jit(jax.vmap(PyRoki(curobo, folder, worlds).distance))(configurations) <= 0)
@@ -153,7 +155,7 @@ def by_pyroki(curobo: Path, folder: Path, questions: dict) -> None:
         example = [jax.ShapeDtypeStruct((batch, wide), np.float32) for wide in (4, 3)]
         return jax.jit(jax.vmap(solve)).lower(*example).compile(), time.perf_counter() - begun
 
-    with ThreadPoolExecutor(len(jobs)) as pool:  # XLA compiles without Python's lock.
+    with ThreadPoolExecutor(len(jobs)) as pool:  # XLA compiles without the GIL.
         ready = list(pool.map(compiled, jobs))
     for (name, kind, batch, _), (program, prepared) in zip(jobs, ready):
         targets = questions[f"{kind}_targets"]
@@ -185,18 +187,18 @@ def by_curobo(curobo: Path, folder: Path, questions: dict) -> None:
         robot = yaml.safe_load(told)["robot_cfg"]
         settings = {"robot": robot, "use_cuda_graph": True, "max_batch_size": batch}
         if kind == "plain":
-            robot["kinematics"]["collision_link_names"] = None  # As its benchmark asks plain poses.
+            robot["kinematics"]["collision_link_names"] = None  # As in cuRobo's benchmark of plain poses.
             settings["self_collision_check"] = False
         else:
             settings["scene_model"] = {"cuboid": {name: {"pose": pose, "dims": size} for name, pose, size in boxes}}
-        if own:  # As its benchmark/ik_benchmark.py has it for the Panda.
+        if own:  # As in cuRobo's benchmark/ik_benchmark.py for the Panda.
             settings |= {"optimizer_configs": ["ik/lbfgs_ik.yml"], "num_seeds": 2 if kind == "plain" else 8,
                          "optimizer_collision_activation_distance": 0.0025}
         return InverseKinematics(InverseKinematicsCfg.create(**settings))
 
     names = {True: "cuRobo, its benchmark's settings", False: "cuRobo, defaults"}
     jobs = [(names[own], kind, batch, own) for own in names for kind in ("plain", "boxes") for batch in BATCHES.get(kind, ())]
-    jobs.sort(key=lambda job: job[2] > 1_000)  # A fault of the GPU ends the process: 10 000 at once was one.
+    jobs.sort(key=lambda job: job[2] > 1_000)  # A GPU fault ends the process, as happened with 10 000 poses at once.
     for name, kind, batch, own in jobs:
         begun = time.perf_counter()
         targets = questions[f"{kind}_targets"]
@@ -210,7 +212,7 @@ def by_curobo(curobo: Path, folder: Path, questions: dict) -> None:
 
         asked = solver(kind, batch, own)
         asked.config.exit_early = False
-        for _ in range(3):  # As its benchmark warms up: all stages, with their graphs
+        for _ in range(3):  # As in cuRobo's benchmark: warm-up of all stages with their graphs
             asked.solve_pose(goals(np.arange(batch)))
         asked.config.exit_early = True
         torch.cuda.synchronize()

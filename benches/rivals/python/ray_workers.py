@@ -1,10 +1,10 @@
-"""A million Panda poses through kinopt.ray by 1 and by 2 workers: the same bits as without Ray, how well two share the work, and what a
-killed worker costs.
+"""A million Panda poses through kinopt.ray by 1 and by 2 workers: equality with results without Ray, scaling, and
+the cost of a killed worker.
 
     python benches/rivals/python/ray_workers.py [POSES] [RUNS]
 
-Wall time is from the first pose to the last, which other programs on the machine disturb; the workers' processor time, for reading, solving
-and writing, they disturb less. Starting Ray and its workers comes on top.
+Wall time is from the first pose to the last, and depends on other programs on the machine. The workers' processor
+time for reading, solving and writing depends less on them. The start of Ray and of its workers is not included.
 """
 
 import os
@@ -28,7 +28,7 @@ FURTHER = float(os.environ.get("FURTHER", 0.1))
 
 
 class Timed(kinopt.ray.SolveArm):
-    """Notes when its process was done with a table, by the clock and in processor time."""
+    """Records the wall time and processor time of each finished table."""
 
     def __call__(self, targets):
         begun = time.time()
@@ -43,7 +43,7 @@ def noted(folder):
 
 
 def run(folder, targets, arm, workers, kill=False):
-    """Answers, poses a second, processor seconds a pose, and how long it all took."""
+    """Solutions, poses per second, processor seconds per pose, and the total time."""
     answers, notes = folder / f"answers-{time.time()}", folder / f"notes-{time.time()}"
     notes.mkdir()
     solver = Timed(arm)
@@ -65,7 +65,7 @@ def run(folder, targets, arm, workers, kill=False):
     told = noted(notes)
     span = max(times[-1, 1] for times in told.values()) - min(times[0, 0] for times in told.values())
     blocks = sum(len(times) for times in told.values())
-    # Between a worker's first block and its last: without its start.
+    # From a worker's first block to its last, without its start.
     seconds = sum(times[-1, 2] - times[0, 2] for times in told.values()) / (blocks - len(told))
     table = dataset.to_table()
     return table, table.num_rows / span, seconds * blocks / table.num_rows, took, len(told), killed
@@ -76,8 +76,8 @@ def main():
     arm = kinopt.Arm(kinopt.Robot.from_urdf(ROOT / "models" / "franka_panda.urdf"), "base", "flange")
     q = np.random.default_rng(2026).uniform(arm.lower, arm.upper, (count, 7))
     targets = arm.base_from_tool(q)
-    # Some further out, most of them out of reach, which takes a hundred times as long to find out: without them the whole million is a
-    # second's work, less than it takes to start a worker.
+    # Some targets are moved outward. Most of these are out of reach, which takes a hundred times longer to detect.
+    # Without them a million poses take about a second, less than the start of a worker.
     outward = targets[:: round(1 / FURTHER)] if FURTHER else targets[:0]
     outward[:, :3, 3] *= 1 + 0.3 / np.linalg.norm(outward[:, :3, 3], axis=1, keepdims=True)
     begun = time.process_time()

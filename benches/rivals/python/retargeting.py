@@ -1,15 +1,29 @@
-"""People's movements on the G1, on one core: kinopt frame by frame and as a whole, GMR's loop on mink and DAQP, and holosoma-retargeting.
+"""Movements of people on the G1, on one core: kinopt frame by frame and as one problem, GMR's loop on mink and DAQP,
+and holosoma-retargeting.
 
-``python retargeting.py G1.urdf MAP.json CAPTURE... [--gmr CONFIG.json --gmr-model G1.xml] [--holosoma FOLDER] [--frames N]``, from anywhere, in an
-environment with kinopt's wheel and requirements-retargeting.txt. MAP says which joint drives which link, as of ``kinopt retarget``; a CAPTURE is a
-.npy (frames, joints, 3) of the MAP's joints or a .bvh, which kinopt's own map is taken for. CONFIG and G1.xml are GMR's
-(``general_motion_retargeting/ik_configs/bvh_to_g1.json`` and ``assets/unitree_g1/g1_mocap_29dof.xml`` of YanjieZe/GMR). FOLDER is
-``holosoma_retargeting`` of its unpacked wheel; it solves the captures that it ships, every fourth frame, and its evaluator judges all.
+Usage: ``python retargeting.py G1.urdf MAP.json CAPTURE... [--gmr CONFIG.json --gmr-model G1.xml] [--holosoma
+FOLDER] [--frames N]``. The environment needs kinopt's wheel and requirements-retargeting.txt.
 
-What is told: frames a second of processor time; how far limbs are off, after one scale and shift of the whole movement; how far bones' directions
-are; how far a toe strays while the person's stands, in the mean and at most; root mean square jerk of the joints at a fourth of the rate; numbers
-beyond limits of position and steps beyond those of speed. By holosoma's evaluator, at a fourth of the rate: frames deeper than 1 cm in the floor or
-a box, the deepest, frames with sliding toes of those that stand, and with all of the person's contacts with boxes kept.
+- MAP is a body map of ``kinopt retarget``.
+- A CAPTURE is a .npy (frames, joints, 3) of the MAP's joints, or a .bvh, for which kinopt guesses the map.
+- CONFIG and G1.xml are GMR's ``general_motion_retargeting/ik_configs/bvh_to_g1.json`` and
+  ``assets/unitree_g1/g1_mocap_29dof.xml`` (YanjieZe/GMR).
+- FOLDER is ``holosoma_retargeting`` of the unpacked wheel. It solves its own captures, every fourth frame, and its
+  evaluator judges all movements.
+
+Columns by Pinocchio:
+
+- Frames per second of processor time.
+- Mean position error of limbs after one scale and shift of the whole movement, and mean angle between bones.
+- Drift of a toe during foot contacts of the subject: mean and maximum.
+- Root mean square jerk of the joints at a fourth of the rate.
+- Number of values beyond position limits, and of steps beyond velocity limits.
+
+Columns by holosoma's evaluator, at a fourth of the rate:
+
+- Frames with penetration of the floor or a box by more than 1 cm, and the largest penetration.
+- Contact frames with sliding toes.
+- Frames that keep all of the subject's contacts with boxes.
 """
 
 from __future__ import annotations
@@ -20,7 +34,7 @@ import os
 import time
 from pathlib import Path
 
-# One core for all.
+# One core for every solver.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import kinopt
 import numpy as np
@@ -37,7 +51,7 @@ ROUNDS = 3
 
 
 class Asked:
-    """A capture, in metres with z upward."""
+    """A capture, in metres with z up."""
 
     def __init__(self, file: Path, told: dict, fps: float, unit: float, frames: int | None) -> None:
         self.name, self.own_map = file.stem, file.suffix == ".bvh"
@@ -71,13 +85,13 @@ def main() -> None:
     parser.add_argument("urdf")
     parser.add_argument("map", type=Path)
     parser.add_argument("captures", type=Path, nargs="+")
-    parser.add_argument("--fps", type=float, default=120.0, help="of arrays")
-    parser.add_argument("--unit", type=float, default=0.056444, help="metres of a .bvh's unit, CMU's unless told")
-    parser.add_argument("--frames", type=int, help="the first frames alone")
+    parser.add_argument("--fps", type=float, default=120.0, help="frames per second of arrays")
+    parser.add_argument("--unit", type=float, default=0.056444, help="metres per unit of a .bvh (default: CMU's)")
+    parser.add_argument("--frames", type=int, help="maximum number of frames")
     parser.add_argument("--gmr", type=Path)
     parser.add_argument("--gmr-model", type=Path)
     parser.add_argument("--holosoma", type=Path)
-    parser.add_argument("--holosoma-frames", type=int, help="so many frames at most for its solver, which takes long")
+    parser.add_argument("--holosoma-frames", type=int, help="maximum number of frames for its slow solver")
     wanted = parser.parse_args()
     told = json.loads(wanted.map.read_text())
     drives = told["drives"].get(Path(wanted.urdf).name, told["drives"])
@@ -121,7 +135,7 @@ def main() -> None:
 
 
 def holosoma_joints(robot: kinopt.Robot) -> list[str]:
-    """Of the same file in the same order, as MuJoCo's tree has it."""
+    """Joint names in the order of the same file in MuJoCo."""
     return [name for name in robot.model.joint_names if name.endswith("_joint")]
 
 

@@ -1,8 +1,11 @@
-"""GMR's loop (Ze et al. 2025, "GMR: General Motion Retargeting", arXiv 2510.02252) on mink and DAQP, frame by frame, with the tables of one of
-its own configurations: which link follows which body in which of two stages, with what weights, offsets and scales.
+"""GMR's loop on mink and DAQP, frame by frame (Ze et al. 2025, "GMR: General Motion Retargeting", arXiv 2510.02252).
 
-GMR takes captures that have rotations. Arrays of places have none, so bodies get theirs here from their bones and the planes in which knees and
-elbows bend, in the axes that the configuration's offsets lead back to those of the robot's links.
+The tables are from one of its configurations: the link of each body in both stages, with weights, offsets and
+scales.
+
+GMR reads captures with rotations. Position arrays have none, so the body rotations are computed from the bones
+and the planes in which knees and elbows bend. Their axes are those from which the configuration's offsets lead to
+the robot's links.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-# As its program sets them.
+# Settings of GMR's program.
 MOST_STEPS, LEAST_GAIN, DAMPING, TASK_DAMPING, HEIGHT = 10, 0.001, 0.5, 1.0, 1.75
 
 
@@ -26,7 +29,7 @@ def unit(v: np.ndarray) -> np.ndarray:
 
 
 def frame(*, x: np.ndarray | None = None, z: np.ndarray | None = None, y: np.ndarray) -> np.ndarray:
-    """Axes with x or z along a bone, and y as near to the one given as that allows."""
+    """Axes with x or z along a bone, and y as close to the given one as possible."""
     along = unit(x if z is None else z)
     y = unit(y - along * (along * y).sum(-1, keepdims=True))
     other = np.cross(y, along) if z is not None else np.cross(along, y)
@@ -34,13 +37,13 @@ def frame(*, x: np.ndarray | None = None, z: np.ndarray | None = None, y: np.nda
 
 
 def least_turn(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """``axis``, turned as the shortest arc turns ``start`` onto ``end``."""
+    """Rotates ``axis`` by the shortest arc from ``start`` to ``end``."""
     cross, cosine = np.cross(start, end), (start * end).sum(-1, keepdims=True)
     return axis + np.cross(cross, axis) + np.cross(cross, np.cross(cross, axis)) / np.maximum(1 + cosine, 1e-3)
 
 
 def body_frames(joints: list[str], at: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Where each body is and how it is turned, frame by frame: (T, 3) and (T, 3, 3), in metres with z upward."""
+    """Position and rotation of each body, frame by frame: (T, 3) and (T, 3, 3), in metres with z up."""
     place = {name: at[:, k] for k, name in enumerate(joints)}
     chest = next(place[name] for name in ("Spine2", "Spine1", "Spine") if name in place)
     left_hip = place["LeftUpLeg"] - place["RightUpLeg"]
@@ -51,10 +54,10 @@ def body_frames(joints: list[str], at: np.ndarray) -> dict[str, tuple[np.ndarray
     for side in ("Left", "Right"):
         hip, knee, ankle, toe = (place[side + name] for name in ("UpLeg", "Leg", "Foot", "ToeBase"))
         shoulder, elbow, hand = (place[side + name] for name in ("Arm", "ForeArm", "Hand"))
-        # A straight leg bends about the hips' line, a straight arm as it hangs from the chest.
+        # A straight leg bends about the hips' line; a straight arm bends as it does when it hangs from the chest.
         bend = np.cross(unit(knee - hip), unit(ankle - knee)) + 0.1 * unit(left_hip)
         thigh, shin = frame(z=hip - knee, y=bend), frame(z=knee - ankle, y=bend)
-        # How far the line to the toe slopes where the foot stands.
+        # Slope of the line from ankle to toe during foot contact.
         heights = np.quantile(ankle[:, 2], 0.05) - np.quantile(toe[:, 2], 0.05)
         slope = np.arcsin(np.clip(heights / np.median(np.linalg.norm(toe - ankle, axis=1)), -0.9, 0.9))
         raw = frame(x=toe - ankle, y=shin[..., 1])
@@ -72,7 +75,7 @@ def body_frames(joints: list[str], at: np.ndarray) -> dict[str, tuple[np.ndarray
 
 
 def kinematics_of(file: Path) -> mujoco.MjModel:
-    """A robot's MJCF without its shapes, which the loop does not look at."""
+    """A robot's MJCF without its shapes, which the loop does not use."""
     tree = ElementTree.parse(file)
     for parent in list(tree.iter()):
         for child in list(parent):
@@ -82,7 +85,7 @@ def kinematics_of(file: Path) -> mujoco.MjModel:
 
 
 class Loop:
-    """Its two stages for one robot by one configuration."""
+    """GMR's two stages for one robot and one configuration."""
 
     def __init__(self, model: Path, configuration: Path, height: float = HEIGHT) -> None:
         told = json.loads(configuration.read_text())
@@ -117,7 +120,7 @@ class Loop:
         return self._error(stage)
 
     def advance(self, bodies: dict[str, tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-        """One frame: targets scaled about the root, then both stages, each as long as it wins enough."""
+        """Solves one frame: targets are scaled about the root, then both stages run until their gain is small."""
         root, placed = bodies[self.root][0], {}
         for body, (offset, turn) in self.offsets.items():
             at, quaternion = bodies[body]
@@ -136,7 +139,7 @@ class Loop:
         return self.robot.data.qpos.copy()
 
     def joints(self) -> list[str]:
-        """The hinges, in the order of its numbers after the base's seven."""
+        """Names of the hinges, in the order of the configuration after the seven values of the base."""
         hinges = range(1, self.model.njnt)
         return [mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_JOINT, k) for k in hinges]
 

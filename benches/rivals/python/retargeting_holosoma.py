@@ -1,5 +1,8 @@
-"""``holosoma-retargeting`` (PyPI, Apache-2.0): its retargeter on its own captures of climbing, and its evaluator's measures for any movement
-of the G1 among its boxes. FOLDER holds the unpacked package; both work in it, as their paths are relative, and write scaled scenes there.
+"""``holosoma-retargeting`` (PyPI, Apache-2.0): its retargeter on its own climbing captures, and the measures of its
+evaluator.
+
+The evaluator accepts any movement of the G1 among its boxes. FOLDER has the unpacked package. Both run inside it,
+because their paths are relative, and write scaled scenes there.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ class Holosoma:
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
         sys.path.insert(0, str(self.folder.parent))
-        # Only captures of other kinds need these two, which weigh gigabytes: while it is imported something stands for them.
+        # Only other kinds of captures need these large packages, so empty modules replace them during the import.
         stand_ins = [name for name in ("torch", "smplx") if importlib.util.find_spec(name) is None]
         for name in stand_ins:
             sys.modules[name] = types.ModuleType(name)
@@ -45,7 +48,7 @@ class Holosoma:
             os.chdir(before)
 
     def task(self, capture: np.ndarray) -> str | None:
-        """Which of its tasks has this capture."""
+        """Name of the task with this capture, or None."""
         for file in sorted((self.folder / "demo_data/climb").glob("*/*.npy")):
             own = np.load(file, mmap_mode="r")
             if own.shape == capture.shape and np.allclose(own, capture, atol=1e-6):
@@ -53,7 +56,9 @@ class Holosoma:
         return None
 
     def retarget(self, task: str, frames: int | None) -> tuple[np.ndarray, float]:
-        """Its program with the settings of its README, at the rate that it takes of a capture; the seconds are its solver's."""
+        """Runs the program with the settings of its README, at its rate for captures. The seconds are those of its
+        solver.
+        """
         from holosoma_retargeting.config_types.retargeting import RetargetingConfig
         from holosoma_retargeting.config_types.robot import RobotConfig
         from holosoma_retargeting.examples import robot_retarget as program
@@ -79,8 +84,9 @@ class Holosoma:
         return found["q"], found["seconds"]
 
     def measures(self, task: str, q: np.ndarray, scale: float, places: np.ndarray) -> dict[str, float]:
-        """Its evaluator's, of configurations in the order of its model among its boxes, which are scaled as the movement is; ``places`` are the
-        capture's at the same frames."""
+        """Measures of the evaluator for configurations in its model's order. Its boxes are scaled like the movement;
+        ``places`` are the capture's positions at the same frames.
+        """
         with self._inside():
             from holosoma_retargeting.config_types.data_type import MotionDataConfig
             from holosoma_retargeting.config_types.robot import RobotConfig
@@ -101,7 +107,7 @@ class Holosoma:
             stands = evaluation.extract_foot_sticking_sequence_velocity(
                 person, own.DEMO_JOINTS, ["LeftToeBase", "RightToeBase"])
             slides, _ = judge.detect_foot_sliding(q, stands)
-            # Its loop over frames never poses the robot, so each frame is posed here and asked by itself.
+            # The evaluator's loop over frames never poses the robot, so each frame is posed and evaluated separately.
             kept = []
             for row, joints in zip(q, person):
                 if judge.detect_demo_contact(joints):

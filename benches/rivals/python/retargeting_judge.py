@@ -1,4 +1,4 @@
-"""How well a robot does what a person did, the same for whoever brought the one onto the other: by Pinocchio, and knowing no scales."""
+"""Quality of retargeted movements by Pinocchio, equal for all contenders and without knowledge of their scales."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio
 
-# A foot stands where its toe moves by less than this (m/s, over so many seconds) for so long.
+# Foot contact: largest speed of the toe (m/s), window of the speed (s), and shortest duration (s).
 STILL, OVER, SHORTEST = 0.1, 0.05, 0.2
-# Bones by the places at their ends; the torso and both lines across are between middles.
+# Bones by the joints at their ends; then the lines across the hips and the shoulders.
 BONES = [(side + a, side + b) for side in ("Left", "Right") for a, b in
          (("UpLeg", "Leg"), ("Leg", "Foot"), ("Arm", "ForeArm"), ("ForeArm", "Hand"))]
 BONES += [("LeftUpLeg", "RightUpLeg"), ("LeftArm", "RightArm")]
@@ -17,7 +17,7 @@ BONES += [("LeftUpLeg", "RightUpLeg"), ("LeftArm", "RightArm")]
 
 @dataclass(frozen=True)
 class Movement:
-    """What a contender came to: the base's x, y, z and quaternion w, x, y, z, then joints by their names; frames a second."""
+    """Result of a contender: x, y, z and quaternion w, x, y, z of the base, then joints by name; frames per second."""
 
     q: np.ndarray
     joints: list[str]
@@ -25,7 +25,7 @@ class Movement:
 
 
 class Judge:
-    """A robot, and what of it stands for the person's joints."""
+    """A robot, with the links that are driven by the subject's joints."""
 
     def __init__(self, urdf: str, drives: dict[str, str]) -> None:
         self.model = pinocchio.buildModelFromUrdf(urdf, pinocchio.JointModelFreeFlyer())
@@ -38,7 +38,7 @@ class Judge:
         return [self.model.joints[self.model.getJointId(name)].idx_q for name in joints]
 
     def places(self, movement: Movement) -> np.ndarray:
-        """Where the driven links are, (T, K, 3)."""
+        """Positions of the driven links, shape (T, K, 3), metres."""
         columns, whole = self.columns(movement.joints), pinocchio.neutral(self.model)
         placed = np.empty((len(movement.q), len(self.ids), 3))
         for row, q in zip(placed, movement.q):
@@ -49,8 +49,9 @@ class Judge:
         return placed
 
     def measures(self, movement: Movement, person: np.ndarray, every: int) -> dict[str, float]:
-        """``person``: where its driven joints are, (T, K, 3), at the movement's frames. Jerk is of every so many frames, so that all
-        are told at one rate."""
+        """Measures of a movement. ``person`` has the positions of the driven joints, (T, K, 3), at its frames. Jerk
+        is computed from every n-th frame (``every``), so that all movements have one rate.
+        """
         at = self.places(movement)
         names = list(self.drives)
         columns = self.columns(movement.joints)
@@ -78,20 +79,20 @@ def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def fitted_apart(person: np.ndarray, robot: np.ndarray) -> float:
-    """The mean distance, after one scale and one shift for the whole movement, the same in all of it."""
+    """Mean distance after one scale and one shift of the whole movement."""
     p, r = person.reshape(-1, 3), robot.reshape(-1, 3)
     scale = ((p - p.mean(0)) * (r - r.mean(0))).sum() / ((p - p.mean(0)) ** 2).sum()
     return float(np.linalg.norm(r - r.mean(0) - scale * (p - p.mean(0)), axis=1).mean())
 
 
 def slipped(toe: np.ndarray, person: np.ndarray, fps: float) -> list[float]:
-    """How far a robot's toe is from the middle of where it is, at most, over each span in which the person's stands."""
+    """Largest distance of a robot's toe from its mean position, in each contact interval of the subject's toe."""
     back = max(1, round(OVER * fps))
     speed = np.zeros(len(person))
     speed[back:] = np.linalg.norm(person[back:] - person[:-back], axis=1) * fps / back
     still = np.concatenate([[0], (speed < STILL).astype(int), [0]])
     edges = np.diff(still)
     spans = zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1))
-    # What came to a stop within the window is let come to it.
+    # The window is removed at both ends, so that the foot has come to rest.
     inside = [slice(start + back, end - back) for start, end in spans if end - start >= SHORTEST * fps + 2 * back]
     return [float(np.linalg.norm(toe[span] - toe[span].mean(0), axis=1).max()) for span in inside]

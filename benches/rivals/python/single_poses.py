@@ -1,9 +1,11 @@
-"""One pose at a time from Python: kinopt beside what people use there, and beside kinopt's own Rust call.
+"""One pose at a time from Python: kinopt compared with common packages, and with its own Rust call.
 
-``python single_poses.py [--poses N] [--slow N]``, in an environment with kinopt's wheel and requirements.txt, from
-the top of the repository; Rust's own time is that of ``cargo build --release -p kinopt-benches``. One core, random
-reachable poses of the shipped Panda from random starts to 1e-6 m and rad, the same for all. Each call is timed
-alone, the best of three rounds counts for it (one for ``--slow``); every answer is judged by Pinocchio.
+Usage: ``python single_poses.py [--poses N] [--slow N]``, in the root of the repository. The environment needs
+kinopt's wheel and requirements.txt; Rust's time is that of ``cargo build --release -p kinopt-benches``.
+
+The targets are random reachable poses of the shipped Panda, from random starts to 1e-6 m and rad, equal for all.
+Each call is timed on one core; the best of three rounds counts (one for ``--slow``). Pinocchio judges every
+solution.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ BATCH = 1_000_000
 
 
 def judge_of(names):
-    """Distance and angle between the flange at q and a target, by Pinocchio."""
+    """Function of the distance and angle between the flange at q and a target, by Pinocchio."""
     model = pinocchio.buildModelFromUrdf(URDF)
     data, tip, base = model.createData(), model.getFrameId(TIP), model.getFrameId(BASE)
     places = [model.joints[model.getJointId(name)].idx_q for name in names]
@@ -46,8 +48,9 @@ def judge_of(names):
 
 
 def pinocchio_loop(limits):
-    """The loop of Pinocchio's own example (damped pseudo-inverse of the error's logarithm), kept within the limits and
-    begun anew where it gets stuck: what a person types without thinking."""
+    """The loop of Pinocchio's example (damped pseudo-inverse of the error's logarithm), clamped to the limits and
+    restarted if it stalls. It represents a simple user-written solver.
+    """
     model = pinocchio.buildModelFromUrdf(URDF)
     fingers = [model.getJointId(name) for name in model.names if "finger" in name]
     model = pinocchio.buildReducedModel(model, fingers, pinocchio.neutral(model))
@@ -77,7 +80,7 @@ def pinocchio_loop(limits):
 def contenders(arm):
     first = kinopt.Arm(kinopt.Robot.from_urdf(URDF), BASE, TIP, search="first")
     closed = frankik.FrankaKinematics(frankik.RobotType.PANDA)
-    # Its end is turned on the flange, always the same way; its own matrix for that is rounded to 0.707.
+    # frankik's tip has a fixed rotation relative to the flange; its own matrix is rounded to 0.707.
     half = np.sqrt(0.5)
     hand = np.array([[half, half, 0, 0], [-half, half, 0, 0], [0, 0, 1, 0.1034], [0, 0, 0, 1]])
     flange = arm.base_from_tool(np.zeros(7))
@@ -130,7 +133,7 @@ def rust(arm, targets, starts, search):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--poses", type=int, default=2000)
-    parser.add_argument("--slow", type=int, default=500, help="of those that take long")
+    parser.add_argument("--slow", type=int, default=500, help="poses for slow solvers")
     parser.add_argument("--batch", type=int, default=BATCH)
     wanted = parser.parse_args()
 

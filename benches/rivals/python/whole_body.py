@@ -1,13 +1,16 @@
-"""Whole bodies: kinopt beside pink, mink, placo and a loop over Pinocchio.
+"""Whole bodies: kinopt compared with pink, mink, placo and a loop over Pinocchio.
 
     python benches/rivals/python/whole_body.py CASE ROBOT.urdf [--problems N] [--peers N] [--limit SECONDS]
 
-from the top of the repository, in an environment with requirements-whole-body.txt; CASE is one of benches/whole_body/
-whose feet and hands are poses. kinopt's program draws the problems and solves them all (Rust, its defaults); the peers
-get the first N of the same problems from the same starts, in the same run, each question for a limited time, and are
-begun anew like kinopt where they get stuck. Processor time, the best of three rounds, for all. Tolerance 1e-6 m and rad;
-every answer is judged by Pinocchio: feet, hands, the centre of mass over the soles, joint limits (to 1e-9; kinopt's to
-the bit).
+Run it in the root of the repository, in an environment with requirements-whole-body.txt. CASE is a file of
+benches/whole_body/ with pose targets of feet and hands.
+
+kinopt's program samples the problems and solves them all (Rust, default settings). The peers get the first N
+problems from the same starts, in the same run, with a time limit per problem. They restart if they stall, as
+kinopt does. Times are processor times, the best of three rounds. The tolerance is 1e-6 m and rad.
+
+Pinocchio judges every solution: feet, hands, the centre of mass over the soles, and joint limits. The limits hold
+to 1e-9, and exactly for kinopt.
 """
 
 from __future__ import annotations
@@ -21,14 +24,14 @@ import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-# One core for all.
+# One core for every solver.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from whole_body_peers import PEERS, Body
 
 TOLERANCE = 1e-6
 ROUNDS = 3
-# What rounding may hide between one program's kinematics and another's.
+# Tolerance of the judge, enlarged for rounding differences between kinematics.
 JUDGED = 1.001 * TOLERANCE
 
 
@@ -48,7 +51,7 @@ def main():
     parser.add_argument("robot")
     parser.add_argument("--problems", type=int, default=1000)
     parser.add_argument("--peers", type=int, default=100, help="problems for the peers")
-    parser.add_argument("--limit", type=float, default=1.0, help="seconds a question")
+    parser.add_argument("--limit", type=float, default=1.0, help="seconds per problem")
     wanted = parser.parse_args()
 
     build = ["cargo", "build", "--quiet", "--release", "-p", "kinopt-benches", "--bin", "whole_body"]
@@ -60,7 +63,7 @@ def main():
         run = [f"{target}/release/whole_body", wanted.case, wanted.robot, str(wanted.problems), "--write", problems]
         subprocess.run(run, check=True)
         document = json.loads(problems.read_text())
-        # Without shapes, whose files may not be there; the numbers stay as they are.
+        # Removes shapes, whose files can be missing; the masses are unchanged.
         tree = ElementTree.parse(wanted.robot)
         for link in tree.getroot().iter("link"):
             for shape in link.findall("visual") + link.findall("collision"):

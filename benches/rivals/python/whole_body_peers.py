@@ -1,8 +1,8 @@
-"""Whole-body solvers of other people, each as ``solve(q, targets, deadline)`` on Pinocchio's configurations.
+"""Whole-body solvers of other projects, each as ``solve(q, targets, deadline)`` on Pinocchio's configurations.
 
-All take steps until every frame is within the tolerance and the centre of mass within the support polygon; a descent
-that has not halved its error for PATIENCE steps is begun anew from joints drawn within their limits, until the
-deadline. pink and mink know no support polygon: it is a limit on the step, written here as their pages show.
+All run until every frame is within the tolerance and the centre of mass within the support polygon. A descent
+that has not halved its error for PATIENCE steps restarts from sampled joints within the limits, until the
+deadline. pink and mink have no support polygon: it is a limit on the step, written as their documentation shows.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ STEPS = 200
 
 
 class Body:
-    """The robot on a free base as Pinocchio has it, and what is asked of it."""
+    """The robot on a free base in Pinocchio, and its tasks."""
 
     def __init__(self, urdf: Path, document: dict, tolerance: float) -> None:
         self.model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
@@ -38,7 +38,7 @@ class Body:
         self.feet = [np.array(at) for _, at in document["feet"]]
 
     def configuration(self, q: list[float]) -> np.ndarray:
-        """From kinopt's order: the quaternion's w comes last, joints are in Pinocchio's order."""
+        """Converts kinopt's order: the quaternion's w comes last, and joints are in Pinocchio's order."""
         own = np.zeros(self.model.nq)
         own[:3], own[3:6], own[6] = q[:3], q[4:7], q[3]
         own[self.places] = q[7:]
@@ -52,7 +52,7 @@ class Body:
         return np.concatenate([start[:7], random.uniform(self.lower, self.upper)])
 
     def errors(self, q: np.ndarray, targets: list[np.ndarray]) -> tuple[float, float, float]:
-        """The largest distance and angle of a frame, and how far the centre of mass is outside."""
+        """Largest distance and angle of a frame, and distance of the centre of mass outside the support polygon."""
         pin.framesForwardKinematics(self.model, self.data, q)
         distance = angle = 0.0
         for frame, target in zip(self.ids, targets):
@@ -64,7 +64,7 @@ class Body:
 
 
 def half_planes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The convex hull as A c <= b with unit rows, and its corners counter-clockwise."""
+    """Convex hull as A c <= b with unit rows, and its corners counter-clockwise."""
     points = points[np.lexsort((points[:, 1], points[:, 0]))]
 
     def chain(points):
@@ -82,7 +82,7 @@ def half_planes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def descend(body: Body, start, targets, deadline, begin, step, error):
-    """Steps, patience and restarts, the same for all: ``step`` raises where it has no answer."""
+    """Runs steps, the stall test and restarts, equally for all solvers. ``step`` raises if it has no result."""
     random = np.random.default_rng(7)
     q = body.clipped(start.copy())
     while True:
@@ -97,7 +97,7 @@ def descend(body: Body, start, targets, deadline, begin, step, error):
                 break
             try:
                 step()
-            except Exception:  # Its quadratic programme has no solution here.
+            except Exception:  # The quadratic programme has no solution.
                 break
         if time.process_time() > deadline:
             return False
@@ -105,7 +105,7 @@ def descend(body: Body, start, targets, deadline, begin, step, error):
 
 
 class Pink:
-    """pink: differential steps by a quadratic programme (DAQP), limits as its inequalities."""
+    """pink: differential steps by a quadratic programme (DAQP), with limits as inequalities."""
 
     def __init__(self, body: Body) -> None:
         outer = self.body = body
@@ -128,7 +128,7 @@ class Pink:
                 task.set_target(pin.SE3(target))
 
         def error():
-            # Steps of the quadratic programme end on limits but for its rounding.
+            # The quadratic programme keeps limits up to rounding.
             return max(body.errors(self.configuration.q, targets))
 
         def step():
@@ -142,7 +142,7 @@ class Pink:
 
 
 class Mink:
-    """mink: the same on MuJoCo's kinematics."""
+    """mink: differential steps as in pink, on MuJoCo's kinematics."""
 
     def __init__(self, body: Body) -> None:
         outer = self.body = body
@@ -196,7 +196,7 @@ class Mink:
 
 
 class Placo:
-    """placo: quadratic programmes in C++ (eiquadprog), with joint limits and a support polygon of its own."""
+    """placo: quadratic programmes in C++ (eiquadprog), with joint limits and placo's support polygon."""
 
     def __init__(self, body: Body) -> None:
         self.body = body
@@ -205,7 +205,7 @@ class Placo:
         self.tasks = [self.solver.add_frame_task(name, np.eye(4)) for name in body.frames]
         for name, task in zip(body.frames, self.tasks):
             task.configure(name, "soft", 1.0, 0.5)
-        # Clockwise, as its pages ask for.
+        # Clockwise, as placo's documentation requires.
         self.solver.add_com_polygon_constraint(list(body.corners[::-1]), 0.0).configure("balance", "hard")
         self.solver.enable_joint_limits(True)
         self.solver.add_regularization_task(1e-6)
@@ -229,8 +229,11 @@ class Placo:
 
 
 class Loop:
-    """A loop over Pinocchio: damped least squares with a damping that falls with the error (Sugihara 2011), joints
-    clamped to their limits, the way from the centre of mass to the polygon as two more rows where it is outside."""
+    """Loop over Pinocchio: damped least squares with a damping that falls with the error (Sugihara 2011).
+
+    Joints are clamped to their limits. If the centre of mass is outside the polygon, its distance adds a row per
+    edge.
+    """
 
     def __init__(self, body: Body) -> None:
         self.body = body

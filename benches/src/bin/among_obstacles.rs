@@ -1,9 +1,11 @@
 //! Times of single arm queries with and without a world, for comparison with other languages on equal queries.
 //!
-//! `among_obstacles < QUESTIONS`, JSON: `robot` and `srdf` (files), `base`, `tip`, `rounds`, `margin`, and `questions`,
-//! each with `world` (a file), `target` (sixteen numbers, row-major), `start` and `rest` (values of joints by name).
-//! The output is JSON: for each query the fastest nanoseconds of a plain arm and of one with that world, reached or
-//! not, and its configuration; and the time of a pose in a batch of a hundred queries in one world.
+//! `among_obstacles < QUESTIONS` reads JSON with `robot` and `srdf` (files), `base`, `tip`, `rounds`, `margin` and
+//! `questions`. Each question has `world` (a file), `target` (sixteen numbers, row-major), `start` and `rest` (values
+//! of joints by name).
+//!
+//! The output is JSON. Each query has the fastest nanoseconds of a plain arm and of an arm with the world, reached or
+//! not, and its configuration. The output also has the time per pose in batches of a hundred queries in one world.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -1,7 +1,7 @@
 //! Success rate and time of whole-body queries for hands among obstacles, compared with queries without obstacles:
 //! `cargo run --release -p kinopt-benches --bin body_obstacles -- ROBOT.urdf [questions] [hands]`, with Unitree's G1.
 //!
-//! The robot stands on its feet, balanced, before a table and under a shelf; its shapes are the capsules of
+//! The robot is balanced on its feet, in front of a table and under a shelf. Its shapes are the capsules of
 //! `whole_body/g1-capsules.json`. Targets are hand poses of random balanced, collision-free configurations, so every
 //! query is reachable.
 #![allow(clippy::print_stdout)]

@@ -151,8 +151,8 @@ fn stages(
     })
 }
 
-/// Two hands of a skeleton of 60 bones with joint limits, each on a circle of 5 cm radius, 5 cm in front of its
-/// position in the pose.
+/// Solves two hands of a skeleton of 60 bones with joint limits. Each target is on a circle of 5 cm radius, 5 cm in
+/// front of the hand's position in the pose.
 fn reach(characters: usize) {
     let (skeleton, tips) = figure(10, 10);
     let quick = Solver::default()

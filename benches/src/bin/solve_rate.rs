@@ -1,6 +1,7 @@
-//! Success rate, time and number of steps of each solver for five random tip targets of a skeleton from its rest pose,
-//! and time of a drag of one hand along a circle: `cargo run --release -p kinopt-benches --bin solve_rate --
-//! [problems]`.
+//! Success rate, time and number of steps of each solver for five random tip targets of a skeleton from its rest
+//! pose. It also measures the time of a drag of one hand along a circle.
+//!
+//!     cargo run --release -p kinopt-benches --bin solve_rate -- [problems]
 #![allow(clippy::print_stdout)]
 
 use std::time::Instant;

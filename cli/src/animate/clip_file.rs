@@ -20,35 +20,36 @@ use crate::loaded_model::LoadedModel;
 use crate::mesh_output::Skin;
 use crate::{number_list, output, scene_output};
 
-/// glTF's axis up (section 3.4).
+/// Up axis of glTF (section 3.4).
 const UP: Vec3 = Vec3::Y;
-/// As many influences as every program reads.
+/// Number of influences per vertex that all glTF readers support.
 const INFLUENCES: usize = 4;
-/// What rounding hides of keys on a line.
+/// Scale tolerance of key reduction: covers single-precision rounding.
 const ROUNDING: f32 = 1e-6;
 
-/// What becomes of a clip that is written.
+/// Options of the written clip.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Clips as glTF")]
 pub(super) struct ClipOptions {
-    /// Add a scene's clip to this file of the same bones, or where there is none to a copy of the model's: .glb or .gltf.
+    /// Add the clip to this .glb or .gltf file with the same bones. Default: to a copy of the model's file if FILE
+    /// does not exist.
     #[arg(long, value_name = "FILE", requires = "fps", conflicts_with_all = ["out", "format"])]
     pub(super) into: Option<PathBuf>,
 
-    /// What the written clip is called. Default: as the model's clip, with the rate behind it where that name is taken.
+    /// Name of the written clip. Default: the model's clip name, followed by the rate if that name is taken.
     #[arg(long, value_name = "NAME", requires = "fps")]
     clip_name: Option<String>,
 
-    /// Take a bone's way over the ground and its turning out of the clip: a walk on the spot. Default: off.
+    /// Remove the horizontal motion and heading of this bone from the clip: a walk on the spot. Default: off.
     #[arg(long, value_name = "BONE", requires = "fps")]
     in_place: Option<String>,
 
-    /// Lead over to the first pose within so many last seconds, so that the clip repeats without a jump. Default: off.
+    /// Blend the last SECONDS into the first pose, so that the clip loops without a jump. Range: > 0. Default: off.
     #[arg(long, value_name = "SECONDS", requires = "fps", value_parser = number_list::positive)]
     close_seam: Option<f64>,
 
-    /// Drop keys as long as no bone is further off in its parent than so much, in the file's unit, and so many radians.
-    /// Default: none is dropped.
+    /// Drop keys within this error of each bone relative to its parent: LENGTH in the file's unit, angle in radians.
+    /// Range: ≥ 0. Default: no key is dropped.
     #[arg(long, value_name = "LENGTH,RADIANS", requires = "fps", value_parser = tolerance)]
     reduce_keys: Option<KeyTolerance>,
 
@@ -63,7 +64,7 @@ fn tolerance(text: &str) -> Result<KeyTolerance, String> {
             .with_translation(translation as f32)
             .with_rotation(rotation as f32)
             .with_scale(ROUNDING)),
-        false => Err("a length and an angle of 0 or more".into()),
+        false => Err("expected a length and an angle, both ≥ 0".into()),
     }
 }
 
@@ -71,10 +72,10 @@ fn tolerance(text: &str) -> Result<KeyTolerance, String> {
 struct Document<'a> {
     file: String,
     clip: &'a str,
-    /// In seconds.
+    /// Seconds.
     duration: f64,
     keys: usize,
-    /// What was done without or made up.
+    /// Remarks about parts of the model that were left out or computed.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notes: &'a [String],
     #[serde(flatten)]
@@ -82,7 +83,7 @@ struct Document<'a> {
 }
 
 impl ClipOptions {
-    /// The option about a clip that was given, if one was.
+    /// Name of the first clip option that the user gave.
     pub(super) fn given(&self) -> Option<&'static str> {
         let own = first_given([
             ("--into", self.into.is_some()),
@@ -94,7 +95,7 @@ impl ClipOptions {
         own.or_else(|| self.ik.given())
     }
 
-    /// Writes a rig whose keys are solved for, with its mesh and weights beside it.
+    /// Solves the keys of a rig and writes the rig file with its mesh and weights.
     pub(super) fn write_keys(
         &self,
         loaded: &LoadedModel,
@@ -103,7 +104,7 @@ impl ClipOptions {
         json: bool,
     ) -> Outcome<()> {
         let Some(rig) = &loaded.rig else {
-            return Err(failure!("{}: it is no rig", loaded.file));
+            return Err(failure!("{}: the file is not a rig", loaded.file));
         };
         let mut rig = rig.clone();
         let (clip, told, changed) = self.ik.of_keys(&rig, fps)?;
@@ -130,7 +131,7 @@ impl ClipOptions {
         output::result(json, document, text)
     }
 
-    /// Writes a rig's keyframes with its skin.
+    /// Writes a rig's keyframes and skin as glTF.
     pub(super) fn write_rig(
         &self,
         loaded: &LoadedModel,
@@ -147,11 +148,11 @@ impl ClipOptions {
             ..
         } = skin
         else {
-            return Err(failure!("{}: it is no rig", loaded.file));
+            return Err(failure!("{}: the file is not a rig", loaded.file));
         };
         if self.into.is_some() || self.in_place.is_some() {
             return Err(usage!(
-                "{}: --into and --in-place are for scenes; this is a rig",
+                "{}: --into and --in-place apply to scenes; this file is a rig",
                 loaded.file
             ));
         }
@@ -160,7 +161,7 @@ impl ClipOptions {
         let mut notes: Vec<String> = loaded.notes().into_iter().chain(note.clone()).collect();
         if lost.largest_lost > 0.0 {
             notes.push(format!(
-                "each vertex follows its {INFLUENCES} strongest bones; others held {:.3} of one at most",
+                "each vertex keeps its {INFLUENCES} largest weights; at most {:.3} of the total weight of 1 was removed",
                 lost.largest_lost
             ));
         }
@@ -180,8 +181,8 @@ impl ClipOptions {
         say(out, &clip, &scene.armature, (&notes, told.as_ref()), json)
     }
 
-    /// Writes a scene's file with its clip, by samples, added; or with --into adds that to another file. Of a `whole` clip keys
-    /// that nothing changes stay as they are.
+    /// Writes a scene's file with its clip added, or adds the clip to the file of `--into`. The clip is sampled at
+    /// `frames`. A `whole` clip with IK requests keeps its own keys.
     pub(super) fn write_scene(
         &self,
         animated: &AnimatedArmature,
@@ -192,7 +193,7 @@ impl ClipOptions {
         json: bool,
     ) -> Outcome<()> {
         let armature = &animated.armature;
-        // Keys without IK requests do not change.
+        // Without IK requests the clip is sampled at the frames.
         let made = match whole && self.ik.given().is_some() {
             true => clip.clone(),
             false => sampled(clip.name(), armature, frames, |time, pose| {
@@ -213,7 +214,7 @@ impl ClipOptions {
         say(out, &made, armature, (&[], told.as_ref()), json)
     }
 
-    /// The clip as the options have it.
+    /// Applies the clip options to a clip. The report is `None` without IK requests.
     fn changed(
         &self,
         clip: Clip,
@@ -236,7 +237,7 @@ impl ClipOptions {
     }
 }
 
-/// The clip through the poses of frames, from 0 s on.
+/// Clip through the poses at the frame times. Its first key is at 0 s.
 fn sampled(
     name: &str,
     armature: &Armature,
@@ -253,7 +254,7 @@ fn sampled(
     Ok(Clip::through_poses(name, armature, &times, &poses)?)
 }
 
-/// Whether a file is written as glTF, by its name.
+/// Returns `true` if the file extension is `.glb` or `.gltf`.
 pub(super) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "glb" | "gltf")
 }

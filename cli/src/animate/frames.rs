@@ -2,31 +2,31 @@
 
 use crate::failure::Outcome;
 
-/// More frames than this are a slip of the keyboard.
+/// Limit of the number of frames.
 const MOST: f64 = 1e6;
-/// A last frame that rounding puts this share of a frame too late still counts, or as many times what single precision, in
-/// which clips end, can tell apart there.
+/// Tolerance of the last frame's time, in frames: `SLACK`, or `ROUNDINGS` times the single-precision rounding error
+/// of the end time if that is larger.
 const SLACK: f64 = 1e-6;
 const ROUNDINGS: f64 = 4.0;
 
-/// Frames at an even rate.
+/// Frames at a constant rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames {
     per_second: f64,
     start: f64,
-    /// Number of frames at the rate.
+    /// Number of frames at the constant rate.
     count: usize,
-    /// Time of a last frame that follows by less than a period, in seconds.
+    /// Time of an additional last frame, in seconds. It follows by less than a period.
     partial: Option<f64>,
 }
 
 impl Frames {
-    /// The frames at `start`, `start` + 1/`per_second`, … and at `end`, which may follow the last by less than a period; times in
-    /// seconds.
+    /// Frames at `start`, `start` + 1/`per_second`, … and at `end`. The last step can be shorter than a period. Times
+    /// are in seconds.
     pub(super) fn new(per_second: f64, start: f64, end: f64) -> Outcome<Self> {
         if end < start {
             return Err(usage!(
-                "no frame lies between --from {start} s and --to {end} s"
+                "no frame between --from {start} s and --to {end} s: --to must not be before --from"
             ));
         }
         let latest = start.abs().max(end.abs());
@@ -35,7 +35,7 @@ impl Frames {
         let steps = ((end - start) * per_second + slack).floor();
         if steps.is_nan() || steps >= MOST {
             return Err(usage!(
-                "{per_second} frames a second from {start} s to {end} s are more than {MOST} files"
+                "--fps {per_second} from {start} s to {end} s needs more than {MOST} frames, the maximum"
             ));
         }
         let left = (end - start) * per_second - steps;
@@ -51,12 +51,12 @@ impl Frames {
         self.per_second
     }
 
-    /// The time of the first, in seconds.
+    /// Time of the first frame, in seconds.
     pub(super) fn start(self) -> f64 {
         self.start
     }
 
-    /// The file's name without its extension, and the time in seconds.
+    /// Each frame's file name without extension, and its time in seconds.
     pub(super) fn iter(self) -> impl Iterator<Item = (String, f64)> {
         // Computed by division for each frame, to avoid accumulated drift.
         let times = (0..self.count).map(move |frame| self.start + frame as f64 / self.per_second);

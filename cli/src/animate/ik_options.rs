@@ -1,4 +1,4 @@
-//! Options of inverse kinematics over the written clip: reaching bones and planted feet.
+//! Options of inverse kinematics over the written clip: reaching bones and foot locks.
 
 use std::path::{Path, PathBuf};
 
@@ -19,48 +19,53 @@ use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
 use crate::{number_list, numpy_file, world_file};
 
-/// What is asked over the clip.
+/// Inverse-kinematics requests for the clip.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Inverse kinematics over the clip")]
 pub(super) struct IkOptions {
-    /// Bring a bone's origin, of a rig's its tip, to a point of the model, or along a curve: a .csv with x, y, z and a time or without, or a .npy
-    /// of points × 3, or × 4 with the times first. Repeat it for more. Default: none.
+    /// Move a bone's origin (of a rig: its tip) to a point in model coordinates, or along a curve. Repeatable.
+    /// Default: none.
     ///
-    /// Without times the points are spread evenly over the span. Between points runs a Catmull-Rom spline.
+    /// A curve is a .csv file with columns x, y, z and an optional time, or a .npy array of points × 3. An array of
+    /// points × 4 has the times first. Times are in seconds. Without times the points are spread evenly over the
+    /// span. A Catmull-Rom spline interpolates between the points.
     #[arg(long, value_name = "BONE=X,Y,Z|FILE", requires = "fps", value_parser = ReachArgument::parse)]
     reach: Vec<ReachArgument>,
 
-    /// Reach only within these seconds; once for all, or once for each --reach. Default: the whole clip.
+    /// Time span of the reach, in seconds. Once for all --reach, or once for each. Default: the whole clip.
     #[arg(long, value_name = "FROM,TO", requires = "reach", allow_hyphen_values = true, value_parser = span)]
     span: Vec<[f64; 2]>,
 
-    /// Lead there over so many seconds of the span, and back over as many. Default: 0.2, or half of a shorter span.
+    /// Duration of the blend into and out of the reach, in seconds. Range: ≥ 0. Default: 0.2, or half of a shorter
+    /// span.
     #[arg(long, value_name = "SECONDS", requires = "reach", value_parser = number_list::not_negative)]
     fade: Option<f64>,
 
-    /// Have a bone, a foot say, stand still where it hardly moves in the clip. Repeat it for more. Default: none.
+    /// Lock a bone, such as a foot, in place during its contacts in the clip. Repeatable. Default: none.
     #[arg(long, value_name = "BONE", requires = "fps")]
     plant: Vec<String>,
 
-    /// Obstacles for planted feet to stand on, in a file as --world has them elsewhere. Default: the level that the clip walks on.
+    /// Obstacles as ground for the planted feet, in a file as for --world. Default: level ground at the height of the
+    /// clip.
     #[arg(long, value_name = "FILE", requires = "plant")]
     ground: Option<PathBuf>,
 
-    /// Have a clip on the spot travel by so much a second, or `feet`: as fast as the ground passes under planted feet.
+    /// Root velocity of a clip that walks on the spot, in lengths per second. `feet` derives it from the planted
+    /// feet. Default: 0,0,0.
     #[arg(long, value_name = "X,Y,Z|feet", requires = "plant", allow_hyphen_values = true, value_parser = Travel::parse)]
     travel: Option<Travel>,
 
-    /// The bone that moves where limbs are too short, and below which bones turn. Default: the first that carries all of them and
-    /// branches.
+    /// Bone that moves if a limb is too short; only bones below it rotate. Default: the first branching bone above
+    /// all requested bones.
     #[arg(long, value_name = "BONE", requires = "fps")]
     root: Option<String>,
 
-    /// Which axis is up; a rig is stood up in the .glb where that is not y, glTF's. Default: y.
+    /// Up axis. A rig with another up axis is rotated to glTF's y in a .glb file. Default: y.
     #[arg(long, requires = "fps", hide_default_value = true, value_parser = among(AXES))]
     up: Option<Axis>,
 }
 
-/// A reach as it is typed.
+/// Parsed `--reach` value.
 #[derive(Clone, Debug)]
 struct ReachArgument {
     bone: String,
@@ -109,7 +114,7 @@ fn span(text: &str) -> Result<[f64; 2], String> {
 }
 
 impl IkOptions {
-    /// The option about inverse kinematics that was given, if one was.
+    /// Name of the first inverse-kinematics option that the user gave.
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given([
             ("--reach", !self.reach.is_empty()),
@@ -119,12 +124,13 @@ impl IkOptions {
         ])
     }
 
-    /// The axis up.
+    /// Unit vector along the up axis.
     pub(super) fn up(&self) -> Vec3 {
         Vec3::AXES[self.up.unwrap_or(Axis::Y) as usize]
     }
 
-    /// The clip with what is asked solved over it, and what came of that; the clip itself where nothing is.
+    /// Solves the requests over a clip and reports the result. Without requests, returns the clip unchanged and
+    /// `None`.
     pub(super) fn over(
         &self,
         clip: Clip,
@@ -133,10 +139,10 @@ impl IkOptions {
         fps: f64,
     ) -> Outcome<(Clip, Option<IkReport>)> {
         if self.reach.is_empty() && self.plant.is_empty() {
-            // A rig is rotated upright in any case.
+            // `--up` of a rig also sets the rotation of the output file.
             let up = self.up.filter(|_| skeleton.is_none()).map(|_| "--up");
             return match self.root.as_ref().map(|_| "--root").or(up) {
-                Some(option) => Err(usage!("{option} is for --reach and --plant")),
+                Some(option) => Err(usage!("{option} requires --reach or --plant")),
                 None => Ok((clip, None)),
             };
         }
@@ -171,7 +177,7 @@ impl IkOptions {
         Ok((edited.clip, Some(report)))
     }
 
-    /// A rig's keyframes with what is asked solved for their keys, what came of that, and how many changed.
+    /// Solves the requests for a rig's keyframes. Returns the clip, a report and the number of changed keys.
     pub(super) fn of_keys(&self, rig: &Rig, fps: f64) -> Outcome<(EulerClip, IkReport, usize)> {
         let others = [
             ("--plant", !self.plant.is_empty()),
@@ -179,7 +185,7 @@ impl IkOptions {
         ];
         if let Some(option) = first_given(others) {
             return Err(usage!(
-                "{option} is for clips written as .glb or .gltf, not for a rig's keys"
+                "{option} applies to clips written as .glb or .gltf, not to a rig's keys"
             ));
         }
         let armature = Armature::of_skeleton(&rig.skeleton);
@@ -209,7 +215,7 @@ impl IkOptions {
             all if all.len() == self.reach.len() => Some(all[k]),
             all => {
                 return Err(usage!(
-                    "{} --span for {} --reach: one for all, or one for each",
+                    "{} values of --span for {} of --reach: give one for all, or one for each",
                     all.len(),
                     self.reach.len()
                 ));
@@ -234,7 +240,7 @@ impl IkOptions {
     }
 }
 
-/// A curve through the points of a file, over its own times or evenly over a span.
+/// Curve through the points of a file, at the file's times or evenly over the span `[from, to]`, in seconds.
 fn curve(file: &Path, [from, to]: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
     let named = |problem: String| failure!("{}: {problem}", file.display());
     let (times, points): (Option<Vec<f64>>, Vec<DVec3>) = match extension(file).as_str() {
@@ -242,7 +248,7 @@ fn curve(file: &Path, [from, to]: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
             let array = numpy_file::read(file)?;
             let [_, columns @ (3 | 4)] = array.shape[..] else {
                 return Err(named(format!(
-                    "an array of shape {:?}; it must be points × 3, or × 4 with the times first",
+                    "an array of shape {:?}: expected points × 3, or points × 4 with the times first",
                     array.shape
                 )));
             };

@@ -6,16 +6,16 @@ use kinopt::motion::clip_ik::{EditedClip, EditedKeys, ReachResult};
 use kinopt::skeleton::{BoneId, Skeleton};
 use serde::Serialize;
 
-/// Stances, misses and how far the root moves, for people and as JSON.
+/// Foot plants, position errors and root displacement, as text and as JSON. Lengths are in the file's unit.
 #[derive(Serialize)]
 pub(super) struct IkReport {
     stances: Vec<StanceReport>,
     led: Vec<LedReport>,
-    /// How far the root moves at most from where the clip has it, in the file's unit.
+    /// Largest displacement of the root from its motion in the clip, in the file's unit.
     root_moved: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     travel: Option<[f32; 3]>,
-    /// Joints of a rig that its keys leave beyond their limits.
+    /// Limit violations of a rig's joints by its keys.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     beyond: Vec<BeyondReport>,
 }
@@ -32,9 +32,9 @@ struct StanceReport {
     bone: String,
     span: [f64; 2],
     place: [f64; 3],
-    /// At keys.
+    /// Largest foot sliding at the keys.
     slide: f64,
-    /// Between keys.
+    /// Largest drift between keys.
     stray: f64,
 }
 
@@ -46,7 +46,7 @@ struct LedReport {
 }
 
 impl IkReport {
-    /// Of a clip.
+    /// Report of a solved clip.
     pub(super) fn of_clip(edited: &EditedClip, armature: &Armature, travel: Option<Vec3>) -> Self {
         let name = |bone: BoneId| armature.names()[bone.index()].clone();
         let stances = edited.stances.iter().map(|stance| StanceReport {
@@ -65,7 +65,7 @@ impl IkReport {
         }
     }
 
-    /// Of a rig's keys.
+    /// Report of a rig's solved keys.
     pub(super) fn of_keys(edited: &EditedKeys, skeleton: &Skeleton, armature: &Armature) -> Self {
         let beyond = edited.beyond.iter().map(|limit| {
             let joint = skeleton.joints(limit.bone)[limit.angle];
@@ -84,14 +84,14 @@ impl IkReport {
         }
     }
 
-    /// What it says to people.
+    /// Report as text lines.
     pub(super) fn text(&self) -> String {
         let mut lines = Vec::new();
         if !self.stances.is_empty() {
             let most =
                 |off: fn(&StanceReport) -> f64| self.stances.iter().map(off).fold(0.0, f64::max);
             lines.push(format!(
-                "{} stances, which slide by {:.2e} at most, {:.2e} between keys",
+                "{} foot plants: sliding at most {:.2e} at keys, {:.2e} between keys",
                 self.stances.len(),
                 most(|stance| stance.slide),
                 most(|stance| stance.stray)
@@ -99,20 +99,20 @@ impl IkReport {
         }
         for led in &self.led {
             lines.push(format!(
-                "`{}` misses by {:.2e} at most, at {:.3} s",
+                "`{}`: largest position error {:.2e}, at {:.3} s",
                 led.bone, led.miss, led.at
             ));
         }
         for limit in &self.beyond {
             lines.push(format!(
-                "`{}` stays up to {:.2e} rad beyond its limit, at {:.3} s",
+                "`{}`: up to {:.2e} rad beyond its limit, at {:.3} s",
                 limit.joint, limit.by, limit.at
             ));
         }
         if let Some([x, y, z]) = self.travel {
-            lines.push(format!("it travels by {x:.4}, {y:.4}, {z:.4} a second"));
+            lines.push(format!("root velocity {x:.4}, {y:.4}, {z:.4} per second"));
         }
-        lines.push(format!("the root moves by {:.2e} at most", self.root_moved));
+        lines.push(format!("largest root displacement {:.2e}", self.root_moved));
         lines.join("\n") + "\n"
     }
 }

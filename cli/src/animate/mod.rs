@@ -1,4 +1,4 @@
-//! `kinopt animate`: from keyframes and clips to posed meshes.
+//! `kinopt animate`: posed meshes and animated files from keyframes and clips.
 
 mod clip_file;
 mod frames;
@@ -28,86 +28,90 @@ use crate::{number_list, output, scene_output, skinning_choice};
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt animate arm.json --time 1.5 --out posed.obj    the mesh after 1.5 s
-  kinopt animate arm.json --fps 24 --out frames         a file for each frame of all keyframes
+  kinopt animate arm.json --time 1.5 --out posed.obj    the mesh at 1.5 s
+  kinopt animate arm.json --fps 24 --out frames         one file for each frame of the keyframes
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
-                                                        a scene's clip after 0.2 s
+                                                        a scene's clip at 0.2 s
   kinopt animate arm.json --fps 24 --format glb --out arm.glb
                                                         one animated file: bones, skin and clip
   kinopt animate fox.glb --clip Run --fps 30 --in-place b_Hip_01 --clip-name Run_on_the_spot --into fox.glb
-                                                        the file keeps all that it holds, and has one clip more
+                                                        adds a clip to the file and keeps its other content
   kinopt animate fox.glb --clip Walk --loop --to 4 --fps 30 --root-velocity feet --plant b_LeftFoot02_018 --plant b_RightFoot02_022 --ground
-        stairs.json --into fox.glb                      the walk, repeated, goes up stairs on planted feet
+        stairs.json --into fox.glb                      the repeated walk climbs stairs, with foot locks
   kinopt animate hero.glb --clip Idle --fps 30 --reach hand.r=0.4,1.2,0.3 --span 1,2.5 --fade 0.3 --into hero.glb
-                                                        a hand reaches for a point within a second and a half of the clip
+                                                        a hand reaches for a point from 1 s to 2.5 s
   kinopt animate humanoid.json --fps 60 --reach right_hand=curve.csv --span 1.2,3 --out changed.json
-                                                        the rig's own keys of the arm are solved for, and nothing else changes
+                                                        changes only the rig's keys of the arm
   kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
-                                                        one second of them";
+                                                        one second of frames";
 
-/// Pose a rig's mesh by its keyframes, or a scene's meshes by one of its clips, at one time or frame
-/// by frame.
+/// Pose a rig's mesh by its keyframes, or a scene's meshes by a clip, at one time or frame by frame.
 ///
-/// A scene's meshes are written as one, where they stand in the scene; as .glb or .gltf the scene keeps all that its file holds: materials,
-/// images, cameras, what nothing here understands. With --fps that is one animated file. A rig's keys are interpolated over their own times, by Catmull-Rom splines unless the file or
-/// --interpolation says otherwise; lengths are in the rig's own unit. One time makes one file; frames are numbered from 0 in a folder, which is made where there
-/// is none: frame-0000.obj, frame-0001.obj, …
+/// The meshes of a scene are written as one mesh, in scene coordinates. A .glb or .gltf file keeps all other content
+/// of the scene: materials, images, cameras and unknown extensions. With --fps it is one animated file.
+///
+/// A rig's keys are interpolated by Catmull-Rom splines, unless the file or --interpolation selects another method.
+/// Lengths are in the rig's unit.
+///
+/// --time writes one file. --fps writes numbered frames into a folder: frame-0000.obj, frame-0001.obj, … The folder
+/// is created if it does not exist.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 #[command(group = ArgGroup::new("moments").args(["time", "fps"]).required(true))]
 pub(crate) struct Arguments {
-    /// The rig's .json file, with keyframes and a mesh, or a scene's .glb or .gltf file.
+    /// Rig (.json) with keyframes and a mesh, or scene (.glb, .gltf).
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// Where to write: with --time a .obj, .ply or .glb file, with --fps a folder, or a .glb file for all frames; of a rig with --reach a
-    /// .json, whose own keys are solved for.
+    /// Output. With --time a .obj, .ply or .glb file; with --fps a folder, or a .glb file of all frames.
+    ///
+    /// With --fps and --reach a .json file receives the rig with its solved keys.
     #[arg(long, value_name = "FILE|DIR", required_unless_present = "into")]
     out: Option<PathBuf>,
 
-    /// Which of a scene's clips: its name, or the end of it (`Walk` for `Armature|Walk`). Default: the first.
+    /// Clip of a scene: its name, or the end of its name (`Walk` for `Armature|Walk`). Default: the first clip.
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 
-    /// Pose the mesh at this time, in seconds. Default: none.
+    /// Time of the pose, in seconds. Default: none.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true,
           value_parser = number_list::number)]
     time: Option<f64>,
 
-    /// Pose it this many times a second. Default: none.
+    /// Frames per second. Range: > 0. Default: none.
     #[arg(long, value_name = "N", value_parser = number_list::positive)]
     fps: Option<f64>,
 
-    /// With --fps: the time of the first frame, in seconds. Default: the first key's.
+    /// With --fps: time of the first frame, in seconds. Default: the first key.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "time",
           value_parser = number_list::number)]
     from: Option<f64>,
 
-    /// With --fps: no frame after this time, in seconds. Default: the last key's.
+    /// With --fps: time limit of the last frame, in seconds. Default: the last key.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "time",
           value_parser = number_list::number)]
     to: Option<f64>,
 
-    /// Repeat the keyframes outside their span instead of holding the ends. Default: off.
+    /// Repeat the keyframes outside their span instead of holding the end poses. Default: off.
     #[arg(long = "loop")]
     looped: bool,
 
-    /// What runs between keys, whatever the file says: `linear`, `catmull-rom` or
-    /// `kochanek-bartels:T,C,B`. Default: as the file says, else catmull-rom.
+    /// Interpolation between a rig's keys: `linear`, `catmull-rom` or `kochanek-bartels:T,C,B`. Default: from the
+    /// file, else catmull-rom.
     ///
     /// T, C and B are tension, continuity and bias at every key, usually within −1 and 1.
     #[arg(long, value_name = "NAME", value_parser = InterpolationChoice::parse)]
     interpolation: Option<InterpolationChoice>,
 
-    /// With --fps: what to write. Default: obj.
+    /// With --fps: file format of the frames. Default: obj.
     #[arg(long, value_enum, conflicts_with = "time", hide_default_value = true)]
     format: Option<MeshFormat>,
 
-    /// How a rig's skin weights are made up. Default: those of the file, else by heat.
+    /// Method that computes a rig's skin weights. Default: the weights of the file, else bone heat.
     #[arg(long, value_enum, hide_default_value = true)]
     skin_weights: Option<WeightsChoice>,
 
-    /// How the bones move the skin.
+    /// Skinning method.
     #[arg(long, value_name = "METHOD", default_value_t, value_parser = skinning_choice::parser())]
     skinning: SkinningMethod,
 
@@ -120,7 +124,7 @@ struct Document<'a> {
     frames: Vec<FrameDocument<'a>>,
     vertices: usize,
     skinning: &'static str,
-    /// What was done without or made up.
+    /// Remarks about parts of the model that were left out or computed.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notes: &'a [String],
 }
@@ -173,7 +177,7 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
     let (file, kind) = (&animated.file, animated.kind);
     if arguments.interpolation.is_some() {
         let problem = format!(
-            "{file}: --interpolation is for rigs; a {kind} says itself what is between keys"
+            "{file}: --interpolation applies to rigs; the keys of a {kind} have their own interpolation"
         );
         return Err(Failure::usage(problem));
     }
@@ -208,13 +212,13 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
     })
 }
 
-/// Whether a file is written as a rig, by its name.
+/// Returns `true` if the file extension is `.json`.
 fn is_rig(path: &Path) -> bool {
     extension(path) == "json"
 }
 
 impl Arguments {
-    /// The frames and the file of all of them, where they are to be one animated file.
+    /// Frames and path of a single animated output file. `None` if the output is one mesh or a folder.
     fn one_file(&self, span: [f64; 2]) -> Outcome<Option<(Frames, &Path)>> {
         let options = &self.clip_options;
         let Some(fps) = self.fps else {
@@ -225,14 +229,14 @@ impl Arguments {
         else {
             return match options.given() {
                 Some(option) => Err(usage!(
-                    "{option} is for clips written as .glb or .gltf: --out FILE.glb"
+                    "{option} applies to clips written as .glb or .gltf: --out FILE.glb"
                 )),
                 None => Ok(None),
             };
         };
         if !is_gltf(out) {
             return Err(usage!(
-                "--out {}: --format glb is one file of all frames; it should end in .glb",
+                "--out {}: --format glb writes all frames to one file; its name must end in .glb",
                 out.display()
             ));
         }
@@ -244,7 +248,7 @@ impl Arguments {
     }
 }
 
-/// Writes the meshes at the times that are asked for and says what was written.
+/// Writes the meshes at the requested times and reports the files.
 fn write_frames(
     arguments: &Arguments,
     json: bool,
@@ -274,10 +278,12 @@ fn write_frames(
     output::result(json, document, || text(&files, vertices))
 }
 
-/// The times in seconds and where their meshes go. Makes the folder of frames.
+/// Times in seconds with their mesh files. Creates the folder of the frames.
 fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>> {
     let Some(out) = &arguments.out else {
-        return Err(usage!("--into is for clips of scenes; meshes go to --out"));
+        return Err(usage!(
+            "--into applies to clips of scenes; write meshes with --out"
+        ));
     };
     let Some(fps) = arguments.fps else {
         let file = MeshFile::parse(&out.to_string_lossy())
@@ -286,7 +292,7 @@ fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>>
     };
     if MeshFormat::of(out).is_some() && !out.is_dir() {
         return Err(usage!(
-            "--out {}: with --fps it is a folder, or a .glb file of all frames; choose obj or ply by --format",
+            "--out {}: with --fps it must be a folder, or a .glb file of all frames; select obj or ply by --format",
             out.display()
         ));
     }

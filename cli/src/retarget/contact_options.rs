@@ -5,15 +5,15 @@ use kinopt::motion::retarget::ContactDetection;
 
 use crate::number_list::not_negative;
 
-/// Options about what stands.
+/// Thresholds of foot contacts.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ContactOptions {
-    /// A foot stands while it moves no faster than this, m/s, on legs of 0.9 m; on others as much slower as they are shorter.
+    /// Largest speed of a foot in contact, in m/s, for legs of 0.9 m. Scaled with the leg length. Range: ≥ 0.
     /// Default: 0.25.
     #[arg(long, value_name = "M/S", value_parser = not_negative)]
     contact_speed: Option<f64>,
 
-    /// A foot stands where it is no higher over the ground than this, metres. Default: at any height, as on boxes.
+    /// Largest height of a foot in contact above the ground, in metres. Range: ≥ 0. Default: any height, as on boxes.
     #[arg(long, value_name = "M", value_parser = not_negative)]
     contact_height: Option<f64>,
 }

@@ -12,13 +12,13 @@ use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::progress::Countdown;
 
-/// What came of one movement.
+/// Result of one movement.
 #[derive(Serialize)]
 struct Report {
     source: PathBuf,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
-    /// Whether it was done before.
+    /// `true` if the output file already existed.
     done_before: bool,
     #[serde(flatten)]
     clip: Option<Clip>,
@@ -33,7 +33,7 @@ struct Summary<'a> {
     clips: &'a [Report],
 }
 
-/// Brings every movement of the source's folder onto the target, into files of the same names in `into`.
+/// Retargets every movement of the source folder. The files in `into` have the names of their sources.
 pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()> {
     let format = arguments.format.unwrap_or(Format::Npz);
     let job = Job::new(arguments, format)?;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()>
     let begun = folder.begin(&job.question(), arguments.overwrite);
     let movements = begun.map_err(|error| match error {
         FolderError::OtherQuestion { .. } => {
-            failure!("{error}: give another folder, or --overwrite to do all of it anew")
+            failure!("{error}: use another folder, or --overwrite to solve all movements again")
         }
         error => error.into(),
     })?;
@@ -66,7 +66,7 @@ fn one(job: &Job<'_>, movement: Movement) -> Report {
     let (clip, error) = match solved {
         Ok(clip) => (clip, None),
         Err(Failure::Reason(reason) | Failure::Usage(reason)) => (None, Some(reason)),
-        Err(_) => (None, Some("not done".to_owned())),
+        Err(_) => (None, Some("not solved".to_owned())),
     };
     Report {
         source: movement.source,
@@ -96,7 +96,7 @@ fn tell(into: &Path, reports: &[Report], json: bool) -> Outcome<()> {
         let lines: String = lines.collect();
         let (done, before) = (summary.done, summary.done_before);
         format!(
-            "{lines}{}: {done} movements done, {before} done before, {} failed\n",
+            "{lines}{}: {done} movements solved, {before} already done, {} failed\n",
             into.display(),
             failed.len()
         )

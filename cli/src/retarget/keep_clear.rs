@@ -17,11 +17,11 @@ use crate::number_list::not_negative;
 use crate::output;
 use crate::world_file::TouchOption;
 
-/// How many times as large obstacles are made.
+/// Scale factor of the obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum WorldScale {
     Times(f64),
-    /// As many as the robot's steps are longer than the person's.
+    /// Ratio of the robot's step length to the subject's.
     Stride,
 }
 
@@ -30,34 +30,38 @@ impl WorldScale {
         match (text, text.parse::<f64>()) {
             ("stride", _) => Ok(Self::Stride),
             (_, Ok(times)) if times > 0.0 && times.is_finite() => Ok(Self::Times(times)),
-            _ => Err("a number above 0, or stride".into()),
+            _ => Err("expected a number > 0, or `stride`".into()),
         }
     }
 }
 
-/// Options about collisions.
+/// Collision options of `kinopt retarget`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct KeepClearOptions {
-    /// Keep the robot's links apart in every frame, by so many metres. Default: not at all; of M: 0.
+    /// Avoid self-collisions of the robot in every frame, with a margin of M metres. Range: ≥ 0. Default: off;
+    /// without M: 0.
     ///
-    /// By the exact distances of its collision shapes. Pairs of links are those that a thousand random configurations neither never
-    /// nor always have touching.
+    /// Distances are exact, between the collision shapes. Pairs of links that are always or never in contact in a
+    /// thousand random configurations are not checked.
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0", value_parser = not_negative, help_heading = COLLISIONS)]
     keep_clear: Option<f64>,
 
-    /// Keep the robot clear of the obstacles of a file in every frame, and of itself.
+    /// Avoid collisions with the obstacles of a file in every frame, and self-collisions. Default: no obstacles.
     ///
-    /// Our JSON (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`), or a planning scene of MoveIt's (.yaml), in
-    /// metres where the robot goes. Feet stand on obstacles as on the ground. Default: nothing is in the way.
+    /// The file is a world of kinopt (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`) or a
+    /// planning scene of MoveIt (.yaml). Lengths are in metres, in the robot's world frame. Feet can be in contact
+    /// with obstacles as with the ground.
     #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
     world: Option<PathBuf>,
 
-    /// How many times as large the obstacles are, and as far from the origin: a number, or `stride` where they stood about the person,
-    /// for as many as the robot's steps are. Default: 1.
+    /// Scale of the obstacles about the origin: a number > 0, or `stride`. Default: 1.
+    ///
+    /// `stride` is the ratio of the robot's step length to the subject's, for obstacles from the capture.
     #[arg(long, value_name = "TIMES", value_parser = WorldScale::parse, requires = "world", help_heading = COLLISIONS)]
     world_scale: Option<WorldScale>,
 
-    /// How far all is to be apart at least, in metres; without --world of the robot's own links, as --keep-clear. Default: 0.
+    /// Required distance of all collision pairs, in metres. Without --world it applies to self-collisions. Range: ≥
+    /// 0. Default: 0.
     #[arg(long, value_name = "M", value_parser = not_negative, conflicts_with = "keep_clear", help_heading = COLLISIONS)]
     margin: Option<f64>,
 
@@ -71,21 +75,21 @@ pub(super) struct KeepClearOptions {
     spheres: SphereOption,
 }
 
-/// What is to be kept clear of, and in which world.
+/// Collision checker and world of the collision avoidance.
 #[derive(Clone, Debug)]
 pub(super) struct Clear {
     checker: Checker,
-    /// The obstacles of a file, if one was given.
+    /// Obstacles from the file of `--world`.
     world: Option<World>,
-    /// Whether they stood about the person.
+    /// `true` if the obstacles are scaled by the stride.
     of_person: bool,
 }
 
 impl Clear {
-    /// What a movement is kept clear of whose steps are so many times as large as the person's.
+    /// Checker with the obstacles scaled by `stride`, the ratio of the robot's step length to the subject's.
     ///
     /// # Errors
-    /// Obstacles that are then too small or too large.
+    /// Scaled obstacles that are too small or too large.
     pub(super) fn at_stride(&self, stride: f64) -> Outcome<Checker> {
         let checker = self.checker.clone();
         Ok(match &self.world {
@@ -94,7 +98,7 @@ impl Clear {
         })
     }
 
-    /// Says in a folder's question what is kept clear.
+    /// Adds margin and world to a folder query.
     pub(super) fn ask(&self, question: &mut FolderQuestion<'_>) {
         question.keep_clear = Some(self.checker.margin());
         question.world = self.world.as_ref().map(World::to_json);
@@ -104,12 +108,12 @@ impl Clear {
 }
 
 impl KeepClearOptions {
-    /// By which shapes, unless by the usual ones.
+    /// Description of the collision shapes if they differ from the default.
     pub(super) fn unusual_shapes(&self) -> Option<String> {
         self.shapes.unusual()
     }
 
-    /// The first of the options that was given.
+    /// Name of the first collision option that the user gave.
     fn given(&self) -> Option<&'static str> {
         first_given([
             ("--keep-clear", self.keep_clear.is_some()),
@@ -118,17 +122,17 @@ impl KeepClearOptions {
         ])
     }
 
-    /// What is to be kept clear of, if anything is.
+    /// Collision avoidance of a target. `None` without a collision option.
     ///
     /// # Errors
-    /// A figure, a robot without shapes, and a file that is not there or damaged.
+    /// A figure, a robot without shapes, and a missing or damaged file.
     pub(super) fn clear(&self, target: &Target) -> Outcome<Option<Clear>> {
         let Some(option) = self.given() else {
             return Ok(None);
         };
         if target.loaded.robot.is_none() {
             return Err(usage!(
-                "{option} is for robots with collision shapes, and {} is a {}",
+                "{option} applies to robots with collision shapes; {} is a {}",
                 target.loaded.file,
                 target.loaded.kind()
             ));
@@ -147,13 +151,13 @@ impl KeepClearOptions {
     }
 }
 
-/// Tells of frames that touch all the same.
+/// Reports the frames that remain in contact.
 pub(super) fn tell_touching(file: &str, found: &Retargeted) {
     if let Some(first) = found.touching.first() {
         let frames = counted(found.touching.len(), "frame");
         let (frame, pair) = (first.frame, &first.pair);
         output::message(&format!(
-            "note: {file}: in {frames} something touches all the same, first in frame {frame}: {pair}"
+            "note: {file}: {frames} remain in collision, first frame {frame}: {pair}"
         ));
     }
 }

@@ -11,39 +11,41 @@ use crate::failure::Outcome;
 use crate::file_access;
 use crate::output;
 
-/// Where a map comes from.
+/// Options of the body map.
 #[derive(Args, Debug)]
 pub(super) struct MapOptions {
-    /// Which joint of the source drives which frame: a .json file, as below, which may hold several robots' drives under the
-    /// names of their files, or none for this one; or the skeleton that the source is of: cmu, lafan1, mixamo or smpl. Default: as names tell.
+    /// Body map from source joints to target frames: a .json file, or the source's skeleton cmu, lafan1, mixamo or
+    /// smpl. Default: guessed from names.
+    ///
+    /// The file is described below. It can hold the maps of several robots, by the names of their files.
     #[arg(long, value_name = "FILE|NAME")]
     map: Option<PathBuf>,
 
-    /// Write the map that is taken, to be corrected by hand.
+    /// Write the body map to a file, for manual correction.
     #[arg(long, value_name = "FILE")]
     pub(super) save_map: Option<PathBuf>,
 
-    /// Print the map that is taken; without --out do no more.
+    /// Print the body map. Without --out, stop after that.
     #[arg(long)]
     pub(super) print_map: bool,
 }
 
-/// A map, or whose names tell of one.
+/// Source of the body map.
 #[derive(Debug)]
 pub(super) enum MapChoice {
-    /// Of a file, which is named.
+    /// Path of the file, and its map.
     Given(String, BodyMap),
     Skeleton(KnownSkeleton),
     Guessed,
 }
 
 impl MapOptions {
-    /// Whether the map alone is asked for.
+    /// Returns `true` if the body map is an output.
     pub(super) fn asks_for_map(&self) -> bool {
         self.print_map || self.save_map.is_some()
     }
 
-    /// Reads it, for a target's file.
+    /// Reads the body map for the target file.
     pub(super) fn read(&self, target: &Path) -> Outcome<MapChoice> {
         let Some(given) = &self.map else {
             return Ok(MapChoice::Guessed);
@@ -64,7 +66,7 @@ impl MapOptions {
 }
 
 impl MapChoice {
-    /// What a file says, for the source.
+    /// Body map of the file.
     pub(super) fn given(&self) -> Option<&BodyMap> {
         match self {
             Self::Given(_, map) => Some(map),
@@ -72,7 +74,7 @@ impl MapChoice {
         }
     }
 
-    /// The skeleton that the source is said to be.
+    /// Skeleton that the user named.
     pub(super) fn skeleton(&self) -> Option<&KnownSkeleton> {
         match self {
             Self::Skeleton(skeleton) => Some(skeleton),
@@ -80,7 +82,7 @@ impl MapChoice {
         }
     }
 
-    /// The map from a capture to a model.
+    /// Body map from a capture to a model.
     pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<MapGuess> {
         let capture = &source.capture;
         let told = |error: RetargetError| failure!("{file}: {error}");
@@ -91,13 +93,13 @@ impl MapChoice {
         };
         guess.map_err(|error| match self {
             Self::Given(map, _) if self.is_guessed() => {
-                failure!("{map}: it drives nothing of this target, and of {file} {error}")
+                failure!("{map}: the map drives no frame of this target; {file}: {error}")
             }
             _ => told(error),
         })
     }
 
-    /// Says of a guess what it is by, and what is to be looked at.
+    /// Reports the origin of a guessed map, and its notes.
     pub(super) fn say(&self, file: &str, guess: &MapGuess, up: UpAxis) {
         if self.is_guessed() {
             say_parts(file, guess);
@@ -105,12 +107,12 @@ impl MapChoice {
         say(file, guess, up);
     }
 
-    /// Whether names tell what drives what.
+    /// Returns `true` if names determine the driven frames.
     fn is_guessed(&self) -> bool {
         self.given().is_none_or(|given| given.drives.is_empty())
     }
 
-    /// What of it is wrong, with where it is from.
+    /// Error with the file that caused it: the map or the source.
     pub(super) fn failed(&self, file: &str, error: &RetargetError) -> crate::failure::Failure {
         match (self, error) {
             (Self::Given(map, _), error) if error.is_of_map() => failure!("{map}: {error}"),
@@ -119,14 +121,14 @@ impl MapChoice {
     }
 }
 
-/// What a guess is by.
+/// Reports the names that a guess used.
 fn say_parts(file: &str, guess: &MapGuess) {
     let by = |known: Option<&'static str>, names: &str| match known {
         Some(known) => format!("the {names} of {known}"),
-        None => format!("what {names} tell"),
+        None => names.to_owned(),
     };
     output::message(&format!(
-        "note: {file}: {} of {} parts are driven, by {} and {}; --print-map shows which",
+        "note: {file}: {} of {} body parts are driven, by {} and {}; --print-map lists them",
         guess.map.drives.len(),
         BodyPart::ALL.len(),
         by(guess.skeleton, "joints' names"),
@@ -134,12 +136,12 @@ fn say_parts(file: &str, guess: &MapGuess) {
     ));
 }
 
-/// What is to be looked at.
+/// Reports a suspicious up axis and the notes of a guess.
 fn say(file: &str, guess: &MapGuess, up: UpAxis) {
     if let Some(along) = guess.up.filter(|along| *along != up) {
         let (along, up) = (along.name(), up.name());
         output::message(&format!(
-            "note: {file}: the body stands along {along}, but {up} is taken for upward: --up {along} says otherwise"
+            "note: {file}: the body is upright along {along}, but the up axis is {up}: --up {along} changes it"
         ));
     }
     for note in &guess.notes {

@@ -1,4 +1,4 @@
-//! `kinopt retarget`: motion capture on robots and skeletons.
+//! `kinopt retarget`: retargeting of motion capture to robots and skeletons.
 
 mod contact_options;
 mod folder;
@@ -33,42 +33,48 @@ use crate::output;
 const EXAMPLES: &str = "\
 Examples:
   kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
-                                               frame by frame, as a live follower does; the map goes by names
+                                               frame by frame; the body map is guessed from names
   kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --fps 120 --whole --out climb.npz
-                                               all frames as one: smooth; told is how still feet stand
+                                               the whole movement as one problem
   kinopt retarget walk.bvh g1.urdf --base-joint free --keep-clear 0.01 --out walk.npz
-                                               no link nearer than 1 cm to another
+                                               without self-collisions, with a margin of 1 cm
   kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --world boxes.json --world-scale stride --out climb.npz
-                                               clear of the boxes that the person climbed, and of itself
+                                               without collisions with the boxes that the subject climbed
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
-                                               which joint would drive which frame, to be corrected
+                                               writes the guessed body map, for manual correction
   kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv
-                                               an array (frames, 24, 3) in the order of SMPL's joints
+                                               an array (frames, 24, 3) in SMPL's joint order
   kinopt retarget walk.bvh character.glb --out walking.glb
-                                               the character's file, with one clip more
+                                               adds a clip to the character's file
   kinopt retarget captures g1.urdf --base-joint free --out movements --format csv
-                                               a folder, in parallel; given overwrite it goes on where it was
+                                               a folder, in parallel; continues after an interruption
 
-The map, of which what is left out goes by names and by the file:
+The body map; missing entries are guessed from names or taken from the file:
   {\"joints\": [\"Hips\", \"LeftFoot\", …], \"fps\": 120, \"up\": \"z\",
    \"drives\": {\"Hips\": \"pelvis\", \"LeftFoot\": {\"frame\": \"left_ankle\", \"weight\": 2, \"offset\": [0, 0, -0.05]}},
    \"contacts\": [\"LeftFoot\"]}";
 
-/// Brings a captured movement onto a robot or a figure, within its limits of position and speed in every frame.
+/// Retarget a captured movement to a robot or a figure, within its position and velocity limits in every frame.
 ///
-/// Limbs are scaled by their lengths, the ground is found, and feet are held where they stand. A figure is put on a free
-/// base. A .npz or .json has the configurations `q` (frames × numbers of a configuration), `fps`, `names` (of those
-/// numbers) and `contacts` (frames × what stands, named in `standing`). A .csv has a line a frame without a header: x, y, z, the quaternion x,
-/// y, z, w of a free base, then the joints, as the retargeted LAFAN1 of Unitree is written. A .bvh or .glb is of a figure.
+/// Limbs are scaled by their lengths. The ground height is detected, and feet in contact are locked. A figure gets a
+/// free base.
+///
+/// A .npz or .json file has `q` (frames × configuration), `fps`, `names` (of the configuration values) and `contacts`
+/// (frames × contact points). The frames of the contact points are in `contact_frames`.
+///
+/// A .csv file has one row per frame and no header: x, y, z and quaternion x, y, z, w of a free base, then the
+/// joints. Unitree's retargeted LAFAN1 data set has this layout. A .bvh or .glb file has a figure's animation.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The movement: .bvh, a clip of a .glb or .gltf, .npy of (frames, joints, 3), the keyframes of a rig's .json; or a folder of all but
-    /// those.
+    /// Movement: .bvh, clip of a .glb or .gltf, .npy of (frames, joints, 3), keyframes of a rig (.json); or a folder
+    /// of files.
+    ///
+    /// A folder can hold all of these except rigs.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
 
-    /// The robot's .urdf or MJCF .xml file, or a figure's: a rig's .json, .glb, .gltf or .bvh.
+    /// Robot (.urdf, MJCF .xml), or figure: rig (.json), .glb, .gltf or .bvh.
     #[arg(value_name = "TARGET")]
     target: PathBuf,
 
@@ -78,11 +84,11 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     source_options: SourceOptions,
 
-    /// The axis that points upward in a figure's file. Default: y of .glb, .gltf and .bvh, z of a rig's .json.
+    /// Up axis of a figure's file. Default: y for .glb, .gltf and .bvh; z for a rig (.json).
     #[arg(long, value_enum, value_name = "AXIS")]
     target_up: Option<Up>,
 
-    /// Solve the whole movement as one instead of frame by frame. Default: frame by frame.
+    /// Solve the whole movement as one smooth problem. Default: frame by frame.
     #[arg(long)]
     whole: bool,
 
@@ -92,19 +98,20 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     keep_clear: KeepClearOptions,
 
-    /// Where to write: .npz, .json, .csv, .bvh or .glb; of a folder, a folder.
+    /// Output: .npz, .json, .csv, .bvh or .glb file; a folder if the source is a folder.
     #[arg(long, value_name = "FILE|DIR", help_heading = OUTPUT, required_unless_present_any = ["print_map", "save_map"])]
     out: Option<PathBuf>,
 
-    /// Of a folder: what is written. Default: npz.
+    /// Folders: output format. Default: npz.
     #[arg(long, value_enum, help_heading = OUTPUT, hide_default_value = true)]
     format: Option<Format>,
 
-    /// Of a .csv: a first line of names, times before and what stands behind, the quaternion w, x, y, z. Default: the numbers alone.
+    /// .csv: write a header row, times, the quaternion as w, x, y, z, and contact columns. Default: configurations
+    /// only.
     #[arg(long, help_heading = OUTPUT)]
     header: bool,
 
-    /// Of a folder: do all of it anew. Default: what is done stays.
+    /// Folders: solve all movements again. Default: keep existing output files.
     #[arg(long, help_heading = OUTPUT)]
     overwrite: bool,
 
@@ -112,22 +119,22 @@ pub(crate) struct Arguments {
     model_options: ModelOptions,
 }
 
-/// What came of a movement.
+/// Result of one movement.
 #[derive(Debug, Serialize)]
 struct Clip {
     out: PathBuf,
     frames: usize,
     fps: f64,
-    /// How many times as large as the person's the steps are.
+    /// Ratio of the target's step length to the subject's.
     stride: f64,
-    /// Metres, in the mean over all driven points and frames.
+    /// Mean position error over all driven points and frames, metres.
     mean_error: f64,
-    /// Metres, at most.
+    /// Largest foot sliding, metres.
     slip: f64,
-    /// Of a foot in the ground, metres, at most.
+    /// Largest ground penetration of a foot, metres.
     ground_penetration: f64,
     contact_frames: Vec<String>,
-    /// What could be held no longer, and from which frame on.
+    /// Lost contacts, with their first frame.
     lost_contacts: Vec<LostContactReport>,
 }
 
@@ -137,21 +144,21 @@ struct LostContactReport {
     contact_frame: String,
 }
 
-/// Feet that are deeper in the ground than this are told of, metres.
+/// Ground penetration of feet above which it is reported, metres.
 const SUNK: f64 = 1e-3;
 
 impl Clip {
-    /// In a line.
+    /// One-line summary.
     fn summary(&self) -> String {
         let ground_penetration = match self.ground_penetration > SUNK {
             true => format!(
-                "; feet are {:.1} mm in the ground at most",
+                "; ground penetration at most {:.1} mm",
                 1e3 * self.ground_penetration
             ),
             false => String::new(),
         };
         format!(
-            "{}: {}, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{ground_penetration}\n",
+            "{}: {}, {} per second; mean position error {:.1} mm; foot sliding at most {:.3} mm{ground_penetration}\n",
             self.out.display(),
             counted(self.frames, "frame"),
             // Frame times in files are rounded: 0.033333 s are 30 frames a second.
@@ -169,12 +176,12 @@ fn lost_contact(own: LostContact) -> LostContactReport {
     }
 }
 
-/// What is done with every movement.
+/// Arguments shared by all movements.
 struct Job<'a> {
     arguments: &'a Arguments,
     target: Target,
     clear: Option<Clear>,
-    /// Of the feet: meshes that are not found are left out.
+    /// Shapes of the feet. Meshes whose files are missing are left out.
     shapes: FootShapes,
     map: MapChoice,
     format: Format,
@@ -205,7 +212,7 @@ impl<'a> Job<'a> {
             .with_contacts(self.arguments.contacts.detection())
     }
 
-    /// What tells the answers of one question from another's.
+    /// Folder query: everything that determines the results.
     fn question(&self) -> FolderQuestion<'_> {
         let mut question = FolderQuestion::new(&self.target.robot, self.options());
         self.arguments.source_options.ask(&mut question);
@@ -269,7 +276,7 @@ impl<'a> Job<'a> {
 }
 
 impl Arguments {
-    /// The map alone.
+    /// Prints or saves the map.
     fn show_map(&self) -> Outcome<()> {
         let target = Target::read(&self.target, self.target_up, &self.model_options)?;
         let choice = self.map.read(&self.target)?;
@@ -301,7 +308,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if arguments.map.asks_for_map() {
         if folder {
             return Err(usage!(
-                "--print-map and --save-map are of one movement, not of a folder"
+                "--print-map and --save-map apply to one movement, not to a folder"
             ));
         }
         arguments.show_map()?;
@@ -317,7 +324,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         ("--overwrite", arguments.overwrite),
     ]) {
         return Err(usage!(
-            "{option} is for folders; {} is none",
+            "{option} applies to folders; {} is a file",
             arguments.source.display()
         ));
     }

@@ -1,4 +1,4 @@
-//! Output file of a motion, which appears when it is complete.
+//! Output file of a retargeted movement. The file appears once it is complete.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -20,7 +20,7 @@ use crate::numpy_file::{self, Column};
 use crate::output;
 use crate::scene_output;
 
-/// What is written, by the ending of its name.
+/// Output format, by the file extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Format {
@@ -31,40 +31,40 @@ pub(super) enum Format {
     Glb,
 }
 
-/// As many influences as every program reads.
+/// Number of influences per vertex that all glTF readers support.
 const INFLUENCES: usize = 4;
 
 impl Format {
-    /// That of a file, by its ending.
+    /// Format of a file, by its extension.
     pub(super) fn of(path: &Path) -> Outcome<Self> {
         let known = Self::from_str(&extension(path), true);
         known.map_err(|_| {
             usage!(
-                "--out {}: .npz, .json, .csv, .bvh or .glb is written",
+                "--out {}: unsupported extension; expected .npz, .json, .csv, .bvh or .glb",
                 path.display()
             )
         })
     }
 
-    /// Its ending, without the dot.
+    /// File extension without the dot.
     pub(super) fn ending(self) -> String {
         self.to_possible_value()
             .map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// Refuses what a target cannot be written as.
+    /// Returns an error if the target cannot be written in this format.
     pub(super) fn check(self, target: &Target) -> Outcome<()> {
         let figure = target.skeleton().is_some();
         match matches!(self, Self::Bvh | Self::Glb) && !figure {
             true => Err(usage!(
-                "{}: .bvh and .glb are of figures; a robot's movement is written as .npz, .json or .csv",
+                "{}: .bvh and .glb require a figure; use .npz, .json or .csv for a robot",
                 target.loaded.file
             )),
             false => Ok(()),
         }
     }
 
-    /// Writes a movement; its file appears when it is whole.
+    /// Writes a movement. The file appears once it is complete.
     pub(super) fn write(
         self,
         target: &Target,
@@ -93,7 +93,7 @@ impl Format {
     ) -> Outcome<()> {
         let loaded = &target.loaded;
         let (Some(figure), Some(skeleton)) = (&target.figure, target.skeleton()) else {
-            return Err(failure!("{}: it is no figure", loaded.file));
+            return Err(failure!("{}: the target is not a figure", loaded.file));
         };
         if self == Self::Bvh {
             let format = BvhFormat::from(found.frame_rate);
@@ -130,7 +130,7 @@ impl Format {
     }
 }
 
-/// A rig stands along y there, as what reads these files takes for granted.
+/// Writes a rig with y up, as readers of BVH files expect.
 fn write_rig_as_bvh(skeleton: &Skeleton, up: UpAxis, found: &Retargeted, to: &Path) -> Outcome<()> {
     let y_from_z = UpAxis::Y.turned_to_z().transpose();
     let turn = Placement::new(y_from_z * up.turned_to_z(), Vector3::zero());
@@ -176,13 +176,13 @@ fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
     ])
 }
 
-/// What a .json file holds.
+/// Content of a .json file.
 #[derive(Serialize)]
 struct Document<'a> {
     fps: f64,
     names: &'a [String],
     standing: &'a [String],
-    /// Points of those frames, metres.
+    /// Contact points in the coordinates of their frames, metres.
     contact_points: Vec<[f64; 3]>,
     q: Vec<&'a [f64]>,
     contacts: Vec<&'a [bool]>,
@@ -199,7 +199,7 @@ fn document<'a>(found: &'a Retargeted, names: &'a [String]) -> Document<'a> {
     }
 }
 
-/// The points that stand, each in its frame.
+/// Contact points, each in the coordinates of its frame, metres.
 fn contact_points(found: &Retargeted) -> Vec<[f64; 3]> {
     found
         .contact_points
@@ -208,7 +208,7 @@ fn contact_points(found: &Retargeted) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// What stands, frame by frame.
+/// Contact flags, frame by frame.
 fn contacts(found: &Retargeted) -> impl Iterator<Item = &[bool]> {
     let width = found.contact_frames.len();
     (0..found.frames()).map(move |frame| {
@@ -219,8 +219,7 @@ fn contacts(found: &Retargeted) -> impl Iterator<Item = &[bool]> {
     })
 }
 
-/// A line a frame without a header, the base's quaternion x, y, z, w: as the retargeted LAFAN1 of Unitree is written and what learns
-/// from it reads.
+/// Rows of configurations without a header. The base's quaternion is x, y, z, w, as in Unitree's retargeted LAFAN1.
 fn as_rows(found: &Retargeted, width: usize, is_free: bool) -> String {
     let mut text = String::new();
     for q in found.q.chunks_exact(width.max(1)) {
@@ -235,7 +234,7 @@ fn as_rows(found: &Retargeted, width: usize, is_free: bool) -> String {
     text
 }
 
-/// A line of names, and one a frame: its time, the configuration, and 1 for what stands.
+/// Header row, then one row per frame: time in seconds, configuration, and contact flags (1 in contact).
 fn as_table(found: &Retargeted, names: &[String]) -> String {
     let standing = found
         .contact_frames

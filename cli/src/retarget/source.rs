@@ -13,30 +13,30 @@ use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::{number_list, numpy_file, output};
 
-/// What is taken where neither the source nor anybody says it: of arrays …
+/// Default frame rate of arrays, per second.
 const ARRAY_RATE: f64 = 120.0;
-/// … and of clips, whose keys stand anywhere.
+/// Default frame rate of clips, per second.
 const CLIP_RATE: f64 = 60.0;
 
-/// How a movement is read.
+/// Options of reading a movement.
 #[derive(Args, Debug)]
 pub(super) struct SourceOptions {
-    /// Frames a second: of a .npy those that it has, of all else those that are taken. Default: as the file or the map
-    /// says, else 120 of a .npy and 60 of clips.
+    /// Frames per second: the rate of a .npy, the sampling rate of other files. Range: > 0. Default: from file or
+    /// map, else 120 for .npy and 60 for clips.
     #[arg(long, value_name = "N", value_parser = number_list::positive)]
     fps: Option<f64>,
 
-    /// Which of a scene's clips: its name. Default: the first.
+    /// Name of a scene's clip. Default: the first clip.
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 
-    /// The axis that points upward in the source. Default: as the map says, else the one along which the body stands, else y of
-    /// .bvh, .glb and .gltf, and z.
+    /// Up axis of the source. Default: from the map, else detected from the body, else y for .bvh, .glb and .gltf,
+    /// and z for others.
     #[arg(long, value_enum, value_name = "AXIS")]
     up: Option<Up>,
 }
 
-/// An axis that points upward.
+/// Up axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Up {
     Y,
@@ -52,7 +52,7 @@ impl From<Up> for UpAxis {
     }
 }
 
-/// A movement, and which way is up in it.
+/// Movement and its up axis.
 #[derive(Debug)]
 pub(super) struct Source {
     pub(super) capture: Capture,
@@ -60,14 +60,14 @@ pub(super) struct Source {
 }
 
 impl SourceOptions {
-    /// Says in a folder's question how movements are read.
+    /// Adds the reading options to a folder query.
     pub(super) fn ask<'a>(&'a self, question: &mut FolderQuestion<'a>) {
         question.frame_rate = self.fps;
         question.clip = self.clip.as_deref();
         question.up = self.up.map(UpAxis::from);
     }
 
-    /// Reads a movement, with what a map or the skeleton that it is said to be tells of arrays.
+    /// Reads a movement. `map` or `skeleton` supplies the joint names of an array.
     pub(super) fn read(
         &self,
         path: &Path,
@@ -78,7 +78,7 @@ impl SourceOptions {
         let told = |error: RetargetError| failure!("{file}: {error}");
         let kind = extension(path);
         if self.clip.is_some() && !matches!(kind.as_str(), "glb" | "gltf") {
-            return Err(usage!("{file}: --clip is for scenes (.glb, .gltf)"));
+            return Err(usage!("{file}: --clip applies to scenes (.glb, .gltf)"));
         }
         let said = self.fps.or(map.and_then(|map| map.frame_rate));
         let (capture, up) = match kind.as_str() {
@@ -99,7 +99,7 @@ impl SourceOptions {
                 let names = names(&file.to_string(), &array.shape, map, skeleton)?;
                 if said.is_none() {
                     output::message(&format!(
-                        "note: {file}: nobody says the frames a second: {ARRAY_RATE} are taken"
+                        "note: {file}: no frame rate given, {ARRAY_RATE} frames per second assumed; --fps changes it"
                     ));
                 }
                 let rate = said.unwrap_or(ARRAY_RATE);
@@ -108,7 +108,7 @@ impl SourceOptions {
             }
             _ => {
                 return Err(usage!(
-                    "{file}: a .npy, .bvh, .glb, .gltf or a rig's .json is read"
+                    "{file}: unsupported extension; expected .npy, .bvh, .glb, .gltf or a rig's .json"
                 ));
             }
         };
@@ -117,7 +117,7 @@ impl SourceOptions {
         if let Some(along) = detected.filter(|along| given.is_none() && *along != up) {
             let (along, other) = (along.name(), up.name());
             output::message(&format!(
-                "note: {file}: the body stands along {along}, which is taken for upward; --up {other} sets the other axis"
+                "note: {file}: up axis {along}, detected from the body; --up {other} selects the other axis"
             ));
         }
         let up = given.or(detected).unwrap_or(up);
@@ -125,7 +125,7 @@ impl SourceOptions {
     }
 }
 
-/// The names of an array's joints, where its shape fits them.
+/// Joint names of an array. Checks that its shape fits them.
 fn names(
     file: &str,
     shape: &[usize],
@@ -138,7 +138,7 @@ fn names(
     };
     let [_, joints, 3] = *shape else {
         return Err(failure!(
-            "{file}: of the shape ({}), where (frames, joints, 3) is read",
+            "{file}: an array of shape ({}); expected (frames, joints, 3)",
             told()
         ));
     };
@@ -147,7 +147,7 @@ fn names(
         return match names.len() == joints {
             true => Ok(names.clone()),
             false => Err(failure!(
-                "{file}: of the shape ({}), where the map names {own} joints: (frames, {own}, 3)",
+                "{file}: an array of shape ({}); the map names {own} joints, so expected (frames, {own}, 3)",
                 told(),
                 own = names.len()
             )),
@@ -156,25 +156,25 @@ fn names(
     let Some(skeleton) = skeleton else {
         let known: Vec<&str> = KnownSkeleton::names().collect();
         return Err(failure!(
-            "{file}: nobody says what its {joints} joints are called: \"joints\" of a map does, or --map NAME for a skeleton of: {}",
+            "{file}: names of its {joints} joints are missing: give \"joints\" in a map, or --map NAME with a skeleton of: {}",
             known.join(", ")
         ));
     };
     let names = skeleton.joints_of_array(joints);
     names.map(<[String]>::to_vec).ok_or_else(|| {
         failure!(
-            "{file}: of the shape ({}), which is no array of the skeleton {}",
+            "{file}: an array of shape ({}) does not fit the skeleton {}",
             told(),
             skeleton.name()
         )
     })
 }
 
-/// Where a rig's bones are by its keyframes.
+/// Bone tails of a rig over its keyframes, sampled at `rate` per second.
 fn of_rig(path: &Path, rate: f64) -> Outcome<Capture> {
     let loaded = LoadedModel::read(path, &ModelOptions::default())?;
     let clip = loaded.keyframes("retarget")?;
-    let lacks = || failure!("{}: it is no rig", loaded.file);
+    let lacks = || failure!("{}: the file is not a rig", loaded.file);
     let skeleton = &loaded.rig.as_ref().ok_or_else(lacks)?.skeleton;
     let [start, end] = clip.time_span().unwrap_or([0.0; 2]);
     let frames = ((end - start) * rate + 0.5).floor() as usize + 1;
@@ -192,7 +192,7 @@ fn of_rig(path: &Path, rate: f64) -> Outcome<Capture> {
     capture.map_err(|error| failure!("{}: {error}", loaded.file))
 }
 
-/// Whether a source is an array, whose joints a map has to name.
+/// Returns `true` if a source is an array, which needs joint names.
 pub(super) fn is_array(path: &Path) -> bool {
     extension(path) == "npy"
 }

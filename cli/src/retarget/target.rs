@@ -13,21 +13,21 @@ use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::output;
 
-/// A robot, or a figure as one.
+/// Robot, or figure on a free base.
 #[derive(Debug)]
 pub(super) struct Target {
     pub(super) loaded: LoadedModel,
-    /// What it is brought onto.
+    /// Robot that receives the movement.
     pub(super) robot: Robot,
-    /// What takes configurations back to a figure's poses.
+    /// Conversion of configurations to a figure's poses.
     pub(super) figure: Option<FigureTarget>,
 }
 
-/// What a free base has of a configuration: x, y, z and a quaternion w, x, y, z.
+/// Number of configuration values of a free base: x, y, z and quaternion w, x, y, z.
 pub(super) const BASE: usize = 7;
 
 impl Target {
-    /// Reads a robot as the options say, and a figure on a free base.
+    /// Reads a robot with its model options, or a figure on a free base.
     pub(super) fn read(path: &Path, up: Option<Up>, options: &ModelOptions) -> Outcome<Self> {
         let animated = AnimatedArmature::is_at(path);
         let up_of_file = match (up, animated) {
@@ -39,16 +39,16 @@ impl Target {
         if !figure {
             if up.is_some() {
                 return Err(usage!(
-                    "{}: --target-up is for figures; upward is z of a robot",
+                    "{}: --target-up applies to figures; the up axis of a robot is z",
                     path.display()
                 ));
             }
             let loaded = LoadedModel::read(path, options)?;
-            let lacks = || usage!("{}: it is no robot", loaded.file);
+            let lacks = || usage!("{}: the file is not a robot", loaded.file);
             let robot = Robot::clone(loaded.robot.as_ref().ok_or_else(lacks)?);
             if !options.says_base() && !robot.moves_as_a_whole() {
                 output::message(&format!(
-                    "note: {}: its root stands where it is; --base-joint free lets it go where the person does",
+                    "note: {}: the root is fixed; --base-joint free lets it follow the subject",
                     loaded.file
                 ));
             }
@@ -60,12 +60,12 @@ impl Target {
         }
         if options.makes_figure() {
             return Err(usage!(
-                "{}: figures are brought to move by their angles, without --joints and --cones",
+                "{}: retargeting of figures uses Euler angles; omit --joints and --cones",
                 path.display()
             ));
         }
         let mut loaded = LoadedModel::read(path, &ModelOptions::default())?;
-        let lacks = || failure!("{}: it has no bones", loaded.file);
+        let lacks = || failure!("{}: the file has no bones", loaded.file);
         let rig = loaded.rig.as_ref().ok_or_else(lacks)?;
         let figure = FigureTarget::new(&rig.skeleton, up_of_file)?;
         let robot = figure.robot().clone();
@@ -77,7 +77,7 @@ impl Target {
         })
     }
 
-    /// Tells of a figure that stands along another axis than the one taken for upward.
+    /// Reports a figure whose body is not along the up axis.
     pub(super) fn tell_up(&self, along: Option<UpAxis>) {
         let Some(figure) = self.figure.as_ref().filter(|_| along == Some(UpAxis::Y)) else {
             return;
@@ -88,22 +88,22 @@ impl Target {
             UpAxis::Z => ("z", "y"),
         };
         output::message(&format!(
-            "note: {}: the figure stands along {along}, but {up} is taken for upward: --target-up {along} says otherwise",
+            "note: {}: the figure is upright along {along}, but the up axis is {up}: --target-up {along} changes it",
             self.loaded.file
         ));
     }
 
-    /// The skeleton of a figure.
+    /// Skeleton of a figure.
     pub(super) fn skeleton(&self) -> Option<&Skeleton> {
         self.loaded.rig.as_ref().map(|rig| &rig.skeleton)
     }
 
-    /// Names of the numbers of a configuration.
+    /// Names of the configuration values.
     pub(super) fn names(&self) -> Vec<String> {
         self.loaded.coordinate_names()
     }
 
-    /// Whether a configuration begins with a free base.
+    /// Returns `true` if the configuration begins with a free base.
     pub(super) fn is_free(&self) -> bool {
         let root = self.robot.free_root();
         root.is_some_and(|joint| self.robot.model().coordinate(joint) == Some(0))

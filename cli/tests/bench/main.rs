@@ -1,4 +1,4 @@
-//! Promises of `kinopt bench` and of the pictures that the command draws.
+//! Promises of `kinopt bench` and of the pictures of `kinopt skin-report`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[macro_use]

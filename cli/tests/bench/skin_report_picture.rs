@@ -1,4 +1,4 @@
-//! Promise: `skin-report --out` draws both skinning methods over the twist.
+//! Promise: `skin-report --out` draws both skinning methods by twist angle.
 
 use crate::forked_rig::*;
 

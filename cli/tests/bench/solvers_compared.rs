@@ -1,5 +1,5 @@
-//! Promise: `kinopt bench` compares solvers on a robot or a rig, writes results that can be read
-//! again, and keeps what is done when it is interrupted.
+//! Promise: `kinopt bench` compares solvers on a robot or a rig. Its result files can be read again, and an
+//! interruption keeps the finished runs.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -24,7 +24,7 @@ fn bench_runs_on_a_robot_with_default_tip() {
     assert_eq!(names, [routes, routes].concat());
 
     let results = results(&folder);
-    // The tool is farther out than the fingers that slide beside it.
+    // The tool is farther from the base than the prismatic fingers.
     has!(results["model"], {"frames": ["tool"], "turns": true});
     for key in ["tool", "date"] {
         assert!(!word(&results["provenance"][key]).is_empty());
@@ -65,7 +65,7 @@ fn bench_runs_on_a_rig_with_pinned_tips() {
 fn bench_runs_on_targets_of_a_file() {
     let folder = Folder::new("bench-file");
     let (file, out) = (model("universal_ur5e.urdf"), folder.file("out"));
-    // Where the flange stands at a configuration that `fk` tells.
+    // Pose of the flange at a configuration, by `fk`.
     let placed = answer!("fk {file} --q=0.3,-1,1.2,-0.4,0.6,0.2");
     let flange = &placed["frames"]["flange"];
     let pose = ["position", "quaternion"]
@@ -122,8 +122,8 @@ fn interrupted_bench_keeps_finished_results() {
     }
 }
 
-/// Models that this project has never seen carry no licence, so they are not shipped: set
-/// `KINOPT_SHARED` to the folder that has them under `robots/` and `rigs/`.
+/// Runs `bench` on models outside the repository, which have no licence for distribution. `KINOPT_SHARED` names the
+/// folder with their subfolders `robots/` and `rigs/`.
 #[test]
 #[allow(clippy::print_stderr)] // To say that nothing was tested.
 fn bench_runs_on_external_models() {

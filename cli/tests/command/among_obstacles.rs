@@ -1,4 +1,5 @@
-//! Promise: `kinopt solve --world` answers with what touches nothing, or says which pairs touch and how deep.
+//! Promise: `kinopt solve --world` returns a collision-free solution, or names the pairs in contact with their
+//! penetration depths.
 
 use crate::forked_rig::*;
 
@@ -16,11 +17,11 @@ fn arm_solution_is_free_or_names_collisions() {
     assert_eq!(free["reached"], true);
     assert_eq!(free["goals_reached"], true);
     has!(free, {"collisions": []});
-    // Where nothing was to be kept clear of, nothing is said of it.
+    // Without collision options the result has no collision fields.
     let panda = model("franka_panda.urdf");
     let plain = answer!("solve {panda} --base base --target {POSE}");
     assert_eq!(plain.get("collisions"), None);
-    // In the table.
+    // Target inside the table.
     let inside = with("flange=0.6,0,0.18,0,1,0,0", "");
     assert_eq!(inside["reached"], false);
     let pairs = list(&inside["collisions"]);
@@ -32,13 +33,13 @@ fn arm_solution_is_free_or_names_collisions() {
     );
     assert!(pairs.iter().all(|pair| pair["on_the_way"] == false));
     assert!(number(&pairs[0]["distance"]) < 0.0);
-    // The pose can be met, though not freely; what is out of reach cannot.
+    // The pose is reachable, but only in collision. A target out of reach is not.
     assert_eq!(inside["goals_reached"], true);
     let far = with("flange=3,0,0.18,0,1,0,0", "");
     has!(far, {"reached": false, "goals_reached": false});
     let text = inside["explanation"].as_str().unwrap();
     says!(text => "`table`");
-    // Nothing is so far apart.
+    // No configuration has this margin.
     let wide = with(POSE, "--margin 0.4");
     assert_eq!(wide["reached"], false);
 }
@@ -54,11 +55,11 @@ fn body_solution_is_free_or_names_collisions() {
     let body = "--base-joint free --hold left_sole --hold right_sole --start bent";
     let ask =
         |target: &str| answer!("solve {nao} {body} --target left_hand={target} --world {world}");
-    // Above the board, and in it.
+    // Targets above and inside the board.
     let above = ask("0.2,0.11,0.05");
     has!(above, {"reached": true, "collisions": []});
     let inside = ask("0.23,0.11,-0.05");
-    // It can be met, but not freely.
+    // The target is reachable, but only in collision.
     has!(inside, {"reached": false, "goals_reached": true});
     let pairs = list(&inside["collisions"]);
     assert!(
@@ -71,7 +72,7 @@ fn body_solution_is_free_or_names_collisions() {
     assert!(!text.ends_with('\n'));
     let far = ask("3,0,1");
     has!(far, {"reached": false, "goals_reached": false});
-    // What may touch the board is passed over.
+    // Allowed collisions with the board are ignored.
     let names = pairs.iter().filter(|pair| pair["second"] == "board");
     let may: Vec<String> = names
         .map(|pair| {
@@ -118,7 +119,7 @@ fn allowed_pairs_are_ignored_by_every_subcommand() {
     refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision hnad=table" => 1, "did you mean `hand`?");
     refused!("solve {panda} --base base --target {inside} --world {table} --allow-collision table" => 2, "two names");
     refused!("check {panda} --allow-collision hand=table" => 2, "--world");
-    // A base in the floor that it stands on.
+    // The base is inside the floor.
     let floor = folder.text(
         "floor.json",
         r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05]}]}"#,
@@ -155,7 +156,7 @@ fn sphere_model_file_changes_no_result() {
     let out = folder.file("panda.yml");
     answer!("spheres {panda} --max-protrusion 0.04 --samples 0 --out {out}");
     let text = std::fs::read_to_string(&out).unwrap();
-    // All of one size, as they would be by a slip.
+    // Spheres of one size leave parts of the shapes uncovered.
     let small = text.lines().map(|line| match line.split_once("radius") {
         Some((before, _)) => format!(
             "{before}radius: 0.02{}\n",

@@ -1,4 +1,4 @@
-//! Promise: `animate` writes the mesh that the keyframes pose, at one time or frame by frame.
+//! Promise: `animate` writes the mesh in the pose of the keyframes, at one time or frame by frame.
 
 use crate::forked_rig::*;
 use glam::Vec3;
@@ -6,14 +6,14 @@ use kinopt::animation::{EulerInterpolation, Playback};
 use kinopt::io::ply;
 use kinopt::skinning::SkinningMethod;
 
-/// The mesh at a time: each vertex moved by its bone, in double precision.
+/// Mesh at a time: each vertex moved by its bone, in double precision.
 fn expected(time: f64, playback: Playback) -> Vec<Vec3> {
     let rig = rig();
     let mut q = vec![0.0; rig.skeleton.angles()];
     rig.clip.sample(time, playback, &mut q).unwrap();
     let pose = rig.skeleton.pose(&q).unwrap();
     let transforms: Vec<_> = pose.skinning_transforms(&rig.skeleton).collect();
-    // Every vertex of this rig follows one bone: 1 and 2 on the left, 3 and 4 on the right.
+    // Every vertex of this rig has one influence: bones 1 and 2 on the left, 3 and 4 on the right.
     let bone = |p: &Vec3| match (p.x < 0.0, p.x.abs() < 2.0) {
         (true, true) => 1,
         (true, false) => 2,
@@ -36,7 +36,7 @@ fn close(got: &[Vec3], expected: &[Vec3]) {
     }
 }
 
-/// The vertices of a written file.
+/// Vertices of a written file.
 fn posed(file: &str) -> Vec<Vec3> {
     ply::read(file).unwrap().positions().to_vec()
 }
@@ -67,11 +67,11 @@ fn frames_are_numbered_files_at_even_times() {
     }
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 8);
 
-    // 0.29 · 100 is 28.999999999999996, and the last frame is there all the same.
+    // 0.29 · 100 is 28.999999999999996; the last frame is still written.
     let document = answer!("animate {rig} --fps=100 --from=0 --to=0.29 --out {out}");
     assert_eq!(list(&document["frames"]).len(), 30);
 
-    // By itself it is all keyframes, 0.5 s to 2 s.
+    // The default range is all keyframes, 0.5 s to 2 s.
     let all = folder.file("all");
     let document = answer!("animate {rig} --fps=4 --out {all}");
     assert_eq!(list(&document["frames"]).len(), 7);
@@ -87,7 +87,7 @@ fn unanimatable_input_is_an_error() {
     let (rig_file, out) = (folder.rig(), folder.file("frames"));
     let file = folder.file("posed.obj");
     refused!("animate {rig_file} --out {out}" => 2, "--time | --fps");
-    // What only frames have is not silently left out for one time.
+    // Options of frames are errors for one time.
     for option in ["--from=1", "--to=1", "--format=ply"] {
         let name = option.split_once('=').unwrap().0;
         refused!("animate {rig_file} --time=1 {option} --out {file}" => 2, "{name} | --time");
@@ -116,7 +116,7 @@ fn mesh_without_weights_follows_the_nearest_bones() {
     let out = folder.file("posed.ply");
     let (_, told) = answer!(told "animate {bare} --time=2.3 --out {out}");
     says!(told => "bare.json | no skin weights | heat");
-    // The skin goes with the limbs it is on, within its own thickness at the joints.
+    // Each vertex follows its limb; at joints it deviates by at most the thickness of the limb.
     let rest = rig().mesh.unwrap();
     let expected = expected(2.3, Playback::Hold);
     let off = |got: &[Vec3]| -> f32 {
@@ -127,7 +127,8 @@ fn mesh_without_weights_follows_the_nearest_bones() {
     assert!(posed < 0.25 * still, "off by {posed}, at rest by {still}");
 }
 
-/// As some rigs are published: bones, keyframes and mesh work, and what is missing is said.
+/// Some published rigs lack their weights file. Bones, keyframes and mesh still work, and a note reports the missing
+/// file.
 #[test]
 fn rig_with_a_missing_weights_file_is_posed() {
     let (folder, file) = Folder::with_rig("animate-missing-weights");
@@ -147,7 +148,7 @@ fn rig_with_a_missing_weights_file_is_posed() {
         says!(told => note);
         says!(word(&document["notes"][0]) => note);
     }
-    // What the file does give may be made up anew, which is said too.
+    // `--skin-weights` replaces the weights of the file, with a note.
     let other = Folder::new("animate-other-weights");
     let whole = other.rig();
     let output = kinopt!("animate {whole} --time=1 --out {out} --skin-weights=heat");
@@ -159,7 +160,7 @@ fn interpolation_option_is_applied() {
     let folder = Folder::new("animate-interpolation");
     let (file, out) = (folder.rig(), folder.file("posed.ply"));
     let angles = |file: &str, more: &str| numbers(&answer!("fk {file} --time=1.1 {more}")["q"]);
-    // A straight line between the keys on either side, by hand.
+    // Linear interpolation between the neighbouring keys, computed by hand.
     let own = rig();
     let mut straight = vec![0.0; own.skeleton.angles()];
     for track in own.clip.tracks() {
@@ -176,7 +177,7 @@ fn interpolation_option_is_applied() {
         each.fold(0.0, f64::max)
     };
     assert!(apart(&linear, &straight) < 1e-14);
-    // The default is Catmull-Rom, which is Kochanek-Bartels with zeros.
+    // The default is Catmull-Rom: Kochanek-Bartels with zero parameters.
     let default = angles(&file, "");
     assert_eq!(angles(&file, "--interpolation=catmull-rom"), default);
     let zeros = angles(&file, "--interpolation=kochanek-bartels:0,0,0");
@@ -184,7 +185,7 @@ fn interpolation_option_is_applied() {
     let tense = angles(&file, "--interpolation=kochanek-bartels:0.8,0,-0.3");
     assert!(apart(&tense, &default) > 1e-3);
 
-    // A file's own word counts where the command says nothing, and `animate` takes it too.
+    // Without the option, `fk` and `animate` use the interpolation of the file.
     let linear_file = folder.changed("linear.json", |rig| {
         let clip = std::mem::take(&mut rig.clip);
         rig.clip = clip.interpolated(|_| EulerInterpolation::Linear).unwrap();

@@ -1,12 +1,12 @@
-//! Promise: `--center-of-mass` puts a body's mass where it is asked for, and `--balance` keeps it over the feet, for
-//! robots that have masses and for rigs that have a mesh.
+//! Promise: `--center-of-mass` moves a body's centre of mass to a point, and `--balance` keeps it over the support
+//! polygon. Both accept robots with masses and rigs with a mesh.
 
 use crate::forked_rig::*;
 use serde_json::Value;
 
 const LEANING: &str = "../tests/kinematics/leaning.urdf";
 
-/// Where the robot's masses are, by their places in the file and the command's own kinematics.
+/// Centre of mass from the masses of the robot file and the placements of `fk`.
 fn centre(q: &[f64]) -> [f64; 3] {
     let masses = [
         ("shank", [0.01, -0.02, 0.18], 3.2),
@@ -67,7 +67,7 @@ fn centre_of_mass_reaches_its_target() {
 
 #[test]
 fn balanced_body_stays_over_its_feet() {
-    // A sole of 20 by 20 cm beside the ankle.
+    // Sole of 20 × 20 cm next to the ankle.
     let corners = [[-0.1, 0.0], [0.1, 0.0], [0.1, 0.2], [-0.1, 0.2]];
     let sole: Vec<String> = (corners.iter())
         .map(|[x, y]| format!("--balance plate={x},{y},0"))
@@ -76,10 +76,10 @@ fn balanced_body_stays_over_its_feet() {
     let reach = format!("solve {LEANING} --target trunk=0.35,0.1,0.7 {sole}");
     let answer = answer!("{reach} --balance-margin 0.02");
     let [x, y, _] = centre(&numbers(&answer["q"]));
-    // Balance comes first, reach second.
+    // Balance is at a higher priority level than the target.
     assert_eq!(task(&answer, "balance")["reached"], true);
     assert!(x < 0.08 + 2e-6 && y < 0.18 + 2e-6, "{x} {y}");
-    // Where it stands anyway nothing moves.
+    // A start in balance is already a solution.
     let still = answer!("solve {LEANING} {sole}");
     assert_eq!(still["reached"], true);
     assert_eq!(numbers(&still["q"]), [0.0; 4]);
@@ -97,7 +97,8 @@ fn rig_balances_by_the_volume_of_its_mesh() {
     assert_eq!(task(&answer, "balance")["reached"], true);
 }
 
-/// The sole is fixed to the foot, whose box is 16 by 8 cm; the soles' own origins are a line between the ankles.
+/// The sole link is fixed to the foot, whose box is 16 × 8 cm. The origins of both soles form a line between the
+/// ankles.
 #[test]
 fn support_includes_all_links_fixed_to_the_feet() {
     let nao = "../models/aldebaran_nao.urdf";

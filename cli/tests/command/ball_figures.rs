@@ -1,5 +1,5 @@
-//! Promise: with `--joints ball` the bones of a figure turn on ball joints, within the cones of `--cones`, on a root that
-//! moves where `--base-joint free` says so; what comes out is the pose that the file's own tools make of it.
+//! Promise: with `--joints ball` the bones of a figure have ball joints, within the cones of `--cones`. `--base-joint
+//! free` adds a free root. The written pose equals the pose that the file's own format defines.
 
 use crate::forked_rig::*;
 use crate::motion_capture::WAVE;
@@ -18,7 +18,7 @@ fn captured_pose_is_a_configuration() {
     let balls = format!("{file} --joints ball --base-joint free");
     let posed = answer!("fk {balls} --time 0.25");
     let half = 0.5_f64.sqrt();
-    // The hips turned about y, the arm about z.
+    // The hips are rotated about y, the arm about z.
     let hips = [1.0, 2.0, 5.0, half, 0.0, half, 0.0];
     let expected = [&hips[..], &[half, 0.0, 0.0, half]].concat();
     let q = numbers(&posed["q"]);
@@ -31,14 +31,14 @@ fn captured_pose_is_a_configuration() {
     assert_eq!(posed["joints"], json!(names));
     let tip = numbers(&posed["frames"]["Upper Arm/tip"]["position"]);
     assert!(close(&tip, &[1.0, 9.0, 5.0]), "{tip:?}");
-    // The document is read again, names and all, and the plain command places it as well.
+    // `fk` reads the document again, with its names. The command without `--joints` returns equal placements.
     let saved = folder.text("q.json", &posed);
     let again = answer!("fk {balls} --q-file {saved}");
     assert_eq!(again["frames"], posed["frames"]);
     let plain = answer!("fk {file} --time 0.25");
     let plain = numbers(&plain["frames"]["Upper Arm/tip"]["position"]);
     assert!(close(&plain, &tip));
-    // A root that is fixed turns where it stands.
+    // A fixed root still rotates.
     let fixed = answer!("fk {file} --joints ball --time 0.25");
     assert_eq!(list(&fixed["q"]).len(), 8);
     let tip = numbers(&fixed["frames"]["Upper Arm/tip"]["position"]);
@@ -63,7 +63,7 @@ fn solution_is_written_unchanged() {
     assert!(std::fs::read_to_string(mesh).unwrap().contains("\nf "));
 }
 
-/// Feet keep to the ground, heels and all, and knees bend as the cones that ship let them.
+/// A crouch keeps the whole soles on the ground and the knees within the shipped cones.
 #[test]
 fn figure_crouches_on_flat_feet() {
     let folder = Folder::new("ball-crouch");
@@ -119,7 +119,7 @@ fn solutions_stay_within_their_cones() {
     let first = usize::try_from(arm["coordinate"].as_u64().unwrap()).unwrap();
     let q = numbers(&answer["q"]);
     let [w, x, y, z] = [0, 1, 2, 3].map(|part| q[first + part]);
-    // About the bone's own x: the swing is what is left of the turn without the twist about it.
+    // Swing and twist about the bone's own x.
     let tipped = 2.0 * (y * y + z * z).sqrt().atan2((w * w + x * x).sqrt());
     assert!(tipped <= swing + 1e-9 && tipped > swing - 1e-6, "{tipped}");
     assert!(2.0 * x.atan2(w).abs() <= 10f64.to_radians() + 1e-9);

@@ -1,5 +1,4 @@
-//! Promise: a robot moves on the base that `--base-joint` puts under it, within `--base-bounds`, while links that
-//! `--hold` names stay where they are.
+//! Promise: `--base-joint` gives a robot a moving base within `--base-bounds`, and `--hold` keeps links in place.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -103,10 +102,10 @@ fn body_crouches_over_its_held_feet() {
         .position(|name| name == "left_knee_pitch")
         .unwrap();
     assert!(numbers(&solution["q"])[knee] > 0.5, "the knees give way");
-    // What is told of it has the legs too, which the target alone does not move.
+    // The text lists the leg joints, which move only because of the held feet.
     says!(text!("solve {body} --start bent {target}") => "left_knee_pitch | right_ankle_roll | hold left_sole");
     refused!("solve {NAO} --hold left_sole --start bent {target}" => 2, "--start bent | --base-joint free");
-    // Beyond reach the feet hardly move: they count ten times as much as the hand.
+    // For a target out of reach the feet hardly move, as their weight is ten times that of the hand.
     let missed = answer!("solve {body} --start bent --target left_hand=2,0.1,0 --attempts 1");
     let q = format!("--q={}", commas(&numbers(&missed["q"])));
     assert!(
@@ -170,7 +169,7 @@ fn body_keeps_its_move_limits() {
         .map(|l| word(&l["kind"]))
         .collect();
     assert!(kinds.contains(&"move"), "{kinds:?}");
-    // Degrees are for what turns; metres stay metres.
+    // `--degrees` applies to rotations only; translations remain in metres.
     let each = [&[0.01; 3][..], &[2.0; 4], &[3.0; 6]].concat();
     let rest = format!("solve {UR5E} --base-joint free --target flange=3,-2,1.5,1,0,0,0 --degrees");
     let q = numbers(&answer!("{rest} --max-move={}", commas(&each))["q"]);
@@ -179,7 +178,7 @@ fn body_keeps_its_move_limits() {
     assert!(q[7..].iter().all(|angle| angle.to_degrees() <= 3.0 + 1e-9) && turned > 1.0);
     refused!("{ask} --max-move=1,2" => 2, "--max-move | 2 numbers | 13 | root_joint/rotation w");
     refused!("{ask} --max-move=-1" => 1, "max_move is -1");
-    // With a method of one's own, of a path, and of a figure.
+    // `--max-move` also bounds general solvers, the steps of a path and figures.
     let q = numbers(&answer!("{ask} --solver gauss-newton --max-move 0.02")["q"]);
     within(&q, 0.02);
     let folder = Folder::new("moves-of-a-path");
@@ -205,7 +204,7 @@ fn body_keeps_its_move_limits() {
     assert!(farthest <= 0.04 && farthest > 0.03, "{farthest}");
 }
 
-/// What is advised can be done.
+/// The option that a miss suggests lowers the cost.
 #[test]
 fn global_search_after_a_miss_lowers_the_cost() {
     let ask = format!("solve {NAO} --base-joint free --hold left_sole --hold right_sole");

@@ -1,10 +1,10 @@
-//! Promise: `check` tells what touches a world or the robot itself and how deep, or what is nearest, and ends with
-//! code 1 where something is too near.
+//! Promise: `check` reports pairs in contact with their penetration depth, or the nearest pair. It exits with code 1
+//! if a pair is nearer than the margin.
 
 use crate::forked_rig::*;
 use serde_json::json;
 
-/// A bar of 1 m along x that turns about z, on a pole beside which it hangs free.
+/// Bar of 1 m along x that rotates about z, collision-free next to its pole.
 const BAR: &str = r#"<robot name="bar">
   <link name="pole"/>
   <link name="bar"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
@@ -26,7 +26,7 @@ fn contacts_are_reported_with_their_depth() {
         folder.text("bar.urdf", BAR),
         folder.text("world.json", WORLD),
     );
-    // Along x the ball's lowest point is 0.3 above the bar's side 0.05.
+    // At 0° the ball's lowest point is 0.3 m above the axis, and the bar's side is at 0.05 m.
     let free = answer!("check {robot} --q 0 --world {world}");
     has!(free, {"free": true, "q": [0.0], "margin": 0.0, "collisions": []});
     has!(free["nearest"], {"first": "bar", "second": "ball"});
@@ -38,7 +38,7 @@ fn contacts_are_reported_with_their_depth() {
         "free: link `bar` and obstacle `ball` are nearest, 250.000 mm apart\n"
     );
 
-    // At 45 degrees the ball's middle is on the bar's axis, half a sphere and the bar's half width deep.
+    // At 45° the ball's centre is on the bar's axis: the penetration depth is the radius plus half the bar's width.
     let run = kinopt!("check {robot} --q 45 --degrees --world {world} --json");
     assert_eq!(run.status.code(), Some(1));
     let told: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
@@ -91,7 +91,7 @@ fn moveit_scenes_are_worlds() {
     assert_eq!(told, "free: no enabled pairs\n");
 }
 
-/// An obstacle may bear a link's name.
+/// An obstacle can have a link's name.
 #[test]
 fn link_and_obstacle_of_one_name_are_distinguished() {
     let folder = Folder::new("check-names");
@@ -117,7 +117,7 @@ fn joints_beyond_limits_are_reported_by_name() {
     assert_eq!(answer!("check {robot} --q 3")["outside_limits"], json!([]));
 }
 
-/// What the help says is what can be typed.
+/// The example of the help text is a valid command.
 #[test]
 fn example_of_the_help_fits_the_panda() {
     let help = text!("check --help");
@@ -155,7 +155,7 @@ fn package_meshes_are_found_from_within_the_package() {
         "lamp/urdf/lamp.urdf",
         format!(r#"<robot name="lamp">{link}</robot>"#),
     );
-    // The folders above a relative name are those above where the command runs.
+    // Relative file names are searched from the current folder and its parents.
     for (place, robot) in [
         ("lamp/urdf", "lamp.urdf"),
         ("lamp", "urdf/lamp.urdf"),
@@ -171,7 +171,7 @@ fn package_meshes_are_found_from_within_the_package() {
     }
 }
 
-/// A floor and a slab in the world of an MJCF file, and a pair that it takes out.
+/// World of an MJCF file with a floor, a slab and an excluded pair.
 #[test]
 fn world_of_an_mjcf_file_is_checked() {
     let folder = Folder::new("check-mjcf");

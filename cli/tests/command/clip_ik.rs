@@ -1,4 +1,4 @@
-//! Promise: `animate --reach` and `--plant` solve over a clip and add it to a file that keeps what it held.
+//! Promise: `animate --reach` and `--plant` solve over a clip. The written file keeps all its other content.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use crate::forked_rig::*;
 use kinopt::animation::{Cursor, Playback};
 use kinopt::io::gltf::{self, Scene};
 
-/// Hips with an arm of two bones and two legs, which stand for two seconds; a material and something unknown.
+/// Hips with an arm of two bones and two legs, at rest for two seconds; with a material and an unknown extension.
 const FIGURE: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["ACME_mood"],"extensions":{"ACME_mood":{"glad":1.50}},
  "materials":[{"name":"wool","pbrMetallicRoughness":{"metallicFactor":0.10}}],
  "nodes":[{"name":"hips","children":[1,4,7],"translation":[0,1,0]},
@@ -95,7 +95,7 @@ fn curve_file_and_ground_shape_are_used() {
     assert!(
         place(&scene, "up", "hand", 1.0).distance(kinopt::glam::Vec3::new(0.2, 1.5, 0.4)) < 1e-4
     );
-    // One foot on the step, the other beside it; the hips go up by half of it.
+    // One foot is on the step, the other next to it. The hips rise by half the step.
     let height = |bone: &str| place(&scene, "up", bone, 1.0).y;
     assert!((height("foot.l") - 0.2).abs() < 1e-4 && height("foot.r").abs() < 1e-4);
     assert!((height("hips") - 1.1).abs() < 0.1, "{}", height("hips"));
@@ -169,7 +169,7 @@ fn keys_beyond_a_limit_are_reported_by_joint() {
     assert_eq!(told[0]["joint"], "right_forearm/bend");
     assert!(told[0]["by"].as_f64().unwrap() > 0.2 - 1e-6, "{told:?}");
     let text = text!("{asked}");
-    says!(text => "`right_forearm/bend` stays up to | rad beyond its limit");
+    says!(text => "`right_forearm/bend`: up to | rad beyond its limit");
 }
 
 #[test]
@@ -188,6 +188,6 @@ fn rig_with_z_up_is_upright_in_the_file() {
     answer!("animate {rig} --fps=5 --up z --out {standing}");
     let (lying, standing) = (head(&lying), head(&standing));
     assert!(lying.z > 1.4 && standing.y > 1.4);
-    // Right-handed: x stays, y is where −z was.
+    // Right-handed rotation of z up to y up: x stays, z becomes y, and y becomes −z.
     assert!((standing - kinopt::glam::Vec3::new(lying.x, lying.z, -lying.y)).length() < 1e-5);
 }

@@ -1,5 +1,5 @@
-//! Promise: docs/reference/command.md is the `--help` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli --test command
-//! command_page` writes the page.
+//! Promise: docs/reference/command.md is the `--help` of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli
+//! --test command command_page` writes the page.
 #![cfg(not(any(feature = "bench", feature = "charts")))]
 
 use std::fmt::Write;
@@ -23,7 +23,7 @@ const SUBCOMMANDS: [&str; 9] = [
     "skin-report",
 ];
 
-/// Words as Markdown: what stands in angles is no element.
+/// Words as Markdown. Angle brackets are escaped.
 fn words(text: &str) -> String {
     let parts = text.split('`').enumerate();
     let parts = parts.map(|(k, part)| match k % 2 {
@@ -33,7 +33,7 @@ fn words(text: &str) -> String {
     parts.collect::<Vec<_>>().join("`")
 }
 
-/// Lines as sentences, those of a list between semicolons.
+/// Lines joined to sentences. List items are separated by semicolons.
 fn joined(lines: &[&str]) -> String {
     let mut told = String::new();
     for line in lines.iter().map(|line| line.trim()) {
@@ -60,16 +60,16 @@ fn paragraphs(text: &str) -> String {
     parts.collect::<Vec<_>>().join("\n\n")
 }
 
-/// Whether a line begins what is said of a flag or an argument.
+/// Returns `true` if a line begins the help of a flag or an argument.
 fn begins(line: &str) -> bool {
     let shift = line.len() - line.trim_start().len();
     (2..=6).contains(&shift) && line.trim_start().starts_with(['-', '<', '['])
 }
 
-/// A subcommand's part of the page.
+/// Section of a subcommand.
 fn section(name: &str) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
-    // As wide as where there is no terminal.
+    // Line width without a terminal.
     let done = command
         .args([name, "--help"])
         .env_remove("COLUMNS")

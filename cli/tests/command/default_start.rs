@@ -1,12 +1,12 @@
-//! Promise: a robot's arm starts from the state `ready` or `home` of its SRDF file, else from the middle of its limits, as it does in Python
-//! and JavaScript; bodies and figures start at rest.
+//! Promise: a robot arm starts from the state `ready` or `home` of its SRDF file, else from the middle of its limits.
+//! Python and JavaScript have the same rule. Bodies and figures start at rest.
 
 use crate::forked_rig::*;
 use serde_json::json;
 
 const PANDA: &str = "../models/franka_panda.urdf";
 const TARGET: &str = "--target flange=0.45,0.05,0.55,0,1,0,0";
-/// The middle of the limits of the Panda's joints; its fingers are at rest.
+/// Middle of the Panda's joint limits, with the fingers at rest.
 const MIDDLE: &str = "0,0,0,-1.5708,0,1.8675,0,0,0";
 const READY: &str = "0,-0.785,0,-2.356,0,1.571,0.785,0,0";
 
@@ -35,7 +35,7 @@ fn arm_starts_in_the_middle_of_its_limits() {
             .zip(q_of(&plain))
             .any(|(a, b)| (a - b).abs() > 1e-3)
     );
-    // A bounded step shows the start itself.
+    // A tiny step bound shows the start configuration.
     let step = answer!("solve {PANDA} {TARGET} --max-move 0.000001");
     let start: Vec<f64> = MIDDLE
         .split(',')
@@ -65,7 +65,7 @@ fn arm_starts_at_the_srdf_state() {
         .map(|number| number.parse().unwrap())
         .collect();
     assert_near(&q_of(&step), &start);
-    // What is typed comes first.
+    // `--start` has priority over the SRDF state.
     let step = answer!("solve {PANDA} {TARGET} --srdf {file} --start={MIDDLE} --max-move 0.000001");
     let middle: Vec<f64> = MIDDLE
         .split(',')

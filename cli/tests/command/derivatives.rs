@@ -1,5 +1,5 @@
-//! Promise: --derivative tells how an answer moves with its targets, by the arm and by the general solvers, as solving
-//! again beside does.
+//! Promise: --derivative returns the sensitivity of a solution to its targets, from the arm and the general solvers.
+//! It equals the difference of a repeated solve.
 
 use crate::forked_rig::*;
 use serde_json::Value;
@@ -11,7 +11,7 @@ fn by_target(answer: &Value, frame: &str) -> Vec<Vec<f64>> {
     rows.map(numbers).collect()
 }
 
-/// The target is turned half round about x, so that its own y and z point back.
+/// The target is rotated by half a turn about x, so its y and z axes are reversed.
 #[test]
 fn derivative_predicts_the_moved_solution() {
     let solve = |x: f64, z: f64, more: &str| {

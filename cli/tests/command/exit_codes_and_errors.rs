@@ -1,6 +1,13 @@
-//! Promise: 0 is done, 1 is failed with a one-line reason, 2 is wrong usage, 3 is missed where that was asked
-//! for (`fail_on_miss_sets_the_exit_code`); and each error names the thing and, where there is a list, the valid
-//! names. Never anything on standard output.
+//! Promise: exit codes.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | success |
+//! | 1 | failure with a one-line reason |
+//! | 2 | wrong usage |
+//! | 3 | miss with `--fail-on-miss` (`fail_on_miss_sets_the_exit_code`) |
+//!
+//! Each error names the wrong item, lists valid names, and prints nothing on standard output.
 
 use std::process::{Command, Stdio};
 
@@ -49,14 +56,14 @@ fn wrong_usage_exits_with_two() {
     refused!("solve {rig} {TARGET} --max-move 1,2" => 2, "--max-move | 2 numbers | 15");
     refused!("fk {rig} --q=1 --time=1" => 2, "--time");
     refused!("fk {rig} --loop" => 2, "--time");
-    // An option is not silently left out beside one that takes its place.
+    // Options that another option excludes are errors, not ignored.
     refused!("fk {rig} --q=1 --loop" => 2, "--loop");
     refused!("fk {rig} --q=1 --interpolation=linear" => 2, "--interpolation");
     refused!("fk {rig} --time=1 --degrees" => 2, "--degrees");
     refused!("solve {rig} --targets=poses.json --skinning=dqs" => 2, "--skinning");
 }
 
-/// What begins with a dash and is a number is no option that is unknown.
+/// A negative number is rejected as a value, not as an unknown option.
 #[test]
 fn negative_numbers_are_rejected_as_numbers() {
     let folder = Folder::new("negative");
@@ -66,7 +73,7 @@ fn negative_numbers_are_rejected_as_numbers() {
         refused!("solve {rig} {TARGET} {option} -1" => 2, "{option} | `-1`");
     }
     refused!("path {panda} weld.csv --max-step -1" => 2, "--max-step | `-1`");
-    // Numbers of a list are looked at with the arm: the file comes first.
+    // The file is read before the list is checked with the arm.
     refused!("path {panda} weld.csv --joint-weights -1,2" => 1, "weld.csv");
     refused!("solve {rig} {TARGET} --restarts -1" => 2, "--restarts | -1");
     refused!("spheres {panda} --max-protrusion -1 --out s.yml" => 1, "max_protrusion | -1");
@@ -119,7 +126,7 @@ fn similar_name_is_suggested_with_a_short_list() {
         let target = "--target=flange=0.4,0.1,0.5";
         refused!("solve {ur5e} {target} {option}" => 1, "{meant}");
     }
-    // What is like none gets the list alone.
+    // Without a similar name the error has only the list.
     refused!("solve {rig} {TARGET} --hold=tail" => 1, "; valid names: bone/0");
 }
 
@@ -128,7 +135,7 @@ fn names_are_checked_before_weights_are_computed() {
     let folder = Folder::new("names-first");
     let bare = folder.changed("bare.json", |rig| rig.weights = None);
     let out = folder.file("posed.obj");
-    // One line, which is the name's, and not what making weights up says.
+    // The error is one line about the name; weights are not computed.
     for wrong in [
         "--target=hand=1,2,3",
         "--hold=hand",
@@ -150,7 +157,7 @@ fn numbers_whose_squares_overflow_are_rejected() {
     let file = folder.text("far.json", "{\"targets\": [[0, 0, 0], [0, 1e200, 0]]}");
     let tip = "--tip=bone/2";
     refused!("solve {rig} {tip} --targets {file}" => 1, "far.json | targets[1][1] | {bound}");
-    // What is taken is told in finite numbers.
+    // Results for large accepted numbers are finite.
     let panda = model("franka_panda.urdf");
     for (model, target) in [
         (&rig, "--target=bone/2=1e150,-1e150,0"),

@@ -1,10 +1,10 @@
-//! Promise: a figure settles from where it stands, as a drag does; it goes another way only where its own
-//! misses and the other reaches, and says so.
+//! Promise: a figure is solved by a drag from its start. Another branch is used only if the drag misses the target
+//! and the other branch reaches it, and the report states this.
 
 use crate::forked_rig::*;
 use serde_json::json;
 
-/// A pose of the arm from which its limits keep the gripper from the place below, unless it turns round.
+/// Start from which the joint limits keep the gripper from `PLACE` on the same branch.
 const BENT: &str = "--start=0,0,0,1.8,0,0,0,1.6,0,0,-1.1,0,0,-0.7,0,-0.9,0,0";
 const PLACE: &str = "--target=gripper=-0.09,-0.48,0.14";
 
@@ -14,7 +14,7 @@ fn figure_settles_where_it_can() {
     let hand = "--target=left_hand=0.35,0.45,1.5";
     let settled = answer!("solve {humanoid} {hand}");
     has!(settled, {"reached": true, "way": "own", "attempts": 1});
-    // It is what the default says it is.
+    // `--search=start` is the default.
     let start = answer!("solve {humanoid} {hand} --search=start");
     assert_eq!(start["q"], settled["q"]);
     let searched = answer!("solve {humanoid} {hand} --search=first");
@@ -68,7 +68,7 @@ fn many_targets_settle_and_time_limit_stops() {
 fn path_steps_settle_like_single_targets() {
     let humanoid = model("humanoid/humanoid.json");
     let folder = Folder::new("settled-path");
-    // Into a crouch: limits take turns in being met, and a frame is over before the end is near.
+    // Targets into a crouch: the active limits change, and a frame ends before it converges.
     let at = |k: f64| [0.0014 * k, 0.7824 - 0.0309 * k, 0.9086 + 0.0275 * k];
     let targets: Vec<_> = (0..5).map(|k| at(f64::from(k))).collect();
     let file = folder.text("targets.json", json!({ "targets": targets }));
@@ -80,7 +80,7 @@ fn path_steps_settle_like_single_targets() {
 
 #[test]
 fn slow_convergence_is_abandoned() {
-    // The README's first target took 8577 steps.
+    // The first target of the README, which took 8577 steps without this rule.
     let (humanoid, hand) = (
         model("humanoid/humanoid.json"),
         "--target=left_hand=0.35,0.45,1.5",

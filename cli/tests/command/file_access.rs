@@ -1,4 +1,4 @@
-//! Promise: the command opens the files that a file names only below its folder and the listed ones, and none above the largest size.
+//! Promise: files that a file names are opened only below its folder and the listed folders, up to the size limit.
 
 use crate::forked_rig::*;
 

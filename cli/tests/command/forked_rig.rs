@@ -1,4 +1,4 @@
-//! A small rig with two arms, written by the library, and the command run on it.
+//! Small rig with two arms, written by the library, and helpers that run the command on it.
 
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -15,12 +15,12 @@ use kinopt::skinning::SkinWeights;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use serde_json::Value;
 
-/// A folder of its own for each test, gone afterwards.
+/// Temporary folder of one test, removed at the end.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     pub(crate) fn new(test: &str) -> Self {
-        // Two tests may choose the same name.
+        // Two tests can have the same name.
         static MADE: AtomicUsize = AtomicUsize::new(0);
         let made = MADE.fetch_add(1, Ordering::Relaxed);
         let name = format!("kinopt-cli-{}-{made}-{test}", std::process::id());
@@ -33,14 +33,14 @@ impl Folder {
         self.0.join(name).to_str().unwrap().to_owned()
     }
 
-    /// A folder with the rig in it, and the path of the rig's JSON.
+    /// Folder with the rig, and the path of the rig's JSON file.
     pub(crate) fn with_rig(test: &str) -> (Self, String) {
         let folder = Self::new(test);
         let rig = folder.rig();
         (folder, rig)
     }
 
-    /// Writes the whole rig; the path of its JSON.
+    /// Writes the whole rig and returns the path of its JSON file.
     pub(crate) fn rig(&self) -> String {
         self.write("rig.json", &rig())
     }
@@ -51,21 +51,21 @@ impl Folder {
         path
     }
 
-    /// Writes the rig with something changed; the path of its JSON.
+    /// Writes a changed rig and returns the path of its JSON file.
     pub(crate) fn changed<T>(&self, name: &str, change: impl FnOnce(&mut Rig) -> T) -> String {
         let mut own = rig();
         change(&mut own);
         self.write(name, &own)
     }
 
-    /// Writes a scene; the path of it.
+    /// Writes a scene and returns its path.
     pub(crate) fn scene(&self, name: &str, scene: &Scene) -> String {
         let path = self.file(name);
         gltf::write(scene, &WriteOptions::default(), &path).unwrap();
         path
     }
 
-    /// Writes any text; the path of it.
+    /// Writes a text file and returns its path.
     pub(crate) fn text(&self, name: &str, content: impl std::fmt::Display) -> String {
         let path = self.file(name);
         std::fs::write(&path, content.to_string()).unwrap();
@@ -79,9 +79,11 @@ impl Drop for Folder {
     }
 }
 
-/// Bone 0 is a locked root at the origin. Two arms of two bones stand on it: bones 1 and 2 go left
-/// from (−1, 0, 0) to (−3, 0, 0), bones 3 and 4 right from (1, 0, 0) to (3, 0, 0). Both tips are
-/// pinned, bone 1 has keyframes, and a strip of mesh runs along each arm.
+/// Rig with two arms and a mesh strip along each. Bone 0 is a locked root at the origin, and both tips are pinned.
+/// Bone 1 has keyframes.
+///
+/// - Bones 1 and 2 go left from (−1, 0, 0) to (−3, 0, 0).
+/// - Bones 3 and 4 go right from (1, 0, 0) to (3, 0, 0).
 pub(crate) fn rig() -> Rig {
     let [x, y, z] = Vector3::UNITS;
     let towards_left = Matrix3::from_columns(-x, -y, z);
@@ -137,7 +139,7 @@ pub(crate) fn rig() -> Rig {
     }
 }
 
-/// Twice five pairs of vertices along an arm; each vertex follows the bone it lies on.
+/// Two arms of five vertex pairs; each vertex follows the bone next to it.
 fn strips() -> (TriangleMesh, SkinWeights) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     let mut weights = SkinWeights::builder(20, 5);
@@ -160,7 +162,7 @@ fn strips() -> (TriangleMesh, SkinWeights) {
     (mesh, weights.build().unwrap())
 }
 
-/// Runs a command line: its words stand between blanks, or between quotation marks.
+/// Runs a command line. Words are separated by spaces or enclosed in quotation marks.
 pub(crate) fn kinopt(line: &str) -> Output {
     let parts = line.split('\'').enumerate();
     let words = parts.map(|(k, part)| match k % 2 {
@@ -172,7 +174,7 @@ pub(crate) fn kinopt(line: &str) -> Output {
     command.args(words).output().unwrap()
 }
 
-/// What a run printed that must succeed.
+/// Standard output and standard error of a run that must succeed.
 #[track_caller]
 pub(crate) fn succeeds(line: &str) -> (String, String) {
     let output = kinopt(line);
@@ -181,7 +183,8 @@ pub(crate) fn succeeds(line: &str) -> (String, String) {
     (text.to_owned(), told.to_owned())
 }
 
-/// Runs what must end with `code`, print nothing and say all of `words` (between bars); a failure in one line.
+/// Asserts that a run ends with `code`, prints nothing on standard output and reports all `words`, separated by bars.
+/// A failure is one line.
 pub(crate) fn refused(line: &str, code: i32, words: &str) {
     let output = kinopt(line);
     let message = stderr(&output);
@@ -194,26 +197,26 @@ pub(crate) fn refused(line: &str, code: i32, words: &str) {
     }
 }
 
-/// As [`refused`](crate::forked_rig::refused), a line each: `refused!("info {rig}" => 1, "this | that")`.
+/// [`refused`](crate::forked_rig::refused) with a format string: `refused!("info {rig}" => 1, "this | that")`.
 macro_rules! refused {
     ($line:literal $(, $part:expr)* => $code:expr, $words:literal) => {
         $crate::forked_rig::refused(&format!($line $(, $part)*), $code, &format!($words))
     };
 }
 
-/// A run of a command line that may fail.
+/// Runs a command line that can fail.
 macro_rules! kinopt {
     ($line:literal $(, $part:expr)*) => { $crate::forked_rig::kinopt(&format!($line $(, $part)*)) };
 }
 
-/// The standard output for people of a run that must succeed.
+/// Standard output as text of a run that must succeed.
 macro_rules! text {
     ($line:literal $(, $part:expr)*) => {
         $crate::forked_rig::succeeds(&format!($line $(, $part)*)).0
     };
 }
 
-/// The one JSON document of a run that must succeed; with `told`, what stood on the other stream besides.
+/// JSON document of a run that must succeed. The second form also returns its standard error.
 macro_rules! answer {
     (told $line:literal) => {{
         let (text, told) = $crate::forked_rig::succeeds(&(format!($line) + " --json"));
@@ -226,21 +229,21 @@ macro_rules! answer {
     }};
 }
 
-/// As [`says`](crate::forked_rig::says), a line each: `says!(text => "this | that")`.
+/// [`says`](crate::forked_rig::says) with any string type: `says!(text => "this | that")`.
 macro_rules! says {
     ($text:expr => $words:expr) => {
         $crate::forked_rig::says(&$text, $words)
     };
 }
 
-/// As [`has`](crate::forked_rig::has), a line each: `has!(answer, {"reached": true, "tasks/0/frame": "hand"})`.
+/// [`has`](crate::forked_rig::has) with a JSON literal: `has!(answer, {"reached": true, "tasks/0/frame": "hand"})`.
 macro_rules! has {
     ($document:expr, $expected:tt) => {
         $crate::forked_rig::has(&$document, serde_json::json!($expected))
     };
 }
 
-/// A scene without notes.
+/// Scene without notes.
 pub(crate) fn scene(armature: Armature, meshes: Vec<SceneMesh>, clips: Vec<Clip>) -> Scene {
     let notes = Vec::new();
     Scene {
@@ -251,7 +254,7 @@ pub(crate) fn scene(armature: Armature, meshes: Vec<SceneMesh>, clips: Vec<Clip>
     }
 }
 
-/// The names of the general solvers.
+/// Names of the general solvers.
 pub(crate) const METHODS: [&str; 5] = [
     "levenberg-marquardt",
     "levenberg-marquardt-error",
@@ -260,7 +263,7 @@ pub(crate) const METHODS: [&str; 5] = [
     "projected-gradient-bb",
 ];
 
-/// Whether a text has all of these words, which stand between bars.
+/// Asserts that a text has all these words, which are separated by bars.
 #[track_caller]
 pub(crate) fn says(text: &str, words: &str) {
     for word in words.split(" | ") {
@@ -276,7 +279,7 @@ pub(crate) fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).unwrap()
 }
 
-/// Whether a document has these values at these keys, or at paths such as `tasks/0/frame`.
+/// Asserts that a document has these values at these keys, or at paths such as `tasks/0/frame`.
 #[track_caller]
 pub(crate) fn has(document: &Value, expected: Value) {
     for (path, expected) in expected.as_object().unwrap() {
@@ -289,7 +292,7 @@ pub(crate) fn has(document: &Value, expected: Value) {
     }
 }
 
-/// A file of the folder `models`.
+/// Path of a file in the folder `models`.
 pub(crate) fn model(name: &str) -> String {
     format!("{}/../models/{name}", env!("CARGO_MANIFEST_DIR"))
 }
@@ -320,7 +323,7 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// Numbers as they are typed, with every digit.
+/// Comma-separated numbers with all digits.
 pub(crate) fn commas(numbers: &[f64]) -> String {
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     numbers.join(",")

@@ -1,12 +1,12 @@
-//! Promise: joints that are locked stay where they are put, joints that alone are free move alone, and
-//! a tool goes with its frame, whichever solver answers and however many targets there are.
+//! Promise: locked joints keep their values, `--only` moves the listed joints alone, and a tool is attached to its
+//! frame. This holds for every solver and any number of targets.
 
 use crate::forked_rig::*;
 use crate::seeded_robot::{Seeded, seven, typed};
 use kinopt::spatial::{Placement, Vector3};
 use serde_json::{Value, json};
 
-/// The joint's value in an answer.
+/// Value of a joint in a solution.
 fn value(solution: &Value, joints: &Value, joint: &str) -> f64 {
     let at = list(joints).iter().position(|name| name == joint).unwrap();
     numbers(&solution["q"])[at]
@@ -30,7 +30,7 @@ fn locked_joint_keeps_its_value() {
             panda.check(&numbers(&solution["q"]), &panda.pose(&q));
         }
     }
-    // Without a value it stays at the start; what no target feels is held too.
+    // A lock without a value keeps the start value, also for a joint that no target depends on.
     let start = "--start=0,0,0.3,-1,0,1,0,0.01,0.01";
     let locks = "--lock=joint3 --lock=finger_left_slide=0.02";
     let solution = answer!("solve {panda} {target} {start} {locks}");
@@ -69,7 +69,7 @@ fn many_targets_and_paths_keep_locked_joints() {
     let folder = Folder::new("held");
     let tool = Placement::translation(Vector3::new(0.02, 0.0, 0.1));
     let mut q = panda.configuration(5);
-    // A path stays on the branch that it starts on.
+    // A path stays on the branch of its start.
     let start = commas(&q);
     let mut next = || {
         (q[0], q[2], q[3]) = (q[0] + 0.02, 0.2, q[3] - 0.01);
@@ -118,7 +118,7 @@ fn tool_is_attached_to_the_tip() {
     let tool = "--tool=0,0.05,0.1,0.5,0.5,0.5,0.5";
     let target = typed("tool", &panda.pose(&q));
     for solver in ["--search=start", "--solver=levenberg-marquardt"] {
-        // With the tool at the target the flange is elsewhere.
+        // The flange is away from the target, by the length of the tool.
         let solution = answer!("solve {panda} {target} {tool} {solver}");
         assert_eq!(solution["reached"], true, "{solver}: {solution}");
         let apart = panda.errors(&numbers(&solution["q"]), &panda.pose(&q))[0];
@@ -137,7 +137,7 @@ fn rigs_lock_bones_and_carry_tools() {
         .iter()
         .map(|bone| word(&bone["name"]))
         .collect();
-    // Bones 1 and 2 are the left arm: held, only the elbow is left.
+    // Bones 1 and 2 are the left arm. Only the elbow is free.
     let (upper, lower) = (bones[1], bones[2]);
     let target = format!("--target={lower}=-1.9,0.9,0");
     for held in [
@@ -150,7 +150,7 @@ fn rigs_lock_bones_and_carry_tools() {
         assert!(q[3..6].iter().all(|angle| *angle == 0.0), "{held}: {q:?}");
         assert!(q[6..9].iter().any(|angle| *angle != 0.0), "{held}: {q:?}");
     }
-    // A sword in the left hand reaches what the hand cannot.
+    // A tool of 0.5 at the left hand reaches a target that the hand cannot reach.
     for (tool, reached) in [("", false), ("--tool=0.5,0,0", true)] {
         let solution = answer!("solve {rig} --target={lower}=-3.2,0.6,0 {tool}");
         assert_eq!(solution["reached"], reached, "{tool}");

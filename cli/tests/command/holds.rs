@@ -1,5 +1,5 @@
-//! Promise: a character of a scene that is dragged by a hand stays on its feet, within reach and
-//! beyond; `--hold` says what stays instead, and a path is dragged without leaps.
+//! Promise: a character that is dragged by a hand keeps its feet in place, also beyond its reach. `--hold` selects
+//! other held frames, and a dragged path has no jumps.
 
 use crate::forked_rig::*;
 use glam::{Affine3A, Vec3A};
@@ -9,7 +9,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MorphTargets, SkinWeights, SkinningMethod};
 use serde_json::{Value, json};
 
-/// Name, parent, and where it stands in the model, in metres: y is up.
+/// Name, parent, and position in the model, in metres; y is up.
 const BONES: [(&str, Option<usize>, [f32; 3]); 12] = [
     ("root", None, [0.0, 0.0, 0.0]),
     ("hips", Some(0), [0.0, 1.0, 0.0]),
@@ -61,7 +61,7 @@ fn character(folder: &Folder) -> String {
     folder.scene("character.glb", &scene(armature, vec![mesh], Vec::new()))
 }
 
-/// How far the vertex of a bone moved from rest.
+/// Displacement of a bone's vertex from rest.
 fn moved(posed: &str, bone: &str) -> f32 {
     let scene = gltf::read(posed).unwrap();
     let index = BONES.iter().position(|(name, ..)| *name == bone).unwrap();
@@ -90,7 +90,7 @@ fn dragged_character_stays_on_its_feet() {
         }
         assert!(moved(&out, "left hand") > 0.3);
     }
-    // The arm goes, not the back; and where it is too short the back bends, but does not twist round.
+    // The arm moves first. If it is too short the spine bends, but does not twist.
     let shoulder = |target: &str| {
         let hold = answer!("solve {file} '--target=left hand={target}' --out {out}");
         (hold["reached"] == true, moved(&out, "right arm"))
@@ -99,7 +99,7 @@ fn dragged_character_stays_on_its_feet() {
     assert!(reached && by < 0.02, "{by}");
     for target in ["3,3,1", "-3,1.4,0.5", "0.5,1.4,-3", "0.2,-3,0.5"] {
         let (reached, by) = shoulder(target);
-        // 0.7 rad of an arm's length of 0.2.
+        // 0.7 rad at an arm length of 0.2.
         assert!(!reached && by < 0.15, "{target}: {by}");
     }
 }
@@ -111,7 +111,7 @@ fn hold_option_selects_held_frames() {
     let solve = |more| answer!("solve {file} '--target=left hand=3,3,1' --out {out} {more}");
     for nothing in ["--hold=none", "--free"] {
         assert!(held(&solve(nothing)).is_empty());
-        // This is what toppling is.
+        // Without holds the figure topples.
         assert!(moved(&out, "left foot") > 0.1);
     }
     assert!(held(&solve("--hold=hips")).is_empty());

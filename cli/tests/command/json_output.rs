@@ -1,10 +1,9 @@
-//! Promise: with --json there is one document on standard output and nothing else, and it says what
-//! the design says it says.
+//! Promise: with --json standard output is one document with the specified fields.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
 
-/// bone/2's tip with bend −1 in the elbow.
+/// Tip of bone/2 with an elbow bend of −1 rad.
 const LEFT: &str = "--target=bone/2=-2.5,0.5,0.2";
 
 #[test]
@@ -15,7 +14,7 @@ fn every_subcommand_prints_one_document() {
         "info RIG --json",
         "--json info RIG",
         "fk RIG --json --time 0.7",
-        // Outside the limits, which is worth a note on the other stream.
+        // A configuration outside the limits causes a note on standard error.
         "fk RIG --json --q 9,9,9,0,0,0,0,0,0,0,0,0,0,0,0",
         "solve RIG --json LEFT --out OUT",
         "solve RIG --json --target=bone/2=-90,0,0",
@@ -60,7 +59,7 @@ fn info_lists_joints_frames_and_rig_parts() {
 #[test]
 fn fk_reports_tails_tips_and_axes() {
     let (_folder, rig) = Folder::with_rig("fk");
-    // The right arm in its rest pose, then its elbow bent by −90 degrees about z.
+    // Right arm in its rest pose, then with the elbow bent by −90° about z.
     let fk = answer!("fk {rig}");
     let frames = &fk["frames"];
     assert_eq!(frames.as_object().unwrap().len(), 5);
@@ -83,7 +82,7 @@ fn fk_reports_tails_tips_and_axes() {
     assert!((numbers(&fk["q"])[13] + std::f64::consts::FRAC_PI_2).abs() < 1e-15);
 }
 
-/// Seen from any bone a rig is as large as it is, and of both quaternions of a rotation the one with w at least 0 is told.
+/// Distances are equal from any base bone. Quaternions have w ≥ 0.
 #[test]
 fn fk_is_relative_to_its_base() {
     let (_folder, rig) = Folder::with_rig("bases");
@@ -151,7 +150,7 @@ fn solve_has_all_keys_and_a_consistent_q() {
     assert!(number(&tasks[0]["position_error"]) < 1e-8);
     assert!(tasks[0]["orientation_error"].is_null());
 
-    // The q, fed back through a file, puts the tip on the target and the other where it was.
+    // The solution, read back from a file, has the tip at the target and the other tip in place.
     let file = folder.text("solved.json", &solution);
     let fk = answer!("fk {rig} --q-file {file}");
     assert_eq!(fk["q"], solution["q"]);
@@ -165,11 +164,11 @@ fn unreached_target_is_a_result() {
     let (_folder, rig) = Folder::with_rig("missed");
     let solution = answer!("solve {rig} --target=bone/2=-4,0,0");
     assert_eq!(solution["reached"], false);
-    // The arm is stretched towards the target: its tip stays at (−3, 0, 0).
+    // The arm is stretched towards the target, with its tip at (−3, 0, 0).
     let error = number(&solution["tasks"][0]["position_error"]);
     assert!((error - 1.0).abs() < 1e-6, "{error}");
 
-    // The elbow bends down to −2.2 only, so the bone cannot fold back onto the one before it.
+    // The elbow's lower limit is −2.2 rad, so the bone cannot fold back onto its parent.
     let straight = "--start=0,0,0,0,0,0,0,0,0,0,0,0,0,-2,0";
     let targets = "--target=bone/4=1,0,0 --target=bone/3=2,0,0";
     let solution = answer!("solve {rig} {targets} {straight} --free");
@@ -187,7 +186,7 @@ fn free_option_releases_pinned_tips() {
     let (_folder, rig) = Folder::with_rig("free");
     let solution = answer!("solve {rig} --free {LEFT}");
     assert_eq!(list(&solution["tasks"]).len(), 1);
-    // Both tips asked for: none is left to hold.
+    // Both pinned tips are targets, so none is held.
     let solution = answer!("solve {rig} {LEFT} --target=bone/4/tip=2.5,0.5,0");
     let tasks = list(&solution["tasks"]);
     assert!(tasks.len() == 2 && tasks.iter().all(|task| task["held"] == false));
@@ -204,7 +203,7 @@ fn rays_and_poses_are_targets() {
     let tip = numbers(&fk["frames"]["bone/4"]["tip"]);
     assert!(distance(&tip[..2], &[2.4, 0.4]) < 1e-8);
 
-    // The pose that the elbow at −1 has: half an angle in the quaternion.
+    // Pose with the elbow at −1 rad: the quaternion has half the angle.
     let (sin, cos) = 1.0_f64.sin_cos();
     let (half_sin, half_cos) = 0.5_f64.sin_cos();
     let pose = commas(&[2.0 + cos, -sin, 0.0, half_cos, 0.0, 0.0, -half_sin]);
@@ -240,17 +239,17 @@ fn same_seed_gives_the_same_solution() {
     assert_ne!(q(5), q(6));
 }
 
-/// How sure a miss is: `out_of_reach` where it is certain, `agreeing_attempts` of `attempts` otherwise.
+/// Certainty of a miss: `out_of_reach` if proven, otherwise `agreeing_attempts` of `attempts`.
 #[test]
 fn unreached_target_states_its_certainty() {
     let (_folder, rig) = Folder::with_rig("sure-misses");
     let solve = |more: &str| answer!("solve {rig} --target=bone/2={more}");
-    // 90 away from an arm that is 2 long.
+    // Distance 90 from an arm of length 2.
     let beyond = solve("-90,0,0");
     has!(beyond, {"reached": false, "out_of_reach": true});
     says!(word(&beyond["explanation"]) => "Out of reach");
 
-    // Within the arm's length, but its limits keep it away: that is no proof, but attempts agree.
+    // The target is within the arm's length, but outside its limits. This is not proven; the attempts agree.
     let blocked = solve("-1,0,0 --global-search-on-miss");
     has!(blocked, {"reached": false, "out_of_reach": false});
     let [agreeing, all] = ["agreeing_attempts", "attempts"].map(|key| count(&blocked[key]));

@@ -1,5 +1,5 @@
-//! Promise: the command keeps loops closed, those of a file and those of `--connect` and `--weld`; `fk` moves passive joints
-//! so that they close, and says which cannot.
+//! Promise: the command closes the loops of files and of `--connect` and `--weld`. `fk` moves passive joints to close
+//! loops and reports loops that stay open.
 
 use crate::forked_rig::*;
 use serde_json::json;
@@ -29,7 +29,7 @@ fn fk_closes_loops_by_passive_joints() {
         assert_eq!(own["closed"], true);
     }
     refused!("fk {LEG} --q {} --frame foot", motors(1.6) => 1, "loop `knee_rod` is open by | no values of knee_rod, knee");
-    // Nobody says what follows what.
+    // Without passive joints the configuration is used as given.
     let as_given = answer!("fk {BAXTER} --weld left_tool=right_tool --frame left_tool");
     assert_eq!(as_given["loops"][0]["closed"], false);
 }
@@ -39,7 +39,7 @@ fn solve_closes_loops_of_files_and_options() {
     let solution = answer!("solve {LEG} --target foot=0.1,0.1,0.2");
     has!(solution, {"reached": true, "open_loops": []});
 
-    // A box between two hands, given to one of them.
+    // Box held by two hands; the target is for one of them.
     let grip = "@0,0,0.2,0.7071067811865476";
     let hands =
         format!("left_tool{grip},0.7071067811865476,0,0=right_tool{grip},-0.7071067811865476,0,0");

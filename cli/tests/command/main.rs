@@ -1,6 +1,6 @@
-//! Promises of the command, one a module.
+//! Promises of the command, one per module.
 //!
-//! With the feature `bench` this binary is empty: the tests in `tests/bench` cover what that feature adds, and these are not repeated.
+//! With the feature `bench` this binary is empty; `tests/bench` covers that feature.
 #![cfg(not(feature = "bench"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -1,5 +1,5 @@
-//! Promise: a file of targets gives every target's own answer, the same to the bit on any number of
-//! threads, within the limits and on the target; and a malformed file is named with the place.
+//! Promise: a file of targets returns one solution per target, bitwise equal for any number of threads, within the
+//! limits and on the target. The error of a malformed file has its name and the location.
 
 use crate::forked_rig::*;
 use crate::seeded_robot::Seeded;
@@ -14,7 +14,7 @@ fn robots() -> [Seeded; 4] {
     ]
 }
 
-/// Every answer's q.
+/// Configurations of all solutions.
 fn configurations(document: &Value) -> Vec<Vec<f64>> {
     let solutions = list(&document["solutions"]).iter();
     solutions.map(|solution| numbers(&solution["q"])).collect()
@@ -49,7 +49,7 @@ fn every_reachable_target_is_reached() {
 #[test]
 fn results_are_bitwise_equal_for_any_thread_count() {
     let folder = Folder::new("threads");
-    // More targets than the batch door hands to a thread at once.
+    // More targets than one thread takes at once in `--batch`.
     let ur5e = Seeded::new("universal_ur5e", "base", "flange");
     for (seeded, count, ways) in [
         (Seeded::panda(), 150, ["--batch", "--search=first"]),
@@ -70,7 +70,7 @@ fn results_are_bitwise_equal_for_any_thread_count() {
 fn path_continues_from_the_last_solution() {
     let folder = Folder::new("track");
     for seeded in robots() {
-        // Straight through joint space between two configurations.
+        // Straight joint-space segment between two configurations.
         let (from, to) = (seeded.configuration(21), seeded.configuration(22));
         let targets = (0..=200).map(|step| {
             let share = f64::from(step) / 2000.0;
@@ -100,8 +100,8 @@ fn path_continues_from_the_last_solution() {
     }
 }
 
-/// An elbow bent one way, turned round the base until the first joint is on its limit: the arm can
-/// only go on with its elbow bent the other way.
+/// A SCARA arm rotates about its base until the first joint reaches its limit. The path continues only with the elbow
+/// bent to the other side.
 #[test]
 fn jump_is_reported() {
     let folder = Folder::new("flip");
@@ -120,7 +120,7 @@ fn jump_is_reported() {
     let content = json!({"targets": targets, "starts": starts, "tip_link": "flange"});
     let path = folder.text("path.json", content);
     let track = format!("solve {file} --targets {path} --track --base=base");
-    // It stays on its branch.
+    // The default stays on its branch.
     assert_eq!(answer!("{track}")["summary"]["jumps"], json!([]));
     let document = answer!("{track} --global-search-on-miss");
     let jumps = list(&document["summary"]["jumps"]);
@@ -129,7 +129,7 @@ fn jump_is_reported() {
     assert!(number(&jumps[0]["distance"]) > 0.2);
     let text = text!("{track} --global-search-on-miss");
     says!(text => &format!("step 31 | {}", word(&jumps[0]["joint"])));
-    // Targets that are no path have no jumps.
+    // Targets without `--track` have no jumps.
     let alone = answer!("solve {file} --targets {path}");
     assert!(alone["summary"].get("jumps").is_none());
 }
@@ -140,7 +140,7 @@ fn starts_are_given_by_name_or_in_order() {
     let panda = Seeded::panda();
     let q = panda.configuration(31);
     let pose = panda.pose(&q);
-    // Started at an answer, an arm stays there.
+    // An arm that starts at a solution stays there.
     let backwards: Vec<String> = (1..=7).rev().map(|k| format!("joint{k}")).collect();
     let reversed: Vec<f64> = q[..7].iter().rev().copied().collect();
     for content in [
@@ -209,7 +209,7 @@ fn tip_of_a_rig_reaches_many_targets() {
 fn malformed_files_are_named_with_the_location() {
     let folder = Folder::new("malformed");
     let panda = Seeded::panda();
-    // The content of each, and what is said of it.
+    // Content of each file, and the expected words of its error.
     let files = r#"
  => is empty
 hello => is not JSON | line 1

@@ -1,5 +1,5 @@
-//! Promise: MuJoCo's MJCF files are robots to the command as URDF is, told by the document's own element; an SRDF
-//! file's passive joints are held and one of its groups moves alone.
+//! Promise: the command reads MJCF files as robots, recognised by their root element. An SRDF file's passive joints
+//! are locked, and `--group` moves one group alone.
 
 use crate::forked_rig::*;
 use serde_json::json;
@@ -12,12 +12,12 @@ fn info_fk_and_solve_take_mjcf() {
     has!(info, {"kind": "robot", "name": "gripper", "degrees_of_freedom": 6, "free": 3});
     let joints = ["lift", "turn", "left", "left_tip", "right", "right_tip"];
     assert_eq!(info["moving_joints"], json!(joints));
-    // The joint that an equality holds, and the followers, as the relations have them.
+    // Configuration that satisfies the joint equality and the mimic relations.
     let q = "0.1,0.55,0.2,-0.2,-0.2,0.35";
     let placed = answer!("fk {GRIPPER} --q {q} --frame pad");
     let position = numbers(&placed["frames"]["pad"]["position"]);
     let target = position.iter().map(f64::to_string).collect::<Vec<_>>();
-    // Its loops contradict each other.
+    // The loops of this model cannot all be closed.
     let ask = format!("solve {GRIPPER} --target pad={}", target.join(","));
     let solution = answer!("{ask}");
     assert_eq!(solution["reached"], false);
@@ -65,7 +65,7 @@ fn srdf_fixes_passive_joints_and_moves_one_group() {
     assert_eq!(front[..3], start[..3]);
     assert_eq!(front[4], 0.3);
     assert_ne!(front[3], start[3]);
-    // Of another version of the robot.
+    // An SRDF file for another version of the robot.
     let text = text.replace("</robot>", r#"<passive_joint name="joint9"/></robot>"#);
     std::fs::write(&file, text).unwrap();
     refused!("{ask}" => 1, "panda.srdf:2: passive_joint `joint9` | --lenient");

@@ -1,5 +1,4 @@
-//! Promise: `info` says what a motion capture file holds, and `fk` where its joints are at rest and at
-//! any time of it.
+//! Promise: `info` reports the content of a motion capture file. `fk` places its joints at rest and at any time.
 
 use crate::forked_rig::*;
 use serde_json::json;
@@ -67,12 +66,12 @@ fn fk_places_joints_at_rest_and_at_a_time() {
     let half = 4.5_f64.sqrt();
     tip("", [3.0, 4.0, 0.0]);
     tip("--time=0", [4.0, 6.0, 3.0]);
-    // The hips' quarter turn about y leaves the arm's, upwards, as it is.
+    // The hips rotate by a quarter turn about y, which leaves the upward arm unchanged.
     tip("--time=0.25", [1.0, 9.0, 5.0]);
     tip("--time=7", [1.0, 9.0, 5.0]);
-    // One half of the loop further on, and half way there.
+    // Half a period after the loop, halfway between two frames.
     tip("--time=0.625 --loop", [1.0 + 1.5, 6.0 + half, 4.0 - 1.5]);
-    // Seen from the arm the tip never moves.
+    // In the arm's frame the tip does not move.
     tip("--time=0.1 '--base=Upper Arm'", [3.0, 0.0, 0.0]);
 
     let fk = answer!("fk {file} --time=0.25");
@@ -118,13 +117,13 @@ fn invalid_captures_and_options_are_rejected() {
     refused!("info {broken}" => 1, "broken.BVH: line 20:  | `Hips` in frame 2 | `NaN`");
 }
 
-/// The arm's tip goes where it can: the arm is 3 long and hangs on the hips, 4 above them.
+/// An arm of length 3 at hips 4 below it is solved for its tip, at a captured time and at rest.
 #[test]
 fn solve_starts_from_a_captured_pose() {
     let folder = Folder::new("capture-solve");
     let file = wave(&folder);
     let out = folder.file("posed.bvh");
-    // At 0.25 s the hips stand at (1, 2, 5) and have turned by 90° about y.
+    // At 0.25 s the hips are at (1, 2, 5), rotated by 90° about y.
     let target = "--target=Upper Arm/tip=1,9,5";
     let solved = answer!("solve {file} --time=0.25 '{target}' --out {out}");
     has!(solved, {"reached": true, "way": "own"});
@@ -138,7 +137,7 @@ fn solve_starts_from_a_captured_pose() {
     }
     assert_eq!(answer!("info {out}")["captured"]["frames"], 1);
 
-    // At rest they stand at the origin, and an End Site does not turn.
+    // At rest the hips are at the origin, and an End Site does not rotate.
     let far = answer!("solve {file} '--target=Upper Arm/tip=9,4,0'");
     has!(far, {"reached": false, "way": "own"});
     assert_eq!(numbers(&far["q"])[6..9], [0.0; 3]);

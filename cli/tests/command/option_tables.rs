@@ -1,15 +1,15 @@
-//! Promise: the flags that docs/reference/options.md names are those of `kinopt solve` and `kinopt path`.
+//! Promise: docs/reference/options.md names exactly the flags of `kinopt solve` and `kinopt path`.
 
 use std::collections::BTreeSet;
 
-/// The flags in a text.
+/// Flags in a text.
 fn flags(text: &str) -> BTreeSet<&str> {
     let words = text.split(|sign: char| !(sign.is_ascii_alphanumeric() || sign == '-'));
     let flags = words.filter(|word| word.starts_with("--") && !word.ends_with('-'));
     flags.collect()
 }
 
-/// Those that the long help of a subcommand explains: each begins a line.
+/// Flags that the long help of a subcommand explains, each at the begin of a line.
 fn explained(help: &str) -> BTreeSet<&str> {
     let lines = help.lines().map(str::trim_start);
     let begins = lines.filter(|line| line.starts_with('-'));

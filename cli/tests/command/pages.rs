@@ -1,14 +1,14 @@
-//! Promise: the commands of the README and of the pages of docs/, docs/guide and docs/reference succeed from the project's root.
+//! Promise: the commands in the README and in docs/, docs/guide and docs/reference succeed in the project's root.
 
 use std::process::Command;
 
 use crate::forked_rig::*;
 use serde_json::Value;
 
-/// How the command is run where it is compiled, less the name of the package that cargo knows by itself.
+/// Prefix of the command when cargo runs it, without the package name.
 const COMPILED: &str = "cargo run ";
 
-/// The pages with blocks that are run.
+/// Pages with executed blocks.
 fn pages() -> Vec<(String, String)> {
     let readme = std::fs::read_to_string("../README.md").unwrap();
     let mut found = vec![("README".to_owned(), readme)];
@@ -25,7 +25,7 @@ fn pages() -> Vec<(String, String)> {
     found
 }
 
-/// What stands in fences of a language, but for those that are said not to be run.
+/// Fenced blocks of a language, except those that are marked as not run.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let fence = format!("\n```{language}\n");
     let parts = page.split(&fence).skip(1);
@@ -33,7 +33,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
     blocks.map(|block| block.replace("\\\n", " ")).collect()
 }
 
-/// Runs the command in a folder of its own, on the project's files.
+/// Runs the command in a temporary folder, with the project's files.
 fn run(folder: &Folder, line: &str) -> String {
     let words = line.strip_prefix(COMPILED).unwrap_or(line);
     let words = words.split_whitespace().skip(1).map(|word| {

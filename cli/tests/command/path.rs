@@ -1,4 +1,5 @@
-//! Promise: `path` solves a table of points, tells how it was read, how often the arm lets go and how far the tool strays, and writes the rows.
+//! Promise: `path` solves a table of points. It reports the interpretation of the table, the reconfigurations of the
+//! arm and the tool's deviation, and writes the rows.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -17,7 +18,7 @@ fn seam_is_followed_without_reconfiguration() {
     assert!(told["length"].as_f64().unwrap() > 0.5);
     let deviation = told["largest_deviation"].as_f64().unwrap();
     assert!(deviation > 0.0 && deviation < 1e-4, "{deviation}");
-    // The last row stands at the last point of the table.
+    // The last row reaches the last point of the table.
     let q: Vec<String> = list(&rows[120]).iter().map(Value::to_string).collect();
     let placed = answer!("fk {PANDA} --q {} --frame tool", q.join(","));
     let position = list(&placed["frames"]["tool"]["position"]);
@@ -55,7 +56,7 @@ fn rows_are_written_as_a_table() {
 #[test]
 fn traversals_and_unreached_points_are_reported() {
     let folder = Folder::new("path-courses");
-    // A square in the air, closed.
+    // Closed square in the air.
     let square = "x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0\n0,0.05,0,0,1,0,0\n0,0.05,0.05,0,1,0,0\n0,0,0.05,0,1,0,0\n";
     let path = folder.text("square.csv", square);
     let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal any-start");
@@ -108,7 +109,7 @@ fn rows_are_timed_by_limits_of_a_file() {
     assert_eq!((times.len(), times[0]), (rows.len(), 0.0));
     for (place, step) in times.windows(2).enumerate() {
         for (before, after) in list(&rows[place]).iter().zip(list(&rows[place + 1])) {
-            // Rows are within 1e-5 of the curve that keeps the limits.
+            // Rows are within 1e-5 of the trajectory that keeps the limits.
             let moved = after.as_f64().unwrap() - before.as_f64().unwrap();
             assert!(
                 moved.abs() <= 0.5 * (step[1] - step[0]) + 2e-5,
@@ -119,7 +120,7 @@ fn rows_are_timed_by_limits_of_a_file() {
     let table = std::fs::read_to_string(&file).unwrap();
     let last = table.lines().last().unwrap().split(',').next().unwrap();
     assert_eq!(last.parse::<f64>().unwrap(), *times.last().unwrap());
-    // One number for all joints will do, and a file that names nobody will not.
+    // One number applies to all joints. A limits file with an unknown joint name is an error.
     let slow = answer!("path {PANDA} {SEAM} --tip tool --accelerations 0.1");
     let end = |told: &Value| list(&told["times"]).last().and_then(Value::as_f64).unwrap();
     assert!(end(&slow) > end(&told));
@@ -146,7 +147,7 @@ fn table_may_have_several_tools() {
             .collect();
         let placed = answer!("fk {PANDA} --q {} --frame flange", q.join(","));
         let position = list(&placed["frames"]["flange"]["position"]);
-        // Half a turn about x: the tool's y and z lead against the base's.
+        // The target is rotated by half a turn about x, so the tool's y and z are opposite to the base's.
         let wanted = [0.4, 0.005 * row as f64 + by[0], 0.4 + by[1]];
         for (given, wanted) in position.iter().zip(wanted) {
             let given = given.as_f64().unwrap();

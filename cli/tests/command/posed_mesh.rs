@@ -1,13 +1,13 @@
-//! Promise: --out writes the mesh in the pose found, and it reads back.
+//! Promise: --out writes the mesh in the solved pose, and the file can be read again.
 
 use crate::forked_rig::*;
 use glam::Vec3;
 use kinopt::io::ply;
 
-/// Elbow of the right arm bent by a right angle, so that bone 4 points along −y from (2, 0, 0).
+/// Right elbow bent by 90°, so that bone 4 points along −y from (2, 0, 0).
 const START: &str = "--start=0,0,0,0,0,0,0,0,0,0,0,0,0,-90,0";
 
-/// Where the vertices belong: those of bone 4 turned by −90 degrees about (2, 0, 0).
+/// Expected vertices: those of bone 4 are rotated by −90° about (2, 0, 0).
 fn expected() -> Vec<Vec3> {
     let mesh = rig().mesh.unwrap();
     let turned = |p: &Vec3| match p.x >= 2.0 {
@@ -66,7 +66,7 @@ fn dual_quaternions_move_rigid_parts_equally() {
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
     let common = format!("solve {rig} --target=bone/4=2,-1,0 {START} --degrees --skinning dqs");
     assert_eq!(answer!("{common} --out {out}")["reached"], true);
-    // Every vertex of this rig follows one bone.
+    // Every vertex of this rig has one influence.
     close(ply::read(&out).unwrap().positions());
     assert_eq!(kinopt!("{common} --json").status.code(), Some(2));
 }

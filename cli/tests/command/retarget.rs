@@ -1,5 +1,5 @@
-//! Promise: `retarget` brings an array of places onto a robot, frame by frame or as a whole, and writes what humanoid
-//! learning reads; what is wrong with files and options is told, and nothing is written then.
+//! Promise: `retarget` brings an array of joint positions onto a robot, frame by frame or as one problem, and writes
+//! the files of humanoid learning. Errors of files and options are reported, and no file is written.
 
 use kinopt::collision::{Checker, World};
 use kinopt::robot::{BaseJoint, Robot};
@@ -14,7 +14,7 @@ fn sway(frames: usize) -> Vec<u8> {
     sway_over(frames, |_| 0.0)
 }
 
-/// The same over a left foot that is so high.
+/// Swaying hip, with the left foot at a height per frame, in metres.
 fn sway_over(frames: usize, high: impl Fn(usize) -> f32) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({frames}, 3, 3), }}");
@@ -38,7 +38,7 @@ fn array(folder: &Folder, name: &str, bytes: &[u8]) -> String {
     path
 }
 
-/// Two points of one foot are told apart by where they are.
+/// Two contact points of one foot are distinguished by their positions.
 #[test]
 fn contact_points_are_reported_with_their_frames() {
     let folder = Folder::new("retarget-standing");
@@ -59,7 +59,7 @@ fn contact_points_are_reported_with_their_frames() {
     has!(written, {"contact_frames": ["left_sole", "left_sole"], "contact_points": [[0.05, 0.0, 0.0], [-0.05, 0.01, 0.0]]});
 }
 
-/// What a map says of an array is the map's to answer for.
+/// Errors in the map's entries for an array name the map file.
 #[test]
 fn errors_of_a_map_name_the_map() {
     let folder = Folder::new("retarget-map-mistakes");
@@ -82,7 +82,7 @@ fn errors_of_a_map_name_the_map() {
     }
 }
 
-/// A foot on the ground, then on a step of 0.3 m: it hardly moves but on the way there.
+/// A foot on the ground, then on a step of 0.3 m. It moves fast only between them.
 #[test]
 fn contacts_are_detected_by_speed_and_height() {
     let folder = Folder::new("retarget-contacts");
@@ -131,12 +131,12 @@ fn swaying_subject_is_retargeted_to_a_robot() {
                 .iter()
                 .all(|q| list(q).len() == names.len())
         );
-        // Its names tell of no feet, so none stands.
+        // The joint names do not identify feet, so there are no contacts.
         for none in ["contact_frames", "contact_points"] {
             assert!(list(&written[none]).is_empty());
         }
     }
-    // A root that stands still is told, unless that is what was asked for.
+    // A fixed root causes a note, unless it is requested.
     for (base, notes) in [("", 1), ("--base-joint fixed", 0), ("--base-joint free", 0)] {
         let out = folder.file("base.json");
         let (_, told) = answer!(told "retarget {source} {robot} --map {map} {base} --out {out}");
@@ -178,7 +178,7 @@ fn self_collisions_are_avoided_on_request() {
     refused!("{asked} --keep-clear=-1" => 2, "keep-clear");
 }
 
-/// A head that would be in a pole, frame by frame and as a whole.
+/// A pole at the head is avoided, frame by frame and as one problem.
 #[test]
 fn world_collisions_are_avoided_on_request() {
     let folder = Folder::new("retarget-world");
@@ -211,10 +211,10 @@ fn world_collisions_are_avoided_on_request() {
     assert!(touches() > 0);
     for how in ["", "--margin 0.002 --whole", "--keep-clear 0.002"] {
         let (_, told) = answer!(told "{asked} --world {world} {how}");
-        assert!(!told.contains("touches"), "{told}");
+        assert!(!told.contains("remain in collision"), "{told}");
         assert_eq!(touches(), 0, "{how}");
     }
-    // A person's pole stands as many times as near as the robot's steps are shorter.
+    // The distance of the subject's pole is scaled by the ratio of step lengths.
     let stride = answer!("{asked} --world {world}")["stride"]
         .as_f64()
         .unwrap();
@@ -224,18 +224,18 @@ fn world_collisions_are_avoided_on_request() {
         answer!("{asked} --world {persons} --world-scale {scale}");
         assert_eq!(touches(), 0, "{scale}");
     }
-    refused!("{asked} --world {persons} --world-scale 0" => 2, "number above 0, or stride");
+    refused!("{asked} --world {persons} --world-scale 0" => 2, "number > 0, or `stride`");
     refused!("{asked} --world-scale 2" => 2, "--world");
-    // From what it holds itself there is no way, which is told.
+    // A collision with an attached object cannot be avoided and is reported.
     let held = r#"{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}"#;
     let world = folder.text("crate.json", held);
     let (_, told) = answer!(told "{asked} --world {world}");
-    says!(told => "touches all the same, first in frame 0");
+    says!(told => "remain in collision, first frame 0");
     refused!("{asked} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
     refused!("{asked} --margin=-1" => 2, "margin");
     refused!("{asked} --world none.json" => 1, "none.json");
     let rig = model("humanoid/humanoid.json");
-    refused!("retarget {rig} {rig} --world {world} --out {out}" => 2, "--world is for robots");
+    refused!("retarget {rig} {rig} --world {world} --out {out}" => 2, "--world applies to robots");
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn errors_write_no_file() {
         r#"{"joints": ["hips", "left", "right"], "drives": {}}"#,
     );
     let out = folder.file("out.npz");
-    let lacking = "foreign.json: it drives nothing of this target, and";
+    let lacking = "foreign.json: the map drives no frame of this target;";
     let empty = "nothing.json: the map drives no frame";
     for (source, map, more, code, words) in [
         (&source, &map, ".txt", 2, ".npz"),

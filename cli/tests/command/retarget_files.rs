@@ -1,5 +1,5 @@
-//! Promise: `retarget` takes arrays, motion capture, clips of scenes and keyframes of rigs, goes by a map that names tell where none is
-//! given, and writes tables as humanoid learning reads them and figures as .bvh and .glb that move as the source did.
+//! Promise: `retarget` reads arrays, motion capture, clips of scenes and keyframes of rigs, and guesses a missing map
+//! from names. It writes tables for humanoid learning, and figures as .bvh and .glb that move like the source.
 
 use crate::forked_rig::*;
 
@@ -37,8 +37,8 @@ fn rig_keyframes_are_retargeted_by_names() {
     let guessed = json(&out);
     let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --up y --print-map");
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "--up z says otherwise");
-    // What is printed, saved and given again says the same.
+    says!(told => "--up z changes it");
+    // The printed map, saved and given again, gives the same result.
     let printed = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map");
     let printed = String::from_utf8(printed.stdout).unwrap();
     let both = folder.file("both.json");
@@ -46,14 +46,14 @@ fn rig_keyframes_are_retargeted_by_names() {
     assert_eq!(String::from_utf8(run.stdout).unwrap(), printed);
     assert_eq!(json(&both), guessed);
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "frames, 10 a second");
+    says!(told => "frames, 10 per second");
     assert_eq!(told.matches("parts are driven").count(), 1, "{told}");
     // Frames of 0.033333 s.
     let steps = model("captures/steps.bvh");
     let out_of_steps = folder.file("steps.npz");
     let run = kinopt!("retarget {steps} {robot} --base-joint free --out {out_of_steps}");
     let told = String::from_utf8(run.stdout).unwrap();
-    says!(told => "181 frames, 30 a second");
+    says!(told => "181 frames, 30 per second");
     let saved = folder.file("map.json");
     let _ = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --save-map {saved}");
     assert_eq!(text(&saved), printed);
@@ -77,7 +77,7 @@ fn csv_table_has_the_learning_format() {
             .iter()
             .map(|number| number.as_f64().unwrap())
             .collect();
-        // The quaternion w, x, y, z is x, y, z, w there.
+        // The quaternion w, x, y, z is written as x, y, z, w.
         assert_eq!(
             (&row[..3], &row[3..6], row[6], &row[7..]),
             (&q[..3], &q[4..7], q[3], &q[7..])
@@ -94,10 +94,10 @@ fn figures_move_as_the_source() {
     let (glb, bvh) = (folder.file("walk.glb"), folder.file("walk.bvh"));
     for out in [&glb, &bvh] {
         let told = answer!("retarget {rig} {rig} --fps 10 --out {out}");
-        // Onto itself.
+        // Retargeting of a rig to itself.
         assert!(told["mean_error"].as_f64().unwrap() < 0.02, "{told}");
     }
-    // What was written, read again, moves the rig where it moved: either stands along y, as files of its kind do.
+    // A written file, read again, moves the rig equally. Both formats have y up.
     let named = "humanoid";
     for (source, options) in [
         (&glb, format!("--clip {named} --fps 10")),
@@ -110,13 +110,13 @@ fn figures_move_as_the_source() {
             "{source}: {told}"
         );
     }
-    // A scene's file gets one clip more, in its own axes.
+    // A scene's file gets one more clip, in its own axes.
     let more = folder.file("more.glb");
     let told = answer!("retarget {bvh} {glb} --fps 10 --out {more}");
     assert!(told["mean_error"].as_f64().unwrap() < 0.03, "{told}");
     let info = answer!("info {more}");
     assert_eq!(list(&info["clips"]).len(), 2);
-    // Upright, though the rig stands along z.
+    // The output is upright with y up, although the rig has z up.
     for file in [&glb, &bvh] {
         let placed = answer!("fk {file} --frame left_foot --frame head");
         let up = |frame: &str| placed["frames"][frame]["position"][1].as_f64().unwrap();
@@ -166,9 +166,9 @@ fn array_of_a_known_skeleton_needs_only_its_name() {
     let told = answer!("retarget {source} {rig} --map smpl --fps 30 --out {out}");
     assert_eq!(told["frames"], 2);
     let asked = format!("retarget {source} {rig} --fps 30 --out {out}x.npz");
-    refused!("{asked} --map lafan1" => 1, "no array of the skeleton lafan1");
+    refused!("{asked} --map lafan1" => 1, "does not fit the skeleton lafan1");
     refused!("{asked} --map smpk" => 2, "did you mean `smpl`");
-    refused!("{asked}" => 1, "what its 24 joints are called");
+    refused!("{asked}" => 1, "names of its 24 joints are missing");
     assert!(!std::path::Path::new(&format!("{out}x.npz")).exists());
 }
 
@@ -186,7 +186,7 @@ fn capture_without_frames_writes_no_file() {
     assert!(!std::path::Path::new(&out).exists());
 }
 
-/// A person who sways over both feet, upright along z in the file.
+/// Subject that sways over both feet, upright along z in the file.
 const Z_UP: &str = "HIERARCHY
 ROOT Hips
 {
@@ -230,14 +230,14 @@ fn capture_upright_along_z_is_taken_upright() {
         ["detected", "given", "other"].map(|name| folder.file(&format!("{name}.json")));
     let run = kinopt!("retarget {source} {robot} --base-joint free --out {detected}");
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "which is taken for upward; --up y sets the other axis | after 3 whole frames of 9");
+    says!(told => "detected from the body; --up y selects the other axis | after 3 whole frames of 9");
     let run = kinopt!("retarget {source} {robot} --base-joint free --up z --out {given}");
     let told = String::from_utf8(run.stderr).unwrap();
-    assert!(!told.contains("taken for upward"), "{told}");
+    assert!(!told.contains("up axis"), "{told}");
     assert_eq!(json(&detected), json(&given));
     let run = kinopt!("retarget {source} {robot} --base-joint free --up y --out {other}");
     let told = String::from_utf8(run.stderr).unwrap();
-    says!(told => "the body stands along z, but y is taken for upward");
+    says!(told => "the body is upright along z, but the up axis is y");
     assert_ne!(json(&other), json(&given));
 }
 

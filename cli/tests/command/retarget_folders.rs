@@ -1,5 +1,5 @@
-//! Promise: `retarget` takes folders: each movement becomes a file that is whole, what is done stays done where the command is
-//! given again, what fails is told and keeps no other from being done, and a folder holds the answers to one question.
+//! Promise: `retarget` accepts folders. Each movement becomes one complete file, and a repeated command keeps
+//! finished files. Failures are reported and do not stop other movements. A folder holds the results of one query.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use kinopt::robot::{BaseJoint, Robot};
 
 use crate::forked_rig::*;
 
-/// A figure of three joints that sinks for a second.
+/// Figure of three joints that sinks for a second.
 fn capture(named: &str) -> String {
     let joint = |name: &str, x: f64| {
         format!(
@@ -69,7 +69,7 @@ fn interrupted_folder_is_continued() {
         assert!(written(name).exists(), "{name}");
     }
     assert!(!written("broken.npz").exists() && !written("nobody.npz").exists());
-    // As if it had been interrupted: one is missing, and half of it is there under another name.
+    // Simulated interruption: one file is missing, and a partial one has a temporary name.
     let whole = std::fs::read(written("two.npz")).unwrap();
     std::fs::rename(written("two.npz"), written(".part.two.npz")).unwrap();
     std::fs::write(format!("{from}/broken.bvh"), capture("Hips")).unwrap();
@@ -79,11 +79,11 @@ fn interrupted_folder_is_continued() {
     assert_eq!(std::fs::read(written("two.npz")).unwrap(), whole);
     assert!(!written(".part.two.npz").exists());
     assert_eq!(told("--overwrite", 0)["done"], 4);
-    // Another question.
+    // A different query.
     refused!("{asked} --whole" => 1, "another question");
 }
 
-/// What Python began, which asks the library, the command goes on with.
+/// The command continues a folder that Python began through the library.
 #[test]
 fn folder_begun_by_the_library_is_continued() {
     let folder = Folder::new("retarget-begun");
@@ -113,8 +113,8 @@ fn folder_begun_by_the_library_is_continued() {
     );
     let told = answer!("{command}");
     has!(told, {"done": 1, "done_before": 1});
-    refused!("{command} --contact-height 0.1" => 1, "(contact_height): give another folder, or --overwrite");
-    // The map says something else now.
+    refused!("{command} --contact-height 0.1" => 1, "(contact_height): use another folder, or --overwrite");
+    // The map has changed.
     std::fs::write(&map, text.replace("20", "25")).unwrap();
     refused!("{command}" => 1, "(fps)");
     std::fs::write(&map, text.replace("left", "right")).unwrap();
@@ -132,7 +132,7 @@ fn invalid_folders_are_rejected() {
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
     refused!("{asked}" => 1, "would both be written");
-    refused!("{asked} --format glb" => 2, "are of figures");
-    refused!("{asked} --print-map" => 2, "of one movement");
+    refused!("{asked} --format glb" => 2, "require a figure");
+    refused!("{asked} --print-map" => 2, "to one movement");
     assert!(!Path::new(&into).exists());
 }

@@ -1,5 +1,5 @@
-//! Promise: what is wrong with a robot's file is refused, or mended on request and told; soft limits
-//! bind on request; shapes and masses are counted.
+//! Promise: errors in a robot's file are rejected, or repaired and reported with `--lenient`. Soft limits bind on
+//! request, and shapes and masses are counted.
 
 use serde_json::json;
 
@@ -61,7 +61,7 @@ fn shapes_masses_and_limits_are_reported() {
 fn soft_limits_apply_on_request() {
     let folder = Folder::new("soft");
     let file = door(&folder, DOOR);
-    // A quarter turn to the right, which the soft limit cuts short.
+    // Quarter turn to the right, which the soft limit stops.
     let target = "--target=tip=0.5403,-0.8415,0";
     let hinge = |more: &str| number(&answer!("solve {file} {target} --lenient {more}")["q"][0]);
     assert!(hinge("") < -0.9);

@@ -1,5 +1,5 @@
-//! Promise: a URDF robot is shown as a tree of links, placed by its joints' values, and solved for one
-//! target or several, within its limits.
+//! Promise: a URDF robot is shown as a tree of links, placed by its joint values, and solved for one or several
+//! targets within its limits.
 
 use crate::forked_rig::*;
 use crate::seeded_robot::{Seeded, seven, typed};
@@ -47,11 +47,11 @@ fn fk_places_links_in_any_base() {
     assert_eq!(list(&fk["joints"]).len(), 9);
     let position = |fk: &Value| numbers(&fk["frames"]["tool"]["position"]);
     assert!(distance(&position(&fk), &panda.pose(&q)[..3]) < 1e-14);
-    // The tool's offset from the hand is the file's, whatever the arm does.
+    // The tool's offset from the hand is the file's, for any configuration.
     let fk = answer!("fk {panda} {given} --frame=tool --base=hand");
     assert!(distance(&position(&fk), &[0.0, 0.0, 0.1034]) < 1e-14);
 
-    // By name, in any order: joints without a number are at rest, followers follow.
+    // Values by name, in any order: joints without a value are at rest, and mimic joints follow their source.
     let folder = Folder::new("by-name");
     let content = json!({"joints": ["finger_left_slide", "joint2"], "q": [0.03, 0.5]});
     let file = folder.text("q.json", content);
@@ -61,12 +61,12 @@ fn fk_places_links_in_any_base() {
         fk["q"],
         json!([0.0, 0.5, 0.0, rest, 0.0, 0.0, 0.0, 0.03, 0.03])
     );
-    // One that is named is where its number says, whomever it follows.
+    // A named mimic joint has its given value.
     let content = json!({"joints": ["finger_right_slide", "finger_left_slide"], "q": [0.01, 0.03]});
     let file = folder.text("fingers.json", content);
     let fingers = answer!("fk {panda} --q-file {file}");
     assert_eq!(numbers(&fingers["q"])[7..], [0.03, 0.01]);
-    // Fingers that do not go together are worth a note.
+    // Inconsistent mimic joints cause a note.
     let output = kinopt!("fk {panda} --q=0,0,0,-1,0,1,0,0.01,0.02");
     says!(stderr(&output) => "finger_right_slide");
 }
@@ -87,14 +87,14 @@ fn every_search_and_solver_reaches_the_target() {
         "--solver=levenberg-marquardt",
         "--solver=gauss-newton --jacobian=dual",
         "--restarts=40 --jacobian=central",
-        // Out of many attempts from elsewhere.
+        // Reached after several attempts from other starts.
         "--solver=projected-gradient-bb --max-iterations=2000",
     ] {
         let solution = answer!("solve {panda} {target} {options}");
         assert_eq!(solution["reached"], true, "{options}: {solution}");
         let q = numbers(&solution["q"]);
         panda.check(&q, &pose);
-        // The fingers are not asked for: they stay together, where the start has them.
+        // The target does not depend on the fingers, so they keep their start value.
         assert_eq!(q[7], q[8]);
         assert!(q[7] == 0.0 || options.contains("--start=random"));
         has!(solution, {"joints/3": "joint4", "tasks/0/frame": "tool"});
@@ -158,7 +158,7 @@ fn move_limits_are_kept() {
 
 #[test]
 fn targets_are_in_the_base_frame() {
-    // The world's own z is not link1's, and link3 moves with the arm.
+    // The z axes of link1 and the world differ, and link3 moves with the arm.
     for base in ["link1", "link3"] {
         let panda = Seeded::new("franka_panda", base, "tool");
         let pose = panda.pose(&panda.configuration(8));
@@ -205,7 +205,7 @@ fn unreachable_target_is_a_result() {
     says!(text!("solve {scara} --target=flange=2,0,0.2") => "Not reached");
     let solution = answer!("solve {scara} --target=flange=2,0,0.2");
     assert_eq!(solution["reached"], false);
-    // 325 mm and 275 mm of arm, stretched along x.
+    // Links of 325 mm and 275 mm, stretched along x.
     let error = number(&solution["tasks"][0]["position_error"]);
     assert!((error - 1.4).abs() < 1e-6, "{error}");
 }
@@ -233,7 +233,7 @@ fn wrong_names_and_options_are_rejected() {
     refused!("info robot.xacro" => 1, ".xacro | .urdf | .json");
 }
 
-/// What no target feels stays at its start, whatever the method and however many attempts it takes.
+/// Joints that no target depends on keep their start values, for every method and number of attempts.
 #[test]
 fn other_arm_stays_at_its_start() {
     let file = model("rethink_baxter.urdf");

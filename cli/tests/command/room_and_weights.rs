@@ -1,11 +1,11 @@
-//! Promise: a target may leave room on single axes, frames and joints weigh what they are said to, and
-//! a script hears of a miss by the exit code.
+//! Promise: goal bounds of single axes, frame weights and joint weights have their documented effect.
+//! `--fail-on-miss` sets the exit code.
 
 use crate::forked_rig::*;
 use crate::seeded_robot::{Seeded, seven, typed};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-/// Where the tool came to stand in the target.
+/// Placement of the tool in target coordinates.
 fn in_target(panda: &Seeded, q: &[f64], wanted: &Placement<f64>) -> Placement<f64> {
     wanted.inverse() * panda.base_from("tool", q)
 }
@@ -16,7 +16,7 @@ fn goal_bounds_of_an_arm_are_used() {
     let q = panda.configuration(11);
     let wanted = panda.base_from("tool", &q);
     let start = commas(&q);
-    // 2 cm beyond the target along its own x is within the room, 3 cm before it is not.
+    // An offset of 2 cm along the target's x is within the bounds; −3 cm is not.
     for (offset, within) in [(0.02, true), (-0.03, false)] {
         let shifted = wanted * Placement::translation(Vector3::new(-offset, 0.0, 0.0));
         let target = typed("tool", &seven(&shifted));
@@ -28,7 +28,7 @@ fn goal_bounds_of_an_arm_are_used() {
         assert!(apart.translation.y.abs() < 2e-6 && apart.translation.z.abs() < 2e-6);
         assert_eq!((x - offset).abs() < 1e-5, within, "{x}");
     }
-    // Turns, in degrees.
+    // Rotation bounds, in degrees.
     let target = typed("tool", &panda.pose(&q));
     let apart = |room: &str| {
         let solution = answer!("solve {panda} {target} --interval={room}");
@@ -47,11 +47,11 @@ fn goal_bounds_of_an_arm_are_used() {
     refused!("solve {panda} {point} --interval=rz=1" => 2, "orientation");
 }
 
-/// Of figures, and of robots by a general solver.
+/// Goal bounds of figures, and of robots with a general solver.
 #[test]
 fn goal_bounds_of_other_models_are_used() {
     let (_folder, rig) = Folder::with_rig("room");
-    // The stretched arm's tip is at x = −3; turned so far about itself no bone gets there.
+    // The tip of the stretched arm is at x = −3. No configuration has this rotation about the bone's axis there.
     let turned = "--target=bone/2=-3,0,0,0,0,0.997495,0.070737";
     for solver in ["", "--solver=levenberg-marquardt"] {
         let solution = |line: &str| answer!("solve {rig} {line} {solver}");
@@ -67,7 +67,7 @@ fn goal_bounds_of_other_models_are_used() {
             assert_eq!(solution(line)["reached"], reached, "{line} {solver}");
         }
     }
-    // Each of several targets has room; a turn is that of those with an orientation.
+    // Bounds apply to every target; rotation bounds to those with an orientation.
     let two = format!("{turned} --target=bone/4=3.1,0,0");
     for (room, reached) in [
         ("", [false, false]),
@@ -100,8 +100,7 @@ fn goal_bounds_of_other_models_are_used() {
 #[test]
 fn task_weights_balance_conflicting_targets() {
     let (_folder, rig) = Folder::with_rig("weights");
-    // Both hands ask for what only the tip of one arm each can have; out of reach, they compromise
-    // only through the weights of one frame's two targets.
+    // Two conflicting targets of one arm. The weights decide the compromise.
     let ask = |weight: &str| {
         let targets = "--target=bone/2=-2.5,0.5,0 --target=bone/1=-1.5,-0.8,0";
         let solution = answer!("solve {rig} {targets} {weight}");
@@ -132,7 +131,7 @@ fn joint_weights_select_the_nearest_solution() {
     let (even, heavy) = (moved("1"), moved("100,1,1,1,1,1,1"));
     assert!(heavy < even, "{heavy} {even}");
     refused!("solve {panda} {target} --joint-weights=1,2" => 2, "--joint-weights");
-    // Which of the two errors of an unreachable pose is the smaller is a matter of weights.
+    // The unit weight decides between position and orientation error of an unreachable pose.
     let far = "--target=tool=1.5,0,0.5,1,0,0,0";
     let angle = |metres: f64| {
         let solution = answer!("solve {panda} {far} --metres-per-radian={metres}");
@@ -160,14 +159,14 @@ fn fail_on_miss_sets_the_exit_code() {
             let output = kinopt!("solve {scara} {line} {format}");
             let told = stderr(&output);
             assert_eq!(output.status.code(), Some(code), "{line}: {told}");
-            // What came out is told all the same.
+            // The result is printed in any case.
             assert!(!stdout(&output).is_empty());
             says!(told => message);
         }
     }
 }
 
-/// What is held gives way to a target that it keeps out of reach as its weight has it.
+/// The weight of a held frame decides how far a conflicting target moves it.
 #[test]
 fn held_frames_have_a_weight() {
     let panda = Seeded::panda();

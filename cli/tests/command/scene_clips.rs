@@ -1,10 +1,12 @@
-//! Promise: poses and clips are added to a scene's file, which keeps what it held; a rig with its clip is one animated file.
+//! Promise: poses and clips are added to a scene's file, which keeps its other content. A rig with its clip is
+//! written as one animated file.
 
 use crate::forked_rig::*;
 use kinopt::animation::{Cursor, Playback, Pose};
 use kinopt::io::gltf::{self, Scene};
 
-/// A leg of two joints, the first of which walks along x and turns about y in a second, a material and something unknown.
+/// Leg of two joints, with a material and an unknown extension. The first joint moves along x and rotates about y in
+/// one second.
 const WALKER: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["ACME_mood"],"extensions":{"ACME_mood":{"glad":1.50}},
  "materials":[{"name":"wool","pbrMetallicRoughness":{"metallicFactor":0.10}}],
  "nodes":[{"name":"hip","children":[1],"translation":[0,1,0]},{"name":"knee","translation":[0,-0.5,0]}],"scene":0,"scenes":[{"nodes":[0]}],
@@ -45,7 +47,7 @@ fn clips_are_appended_to_a_file() {
         assert!((own.translations()[0] - added.translations()[0]).length() < 1e-5);
         assert!(own.rotations()[0].abs_diff_eq(added.rotations()[0], 1e-5));
     }
-    // Into the same file again, under another name; one that is taken is refused.
+    // The clip is added to the same file under another name. A used name is an error.
     refused!("animate {file} --fps=10 --clip-name=walk --into {out}" => 1, "walker.glb | `walk` | --clip-name");
     text!("animate {file} --fps=30 --in-place=hip --clip-name=spot --into {out}");
     let scene = keeps(&out);
@@ -57,7 +59,7 @@ fn clips_are_appended_to_a_file() {
     assert!(spot.rotations()[0].abs_diff_eq(start.rotations()[0], 1e-5));
 }
 
-/// A disk that is full, as one that takes no file of more than 512 bytes.
+/// A full disk, simulated by a limit of 512 bytes per file.
 #[cfg(unix)]
 #[test]
 fn failed_write_keeps_the_old_file() {
@@ -79,7 +81,7 @@ fn failed_write_keeps_the_old_file() {
     assert_eq!(std::fs::read(&out).unwrap(), before);
     let beside = std::fs::read_dir(std::path::Path::new(&out).parent().unwrap()).unwrap();
     assert_eq!(beside.count(), 2);
-    // With room it is written, by a link as well, which stays one.
+    // With enough disk space the file is written. A symbolic link stays a link.
     let link = folder.file("link.glb");
     std::os::unix::fs::symlink(&out, &link).unwrap();
     text!("animate {file} --fps=60 --into {link}");
@@ -87,7 +89,7 @@ fn failed_write_keeps_the_old_file() {
     assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
 }
 
-/// 3.3 s in single precision are 197.999997 sixtieths, and the last frame is there all the same.
+/// 3.3 s in single precision are 197.999997 frames at 60 per second; the last frame is still written.
 #[test]
 fn clip_is_written_to_its_end() {
     let folder = Folder::new("whole-clips");
@@ -119,7 +121,7 @@ fn solved_pose_is_a_clip_with_one_key() {
         (knee - kinopt::glam::Vec3A::new(0.5, 1.0, 0.0)).length() < 1e-5,
         "{knee}"
     );
-    // At rest it stands as it did.
+    // The rest pose is unchanged.
     assert_eq!(scene.armature, gltf::read(&file).unwrap().armature);
     refused!("solve {file} --target=knee=0.5,1,0 --into {out} --clip-name=kick" => 1, "`kick`");
     let rig = folder.rig();
@@ -139,7 +141,7 @@ fn rig_is_written_as_one_animated_file() {
     own.clip.sample(1.0, Playback::Hold, &mut q).unwrap();
     let posed = own.skeleton.pose(&q).unwrap();
     let mut places = Vec::new();
-    // The file's first frame is the first key, at 0.5 s.
+    // The first frame is the first key, at 0.5 s.
     scene
         .armature
         .local_to_model(&at(&scene, "keys", 0.5), &mut places)

@@ -1,4 +1,4 @@
-//! Promise: `info`, `fk` and `animate` take scenes in glTF files, and any posed mesh may become one.
+//! Promise: `info`, `fk` and `animate` read scenes from glTF files, and any posed mesh can be written as glTF.
 
 use crate::forked_rig::*;
 use glam::{Affine3A, Quat, Vec3, Vec3A};
@@ -11,8 +11,8 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MorphTarget, MorphTargets, SkinWeights, SkinningMethod};
 use serde_json::json;
 
-/// A flag of four corners: two on the pole at x = 0, two that follow a joint at x = 1, which the
-/// clip "wave" turns about y by a quarter turn in a second. The morph target "flat" moves corner 3.
+/// Flag of four corners: two on the pole at x = 0, two with a joint at x = 1. The clip "wave" rotates the joint about
+/// y by a quarter turn in a second. The morph target "flat" moves corner 3.
 fn flag() -> Scene {
     let bone = |name: &str, parent, translation: Vec3A| ArmatureBone {
         name: name.into(),
@@ -73,7 +73,7 @@ fn near(positions: &[Vec3], wanted: [[f32; 3]; 4]) {
     }
 }
 
-/// The vertices of the first mesh of a written scene.
+/// Vertices of the first mesh of a written scene.
 fn posed(file: &str) -> Vec<Vec3> {
     let scene = gltf::read(file).unwrap();
     let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
@@ -116,7 +116,7 @@ fn fk_places_nodes_at_a_time_of_a_clip() {
     assert_eq!(placed["position"], json!([1.0, 0.0, 0.0]));
     let y = number(&placed["quaternion"][2]);
     assert!((y + (std::f64::consts::PI / 8.0).sin()).abs() < 1e-6, "{y}");
-    // The other clip leaves it alone.
+    // The other clip does not move it.
     assert_eq!(
         hinge("1 --clip=sink")["quaternion"],
         json!([1.0, 0.0, 0.0, 0.0])
@@ -138,7 +138,7 @@ fn animate_poses_a_clip_at_one_or_many_times() {
             _ => near(ply::read(&out).unwrap().positions(), turned),
         }
     }
-    // Whoever shows a skin blends it linearly.
+    // Viewers use linear blend skinning.
     let out = folder.file("dual.glb");
     refused!("animate {file} --time=1 --skinning dqs --out {out}" => 2, "dual.glb | dqs");
     let out = folder.file("frames");
@@ -211,12 +211,12 @@ fn solve_moves_the_joints_of_a_scene() {
     let solved = answer!("solve {file} --target=hinge=0,0,1 --out {out}");
     assert_eq!(solved["reached"], true);
     let corners = posed(&out);
-    // The corner at the joint of the pole stays; the far one is as far from the hinge as it was.
+    // The corner at the pole's joint stays. The far corner keeps its distance from the hinge.
     assert!(corners[0].length() < 1e-6);
     assert!((corners[1].length() - 1.0).abs() < 1e-6);
     assert!((corners[2].distance(Vec3::Z) - 1.0).abs() < 1e-6);
     refused!("solve {file} --target=hing=0,0,1" => 1, "`hing` | cloth, pole, hinge");
-    // What no skin follows is locked.
+    // Nodes without skinned vertices are locked.
     let cloth = answer!("solve {file} --target=cloth=1,0,0");
     assert_eq!(cloth["reached"], false);
 }

@@ -1,4 +1,4 @@
-//! Robots of models/, and targets that seeded configurations reach.
+//! Robots of models/, with targets from seeded configurations.
 
 use crate::forked_rig::{commas, model};
 use kinopt::kinematics::ForwardKinematics;
@@ -6,7 +6,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Quaternion, rotation_log};
 use serde_json::{Value, json};
 
-/// A robot, its file, and the frames that targets are for and in.
+/// Robot with its file, its base frame and its tip frame.
 pub(crate) struct Seeded {
     pub(crate) file: String,
     pub(crate) robot: Robot,
@@ -14,7 +14,7 @@ pub(crate) struct Seeded {
     pub(crate) tip: &'static str,
 }
 
-/// By its file, for command lines.
+/// The file's path, for command lines.
 impl std::fmt::Display for Seeded {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.file)
@@ -37,7 +37,7 @@ impl Seeded {
         Self::new("franka_panda", "base", "tool")
     }
 
-    /// A configuration within the limits in which mimic joints follow.
+    /// Configuration within the limits, with consistent mimic joints.
     pub(crate) fn configuration(&self, seed: u64) -> Vec<f64> {
         let map = self.robot.map();
         let mut q = self.robot.model().random_configuration(seed);
@@ -55,7 +55,7 @@ impl Seeded {
         placed[0].inverse() * placed[1]
     }
 
-    /// The tip's pose as seven numbers.
+    /// Pose of the tip as seven numbers.
     pub(crate) fn pose(&self, q: &[f64]) -> Vec<f64> {
         seven(&self.base_from(self.tip, q))
     }
@@ -65,12 +65,12 @@ impl Seeded {
         (1..=count).map(pose).collect()
     }
 
-    /// A file of that many targets, without starts.
+    /// Content of a file of `count` targets, without starts.
     pub(crate) fn targets(&self, count: u64) -> Value {
         json!({"targets": self.poses(count), "tip_link": self.tip, "base_link": self.base})
     }
 
-    /// Asserts that a configuration is within the limits to the bit and puts the tip on a pose.
+    /// Asserts that a configuration is exactly within the limits and puts the tip on a pose.
     pub(crate) fn check(&self, q: &[f64], pose: &[f64]) {
         for (value, limits) in q.iter().zip(self.robot.model().limits()) {
             assert!(limits.contains(*value), "{value} is not within {limits:?}");
@@ -80,7 +80,7 @@ impl Seeded {
         assert!(orientation <= 1.001e-6, "{orientation} rad");
     }
 
-    /// How far the tip is from a pose, in metres and radians.
+    /// Position and orientation error of the tip, in metres and radians.
     pub(crate) fn errors(&self, q: &[f64], pose: &[f64]) -> [f64; 2] {
         let target = placement(pose);
         let miss = target.inverse() * self.base_from(self.tip, q);
@@ -103,7 +103,7 @@ fn placement(pose: &[f64]) -> Placement<f64> {
     Placement::new(quaternion.to_matrix(), position.into())
 }
 
-/// `FRAME=…` with every digit.
+/// `FRAME=…` with all digits.
 pub(crate) fn typed(frame: &str, numbers: &[f64]) -> String {
     format!("--target={frame}={}", commas(numbers))
 }

@@ -1,11 +1,11 @@
-//! Promise: `--servo` moves no joint faster than its velocity limit nor beyond its limits, comes to the
-//! last target where it is given time, and tells what held it.
+//! Promise: `--servo` keeps velocity and position limits, reaches the last target if there is time, and reports the
+//! active limits.
 
 use crate::forked_rig::*;
 use crate::seeded_robot::Seeded;
 use serde_json::{Value, json};
 
-/// A file whose targets go 5 cm down at 0.2 m/s and a thousand a second, then rest.
+/// File of targets that descend by 5 cm at 0.2 m/s and 1000 targets per second, then rest.
 fn targets(folder: &Folder, seeded: &Seeded, start: &[f64]) -> (String, Vec<f64>) {
     let mut pose = seeded.pose(start);
     let down = |tick| {
@@ -19,7 +19,7 @@ fn targets(folder: &Folder, seeded: &Seeded, start: &[f64]) -> (String, Vec<f64>
     (folder.text("line.json", content), pose)
 }
 
-/// Bent at the elbow, away from limits; the fingers closed.
+/// Configuration with a bent elbow, away from limits, with closed fingers.
 const START: [f64; 7] = [0.1, -0.6, 0.2, -2.2, 0.1, 1.8, 0.7];
 
 fn start(seeded: &Seeded) -> Vec<f64> {
@@ -28,7 +28,7 @@ fn start(seeded: &Seeded) -> Vec<f64> {
     q
 }
 
-/// The speeds between ticks by the answers alone, by joint of the arm.
+/// Velocities between control cycles, computed from the configurations, by joint of the arm.
 fn speeds(ticks: &[Value], start: &[f64]) -> Vec<Vec<f64>> {
     let mut before = start.to_vec();
     let of = |tick: &Value| {
@@ -62,7 +62,7 @@ fn line_is_followed_within_velocity_limits() {
     }
     seeded.check(&numbers(&ticks[399]["q"]), &last);
     assert_eq!(ticks[399]["status"], "on target");
-    // Of each joint the fastest tick, whichever way it went.
+    // The top speed of a joint is its largest absolute velocity.
     let top_speeds = numbers(&document["summary"]["top_speeds"]);
     let told: Vec<Vec<f64>> = (ticks.iter())
         .map(|tick| numbers(&tick["velocity"]))
@@ -92,7 +92,7 @@ fn slower_limits_hold_and_are_reported() {
     assert!(all.iter().any(|speed| *speed > 0.05 * (1.0 - 1e-9)));
     let mut held = ticks[200]["held"].as_object().unwrap().values();
     assert!(held.any(|by| word(by).starts_with("velocity limit")));
-    // A fifth of a second later it is still on its way, and a script can know.
+    // After 0.2 s the arm is still moving, and the exit code reports it.
     let [metres, _] = seeded.errors(&numbers(&ticks[399]["q"]), &last);
     assert!(metres > 1e-3, "{metres}");
     assert_eq!(missed.status.code(), Some(3), "{}", stderr(&missed));

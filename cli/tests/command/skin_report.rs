@@ -1,5 +1,5 @@
-//! Promise: `skin-report` says what each way to skin keeps of a twisted tube, as a table, as JSON and
-//! as a picture: linear blend loses what theory says, dual quaternions next to nothing.
+//! Promise: `skin-report` compares skinning methods on a twisted tube, as a table, as JSON and as a picture. Linear
+//! blend skinning loses the predicted area; dual quaternions lose almost none.
 
 use crate::forked_rig::*;
 
@@ -12,7 +12,7 @@ fn volumes_equal_theory() {
     let blended = number(&report["blended_share"]);
     for row in rows {
         let twist = number(&row["degrees"]).to_radians();
-        // A ring of weight w keeps the share 1 − 2 w (1 − w)(1 − cos φ) of its area.
+        // A ring of weight w keeps the fraction 1 − 2 w (1 − w)(1 − cos φ) of its area.
         let expected = 1.0 - blended * (1.0 - twist.cos()) / 3.0;
         assert!((number(&row["lbs"]["volume"]) - expected).abs() < 2e-3);
         assert!((number(&row["lbs"]["waist"]) - (twist / 2.0).cos()).abs() < 1e-5);

@@ -1,5 +1,5 @@
-//! Promise: `kinopt spheres` writes spheres that other programs read, says how many, how far they stick out and
-//! which links are checked.
+//! Promise: `kinopt spheres` writes sphere models in formats of other programs. It reports their number, their
+//! maximum protrusion and the enabled collision pairs.
 
 use crate::forked_rig::*;
 use kinopt::collision::{CollisionModel, SphereModel};
@@ -18,7 +18,7 @@ fn robot_spheres_are_written_in_both_formats() {
         assert!(number(&told["max_protrusion"]) <= 0.04);
         let read = SphereModel::read(&out, &shapes).unwrap();
         assert_eq!(count(&told["spheres"]), read.count() as u64);
-        // As far as they say, measured anew.
+        // The reported maximum protrusion equals a new measurement.
         assert!((read.max_protrusion() - number(&told["max_protrusion"])).abs() < 1e-12);
         let links = list(&told["links"]);
         assert_eq!(links.len(), shapes.links().len());
@@ -35,7 +35,7 @@ fn robot_spheres_are_written_in_both_formats() {
     );
     let spheres = SphereModel::of_spheres(&CollisionModel::of(&again).unwrap()).unwrap();
     assert_eq!(spheres.max_protrusion(), 0.0);
-    // What is all spheres stays as it is.
+    // Links that consist of spheres are unchanged.
     let out = folder.file("again.yml");
     let told = answer!("spheres {spherised} --samples 0 --out {out}");
     has!(told, {"max_protrusion": 0.0, "spheres": spheres.count()});
@@ -96,7 +96,7 @@ fn invalid_input_is_rejected() {
     refused!("spheres {mesh} --package /nowhere --out {out}" => 1, "/nowhere/pack/a.stl");
 }
 
-/// What a fiftieth of the reach is too fine for: a floor that a robot's file has in it.
+/// A robot file with a floor, which is too large for a resolution of a fiftieth of the reach.
 #[test]
 fn default_accepts_links_of_any_size() {
     let folder = Folder::new("sphere-default");

@@ -1,4 +1,4 @@
-//! Promise: what is held and balanced comes before what is reached for, and --level says what gives way to what.
+//! Promise: held frames and balance have a higher priority level than targets, and --level sets other levels.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -44,7 +44,7 @@ fn reachable_solution_is_independent_of_levels() {
     let ranked = answer!("solve {NAO} {near}");
     let weighed = answer!("solve {NAO} {near} --no-priorities");
     assert_eq!(ranked["reached"], true, "{ranked}");
-    // Rows stand in another order, so last bits may differ.
+    // The rows have another order, so the last bits can differ.
     let apart = distance(&numbers(&ranked["q"]), &numbers(&weighed["q"]));
     assert!(apart < 1e-9, "{apart}");
 }

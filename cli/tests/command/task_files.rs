@@ -1,5 +1,4 @@
-//! Promise: `--tasks` asks of a model what its file says, beside targets and balance, and refuses a file that is wrong by
-//! the place in it.
+//! Promise: `--tasks` adds the tasks of a file to targets and balance. Errors name the location in the file.
 
 use crate::forked_rig::*;
 use serde_json::{Value, json};
@@ -12,7 +11,7 @@ fn of_joint(answer: &Value, joint: &str) -> f64 {
     numbers(&answer["q"])[at]
 }
 
-/// Where a frame is in an answer: its position and the image of x.
+/// Position of a frame in a solution, and the image of its x axis.
 fn placed(folder: &Folder, options: &str, answer: &Value, frame: &str) -> (Vec<f64>, [f64; 3]) {
     let file = folder.text("answer.json", answer);
     let placed = answer!("fk {NAO} {options} --q-file {file} --frame {frame}");
@@ -39,7 +38,7 @@ fn each_task_has_its_effect() {
             "role": "preference"},
     ]);
     let file = folder.text("tasks.json", &tasks);
-    // An arm of five joints alone has no velocity of six rows.
+    // A fixed arm with five joints cannot reach a velocity of six components.
     let free = "--base-joint free";
     let answer = answer!("solve {NAO} {free} --tasks {file}");
     assert_eq!(answer["reached"], true);
@@ -63,7 +62,7 @@ fn each_task_has_its_effect() {
     let rolls =
         of_joint(&answer, "left_shoulder_roll") + 2.0 * of_joint(&answer, "right_shoulder_roll");
     assert!((rolls - 0.4).abs() < 1e-8);
-    // From where the start has it.
+    // Hand position at the start, from a task of zero velocity.
     let still = folder.text(
         "still.json",
         json!([{"task": "frame velocity", "frame": "left_hand", "time_step_s": 1}]),

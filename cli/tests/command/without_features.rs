@@ -1,4 +1,4 @@
-//! Promise: what a build leaves out says in one line how to get it.
+//! Promise: a missing feature is reported in one line, with the feature to enable.
 
 #[test]
 fn missing_bench_states_its_feature() {

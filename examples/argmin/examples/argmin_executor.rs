@@ -1,5 +1,4 @@
-//! Our Levenberg-Marquardt under argmin's executor: observed, interrupted, and resumed from its
-//! checkpoint as if nothing had happened.
+//! Levenberg-Marquardt of kinopt under argmin's executor: observed, interrupted, and resumed from its checkpoint.
 //!
 //! `cargo run --release -p kinopt-argmin-examples --example argmin_executor`
 #![allow(clippy::print_stdout)]
@@ -12,7 +11,7 @@ use argmin_checkpointing_file::{CheckpointingFrequency, FileCheckpoint};
 use kinopt::argmin_bridge::{BoundedProblem, ExecutorMethod, MethodState};
 use kinopt::solver::LevenbergMarquardt;
 
-/// Prints what it sees, and fails at one iteration if told to.
+/// Observer that prints iterations, and can fail at a given one.
 struct Watch {
     fails_at: Option<u64>,
 }

@@ -13,7 +13,7 @@ use kinopt::argmin_bridge::UnboundedProblem;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = seven_joint_arm::problem()?;
 
-    // L-BFGS knows no bounds: it sees variables that may take any value.
+    // L-BFGS has no bounds: the wrapper has unbounded variables.
     let unbounded = UnboundedProblem::new(&problem);
     let start = unbounded.start(&seven_joint_arm::START)?;
     let solver = LBFGS::new(MoreThuenteLineSearch::new(), 7);

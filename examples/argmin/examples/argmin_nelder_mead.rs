@@ -1,5 +1,5 @@
-//! argmin's Nelder-Mead, which needs no derivatives, on an inverse kinematics problem with joint
-//! limits. It comes close and takes its time; the comparison shows what derivatives are worth.
+//! argmin's Nelder-Mead, which needs no derivatives, on an inverse kinematics problem with joint limits. It converges
+//! slowly, and the comparison shows the benefit of derivatives.
 //!
 //! `cargo run --release -p kinopt-argmin-examples --example argmin_nelder_mead`
 #![allow(clippy::print_stdout)]
@@ -13,7 +13,7 @@ use kinopt::argmin_bridge::BoundedProblem;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = seven_joint_arm::problem()?;
 
-    // Where the simplex leaves the bounds, the cost is that of the nearest point within.
+    // Outside the bounds the cost is that of the nearest point inside.
     let bounded = BoundedProblem::new(&problem);
     let simplex = bounded.simplex(&seven_joint_arm::START)?;
     let run = Executor::new(bounded.clone(), NelderMead::new(simplex))

@@ -1,5 +1,5 @@
-//! argmin's particle swarm, which searches the whole range of the joints, on an inverse
-//! kinematics problem, and our Levenberg-Marquardt to finish what it finds.
+//! argmin's particle swarm, which searches the whole range of the joints, on an inverse kinematics problem. kinopt's
+//! Levenberg-Marquardt refines its result.
 //!
 //! `cargo run --release -p kinopt-argmin-examples --example argmin_particle_swarm`
 #![allow(clippy::print_stdout)]
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let bounded = BoundedProblem::new(&problem);
     let window = bounded.search_box(&seven_joint_arm::START)?;
-    // Its own generator is seeded by the system: give it one that repeats.
+    // The default generator has a system seed; this one is reproducible.
     let swarm = ParticleSwarm::new(window, 60).with_rng_generator(StdRng::seed_from_u64(1));
     let run = Executor::new(bounded.clone(), swarm)
         .configure(|state| state.max_iters(400).target_cost(1e-14))

@@ -1,5 +1,4 @@
-//! argmin's trust region, with either of its subproblem solvers, on an inverse kinematics problem
-//! with joint limits.
+//! argmin's trust region with both subproblem solvers, on an inverse kinematics problem with joint limits.
 //!
 //! `cargo run --release -p kinopt-argmin-examples --example argmin_trust_region`
 #![allow(clippy::print_stdout)]
@@ -15,15 +14,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let unbounded = UnboundedProblem::new(&problem);
     let start = unbounded.start(&seven_joint_arm::START)?;
 
-    // A trust region has no test of its own for having arrived: give it a cost to reach.
+    // A trust region has no convergence test, so it needs a target cost.
     let steihaug = TrustRegion::new(Steihaug::new().with_max_iters(20));
     let run = Executor::new(unbounded.clone(), steihaug)
         .configure(|state| state.param(start.clone()).max_iters(100).target_cost(1e-15))
         .run();
     let by_steihaug = unbounded.solution_from(&start, run)?;
 
-    // argmin 0.11's dogleg has no leg for a steepest-descent step longer than the radius, and stands
-    // still there; near enough to the target it is as good as the other.
+    // argmin 0.11's dogleg makes no progress if the steepest-descent step is longer than the radius. Near the target
+    // both subproblem solvers are equally good.
     let run = Executor::new(unbounded.clone(), TrustRegion::new(Dogleg::new()))
         .configure(|state| state.param(start.clone()).max_iters(100).target_cost(1e-15))
         .run();

@@ -1,4 +1,4 @@
-//! A rig at rest and in poses from all over its limits: for the eye of whoever changes it.
+//! Contact sheet of a rig: the rest pose and poses across its limits, for visual inspection.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::skin::add_posed;
 const POSES: usize = 5;
 const SIZE: [usize; 2] = [1800, 560];
 
-/// The rig at rest and in other poses, one beside the other, from the side of `eye`.
+/// Draws the rig at rest and in other poses in a row, seen from the direction `eye`.
 pub(crate) fn contact_sheet(rig: &Rig, eye: DVec3, path: &Path) -> Result<(), Failure> {
     let mut scene = Scene {
         paper: linear(0xf4f5f7),
@@ -38,8 +38,8 @@ pub(crate) fn contact_sheet(rig: &Rig, eye: DVec3, path: &Path) -> Result<(), Fa
     render(&scene, &view, SIZE, quality).write(path)
 }
 
-/// Zero at first; then up to two thirds of the way to either limit, spread evenly by the powers of
-/// an irrational number so that no two angles go together.
+/// Stacked angles of a pose, radians: zero for pose 0, then up to two thirds of each limit. Powers of an irrational
+/// number spread the angles evenly and without correlation.
 fn angles(rig: &Rig, pose: usize) -> Vec<f64> {
     let limits = rig.skeleton.bones().iter().flat_map(|bone| bone.limits);
     let each = limits.enumerate().map(|(index, limits)| {

@@ -1,5 +1,6 @@
-//! The picture of balance: the humanoid on a free base within a person's cones, its feet held flat, at a stance, and with its
-//! hand led down, ahead and up, its centre of mass over its soles.
+//! Picture of balance: the humanoid on a free base, within a person's cones, with flat feet and balanced over them.
+//!
+//! The figures are a crouched configuration, and drags of the left hand down, ahead and up.
 
 use std::path::Path;
 
@@ -20,26 +21,26 @@ use crate::picture::{AT_REST, PAPER, POSED, ring};
 use crate::render::{Quality, Scene, View, linear, render};
 use crate::skin::add_placed;
 
-/// Where the left hand goes, in metres, and where the figure stands on the picture, from its middle to the right.
+/// Target of the left hand, metres, and offset of the figure to the right of the picture's centre, metres.
 const PLACES: [(Option<[f64; 3]>, f64); 4] = [
     (None, -2.05),
     (Some([0.4, 0.3, 0.35]), -0.75),
     (Some([0.85, 0.2, 0.8]), 0.5),
     (Some([0.75, 0.2, 1.75]), 1.9),
 ];
-/// From where it is seen, and what is to the right from there, along the ground.
+/// Eye position, and the picture's right direction along the ground.
 pub(crate) const SEEN_FROM: DVec3 = DVec3::new(5.0, -6.0, 1.0);
 const RIGHT: DVec3 = DVec3::new(0.768, 0.64, 0.0);
 const SIZE: [usize; 2] = [1000, 400];
-/// Frames on the way, and until the body rests at most.
+/// Number of frames of the drag, and maximum number until the body rests.
 const FRAMES: [u32; 2] = [60, 300];
-/// How far behind its toes a sole ends, in metres.
+/// Distance of a sole's rear edge behind the toes, metres.
 const LENGTH: f64 = 0.2;
-/// How wide it is to either side.
+/// Half width of a sole, metres.
 const HALF_WIDTH: f64 = 0.035;
-/// How far within the soles' edges the mass stays.
+/// Distance of the centre of mass from the edges of the support polygon, metres.
 const MARGIN: f64 = 0.02;
-/// Kilograms a cubic metre; the centre is the same for any.
+/// Density, kg/m³. The centre of mass does not depend on it.
 const DENSITY: f64 = 1000.0;
 
 /// Drag of the left hand, with both feet flat and the centre of mass over them.
@@ -50,7 +51,7 @@ pub(crate) struct Crouch {
     pub(crate) start: Vector3<f64>,
 }
 
-/// The humanoid on a free base, within the cones of a file.
+/// Humanoid on a free base, within the cones of a file.
 pub(crate) fn body(rig: &Rig, cones: &Path) -> Result<BallSkeleton, Failure> {
     let cones = cones::read(cones)?;
     let skeleton = rig.skeleton.clone();
@@ -98,7 +99,7 @@ impl Crouch {
     }
 }
 
-/// The configuration whose left hand is led to a place, from the stance.
+/// Configuration at the end of a drag of the left hand to a target, from the crouched configuration.
 fn led(mut crouch: Crouch, to: Option<[f64; 3]>) -> Result<Vec<f64>, Failure> {
     let Some(to) = to.map(Vector3::from) else {
         return Ok(crouch.drag.q().to_vec());

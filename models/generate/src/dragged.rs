@@ -1,5 +1,4 @@
-//! The picture of dragging: the humanoid's bones as a file of animation has them, without limits, at rest,
-//! dragged by a hand within reach, and beyond it.
+//! Picture of dragging: the humanoid without limits, at rest, dragged by a hand within its reach, and beyond it.
 
 use std::path::Path;
 
@@ -16,17 +15,17 @@ use crate::picture::{AT_REST, PAPER, POSED, draw_bones, ring};
 use crate::render::{Quality, Scene, View, linear, render};
 use crate::skin::add_posed;
 
-/// Where the left hand goes, in metres, and where the figure stands on the picture.
+/// Target of the left hand, metres, and position of the figure in the picture.
 const PLACES: [(Option<[f64; 3]>, f64); 3] = [
     (None, -1.75),
     (Some([0.45, 0.35, 1.45]), -0.2),
     (Some([0.7, 0.95, 1.75]), 1.25),
 ];
 const SIZE: [usize; 2] = [900, 400];
-/// Frames until a body rests, at most.
+/// Maximum number of frames until the body rests.
 const FRAMES: usize = 300;
 
-/// The stacked angles of the figure whose left hand goes to a place, or as near as it comes.
+/// Stacked angles after a drag of the left hand to a target, radians.
 fn drag(rig: &Rig, place: [f64; 3]) -> Result<Vec<f64>, Failure> {
     let armature = Armature::of_skeleton(&rig.skeleton);
     let skeleton = armature.skeleton("bare", |_| [Limits::UNBOUNDED; 3])?;

@@ -1,4 +1,4 @@
-//! From bones and parts to a rig.
+//! Conversion of bones and parts to a rig.
 
 use glam::{DMat3, DVec3};
 use kinopt::animation::EulerClip;
@@ -15,27 +15,27 @@ use crate::remesh::remesh;
 use crate::surface::{Part, Shape, Surface};
 use crate::weights::weights;
 
-/// A bone as a person describes it, in metres and degrees.
+/// Bone specification, in metres and degrees.
 #[derive(Clone, Debug)]
 pub(crate) struct BoneSpec {
     pub(crate) name: String,
     pub(crate) parent: Option<usize>,
     pub(crate) tail: DVec3,
     pub(crate) tip: DVec3,
-    /// Where a positive bend moves the tip at rest.
+    /// Direction in which a positive bend moves the tip at rest.
     pub(crate) towards: DVec3,
-    /// Ranges of first twist, bend and second twist.
+    /// Ranges of first twist, bend and second twist, degrees.
     pub(crate) limits: [[f64; 2]; 3],
 }
 
-/// A figure while it is put together.
+/// Figure under construction.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Figure {
     pub(crate) bones: Vec<BoneSpec>,
     pub(crate) surface: Surface,
 }
 
-/// Axes with x along `along` and y as near to `towards` as can be.
+/// Axes with x along `along` and y as close to `towards` as possible.
 pub(crate) fn axes(along: DVec3, towards: DVec3) -> DMat3 {
     let x = along.normalize();
     let z = x.cross(towards).normalize();
@@ -43,15 +43,15 @@ pub(crate) fn axes(along: DVec3, towards: DVec3) -> DMat3 {
 }
 
 impl Figure {
-    /// The bone's number by its name; `None` for an unknown one.
+    /// Index of a bone by its name; an error for an unknown one.
     pub(crate) fn bone(&self, name: &str) -> Result<usize, Failure> {
         let found = self.bones.iter().position(|bone| bone.name == name);
         found.ok_or_else(|| format!("there is no bone `{name}`").into())
     }
 
-    /// The bones as the library's skeleton.
+    /// Skeleton of the bones.
     pub(crate) fn skeleton(&self, name: &str) -> Result<Skeleton, Failure> {
-        // The library gives out ids for bones that exist, so parents are looked up as they come.
+        // Ids exist only for added bones, so parents are looked up in order.
         let mut bones: Vec<Bone> = Vec::new();
         for spec in &self.bones {
             let parent = match spec.parent {
@@ -80,7 +80,7 @@ impl Figure {
         Ok(Skeleton::new(name, bones)?)
     }
 
-    /// The rig with its skin, from a grid of cubes with edges of `step` metres.
+    /// Rig with its skin, meshed on a grid of cubes with edges of `step` metres.
     pub(crate) fn rig(
         &self,
         skeleton: Skeleton,
@@ -118,7 +118,7 @@ impl Figure {
         })
     }
 
-    /// A box around all parts, with room to spare.
+    /// Box around all parts, with a margin.
     fn bounds(&self) -> [DVec3; 2] {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
@@ -144,7 +144,7 @@ impl Figure {
     }
 }
 
-/// The part on the other side of the plane y = 0, moving with `bone`.
+/// Mirror image of a part in the plane y = 0, attached to `bone`.
 pub(crate) fn mirrored(part: &Part, bone: usize) -> Part {
     let flip = DVec3::new(1.0, -1.0, 1.0);
     let DMat3 {
@@ -152,7 +152,7 @@ pub(crate) fn mirrored(part: &Part, bone: usize) -> Part {
         y_axis,
         z_axis,
     } = part.axes;
-    // Every shape is its own mirror image in z, so turning z round keeps the axes right-handed.
+    // Every shape is symmetric in z, so a reversed z axis keeps the axes right-handed.
     let axes = DMat3::from_cols(x_axis * flip, y_axis * flip, -(z_axis * flip));
     Part {
         bone,

@@ -1,9 +1,8 @@
-//! The humanoid's bones: a standing adult of 1.75 m in an A-pose, x forward, y to its left, z up.
+//! Bones of the humanoid: an adult of 1.75 m in an A-pose, x forward, y to its left, z up.
 //!
-//! Ranges of motion: American Academy
-//! of Orthopaedic Surgeons, "Joint Motion: Method of Measuring and Recording" (1965; the same
-//! numbers in Greene & Heckman 1994). A box of twist, bend and twist cannot follow the true shape
-//! of a ball joint's range; shoulders and hips are cut so that their ends are the book's.
+//! Ranges of motion: American Academy of Orthopaedic Surgeons, "Joint Motion: Method of Measuring and Recording"
+//! (1965); equal numbers in Greene & Heckman (1994). A box of twist, bend and twist cannot represent the range of a
+//! ball joint. Shoulders and hips are cut at the published end values.
 
 use glam::DVec3;
 use kinopt::io::rig::Rig;
@@ -13,7 +12,7 @@ use crate::figure::{BoneSpec, Figure};
 use crate::landmarks::Landmarks;
 use crate::{humanoid_body, humanoid_wave};
 
-/// Tips that are held: the bones' names.
+/// Names of the bones with pinned tips.
 const PINNED: [&str; 5] = ["head", "left_hand", "right_hand", "left_foot", "right_foot"];
 
 const FORWARD: DVec3 = DVec3::X;
@@ -21,7 +20,7 @@ const LEFT: DVec3 = DVec3::Y;
 const UP: DVec3 = DVec3::Z;
 const FIXED: [f64; 2] = [0.0, 0.0];
 
-/// The humanoid with its skin and its keyframes.
+/// Humanoid with its skin and keyframes.
 pub(crate) fn rig() -> Result<Rig, Failure> {
     let mut figure = Figure {
         bones: bones(),
@@ -37,8 +36,8 @@ fn bones() -> Vec<BoneSpec> {
     let at = Landmarks::new();
     let mut list = Tree { bones: Vec::new() };
     let [hips, waist, ribs, breast, neck, skull, crown] = at.spine;
-    // Hinges across and along take turns up the spine: 80° forward, 30° back, 35° to either side
-    // and 45° of turning in all. The pelvis turns the whole figure where its tips let it.
+    // Hinges across and along alternate up the spine: 80° forward, 30° back, 35° to either side and 45° of twist in
+    // total. The pelvis rotates the whole figure as far as its pinned tips allow.
     list.add(
         "pelvis",
         None,
@@ -90,8 +89,8 @@ fn bones() -> Vec<BoneSpec> {
         UP,
         [FIXED, [-10.0, 35.0], FIXED],
     );
-    // A ball joint: the second twist tilts the plane of the swing from forward (0) to upward (−90)
-    // or inward, the first turns the arm about itself.
+    // Ball joint. The second twist tilts the plane of the swing from forward (0°) to upward (−90°) or inward. The
+    // first twist rotates the arm about itself.
     list.pair(
         "upper_arm",
         "clavicle",
@@ -106,7 +105,7 @@ fn bones() -> Vec<BoneSpec> {
         FORWARD,
         [FIXED, [0.0, 150.0], FIXED],
     );
-    // Pronation and supination (80° each) turn the hand before it flexes (80°) or extends (70°).
+    // Pronation and supination (80° each) rotate the hand before it flexes (80°) or extends (70°).
     list.pair(
         "hand",
         "forearm",
@@ -115,7 +114,7 @@ fn bones() -> Vec<BoneSpec> {
         [FIXED, [-70.0, 80.0], [-80.0, 80.0]],
     );
 
-    // A ball joint as well: 120° forward, 30° back, outward at a second twist of −60.
+    // Ball joint: 120° forward, 30° back, outward at a second twist of −60°.
     list.pair(
         "thigh",
         "pelvis",
@@ -148,7 +147,7 @@ fn bones() -> Vec<BoneSpec> {
     list.bones
 }
 
-/// Bones in the order in which they are added, parents first.
+/// Bones in the order of addition, parents first.
 struct Tree {
     bones: Vec<BoneSpec>,
 }
@@ -173,7 +172,7 @@ impl Tree {
         });
     }
 
-    /// A bone of the left side and its mirror image; a parent with sides has the same side.
+    /// Adds a bone of the left side and its mirror image. A parent with sides has the side of its child.
     fn pair(
         &mut self,
         name: &str,
@@ -184,7 +183,7 @@ impl Tree {
     ) {
         let flip = DVec3::new(1.0, -1.0, 1.0);
         let [twist1, bend, twist2] = limits;
-        // The mirror image of a twist turns the other way; a bend is its own.
+        // Mirroring reverses a twist and keeps a bend.
         let mirrored = |[low, high]: [f64; 2]| [0.0 - high, 0.0 - low];
         let sides = [
             ("left", ends, towards, limits),

@@ -1,15 +1,15 @@
-//! The humanoid's keyframes: it raises its right arm and waves.
+//! Keyframes of the humanoid: it raises its right arm and waves.
 
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
 use kinopt::skeleton::Skeleton;
 
 use crate::Failure;
 
-/// In seconds: arm up, four swings of the forearm, arm down.
+/// Key times, seconds: arm up, four swings of the forearm, arm down.
 const TIMES: [f64; 8] = [0.0, 0.7, 1.0, 1.3, 1.6, 1.9, 2.2, 3.0];
 
-/// Degrees at each time. The second twist turns the arm's swing from forward to upward; the bend
-/// raises it.
+/// Clip from degrees at each time. The second twist rotates the arm's swing from forward to upward; the bend raises
+/// it.
 pub(crate) fn clip(skeleton: &Skeleton) -> Result<EulerClip, Failure> {
     let still = [0.0; 8];
     let while_up = |degrees: f64| {

@@ -1,20 +1,20 @@
-//! Where the humanoid's joints are at rest.
+//! Joint positions of the humanoid at rest.
 //!
-//! Segments as shares of the stature after Drillis & Contini (1966), as given by Winter,
-//! "Biomechanics and Motor Control of Human Movement", fig. 4.1.
+//! Segment lengths as fractions of the stature after Drillis & Contini (1966), as given by Winter, "Biomechanics and
+//! Motor Control of Human Movement", fig. 4.1.
 
 use glam::DVec3;
 
-/// In metres.
+/// Body height, metres.
 const STATURE: f64 = 1.75;
-/// How far the arms point below the horizontal at rest, in degrees.
+/// Angle of the arms below the horizontal at rest, degrees.
 const ARM_SLOPE: f64 = 40.0;
 
 const FORWARD: DVec3 = DVec3::X;
 const LEFT: DVec3 = DVec3::Y;
 const UP: DVec3 = DVec3::Z;
 
-/// Where the joints of the left side and the middle are, in metres.
+/// Joint positions of the left side and the middle, metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Landmarks {
     pub(crate) spine: [DVec3; 7],
@@ -34,13 +34,13 @@ impl Landmarks {
         let height = |share: f64| UP * (share * STATURE);
         let (sin, cos) = ARM_SLOPE.to_radians().sin_cos();
         let arm = LEFT * cos - UP * sin;
-        // The joint's centre: below and inside the acromion, which is at 0.818 and 0.129.
+        // Centre of the joint: below and inside the acromion, which is at 0.818 and 0.129 of the stature.
         let shoulder = height(0.802) + LEFT * (0.11 * STATURE);
         let elbow = shoulder + arm * (0.186 * STATURE);
         let wrist = elbow + arm * (0.146 * STATURE);
         let hip = height(0.53) + LEFT * (0.05 * STATURE);
         let ankle = height(0.039) + LEFT * hip.y;
-        // The foot is 0.152 of the stature long, a quarter of it behind the ankle.
+        // The foot is 0.152 of the stature long, with a quarter of its length behind the ankle.
         let sole = |share: f64| LEFT * hip.y + FORWARD * (share * 0.152 * STATURE) + UP * 0.022;
         Self {
             // Hips, waist, lower and upper end of the ribs, base and top of the neck, crown.

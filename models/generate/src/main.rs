@@ -31,7 +31,7 @@ use std::process::ExitCode;
 use glam::DVec3;
 use kinopt::io::rig::Rig;
 
-/// Whatever went wrong, in words.
+/// Error of the generator.
 pub(crate) type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
@@ -88,7 +88,7 @@ fn run() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The repository's.
+/// Root folder of the repository.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }

@@ -1,4 +1,4 @@
-//! The picture of the README: the humanoid at rest, and reaching five targets at once.
+//! Picture of the README: the humanoid at rest, and with five targets reached at once.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::Failure;
 use crate::render::{Image, Quality, Scene, View, linear, render};
 use crate::skin::add_posed;
 
-/// Where the tips go, in metres.
+/// Targets of the tips, metres.
 const TARGETS: [(&str, [f64; 3]); 5] = [
     ("head", [0.14, 0.05, 1.72]),
     ("left_hand", [0.32, 0.6, 1.86]),
@@ -20,10 +20,10 @@ const TARGETS: [(&str, [f64; 3]); 5] = [
     ("left_foot", [0.1, 0.1, 0.06]),
     ("right_foot", [-0.62, -0.28, 0.52]),
 ];
-/// How much a radian away from the rest pose counts against a metre: at first enough to choose a
-/// natural pose among those that reach, at last too little to pull away from a target.
+/// Weights of the nominal posture in successive solves, metres per radian. The first selects a natural pose; the last
+/// does not disturb the targets.
 const POSTURE: [f64; 3] = [0.1, 0.01, 1e-3];
-/// Reached within a tenth of a millimetre.
+/// Position tolerance, metres.
 const TOLERANCE: f64 = 1e-4;
 
 const SIZE: [usize; 2] = [1280, 820];
@@ -33,13 +33,13 @@ pub(crate) const POSED: u32 = 0x5b9bd5;
 const TARGET: u32 = 0xf2542d;
 const BONE: u32 = 0xffffff;
 
-/// The stacked angles that take every tip to its target.
+/// Stacked angles of the rig with every tip at its target, radians.
 pub(crate) fn reach(rig: &Rig) -> Result<Vec<f64>, Failure> {
     let rest = vec![0.0; rig.skeleton.angles()];
     let mut q = rest.clone();
     let mut reached = Err("there is nothing to solve".into());
     for weight in POSTURE {
-        // Only the last problem has to reach; the others are steps on the way to it.
+        // Only the last problem has to be reached; the first two supply its start.
         let solution = Solver::default()
             .with_restarts(Restarts::none())
             .solve_once(&problem(rig, &rest, weight)?, &q)?;
@@ -61,7 +61,7 @@ fn problem(rig: &Rig, rest: &[f64], posture_weight: f64) -> Result<Problem, Fail
         let task = Task::new(Point::new(tip, target)).tolerance(Quantity::Metres, TOLERANCE);
         problem.add(task);
     }
-    // The sole that stands stays level.
+    // The sole on the ground stays level.
     let foot = skeleton.bone("left_foot")?;
     if let Some(bone) = skeleton.bones().get(foot.index()) {
         let level = Orientation::new(skeleton.tail(foot), bone.model_from_rest.rotation);
@@ -82,7 +82,7 @@ pub(crate) fn picture(rig: &Rig, path: &Path) -> Result<(), Failure> {
         ..Scene::default()
     };
     let (beside, here) = (DVec3::new(-0.35, -1.24, 0.0), DVec3::new(0.0, 0.42, 0.0));
-    // Each stands on the paper with its lowest point.
+    // The lowest point of each figure is on the ground.
     let mut stand = |q: &[f64], place: DVec3, colour: u32| -> Result<DVec3, Failure> {
         let mut alone = Scene::default();
         add_posed(&mut alone, rig, q, place, DVec3::ZERO)?;
@@ -125,7 +125,7 @@ pub(crate) fn draw_bones(
     Ok(())
 }
 
-/// A ring around a target and a dot on it.
+/// Draws a ring around a target, with a dot on the target.
 pub(crate) fn ring(image: &mut Image, view: &View, centre: DVec3) {
     const CORNERS: usize = 48;
     let (right, up) = view.across();

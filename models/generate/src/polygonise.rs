@@ -1,6 +1,7 @@
-//! A fine closed mesh of a surface: surface nets (Gibson 1998) on a regular grid, with a vertex of
-//! its own for each sheet that passes through a cell (Nielson 2004, "Dual marching cubes"), because
-//! sheets that share a vertex would not be a manifold.
+//! Fine closed mesh of a surface: surface nets (Gibson 1998) on a regular grid.
+//!
+//! Each sheet through a cell has its own vertex (Nielson 2004, "Dual marching cubes"). Sheets with a shared vertex
+//! would not be a manifold.
 
 use std::collections::HashMap;
 
@@ -8,9 +9,9 @@ use glam::{DVec3, UVec3};
 
 use crate::surface::Surface;
 
-/// Cells along the edge of a block that is skipped when the surface is far from it.
+/// Edge length in cells of a block that is skipped far from the surface.
 const BLOCK: u32 = 6;
-/// The corners of a cell, and its edges as pairs of corners.
+/// Corners of a cell; below, its edges as pairs of corners.
 const CORNERS: [[u32; 3]; 8] = [
     [0, 0, 0],
     [1, 0, 0],
@@ -46,7 +47,7 @@ pub(crate) struct Soup {
 struct Grid {
     low: DVec3,
     step: f64,
-    /// Nodes along each axis.
+    /// Number of nodes along each axis.
     nodes: UVec3,
     distances: Vec<f64>,
 }
@@ -62,7 +63,7 @@ impl Grid {
             nodes,
             distances: vec![f64::INFINITY; count],
         };
-        // From a block's centre no corner is further than this.
+        // Largest distance of a corner from its block's centre.
         let reach = 0.5 * f64::from(BLOCK) * step * 3.0_f64.sqrt();
         for block in cells(blocks) {
             let first = block * BLOCK;
@@ -73,7 +74,7 @@ impl Grid {
                 if far.abs() <= reach {
                     grid.distances[index] = surface.distance(grid.at(first + node));
                 } else if grid.distances[index].is_infinite() {
-                    // Only its sign counts: no surface passes near.
+                    // Only the sign is used, as no surface is near.
                     grid.distances[index] = far;
                 }
             }
@@ -97,11 +98,11 @@ fn cells(counts: UVec3) -> impl Iterator<Item = UVec3> {
     })
 }
 
-/// The surface within a box, on a grid of cubes with edges of `step` metres.
+/// Mesh of the surface within a box, on a grid of cubes with edges of `step` metres.
 pub(crate) fn polygonise(surface: &Surface, low: DVec3, high: DVec3, step: f64) -> Soup {
     let grid = Grid::sample(surface, low, high, step);
     let mut soup = Soup::default();
-    // The vertex of each cell around an edge of the grid, under the cell and the edge's two corners.
+    // Vertex of each cell around a grid edge, by the cell and the two corners of the edge.
     let mut vertex_of = HashMap::new();
     for cell in cells(grid.nodes - UVec3::ONE) {
         let nodes = CORNERS.map(|corner| cell + UVec3::from_array(corner));
@@ -132,7 +133,7 @@ pub(crate) fn polygonise(surface: &Surface, low: DVec3, high: DVec3, step: f64) 
         soup.positions
             .extend(sheets.iter().map(|(_, sum, count, _)| *sum / *count));
     }
-    // A quad around each edge of the grid that crosses the surface.
+    // Adds a quad around each grid edge that crosses the surface.
     for node in cells(grid.nodes - UVec3::ONE) {
         let inside = grid.distances[grid.index(node)] < 0.0;
         for (axis, u, v) in [
@@ -167,8 +168,8 @@ pub(crate) fn polygonise(surface: &Surface, low: DVec3, high: DVec3, step: f64) 
     soup
 }
 
-/// Numbers the connected groups of a cell's corners: inside ones connect along edges, outside ones
-/// across faces as well.
+/// Numbers the connected groups of a cell's corners. Corners inside connect along edges, corners outside also across
+/// faces.
 fn components(inside: [bool; 8]) -> [usize; 8] {
     let mut group: [usize; 8] = std::array::from_fn(|corner| corner);
     // Corner numbers differ in one bit along an edge and in two across a face.

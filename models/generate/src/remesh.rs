@@ -1,14 +1,14 @@
-//! Fewer and better triangles: short edges collapse, edges flip towards six neighbours a vertex,
-//! vertices spread evenly over the surface (Botsch & Kobbelt 2004, "A remeshing approach to
-//! multiresolution modeling"). The mesh stays closed throughout.
+//! Isotropic remeshing (Botsch & Kobbelt 2004, "A remeshing approach to multiresolution modeling").
+//!
+//! Short edges collapse, edges flip towards six neighbours per vertex, and vertices spread evenly over the surface.
+//! The mesh stays closed.
 
 use glam::DVec3;
 
 use crate::polygonise::Soup;
 use crate::surface::Surface;
 
-/// Edges are collapsed below the first and never made longer than the second share of the length
-/// wanted.
+/// Length below which an edge collapses, and the maximum length of a new edge, as fractions of the wanted length.
 const SHORT: f64 = 0.85;
 const LONG: f64 = 1.4;
 const ROUNDS: usize = 12;
@@ -16,14 +16,14 @@ const ROUNDS: usize = 12;
 struct Mesh<'a> {
     surface: &'a Surface,
     positions: Vec<DVec3>,
-    /// The length wanted for edges at each vertex.
+    /// Wanted edge length at each vertex.
     wanted: Vec<f64>,
     triangles: Vec<Option<[u32; 3]>>,
-    /// The triangles at each vertex.
+    /// Triangles at each vertex.
     around: Vec<Vec<u32>>,
 }
 
-/// The same surface with edges as long as its parts ask for.
+/// Remeshes a surface with the edge lengths of its parts.
 pub(crate) fn remesh(soup: Soup, surface: &Surface) -> Soup {
     let mut around = vec![Vec::new(); soup.positions.len()];
     for (index, triangle) in soup.triangles.iter().enumerate() {
@@ -48,7 +48,7 @@ pub(crate) fn remesh(soup: Soup, surface: &Surface) -> Soup {
 }
 
 impl Mesh<'_> {
-    /// Edge lengths from the parts, made to change gradually from vertex to vertex.
+    /// Sets the wanted edge lengths from the parts, with gradual changes from vertex to vertex.
     fn want(&mut self) {
         for (wanted, &p) in self.wanted.iter_mut().zip(&self.positions) {
             *wanted = self.surface.part_at(p).map_or(0.0, |part| part.edge);
@@ -69,7 +69,7 @@ impl Mesh<'_> {
         triangles.filter_map(|&index| self.triangles[index as usize])
     }
 
-    /// Sorted, each once.
+    /// Sorted neighbours without duplicates.
     fn neighbours(&self, vertex: u32) -> Vec<u32> {
         let mut near: Vec<u32> = self
             .corners(vertex)
@@ -101,7 +101,7 @@ impl Mesh<'_> {
         }
     }
 
-    /// Draws `b` into `a`, unless that would tear, fold or stretch the mesh.
+    /// Merges `b` into `a`, unless that would tear, fold or stretch the mesh.
     fn collapse(&mut self, a: u32, b: u32) -> bool {
         let (near_a, near_b) = (self.neighbours(a), self.neighbours(b));
         let shared = near_a
@@ -164,8 +164,8 @@ impl Mesh<'_> {
         }
     }
 
-    /// Turns the edge a–b between the triangles (a, b, c) and (b, a, d) into c–d where that brings
-    /// the number of neighbours nearer to six.
+    /// Flips the edge a–b between the triangles (a, b, c) and (b, a, d) to c–d. A flip must bring the numbers of
+    /// neighbours nearer to six.
     fn flip(&mut self, a: u32, b: u32) {
         let opposite = |from: u32, to: u32| {
             self.around[from as usize].iter().find_map(|&index| {
@@ -202,7 +202,7 @@ impl Mesh<'_> {
         self.around[d as usize].push(first);
     }
 
-    /// Moves every vertex along the surface towards the middle of its neighbours.
+    /// Moves every vertex along the surface towards the mean of its neighbours.
     fn spread(&mut self) {
         for vertex in 0..self.positions.len() as u32 {
             let near = self.neighbours(vertex);
@@ -218,7 +218,7 @@ impl Mesh<'_> {
         }
     }
 
-    /// Without what was collapsed.
+    /// Removes collapsed vertices and triangles.
     fn compact(self) -> Soup {
         let mut new_index = vec![u32::MAX; self.positions.len()];
         let mut soup = Soup::default();

@@ -1,8 +1,7 @@
-//! A desk-size robot arm with six joints: base, shoulder, upper arm, forearm, wrist, gripper.
+//! Desk-size robot arm with six joints: base, shoulder, upper arm, forearm, wrist, gripper.
 //!
-//! An invention of this project, with the proportions of common six-axis arms; x forward, y to its
-//! left, z up, metres. Where two links meet they touch along circles about the joint's axis, so the
-//! skin only shears in a groove when the joint turns.
+//! The arm is original, with the proportions of common six-axis arms. Units are metres; x is forward, y to its left,
+//! z up. Links meet along circles about the joint's axis, so the skin only shears in a groove when the joint rotates.
 
 use glam::{DMat3, DVec3, dvec3};
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
@@ -14,14 +13,14 @@ use crate::figure::{BoneSpec, Figure, axes};
 use crate::surface::{Part, Shape};
 
 const FIXED: [f64; 2] = [0.0, 0.0];
-/// Heights and reaches of the joints: shoulder, elbow, and along x wrist, gripper and fingertips.
+/// Heights of the shoulder and elbow, and x positions of wrist, gripper and fingertips, metres.
 const SHOULDER: f64 = 0.36;
 const ELBOW: f64 = 0.8;
 const WRIST: f64 = 0.36;
 const GRIPPER: f64 = 0.5;
 const FINGERTIPS: f64 = 0.66;
 
-/// The robot arm with its skin and its keyframes.
+/// Robot arm with its skin and keyframes.
 pub(crate) fn rig() -> Result<Rig, Failure> {
     let mut figure = Figure {
         bones: bones(),
@@ -91,7 +90,7 @@ fn bones() -> Vec<BoneSpec> {
     ]
 }
 
-/// A part with the finish of machined metal.
+/// Part with the fillets of machined metal.
 fn part(bone: usize, shape: Shape, origin: DVec3, along: DVec3) -> Part {
     let towards = if along.normalize().x.abs() > 0.5 {
         DVec3::Z
@@ -171,7 +170,7 @@ fn parts() -> Vec<Part> {
         block(5, z * ELBOW + x * 0.56, dvec3(0.018, 0.072, 0.026)),
     ];
     for side in [1.0, -1.0] {
-        // Cheeks that hold the drums between them.
+        // Side plates that carry the drums.
         let shoulder = z * SHOULDER + y * (0.068 * side);
         parts.push(drum(1, shoulder, y, 0.07, 0.019));
         parts.push(block(
@@ -198,7 +197,7 @@ fn parts() -> Vec<Part> {
     parts
 }
 
-/// Reaches down on its right, lifts, swings over and sets down on its left: seconds and degrees.
+/// Keyframes in seconds and degrees: reach down on the right, lift, swing over and set down on the left.
 fn clip(skeleton: &Skeleton) -> Result<EulerClip, Failure> {
     const TIMES: [f64; 8] = [0.0, 0.7, 1.1, 1.6, 2.5, 3.1, 3.4, 4.2];
     let bend = |angles: [f64; 8]| angles.map(|bend| [0.0, bend, 0.0]);

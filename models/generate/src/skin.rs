@@ -1,4 +1,4 @@
-//! A rig's mesh in a pose.
+//! Mesh of a rig in a pose.
 
 use glam::DVec3;
 use kinopt::io::rig::Rig;
@@ -8,7 +8,7 @@ use kinopt::skinning::{SkinningMethod, single_precision_transform};
 use crate::Failure;
 use crate::render::Scene;
 
-/// Adds the rig's skin for the stacked angles `q` (radians), moved by `shift`.
+/// Adds the rig's skin for the stacked angles `q` (radians), translated by `shift` (metres).
 pub(crate) fn add_posed(
     scene: &mut Scene,
     rig: &Rig,
@@ -19,7 +19,7 @@ pub(crate) fn add_posed(
     add_placed(scene, rig, &rig.skeleton.pose(q)?, shift, colour)
 }
 
-/// Adds the rig's skin where bones stand, moved by `shift`.
+/// Adds the rig's skin for placed bones, translated by `shift` (metres).
 pub(crate) fn add_placed(
     scene: &mut Scene,
     rig: &Rig,

@@ -1,16 +1,16 @@
-//! A solid as a smooth union of simple parts: a signed distance, negative inside.
+//! Solid as a smooth union of simple parts, by a signed distance that is negative inside.
 //!
-//! Formulas of the parts and of the smooth minimum: I. Quilez, "Distance functions" and "Smooth
-//! minimum" (iquilezles.org/articles). Stretched parts are scaled so that no distance is
-//! overestimated; the polygoniser skips empty space by it.
+//! Formulas of the parts and of the smooth minimum: I. Quilez, "Distance functions" and "Smooth minimum"
+//! (iquilezles.org/articles). Stretched parts are scaled so that no distance is overestimated. The polygoniser skips
+//! empty space by this distance.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a part looks like in its own coordinates.
+/// Shape of a part in its own coordinates, metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Shape {
-    /// A sphere of radius `r0` at the origin, one of `r1` at (length, 0, 0) and what is between;
-    /// stretched across by `wide` along y and `thick` along z.
+    /// Convex hull of a sphere of radius `r0` at the origin and one of `r1` at (length, 0, 0). Stretched by `wide`
+    /// along y and `thick` along z.
     RoundCone {
         length: f64,
         r0: f64,
@@ -22,23 +22,23 @@ pub(crate) enum Shape {
     Ellipsoid(DVec3),
     /// Half sizes, with edges rounded by `bevel`.
     Block { half: DVec3, bevel: f64 },
-    /// About the x axis, from −`half` to `half`.
+    /// Cylinder about the x axis, from −`half` to `half`.
     Cylinder { radius: f64, half: f64, bevel: f64 },
 }
 
-/// A shape in its place, and the bone that it moves with.
+/// Placed shape, and the bone that it moves with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) bone: usize,
     pub(crate) shape: Shape,
-    /// Where the shape's origin is and how its axes lie.
+    /// Position of the shape's origin. `axes` has the directions of the shape's axes.
     pub(crate) origin: DVec3,
     pub(crate) axes: DMat3,
-    /// Radius of the fillet towards the parts before it, in metres.
+    /// Radius of the fillet towards earlier parts, metres.
     pub(crate) fillet: f64,
-    /// The length of the mesh's edges on it, in metres.
+    /// Edge length of the mesh on the part, metres.
     pub(crate) edge: f64,
-    /// How far its skin weights blend into its neighbours', in metres.
+    /// Distance over which the skin weights blend with those of neighbouring parts, metres.
     pub(crate) softness: f64,
 }
 
@@ -73,7 +73,7 @@ impl Shape {
     }
 }
 
-/// `q`: along the axis, and away from it.
+/// Signed distance; `q` has the coordinates along the axis and away from it.
 fn round_cone(q: DVec2, length: f64, r0: f64, r1: f64) -> f64 {
     if length <= (r0 - r1).abs() {
         let (centre, radius) = if r0 > r1 { (0.0, r0) } else { (length, r1) };
@@ -98,10 +98,10 @@ impl Part {
     }
 }
 
-/// The union of parts, limb by limb.
+/// Union of parts, grouped by limb.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surface {
-    /// The parts of each limb, and the fillet with which the limb joins the limbs before it.
+    /// Parts of each limb, and the fillet radius towards earlier limbs, metres.
     pub(crate) limbs: Vec<(Vec<Part>, f64)>,
 }
 
@@ -121,14 +121,14 @@ impl Surface {
             .map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
-    /// The unit direction in which the distance grows fastest, by central differences.
+    /// Unit gradient of the distance, by central differences.
     pub(crate) fn normal(&self, p: DVec3) -> DVec3 {
         const STEP: f64 = 1e-4;
         let slope = |axis| self.distance(p + axis * STEP) - self.distance(p - axis * STEP);
         DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize_or_zero()
     }
 
-    /// A point of the surface near `p`.
+    /// Point of the surface near `p`.
     pub(crate) fn project(&self, mut p: DVec3) -> DVec3 {
         for _ in 0..4 {
             p -= self.normal(p) * self.distance(p);
@@ -136,14 +136,14 @@ impl Surface {
         p
     }
 
-    /// The part that `p` is nearest to or deepest in.
+    /// Part with the smallest signed distance to `p`.
     pub(crate) fn part_at(&self, p: DVec3) -> Option<&Part> {
         let parts = self.limbs.iter().flat_map(|(parts, _)| parts);
         parts.min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)))
     }
 }
 
-/// The quadratic smooth minimum with the second one's fillet.
+/// Quadratic smooth minimum with the fillet of the second argument.
 fn join((a, keep): (f64, f64), (b, fillet): (f64, f64)) -> (f64, f64) {
     let near = (fillet - (a - b).abs()).max(0.0);
     let rounding = if fillet > 0.0 {

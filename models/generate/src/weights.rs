@@ -1,22 +1,23 @@
-//! Skin weights: each vertex first belongs to the bone of its nearest part; then the weights
-//! spread along the skin as heat would, so that they fall off smoothly across every joint and never
-//! jump through the air from a hand to a thigh.
+//! Skin weights by heat diffusion along the skin.
+//!
+//! Each vertex starts with the bone of its nearest part. Diffusion makes weights smooth across every joint, and no
+//! weight jumps through the air, as from a hand to a thigh.
 
 use crate::polygonise::Soup;
 use crate::surface::Surface;
 
-/// Steps of the heat flow.
+/// Number of diffusion steps.
 const STEPS: usize = 120;
-/// Weights below this are dropped, and all but the largest so many.
+/// Smallest weight that is kept, and maximum number of influences per vertex.
 const LEAST: f64 = 0.004;
 const MOST_INFLUENCES: usize = 6;
 
-/// For each vertex the (bone, weight) pairs, largest weight first, summing to 1.
+/// (bone, weight) pairs of each vertex, largest weight first, with a sum of 1.
 pub(crate) fn weights(soup: &Soup, surface: &Surface, bones: usize) -> Vec<Vec<(usize, f64)>> {
     let mut near = vec![Vec::new(); soup.positions.len()];
     for &[a, b, c] in &soup.triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            // Each directed edge is one triangle's, so every neighbour is listed once.
+            // Each directed edge belongs to one triangle, so every neighbour occurs once.
             near[from as usize].push(to as usize);
         }
     }
@@ -27,7 +28,7 @@ pub(crate) fn weights(soup: &Soup, surface: &Surface, bones: usize) -> Vec<Vec<(
             continue;
         };
         value[part.bone] = 1.0;
-        // One step of share s carries weight with a variance of s/2 edge lengths squared.
+        // One step with fraction s transports weight with a variance of s/2 squared edge lengths.
         let squares = near.iter().map(|&n| p.distance_squared(soup.positions[n]));
         let squared = squares.sum::<f64>() / near.len() as f64;
         share.push((2.0 * part.softness.powi(2) / (STEPS as f64 * squared)).min(0.5));

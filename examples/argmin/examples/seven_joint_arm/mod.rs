@@ -1,5 +1,4 @@
-//! A problem for the argmin examples: an arm of seven joints, the way most research arms are
-//! built, whose flange should stand at a pose.
+//! Problem of the argmin examples: an arm of seven joints, as common in research, with a target pose of its flange.
 
 use kinopt::ik::Solution;
 use kinopt::model::{Limits, Model, ModelError};
@@ -8,16 +7,16 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Pose;
 use kinopt::{Problem, Solver};
 
-/// Where every search begins, in radians.
+/// Start configuration of every search, radians.
 pub(crate) const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.0];
 
-/// A configuration whose flange pose is the target; any other that reaches it will do.
+/// A configuration with the target pose, radians. Other solutions exist.
 const POSED: [f64; 7] = [0.7, 0.8, -0.4, -1.4, 0.5, 1.1, -0.6];
 
-/// Height of each joint above the last, in metres.
+/// Height of each joint above the previous one, metres.
 const LINKS: [f64; 7] = [0.34, 0.0, 0.4, 0.0, 0.4, 0.0, 0.126];
 
-/// The arm: axes z y z y z y z, limits of ±170° and ±120° in turn.
+/// Arm with the axes z y z y z y z, and limits of ±170° and ±120° alternately.
 pub(crate) fn arm() -> Result<Model, ModelError> {
     let mut builder = Model::builder("seven joint arm");
     let mut parent = None;
@@ -35,7 +34,7 @@ pub(crate) fn arm() -> Result<Model, ModelError> {
     builder.build()
 }
 
-/// The flange at the pose that it has in `POSED`.
+/// Problem with the flange pose of `POSED` as the target.
 pub(crate) fn problem() -> Result<Problem, Box<dyn std::error::Error>> {
     let model = arm()?;
     let flange = model.frame("flange")?;
@@ -46,7 +45,7 @@ pub(crate) fn problem() -> Result<Problem, Box<dyn std::error::Error>> {
     Ok(problem?)
 }
 
-/// Forward kinematics written out: the chain is straight, so no library is needed to check it.
+/// Forward kinematics of the straight chain, written out as an independent check.
 fn placement_of_flange(model: &Model, q: &[f64]) -> Placement<f64> {
     let mut world_from_joint = Placement::identity();
     for (joint, &angle) in model.joints().iter().zip(q) {
@@ -57,8 +56,8 @@ fn placement_of_flange(model: &Model, q: &[f64]) -> Placement<f64> {
     world_from_joint * Placement::translation(Vector3::new(0.0, 0.0, 0.05))
 }
 
-/// Prints a solution of argmin beside our Levenberg-Marquardt's from the same start, and checks
-/// that both keep the limits.
+/// Prints a solution of argmin next to kinopt's Levenberg-Marquardt from the same start. Checks that both keep the
+/// limits.
 pub(crate) fn compare(
     name: &str,
     problem: &Problem,

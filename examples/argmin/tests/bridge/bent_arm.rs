@@ -1,4 +1,4 @@
-//! An arm of seven joints of every kind, and small problems on it.
+//! Arm of seven joints of all kinds, and small problems on it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
@@ -10,7 +10,7 @@ const X: Vector3<f64> = Vector3::UNITS[0];
 const Y: Vector3<f64> = Vector3::UNITS[1];
 const Z: Vector3<f64> = Vector3::UNITS[2];
 
-/// Revolute, continuous, and prismatic joints; the last slides from 0 without an upper limit.
+/// Arm with revolute, continuous and prismatic joints. The last joint is prismatic, from 0 without an upper limit.
 pub(crate) fn arm() -> Model {
     let mut builder = Model::builder("bent arm");
     let step = Placement::translation(Vector3::new(0.02, 0.01, 0.25));
@@ -37,7 +37,7 @@ pub(crate) fn arm() -> Model {
     builder.build().unwrap()
 }
 
-/// The pose of the tip at a configuration well within the limits, evaluated joint by joint.
+/// Pose of the tip at a configuration well within the limits, evaluated joint by joint.
 pub(crate) fn world_from_tip(model: &Model, q: &[f64]) -> Placement<f64> {
     let mut placement = Placement::identity();
     for (joint, &value) in model.joints().iter().zip(q) {
@@ -53,7 +53,7 @@ pub(crate) fn world_from_tip(model: &Model, q: &[f64]) -> Placement<f64> {
     placement * model.frames()[0].joint_from_frame
 }
 
-/// The tip at a pose that the arm can take.
+/// Reachable target pose of the tip.
 pub(crate) fn reachable() -> Problem {
     let model = arm();
     let target = world_from_tip(&model, &[0.5, 0.6, -0.4, -1.3, 0.2, 0.9, 0.12]);
@@ -62,7 +62,7 @@ pub(crate) fn reachable() -> Problem {
     builder.build().unwrap()
 }
 
-/// The tip at a point that the arm can reach in many ways.
+/// Target point of the tip with many solutions.
 pub(crate) fn point_within_reach() -> Problem {
     let model = arm();
     let mut builder = Problem::builder(&model);
@@ -70,7 +70,7 @@ pub(crate) fn point_within_reach() -> Problem {
     builder.build().unwrap()
 }
 
-/// The tip under the floor, which the limits do not allow.
+/// Target of the tip below the floor, outside the limits.
 pub(crate) fn held_by_limits() -> Problem {
     let model = arm();
     let mut builder = Problem::builder(&model);
@@ -94,7 +94,7 @@ pub(crate) fn two_tips() -> Problem {
     builder.build().unwrap()
 }
 
-/// Configurations within the limits, on them in part, the same every time.
+/// Reproducible configurations within the limits; some variables are on a limit.
 pub(crate) fn configurations(problem: &Problem, count: usize) -> Vec<Vec<f64>> {
     let range = |k: usize| {
         let (low, high) = (problem.lower()[k], problem.upper()[k]);

@@ -1,4 +1,5 @@
-//! Promise: solvers that know no bounds keep a ball within its cone, and what they are told of a place is what is reported of it.
+//! Promise: unbounded solvers keep a ball joint within its cone. Cost and derivatives given to them equal the
+//! reported ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::FRAC_PI_2;
@@ -15,7 +16,7 @@ use nalgebra::DVector;
 
 const HALF: f64 = 0.5;
 
-/// A rod of a metre on a shoulder, from its axis on.
+/// Rod of 1 m on a shoulder; it starts along the cone's axis.
 fn shoulder() -> Model {
     let mut builder = Model::builder("shoulder");
     let z = Vector3::UNITS[2];

@@ -1,4 +1,4 @@
-//! Promise: the end of an argmin run is checked against what the problem keeps clear of, and told as reached only where it is clear.
+//! Promise: the result of an argmin run is checked for collisions and counts as reached only if it is collision-free.
 #![allow(clippy::unwrap_used)]
 
 use argmin::core::Executor;
@@ -17,11 +17,11 @@ use crate::bent_arm::{arm, world_from_tip};
 const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
 const THERE: [f64; 7] = [0.5, 0.6, -0.4, -1.3, 0.2, 0.9, 0.12];
 
-/// A wall that is only checked: nothing leads a solver away from it.
+/// Wall that only counts in checks and has no gradient for a solver.
 #[derive(Clone, Debug)]
 struct Wall {
     tip: FrameId,
-    /// Which configurations touch it: those whose first joint is turned further, radians.
+    /// Largest collision-free value of the first joint, radians.
     first: f64,
 }
 
@@ -76,7 +76,7 @@ impl CollisionAvoidance for Wall {
     }
 }
 
-/// The tip at a pose within reach, with such a wall.
+/// Reachable target pose of the tip, with such a wall.
 fn beside_a_wall(first: f64) -> Problem {
     let model = arm();
     let tip = model.frame("tip").unwrap();

@@ -1,4 +1,4 @@
-//! argmin's solvers and executor.
+//! Promises of argmin's solvers and executor on kinopt's problems.
 
 mod bent_arm;
 mod cones;

@@ -1,5 +1,5 @@
-//! argmin's solvers run on our problems within the limits, and ours run under argmin's executor as
-//! they run alone.
+//! Promise: argmin's solvers keep the limits of kinopt's problems. kinopt's methods give equal results alone and
+//! under argmin's executor.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::{Arc, Mutex};
@@ -53,13 +53,13 @@ fn within_limits(problem: &Problem, q: &[f64]) -> bool {
             .all(|(q, (low, up))| low <= q && q <= up)
 }
 
-/// What one of our methods must do under the executor, whichever it is.
+/// Checks one of kinopt's methods under the executor.
 fn runs_the_same<M>(method: M)
 where
     M: Method<State: Serialize + DeserializeOwned> + Clone + Serialize + DeserializeOwned,
 {
     let sixty = Stopping::default().with_max_iterations(60);
-    // Without a tolerance the last step tells by the slope of the one before that nothing is left.
+    // With tolerance zero, the last step detects convergence by the slope of the previous one.
     let exact = sixty.with_gradient_tolerance(0.0);
     let problems = [reachable(), held_by_limits(), two_tips(), held_by_limits()];
     for (problem, stopping) in problems.into_iter().zip([sixty, sixty, sixty, exact]) {
@@ -100,7 +100,7 @@ where
     }
 }
 
-/// Fails at one iteration, after which the checkpoint of the iteration before is left.
+/// Observer that fails at one iteration, so that the checkpoint of the previous one remains.
 pub(crate) struct Interruption(pub(crate) usize);
 
 impl Observe<MethodState> for Interruption {
@@ -143,7 +143,7 @@ where
         .run();
     assert!(failed.is_err());
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
-    // What was read is written as it was, before it runs on.
+    // A loaded checkpoint is saved unchanged before the run continues.
     let kept = FileCheckpoint::new(path, "search", CheckpointingFrequency::Always);
     let read: Option<(ExecutorMethod<M>, MethodState)> = kept.load().unwrap();
     let (search, state) = read.unwrap();
@@ -174,7 +174,7 @@ fn levenberg_marquardt_runs_the_same_and_resumes() {
     runs_the_same(LevenbergMarquardt::new(Damping::ErrorProportional));
 }
 
-/// Notes ‖Δ‖∞ of every step.
+/// Records ‖Δ‖∞ of every step.
 #[derive(Clone, Default)]
 struct Steps(Arc<Mutex<Vec<f64>>>);
 
@@ -186,7 +186,7 @@ impl Observe<MethodState> for Steps {
     }
 }
 
-/// A step of a joint is compared with the tolerance times its value, or with the tolerance itself where that is below 1.
+/// The tolerance of a step is relative to the joint's value, or absolute for values below 1.
 fn ends_with_the_first_small_step<M>(method: M)
 where
     M: Method<State: Serialize + DeserializeOwned> + Clone + Serialize + DeserializeOwned,
@@ -215,7 +215,7 @@ where
             *last <= tolerance * largest,
             "{name} {tolerance}: {steps:?}"
         );
-        // A refused step counts as none.
+        // A rejected step does not count.
         let small = before
             .iter()
             .find(|step| **step != 0.0 && **step <= tolerance);
@@ -233,7 +233,7 @@ fn a_run_ends_with_the_first_step_within_the_users_tolerance() {
     ends_with_the_first_small_step(LevenbergMarquardt::default());
 }
 
-/// Sees that a solver without bounds never evaluates a joint outside its limits.
+/// Asserts that an unbounded solver never evaluates a joint outside its limits.
 struct WithinLimits<'p>(UnboundedProblem<'p>, &'p Problem);
 
 impl<H> Observe<IterState<DVector<f64>, DVector<f64>, (), H, (), f64>> for WithinLimits<'static> {
@@ -249,9 +249,9 @@ impl<H> Observe<IterState<DVector<f64>, DVector<f64>, (), H, (), f64>> for Withi
     }
 }
 
-/// The solutions of L-BFGS and both trust regions.
+/// Solutions of L-BFGS and of the trust region with both subproblem solvers.
 fn by_unbounded_solvers(problem: Problem, start: &[f64]) -> [Solution; 3] {
-    // An executor's observers must be 'static.
+    // Observers of an executor must be 'static.
     let problem: &'static Problem = Box::leak(Box::new(problem));
     let unbounded = UnboundedProblem::new(problem);
     let y = unbounded.start(start).unwrap();
@@ -279,7 +279,7 @@ fn by_unbounded_solvers(problem: Problem, start: &[f64]) -> [Solution; 3] {
 
 #[test]
 fn argmins_gradient_solvers_reach_the_target_within_the_limits() {
-    // From inside, and with four joints on a limit, where x(y) is flat.
+    // Starts inside the limits, and with four joints on a limit, at which x(y) is flat.
     let cornered = [-2.9, -1.0, 0.0, -0.1, 0.2, 0.5, 0.0];
     for start in [START, cornered] {
         for solution in by_unbounded_solvers(reachable(), &start) {
@@ -298,13 +298,13 @@ fn argmins_gradient_solvers_find_the_minimum_that_limits_hold() {
     assert!(!ours.reached && ours.active_limits().count() > 0);
     let once = Solver::default().with_restarts(Restarts::none());
     let [lbfgs, steihaug, dogleg] = by_unbounded_solvers(held_by_limits(), &START);
-    // argmin 0.11's dogleg stands still where the steepest-descent step is longer than the radius,
-    // as it is far from a minimum with error left: then only the limits can be asked of it.
+    // argmin 0.11's dogleg makes no progress if the steepest-descent step is longer than the radius, as it is here.
+    // Only its limits are checked.
     assert!(!dogleg.reached && within_limits(&problem, &dogleg.q));
     for solution in [lbfgs, steihaug] {
         assert!(!solution.reached);
         assert!(within_limits(&problem, &solution.q));
-        // There may be several minima: ours, begun at theirs, finds nothing better nearby.
+        // There can be several minima: kinopt, started at each solution, finds nothing better nearby.
         let polished = once.solve_once(&problem, &solution.q).unwrap();
         assert!(
             solution.cost - polished.cost < 1e-6 * ours.cost && solution.cost < 1.5 * ours.cost,
@@ -378,7 +378,7 @@ fn outside_the_limits_the_cost_is_that_of_the_limit() {
 fn solutions_report_the_errors_of_their_own_configuration() {
     let problem = reachable();
     for solution in by_unbounded_solvers(reachable(), &START) {
-        // Gauss-Newton stopped before its first step measures what it is given.
+        // Gauss-Newton, stopped before its first step, measures the given configuration.
         let looked = Solver::new(GaussNewton::default())
             .with_restarts(Restarts::none())
             .with_stopping(Stopping::default().with_max_iterations(0))
@@ -450,7 +450,7 @@ fn the_hessian_is_exact_where_the_residual_vanishes() {
     assert!((hessian - differences).amax() < 1e-6);
 }
 
-/// ∂cost/∂x · d²x/dy² where it is not negative, and nothing else.
+/// The Hessian includes ∂cost/∂x · d²x/dy² only if that is not negative.
 #[test]
 fn the_hessian_has_the_bend_of_the_change_of_variables_where_error_is_left() {
     let problem = held_by_limits();
@@ -522,9 +522,9 @@ fn a_run_that_fails_where_nothing_can_improve_is_a_solution() {
     let turning = model.joint("joint 2").unwrap();
     for (pulls, preferred, termination) in [
         (vec![0.25], None, Termination::Reached),
-        // Pulled to both sides alike.
+        // Opposite pulls of equal weight.
         (vec![-0.75, 1.25], None, Termination::Stationary),
-        // Reached, and nothing is left of what is preferred.
+        // Target reached, and the soft task has no error left.
         (vec![0.25], Some(0.25), Termination::Stationary),
     ] {
         let mut builder = Problem::builder(&model);
@@ -560,7 +560,7 @@ fn failures_that_are_no_optimum_are_passed_on() {
     let unbounded = UnboundedProblem::new(&problem);
     let y = unbounded.start(&START).unwrap();
     let steepest = SteepestDescent::new(MoreThuenteLineSearch::new());
-    // No start: argmin refuses.
+    // Without a start argmin returns an error.
     let run = Executor::new(unbounded.clone(), steepest).run();
     let failure = unbounded.solution_from(&y, run).unwrap_err();
     assert!(matches!(failure, BridgeError::Argmin(_)), "{failure}");

@@ -1,4 +1,4 @@
-//! Promise: a run reports what it did, a method that has run can run again, and a checkpoint goes on with its own problem only.
+//! Promise: a run reports its steps, a method can run again, and a checkpoint resumes only with its own problem.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use argmin::core::observers::ObserverMode;
@@ -16,8 +16,7 @@ use crate::promises::Interruption;
 
 const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
 
-/// The point within reach, for six joints of seven.
-/// A problem of the arm in the parameters that are left of its second joint.
+/// Reachable point target of the arm; `left` reduces the parameters of the second joint.
 fn with_second_joint(
     left: impl Fn(ParameterMapBuilder<'_>, JointId) -> ParameterMapBuilder<'_>,
 ) -> Problem {
@@ -69,7 +68,7 @@ fn a_run_of_another_problem_is_no_solution() {
     assert_eq!(error, "the argmin run has 7 variables, the problem has 6");
 }
 
-/// As argmin's observers and tests of convergence look at it.
+/// Gradients for argmin's observers and convergence tests.
 #[test]
 fn a_state_has_the_gradient_of_its_own_place() {
     let problem = reachable();
@@ -92,7 +91,7 @@ fn a_state_has_the_gradient_of_its_own_place() {
     }
 }
 
-/// Its floor is a share of its largest entry, whatever that is.
+/// The floor of the Hessian is a fraction of its largest entry.
 #[test]
 fn a_hessian_goes_with_the_squares_of_the_weights() {
     let model = arm();
@@ -129,7 +128,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
         .run();
     assert!(stopped.is_err());
 
-    // Of fewer joints, and of one that does not come to where the search stood.
+    // One problem has fewer joints; the other excludes the configuration of the checkpoint.
     for other in [
         with_second_joint(|map, joint| map.with_locked(joint, 0.1)),
         with_second_joint(|map, joint| map.with_narrowed(joint, Limits::new(1.0, 1.2))),
@@ -150,7 +149,7 @@ fn a_checkpoint_of_another_problem_is_refused() {
 fn numbers_that_are_none_end_a_run_where_it_begins() {
     let model = arm();
     let mut builder = Problem::builder(&model);
-    // Its square is beyond all numbers.
+    // The square of this number overflows.
     builder.add(Point::new(model.frame("tip").unwrap(), [1e200, 0.0, 0.0]));
     let problem = builder.build().unwrap();
     let bounded = BoundedProblem::new(&problem);
@@ -165,7 +164,7 @@ fn numbers_that_are_none_end_a_run_where_it_begins() {
     assert_eq!(solution.termination, Termination::NonFinite);
 }
 
-/// Evaluates everything, so and so often, where it is.
+/// Solver that evaluates every function at its start.
 struct EachOnce;
 
 type Everything = IterState<DVector<f64>, DVector<f64>, DMatrix<f64>, DMatrix<f64>, (), f64>;

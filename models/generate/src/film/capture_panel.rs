@@ -73,7 +73,7 @@ pub(super) fn panel(root: &Path) -> Result<Panel, Failure> {
         poses.push(kinematics.place(q)?.to_vec());
     }
 
-    // In the first frame both are on the paper and have equal heights.
+    // In the first frame both are on the ground and have equal heights.
     let [mut person_alone, mut nao_alone] = [PanelFrame::new(), PanelFrame::new()];
     let first = capture.frame(0).unwrap_or_default();
     person.add_to(&mut person_alone.scene, first, metres, DVec3::ZERO);

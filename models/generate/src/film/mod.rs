@@ -1,4 +1,5 @@
-//! The film of the README: an arm among obstacles, a humanoid that reaches, and a robot that moves like a captured person.
+//! The film of the README: an arm among obstacles, a humanoid that reaches, and a robot that moves like a captured
+//! person.
 
 mod arm_panel;
 mod capture_panel;

@@ -21,7 +21,7 @@ impl Palette {
         for pixel in frames.iter().flatten() {
             *counts.entry(*pixel).or_default() += 1;
         }
-        // By the roots of the counts the paper does not take most of the colours.
+        // Square roots of the counts keep the background from taking most colours.
         let weighted =
             |(colour, count): (&[u8; 3], &u32)| (colour.map(f64::from), f64::from(*count).sqrt());
         let all: Vec<Weighted> = counts.iter().map(weighted).collect();
@@ -84,7 +84,7 @@ fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
 }
 
-/// Colours that one palette entry stands for.
+/// Colours that share one palette entry.
 struct Cell {
     colours: Vec<Weighted>,
     mean: [f64; 3],

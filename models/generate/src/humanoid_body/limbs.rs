@@ -14,7 +14,7 @@ pub(super) fn fill_arm(arm: &mut Limb<'_>, at: &Landmarks) -> Result<(), Failure
     let palm = (at.wrist - at.elbow).cross(DVec3::X).normalize();
     let out = -palm;
     let bone = "left_upper_arm";
-    // The shoulder gives way over a longer stretch than the elbow.
+    // The shoulder has softer skin weights than the elbow.
     let shoulder = Finish {
         softness: 0.05,
         ..ARM
@@ -59,7 +59,7 @@ pub(super) fn fill_arm(arm: &mut Limb<'_>, at: &Landmarks) -> Result<(), Failure
         HAND,
     )?;
     arm.cone(bone, [hand(0.2), hand(0.45)], [0.027, 0.027], flat, HAND)?;
-    // Four fingers together, slightly curved towards the palm, and a thumb.
+    // Four fingers in one part, slightly curved towards the palm, and a thumb.
     let bend = palm * 0.012;
     arm.cone(
         bone,

@@ -1,4 +1,4 @@
-//! The humanoid's flesh: a smooth mannequin of some forty rounded parts, in metres.
+//! Body of the humanoid: a smooth mannequin of about forty rounded parts, in metres.
 
 mod limbs;
 mod trunk;
@@ -10,7 +10,7 @@ use crate::figure::{Figure, axes, mirrored};
 use crate::landmarks::Landmarks;
 use crate::surface::{Part, Shape, Surface};
 
-/// How parts of one region are joined and meshed, in metres.
+/// Fillets, edge lengths and weight softness of one region, metres.
 #[derive(Clone, Copy)]
 struct Finish {
     fillet: f64,
@@ -49,7 +49,7 @@ const FOOT: Finish = Finish {
     softness: 0.016,
 };
 
-/// Parts that are being listed, by the names of their bones.
+/// Parts of a limb under construction, by the names of their bones.
 struct Limb<'a> {
     figure: &'a Figure,
     parts: Vec<Part>,
@@ -82,7 +82,7 @@ impl Limb<'_> {
         Ok(())
     }
 
-    /// A ball stretched along the model's axes.
+    /// Adds an ellipsoid along the model's axes.
     fn ball(
         &mut self,
         bone: &str,
@@ -99,7 +99,7 @@ impl Limb<'_> {
         )
     }
 
-    /// A round cone between two points, `[wide, thick]` across and along `up`.
+    /// Adds a round cone between two points; `[wide, thick]` are its stretches across and along `up`.
     fn cone(
         &mut self,
         bone: &str,
@@ -120,7 +120,7 @@ impl Limb<'_> {
         self.push(bone, shape, ends[0], axes(along, up), finish)
     }
 
-    /// The same limb of the right side.
+    /// The mirrored limb of the right side.
     fn right(&self) -> Result<Vec<Part>, Failure> {
         let each = self.parts.iter().map(|part| {
             let name = self
@@ -137,7 +137,7 @@ impl Limb<'_> {
 
 const ROUND: ([f64; 2], DVec3) = ([1.0, 1.0], DVec3::X);
 
-/// The whole body.
+/// Surface of the whole body.
 pub(crate) fn surface(figure: &Figure, at: &Landmarks) -> Result<Surface, Failure> {
     let limb = || Limb {
         figure,

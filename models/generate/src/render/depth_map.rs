@@ -1,13 +1,13 @@
-//! What a distant light sees: the height of the nearest triangle in each texel.
+//! Depth map of a distant light: the height of the nearest triangle in each texel.
 
 use glam::DVec3;
 
 use super::Scene;
 use super::view::fill;
 
-/// Seen from afar along −`direction`.
+/// Parallel projection along −`direction`.
 pub(super) struct DepthMap {
-    /// Towards the light, unit length.
+    /// Direction towards the light, unit length.
     pub(super) direction: DVec3,
     across: DVec3,
     up: DVec3,
@@ -54,7 +54,7 @@ impl DepthMap {
         }
     }
 
-    /// Whether nothing stands between the light and `p`.
+    /// Returns `true` if nothing is between the light and `p`.
     pub(super) fn sees(&self, p: DVec3) -> bool {
         let x = (p.dot(self.across) - self.low[0]) * self.scale + 0.5;
         let y = (p.dot(self.up) - self.low[1]) * self.scale + 0.5;

@@ -1,4 +1,4 @@
-//! A picture in linear light.
+//! Image in linear light.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -8,14 +8,14 @@ use glam::{DVec2, DVec3};
 
 use crate::Failure;
 
-/// Rows from the top.
+/// Pixels in rows from the top.
 #[derive(Clone, Debug)]
 pub(crate) struct Image {
     pub(crate) size: [usize; 2],
     pub(crate) pixels: Vec<DVec3>,
 }
 
-/// The linear value of an sRGB colour such as 0xffcc00.
+/// Linear value of an sRGB colour such as 0xffcc00.
 pub(crate) fn linear(rgb: u32) -> DVec3 {
     let channel = |shift: u32| {
         let value = f64::from((rgb >> shift) & 0xff) / 255.0;
@@ -28,7 +28,7 @@ pub(crate) fn linear(rgb: u32) -> DVec3 {
     DVec3::new(channel(16), channel(8), channel(0))
 }
 
-/// The sRGB byte of a linear value (IEC 61966-2-1).
+/// sRGB byte of a linear value (IEC 61966-2-1).
 fn encoded(value: f64) -> u8 {
     let value = value.clamp(0.0, 1.0);
     let value = if value <= 0.003_130_8 {
@@ -47,19 +47,19 @@ impl Image {
         }
     }
 
-    /// Each `by`×`by` pixels become one.
+    /// Averages each block of `by` × `by` pixels.
     pub(crate) fn reduced(&self, by: usize) -> Self {
         let size = self.size.map(|pixels| pixels / by);
         let mut small = Self::new(size, DVec3::ZERO);
         for (index, pixel) in self.pixels.iter().enumerate() {
             let (x, y) = (index % self.size[0] / by, index / self.size[0] / by);
-            // What is too bright for the paper is cut off before mixing, or edges would be jagged.
+            // Values above 1 are clipped before averaging, which would otherwise leave jagged edges.
             small.pixels[y * size[0] + x] += pixel.min(DVec3::ONE) / (by * by) as f64;
         }
         small
     }
 
-    /// A line with round ends and a soft edge of a pixel; radii in pixels at either end.
+    /// Draws a line with round ends and a soft edge of one pixel; `radii` at both ends are in pixels.
     pub(crate) fn stroke(
         &mut self,
         [a, b]: [DVec2; 2],
@@ -83,7 +83,7 @@ impl Image {
         }
     }
 
-    /// The sRGB bytes of each pixel.
+    /// sRGB bytes of each pixel.
     pub(crate) fn rgb(&self) -> Vec<[u8; 3]> {
         let encoded = |p: &DVec3| p.to_array().map(encoded);
         self.pixels.iter().map(encoded).collect()

@@ -1,4 +1,4 @@
-//! Pictures of triangles: daylight from all round, a sun with a soft edge, paper that takes shadow.
+//! Renderer of triangles: light of the sky, a sun with soft shadows, and paper that receives shadows.
 
 mod depth_map;
 mod image;
@@ -10,7 +10,7 @@ pub(crate) use view::View;
 use depth_map::DepthMap;
 use glam::{BVec3, DVec3};
 
-/// How much of the light comes from the sun.
+/// Fraction of the light that comes from the sun.
 const SUN_SHARE: f64 = 0.6;
 
 /// Number of samples of a picture.
@@ -20,16 +20,16 @@ pub(crate) struct Quality {
     pub(crate) samples: usize,
     /// Samples along a side of each pixel of the paper; divides `samples`.
     pub(crate) paper_samples: usize,
-    /// Directions from which the sky shines.
+    /// Number of sky light directions.
     pub(crate) sky: usize,
-    /// Points of the sun's disc.
+    /// Number of points on the sun's disc.
     pub(crate) sun: usize,
     /// Texels along a side of each depth map.
     pub(crate) texels: usize,
 }
 
 impl Quality {
-    /// For a single picture.
+    /// Quality of a single picture.
     pub(crate) const STILL: Self = Self {
         samples: 3,
         paper_samples: 3,
@@ -45,9 +45,9 @@ pub(crate) struct Scene {
     pub(crate) positions: Vec<DVec3>,
     pub(crate) normals: Vec<DVec3>,
     pub(crate) triangles: Vec<([u32; 3], DVec3)>,
-    /// Height of the paper on which everything stands.
+    /// Height of the paper below the scene.
     pub(crate) ground: f64,
-    /// The colour of the paper.
+    /// Colour of the paper, linear.
     pub(crate) paper: DVec3,
 }
 
@@ -84,10 +84,10 @@ struct Receiver {
     on_paper: bool,
 }
 
-/// The light on each receiver, 1 in the open with the normal up.
+/// Light on each receiver; 1 for an unoccluded receiver with the normal up.
 fn lights(scene: &Scene, receivers: &[Receiver], quality: Quality) -> Vec<DVec3> {
-    // Spread over a disc by the golden angle; lifted to the hemisphere that is an even light
-    // after Lambert's law, and small it is the sun.
+    // Points on a disc by the golden angle. Lifted to the hemisphere they give uniform light by Lambert's law; scaled
+    // down they are the sun.
     let disc = |index: usize, count: usize| {
         let radius = ((index as f64 + 0.5) / count as f64).sqrt();
         let (sin, cos) = (index as f64 * 2.399_963_229_728_653).sin_cos();
@@ -97,7 +97,7 @@ fn lights(scene: &Scene, receivers: &[Receiver], quality: Quality) -> Vec<DVec3>
     for index in 0..quality.sky {
         let (x, y) = disc(index, quality.sky);
         let direction = DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt());
-        // The sample directions already follow the cosine to the vertical.
+        // The directions already have a density proportional to the cosine to the vertical.
         let density = direction.z.max(0.15);
         let map = DepthMap::new(scene, direction, quality.texels);
         add_light(&map, density, receivers, &mut sky);
@@ -136,7 +136,7 @@ fn add_light(map: &DepthMap, density: f64, receivers: &[Receiver], sums: &mut [f
     }
 }
 
-/// The scene through a view.
+/// Renders the scene through a view.
 pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], quality: Quality) -> Image {
     let fine = size.map(|pixels| pixels * quality.samples);
     let step = quality.samples / quality.paper_samples;
@@ -181,7 +181,7 @@ pub(crate) fn render(scene: &Scene, view: &View, size: [usize; 2], quality: Qual
         let light = seen.map_or(DVec3::ONE, |receiver| lights[receiver]);
         *pixel = match hit {
             Some(hit) => {
-                // A faint rim, so that forms stand off from each other.
+                // Faint rim light that separates overlapping forms.
                 let grazing = 1.0 - hit.normal.dot(-view.forward()).clamp(0.0, 1.0);
                 hit.colour * light + DVec3::splat(0.10 * grazing.powi(3))
             }

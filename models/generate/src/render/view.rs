@@ -1,20 +1,20 @@
-//! A perspective view: which triangle each pixel shows, and lines on top.
+//! Perspective view: the triangle of each pixel, and overlaid lines.
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{Image, Scene};
 
-/// An eye and what it looks at; z is up.
+/// Eye position and viewing direction; z is up.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     eye: DVec3,
     /// Columns: right, up, backward.
     axes: DMat3,
-    /// Half the picture's height at distance 1.
+    /// Half of the picture's height at distance 1.
     half_height: f64,
 }
 
-/// What a pixel shows.
+/// Surface point of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hit {
     pub(crate) position: DVec3,
@@ -23,7 +23,7 @@ pub(crate) struct Hit {
 }
 
 impl View {
-    /// `height` metres at the distance of `centre` fill the picture from top to bottom.
+    /// View in which `height` metres at the distance of `centre` fill the picture vertically.
     pub(crate) fn new(eye: DVec3, centre: DVec3, height: f64) -> Self {
         let back = (eye - centre).normalize();
         let right = DVec3::Z.cross(back).normalize();
@@ -38,12 +38,12 @@ impl View {
         -self.axes.z_axis
     }
 
-    /// To the right and upwards on the picture, unit vectors.
+    /// Unit vectors to the right and upwards in the picture.
     pub(crate) fn across(&self) -> (DVec3, DVec3) {
         (self.axes.x_axis, self.axes.y_axis)
     }
 
-    /// Pixel coordinates, and the inverse of the distance: it is what is linear on the screen.
+    /// Pixel coordinates and inverse distance, which is linear on the screen.
     pub(crate) fn project(&self, p: DVec3, size: [usize; 2]) -> DVec3 {
         let q = self.axes.transpose() * (p - self.eye);
         let scale = 0.5 * size[1] as f64 / self.half_height / -q.z;
@@ -54,7 +54,7 @@ impl View {
         )
     }
 
-    /// Where a pixel's ray meets the horizontal plane of this height.
+    /// Intersection of a pixel's ray with the horizontal plane at this height.
     pub(crate) fn ground(&self, pixel: [usize; 2], size: [usize; 2], height: f64) -> Option<DVec3> {
         let [x, y] = [0, 1].map(|k| {
             (pixel[k] as f64 + 0.5 - 0.5 * size[k] as f64) * 2.0 * self.half_height / size[1] as f64
@@ -95,7 +95,7 @@ impl View {
         hits
     }
 
-    /// A line on top of everything, `width` metres wide.
+    /// Draws an overlaid line, `width` metres wide.
     pub(crate) fn line(
         &self,
         image: &mut Image,
