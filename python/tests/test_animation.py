@@ -294,7 +294,7 @@ def test_what_is_wrong_is_said(chain):
     builder = Clip.builder("twice", chain)
     for _ in range(2):
         builder.channel("hips", "translation", KeyedCurve.step([0], [[0, 0, 0]]))
-    with pytest.raises(kinopt.InvalidValueError, match="`hips` has a translation channel already"):
+    with pytest.raises(kinopt.InvalidValueError, match="`hips`: a translation channel exists already"):
         builder.build()
     with pytest.raises(kinopt.InvalidValueError, match="a rotation channel has"):
         builder.channel("hips", "rotation", KeyedCurve.step([0], [[0, 0, 0]]))

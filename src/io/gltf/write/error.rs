@@ -52,10 +52,10 @@ pub enum UnwritableScene {
         joints: usize,
     },
     /// The number of keys per second is not a finite number above 0.
-    #[error("{0} keys a second; it must be a finite number above 0")]
+    #[error("sample rate {0} keys/s: it must be a finite number above 0")]
     BadRate(f32),
     /// The up axis is zero or not finite.
-    #[error("the axis up, {0:?}, is not finite or has no direction")]
+    #[error("up axis {0:?}: it must be finite and not zero")]
     BadUp([f32; 3]),
     /// A curve would need too many keys.
     #[error("a curve would take {samples} keys; ask for fewer a second")]
