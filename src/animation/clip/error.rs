@@ -87,9 +87,7 @@ pub enum ChannelError {
         keys_per_second: f64,
     },
     /// Time that is not within the clip.
-    #[error(
-        "time {given} s is outside (0, {duration}] s, the length of the clip"
-    )]
+    #[error("time {given} s is outside (0, {duration}] s, the length of the clip")]
     NotWithin {
         /// Requested time, seconds.
         given: f64,

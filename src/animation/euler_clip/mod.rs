@@ -90,7 +90,9 @@ pub enum ClipError {
         previous: f64,
     },
     /// The number of Kochanek-Bartels control sets is not the number of keys.
-    #[error("bone {bone}: {given} sets of controls for {keys} keys; there must be one for each key")]
+    #[error(
+        "bone {bone}: {given} sets of controls for {keys} keys; there must be one for each key"
+    )]
     ControlCount {
         /// Index of the bone.
         bone: usize,

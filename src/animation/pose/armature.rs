@@ -61,9 +61,7 @@ pub enum ArmatureError {
         name: String,
     },
     /// A rest transform that is not finite or has an invalid rotation.
-    #[error(
-        "bone `{bone}`: the rest transform must be finite, with a unit quaternion as rotation"
-    )]
+    #[error("bone `{bone}`: the rest transform must be finite, with a unit quaternion as rotation")]
     BadRest {
         /// Name of the bone.
         bone: String,

@@ -43,7 +43,7 @@ pub enum LocalError {
         bone: usize,
     },
     /// A model transform that has no scale, rotation and translation in the parent.
-    #[error("bone {bone}: the transform in its parent has shear or zero size; only scale, rotation and translation are allowed")]
+    #[error("bone {bone}: its local transform must not shear or have zero size")]
     Sheared {
         /// Index of the bone.
         bone: usize,
