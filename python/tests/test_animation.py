@@ -333,7 +333,7 @@ def test_morph_targets_are_added_and_shapes_are_mixed():
         targets.apply([1.0, 1.0], positions.astype(float))
     with pytest.raises(kinopt.InvalidValueError):
         targets.apply([1.0, 1.0], positions, positions)
-    with pytest.raises(kinopt.InvalidValueError, match="does not come after"):
+    with pytest.raises(kinopt.InvalidValueError, match="vertices must increase"):
         MorphTarget("a", [4, 1], np.zeros((2, 3)))
 
 

@@ -30,7 +30,7 @@ impl fmt::Display for ScaleNote {
         };
         write!(
             f,
-            "bone `{}`: its scale ({x}, {y}, {z}) {does} the bones that turn below it",
+            "bone `{}`: its scale ({x}, {y}, {z}) {does} the bones that rotate below it",
             self.bone
         )
     }
