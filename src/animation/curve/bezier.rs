@@ -77,8 +77,8 @@ impl CubicBezier<f64> {
         u
     }
 
-    /// Slope of `values` over this scalar curve at u: the quotient of the tangents. A coincident handle makes both
-    /// tangents zero at an end; u is then moved slightly inside.
+    /// Slope of `values` over this scalar curve at u: the quotient of the tangents. u is clamped to
+    /// [1e-6, 1 − 1e-6], because a coincident handle makes both tangents zero at an end.
     pub(super) fn slope_of<V: CurveValue>(&self, values: &CubicBezier<V>, u: f64) -> V {
         const INSIDE: f64 = 1e-6;
         let u = u.clamp(INSIDE, 1.0 - INSIDE);

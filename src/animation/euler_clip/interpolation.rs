@@ -47,7 +47,7 @@ impl EulerInterpolation {
     /// Curve through values, such as vectors of a bone's angles, at times in seconds.
     ///
     /// # Errors
-    /// A [`KeyError`](crate::animation::curve::KeyError) of the [`KeyedCurve`] constructor.
+    /// A [`KeyError`] of the [`KeyedCurve`] constructor.
     pub fn curve<V: CurveValue>(
         &self,
         times: Vec<V::Real>,

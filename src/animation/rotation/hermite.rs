@@ -47,8 +47,8 @@ impl RotationHermite {
     }
 }
 
-/// Angular velocity at each key: rotation vectors per second in the body frame. It is the mean rate from the previous
-/// to the next key, one-sided at the ends. Each side is weighted by its time, unlike Catmull-Rom tangents.
+/// Angular velocity at each key: rotation vectors per second in the body frame. It is the sum of the rotation vectors
+/// from the previous and to the next key, divided by the sum of their times; one-sided at the ends.
 ///
 /// Times strictly increase, one for each rotation. With fewer than two keys all rates are zero.
 #[must_use]

@@ -217,8 +217,8 @@ impl Limb {
     }
 }
 
-/// Target rotation of the end bone and its weight; `None` if the weight is zero. The rotation is `None` for the one
-/// before the solve.
+/// Target rotation of the end bone and its weight; `None` if the rotation does not change. The inner rotation is `None`
+/// for the one before the solve.
 fn wanted_rotation(end: EndRotation) -> Option<(Option<Quat>, f32)> {
     let (rotation, weight) = match end {
         EndRotation::Follow => return None,
