@@ -85,7 +85,7 @@ def test_what_is_wrong_is_named(wave: tuple[kinopt.Skeleton, Clip]) -> None:
         clip.with_ik([Reach("left_hand", (0, 0, 1), span=(5, 6))])
     with pytest.raises(kinopt.InvalidValueError):
         clip.with_ik([Reach("left_hand", (0, np.nan, 1))])
-    with pytest.raises(kinopt.InvalidValueError, match="keys a second"):
+    with pytest.raises(kinopt.InvalidValueError, match="keys/s"):
         clip.with_ik([reach], keys_per_second=0)
     with pytest.raises(kinopt.InvalidValueError, match="ground"):
         clip.with_ik(plant=["left_foot"], ground=3)  # type: ignore[arg-type]

@@ -88,7 +88,7 @@ def test_clips_are_made_of_poses_and_thinned(scene: kinopt.Scene) -> None:
         np.testing.assert_allclose(own.translations, other.translations, atol=1.1e-4)
     assert fewer.renamed("thin").name == "thin"
     assert keys(clip.baked(10), "translation") == 21
-    with pytest.raises(kinopt.InvalidValueError, match="keys a second"):
+    with pytest.raises(kinopt.InvalidValueError, match="keys/s"):
         clip.baked(0)
     with pytest.raises(kinopt.InvalidValueError):
         animation.Clip.through_poses("no", armature, [0.0, 0.0], poses[:2])

@@ -93,7 +93,7 @@ def test_dual_quaternions_stretch_about_pivots_only(rig):
     rest = rig.mesh.positions
     one = np.repeat(np.eye(4)[None], len(tails), axis=0)
     one[0] = grown[0]
-    with pytest.raises(kinopt.InvalidValueError, match="dual quaternion cannot say"):
+    with pytest.raises(kinopt.InvalidValueError, match="dual quaternion cannot represent"):
         MeshWeights(rig.weights).positions("dqs", one, rest)
     weights = MeshWeights(rig.weights, pivots=tails)
     assert np.isfinite(weights.positions("dqs", one, rest)).all()

@@ -1,19 +1,21 @@
-//! Motion over time: keyframes, what is between them, and poses.
+//! Keyframe animation: clips, curves, poses, blending, state machines and IK layers.
 //!
-//! - Bones: an [`Armature`], made of bones or [of a skeleton](Armature::of_skeleton), and its
-//!   [`Pose`]s, which it carries from bone to bone into the model and to skinning transforms.
-//! - Between keys: [`curve`] (Hermite, Bézier, Catmull-Rom, Kochanek-Bartels, glTF's three, easing)
-//!   and [`rotation`] (slerp, squad and other splines, Euler angles, axis and angle). Keys of doubtful
-//!   origin are put right by [`curve::repair_keys`].
-//! - Over time: a [`Clip`] of [`Channel`]s and [`Event`]s, sampled with a [`Cursor`]; a [`Playhead`]
-//!   says where playback is and which events it passes.
-//! - Of other clips and of poses: [`Clip::through_poses`], [`Clip::with_fewer_keys`], [`RootMotion`], [`Clip::with_closed_seam`].
-//! - Together: [`Pose::cross_fade`], [`blend_poses`], [`Layer`]s under a [`BoneMask`], and a
-//!   [`StateMachine`] from JSON, which each character runs by its own [`StateMachineRun`].
-//! - Over the pose: [`Limb`] and [`Aim`] in closed form, [`ReachLayer`] by the optimiser.
-//! - Many of them: a [`Crowd`].
-//! - A skeleton's stacked angles: an [`EulerClip`], as rig files have it. Affine maps:
-//!   [`interpolate_affine`].
+//! - Bones: an [`Armature`], made of bones or [of a skeleton](Armature::of_skeleton), and its [`Pose`]s. The armature
+//!   computes model transforms and skinning transforms of a pose.
+//! - Interpolation: [`curve`] (Hermite, Bézier, Catmull-Rom, Kochanek-Bartels, glTF's modes, easing) and [`rotation`]
+//!   (slerp, squad, other splines, Euler angles, axis and angle). [`curve::repair_keys`] repairs unsorted or damaged
+//!   keys.
+//! - Playback: a [`Clip`] of [`Channel`]s and [`Event`]s, sampled with a [`Cursor`]. A [`Playhead`] holds the playback
+//!   position and reports the events it passes.
+//! - Edits: [`Clip::through_poses`], [`Clip::with_fewer_keys`], [`RootMotion`], [`Clip::with_closed_seam`].
+//! - Blending: [`Pose::cross_fade`], [`blend_poses`], and [`Layer`]s with a [`BoneMask`].
+//! - State machines: a [`StateMachine`] from JSON; each character runs its own [`StateMachineRun`].
+//! - IK after the pose: [`Limb`] and [`Aim`] in closed form, [`ReachLayer`] by optimisation.
+//! - Many characters: a [`Crowd`].
+//! - Euler angles of a skeleton: an [`EulerClip`], as in rig files.
+//! - Affine maps: [`interpolate_affine`].
+//!
+//! From keys to a skinned mesh:
 //!
 //! From keys to skin:
 //!
@@ -33,7 +35,7 @@
 //! builder.euler_clip(&rig.clip)?;
 //! let clip = builder.build();
 //!
-//! // Each frame, in the same memory.
+//! Each frame reuses these buffers.
 //! let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
 //! let (mut model_from_bone, mut posed_from_rest) = (Vec::new(), Vec::new());
 //! clip.sample(0.5, Playback::Loop, &mut cursor, &mut pose)?;

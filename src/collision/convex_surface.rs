@@ -106,7 +106,7 @@ impl ConvexSurface {
         let first = self.facets.len() as u32;
         for at in 0..self.rim.len() {
             let (from, to, beyond) = self.rim[at];
-            // The rim is one ring: each corner starts one side and ends another.
+            // The rim is one closed polygon: each corner starts one side and ends another.
             let after = self.rim.partition_point(|&(start, _, _)| start < to) as u32;
             self.facets.push(Facet {
                 corners: [from, to, apex],

@@ -36,8 +36,8 @@ impl MeshFolders {
         Err(places)
     }
 
-    /// As [`find`](Self::find), among the allowed files alone: nothing else is looked at, neither meshes nor manifests. The error is
-    /// that of a file elsewhere, or the places that were looked at.
+    /// [`find`](Self::find) restricted to allowed files: other meshes and manifests are not opened. The error is that
+    /// of a file outside the allowed folders, or the paths searched.
     pub(super) fn find_allowed(
         &self,
         reference: &str,
@@ -46,7 +46,7 @@ impl MeshFolders {
         let mut looked_at = Vec::new();
         let mut elsewhere = None;
         let mut look_at = |place: PathBuf| {
-            // A package is looked for in many folders, also outside; a path is at one place.
+            // A package is searched for in many folders, some not allowed; a plain path is at one place.
             if package_of(reference).is_some() && !allowed.are_above(&place) {
                 return None;
             }
@@ -68,8 +68,9 @@ impl MeshFolders {
         found.ok_or_else(|| elsewhere.ok_or(looked_at))
     }
 
-    /// Places in packages whose `package.xml` has the name: folders above the robot's file, packages beside the one that holds it,
-    /// and the given folders with the folders in them. Only manifests of allowed folders are read.
+    /// Candidate paths in packages whose `package.xml` states the name. The packages are the folders above the robot's
+    /// file, the folders next to its package, the given folders, and their subfolders. Only manifests in folders
+    /// accepted by `is_allowed` are read.
     fn places_by_manifest(
         &self,
         reference: &str,

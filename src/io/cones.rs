@@ -120,7 +120,7 @@ impl Entry {
         if let Some([lower, upper]) = self.twist {
             if !(-HALF <= lower && lower <= upper && upper <= HALF) {
                 let problem =
-                    format!("{lower} to {upper} degrees are no range within -180 and 180");
+                    format!("[{lower}, {upper}] degrees is not a range within [-180, 180]");
                 return Err(("twist", problem));
             }
         }

@@ -116,7 +116,7 @@ fn checked_count(
     let what = format!("{columns} columns of {rows} values");
     // Otherwise a size such as 0 × 10¹² would need no bytes and pass.
     if (columns == 0) != (rows == 0) {
-        let problem = format!("{what} make no table");
+        let problem = format!("{what} are not a table");
         return Err(ReadError::malformed(name, place(), problem));
     }
     let count = columns as u128 * rows as u128;

@@ -50,14 +50,14 @@ impl Robot {
             fail(
                 file,
                 &root,
-                "has no `joint_limits`, so it is no joint_limits.yaml",
+                "is not a joint_limits.yaml: it has no `joint_limits`",
             )
         })?;
         let joints = match &told.value {
             Value::Map(joints) => joints.as_slice(),
             // A file whose joints are all commented out.
             _ if told.list().is_some_and(<[_]>::is_empty) => &[],
-            _ => return Err(fail(file, told, "`joint_limits` is no map of joints")),
+            _ => return Err(fail(file, told, "`joint_limits` must be a map of joints")),
         };
         let mut narrowed = Vec::new();
         for (name, limits) in joints {
@@ -118,7 +118,7 @@ impl Joint<'_, '_> {
             return Ok(None);
         };
         let number = node.number().filter(|number| number.is_finite());
-        let problem = || fail(self.file, node, &format!("`{key}` is no finite number"));
+        let problem = || fail(self.file, node, &format!("`{key}` must be a finite number"));
         number.map(Some).ok_or_else(problem)
     }
 
@@ -130,7 +130,7 @@ impl Joint<'_, '_> {
             (_, Some(most)) if most > 0.0 => *known = Some(most),
             (_, Some(_)) => {
                 let problem = format!(
-                    "`{key}` is not above 0; without a limit it is `has_{what}_limits: false`"
+                    "`{key}` must be above 0; `has_{what}_limits: false` removes the limit"
                 );
                 return Err(fail(self.file, self.limits, &problem));
             }

@@ -127,9 +127,8 @@ impl Robot {
         pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics.joints);
         /// The passive joints: moving joints without an actuator.
         ///
-        /// In an MJCF file with actuators they are the joints that no actuator drives, directly or through a fixed
-        /// tendon, and that are no mimic joints. Otherwise they are those set by
-        /// [`with_passive_joints`](Self::with_passive_joints).
+        /// In an MJCF file with actuators they are the joints without an actuator, direct or through a fixed tendon,
+        /// except mimic joints. Otherwise they are those set by [`with_passive_joints`](Self::with_passive_joints).
         pub fn passive_joints(&self) -> &[JointId] = &self.passive;
         /// The end frames of the tree, such as hands, tools and feet: frames whose joint carries no other joint.
         pub fn tips(&self) -> Vec<FrameId> = chain::tips(&self.model);

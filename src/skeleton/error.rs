@@ -10,7 +10,7 @@ use crate::spatial::RigidDefect;
 #[non_exhaustive]
 pub enum SkeletonError {
     /// A bone comes before its parent. This check also excludes cycles.
-    #[error("bone `{bone}`: its parent does not come before it")]
+    #[error("bone `{bone}`: its parent must precede it in the list")]
     ParentNotBefore {
         /// Name of the child.
         bone: String,
@@ -44,7 +44,7 @@ pub enum SkeletonError {
         problem: RigidDefect,
     },
     /// A bone of another skeleton.
-    #[error("bone number {bone} was asked for, but there are {bones}")]
+    #[error("bone {bone} does not exist; there are {bones} bones")]
     ForeignBone {
         /// Index of the bone.
         bone: usize,
@@ -58,13 +58,13 @@ pub enum SkeletonError {
         name: String,
     },
     /// A cone of a bone without a joint.
-    #[error("bone `{bone}` does not turn, so a cone means nothing to it")]
+    #[error("bone `{bone}` is locked; only a rotating bone has a cone")]
     ConeOfStillBone {
         /// Name of the bone.
         bone: String,
     },
     /// A cone of the bone of a free root.
-    #[error("bone `{bone}` is a free root, which turns any way: it has no cone")]
+    #[error("bone `{bone}` is a free root, which has no cone")]
     ConeOfFreeBone {
         /// Name of the bone.
         bone: String,

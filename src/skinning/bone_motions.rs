@@ -58,9 +58,9 @@ impl BoneMotions {
         Ok(())
     }
 
-    /// Factors each transform as T = (rigid motion) · (stretch about the bone's pivot c), with the polar decomposition
-    /// M = R S of the linear part. The stretch is v → S (v − c) + c, and the rigid motion v → R v + T c − R c. These
-    /// are the two phases of Kavan et al. 2008. A scale that all bones share acts first, about the origin.
+    /// Factors each transform as T = (rigid motion) · (stretch about the bone's pivot c). M = R S is the polar
+    /// decomposition of the linear part. The stretch is v → S (v − c) + c, and the rigid motion v → R v + T c − R c.
+    /// These are the two phases of Kavan et al. 2008. A scale that all bones share acts first, about the origin.
     pub(super) fn stretched(
         transforms: &[Affine3A],
         pivots: &[Vec3],

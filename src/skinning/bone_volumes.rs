@@ -29,7 +29,7 @@ pub enum VolumeError {
     #[error(transparent)]
     Size(#[from] SizeMismatch),
     /// The mesh has holes or no inside.
-    #[error("the mesh does not close around a volume")]
+    #[error("the mesh must be closed and enclose a volume")]
     Open,
 }
 

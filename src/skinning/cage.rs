@@ -26,7 +26,7 @@ pub enum CageError {
         point: usize,
     },
     /// The weights of a point sum to zero, so it has no coordinates. This occurs outside cages only.
-    #[error("point {point} has no coordinates in this cage; it is outside")]
+    #[error("point {point} is outside the cage")]
     NoCoordinates {
         /// Index of the point, from 0.
         point: usize,

@@ -12,7 +12,7 @@ use super::{
 ///
 /// Sources: Kavan, Collins, Žára & O'Sullivan, "Skinning with dual quaternions" (2007) and "Geometric skinning with
 /// approximate dual quaternion blending" (2008). The sign moves each q̂_j to the hemisphere of the bone with the
-/// largest weight (the first among equals), so that blending takes the short arc.
+/// largest weight, the first among equals. Blending then takes the short arc.
 ///
 /// It works in single precision with any number of influences.
 /// [`PackedDualQuaternionBlend`](super::PackedDualQuaternionBlend) is faster, for at most four influences.

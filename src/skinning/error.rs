@@ -12,7 +12,7 @@ pub enum SkinningError {
     #[error(transparent)]
     Size(#[from] SizeMismatch),
     /// A bone's transform contains NaN or infinity.
-    #[error("bone {bone}: the transform holds a number that is not finite")]
+    #[error("bone {bone}: the transform is not finite")]
     NonFiniteTransform {
         /// Index of the bone, from 0.
         bone: usize,
@@ -31,21 +31,21 @@ pub enum SkinningError {
     },
     /// A transform is not rigid; dual quaternions represent rotations and translations only.
     #[error(
-        "bone {bone}: the transform scales, shears or mirrors, which a dual quaternion cannot say; \
-         give the pivots for stretching apart (`DualQuaternionBlend::stretched`) or use linear blend"
+        "bone {bone}: the transform scales, shears or mirrors, which a dual quaternion cannot represent; \
+         use `DualQuaternionBlend::stretched` with pivots, or linear blend"
     )]
     NotRigid {
         /// Index of the bone, from 0.
         bone: usize,
     },
     /// A transform is singular, or it mirrors and the other bones do not.
-    #[error("bone {bone}: the transform mirrors or flattens space, so no rotation is in it")]
+    #[error("bone {bone}: the transform mirrors or is singular; it must contain a rotation")]
     Mirrored {
         /// Index of the bone, from 0.
         bone: usize,
     },
     /// A quaternion has length zero or is NaN, so it is no rotation.
-    #[error("the quaternion {w}, {x}, {y}, {z} has no direction, so it is no rotation")]
+    #[error("quaternion ({w}, {x}, {y}, {z}): it must be finite and not zero")]
     ZeroQuaternion {
         /// Real part.
         w: f32,

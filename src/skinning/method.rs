@@ -22,7 +22,7 @@ pub enum SkinningMethod {
 
 /// Error for a name of no skinning method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no skinning `{0}`; there are lbs (linear blend) and dqs (dual quaternion)")]
+#[error("unknown skinning `{0}`; valid: lbs (linear blend), dqs (dual quaternion)")]
 pub struct UnknownSkinning(pub String);
 
 impl SkinningMethod {

@@ -67,12 +67,12 @@ fn errors_name_the_path() {
         (
             r#"{"a": {"swing": 10, "twist": [5, -5]}}"#,
             "a.twist",
-            "no range",
+            "not a range",
         ),
         (
             r#"{"a": {"swing": 10, "twist": [-181, 0]}}"#,
             "a.twist",
-            "no range",
+            "not a range",
         ),
         (r#"{"a": {"swing": "wide"}}"#, "a", "degrees"),
         (r#"{"a": {"cone": 10}}"#, "a", "unknown field `cone`"),

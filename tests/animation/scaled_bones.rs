@@ -298,8 +298,8 @@ fn scale_notes_name_bones_with_children() {
     assert_eq!(
         told,
         [
-            "bone `bone 0`: its scale (1, 1.001, 1) shears the bones that turn below it",
-            "bone `bone 3`: its scale (1, -1, 1) mirrors the bones that turn below it",
+            "bone `bone 0`: its scale (1, 1.001, 1) shears the bones that rotate below it",
+            "bone `bone 3`: its scale (1, -1, 1) mirrors the bones that rotate below it",
         ]
     );
     let plain = scaled.clone().without_scale();

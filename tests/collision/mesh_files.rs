@@ -219,13 +219,14 @@ fn errors_name_the_file() {
     let message = |bytes: &[u8], file: &str| MeshFile::parse(bytes, file).unwrap_err().to_string();
     assert!(message(b"", "hand.fbx").contains("hand.fbx: is of no format that is read"));
     assert!(
-        message(b"v 0 0 0\nf 1 2 3\n", "a.obj").contains("line 2: `2` is none of the 1 points")
+        message(b"v 0 0 0\nf 1 2 3\n", "a.obj")
+            .contains("line 2: `2` is not an index of the 1 points")
     );
     assert!(message(b"v 0 0 nan\n", "a.obj").contains("line 1"));
     assert!(message(b"v 0 0 0\n", "a.obj").contains("has no triangles"));
     assert!(message(&binary_stl()[..300], "a.stl").contains("at least"));
     let dangling = dae().replace("url=\"#box\"", "url=\"#ball\"");
-    assert!(message(dangling.as_bytes(), "a.dae").contains("`#ball` is no id"));
+    assert!(message(dangling.as_bytes(), "a.dae").contains("`#ball` is not an id"));
     let endless = dae().replace(
         "<node><translate>0 5 0</translate>",
         "<node id=\"n\"><instance_node url=\"#n\"/>",

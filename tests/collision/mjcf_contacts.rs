@@ -208,9 +208,9 @@ fn unsupported_contacts_are_noted() {
         ),
         (
             r#"<pair name="p" geom1="seen" geom2="ga"/>"#,
-            "pair `p`: left out: the pair is not kept apart",
+            "pair `p`: left out: the pair is ignored in collision checks",
         ),
-        (r#"<pair geom1="slab" geom2="other"/>"#, "nothing moves"),
+        (r#"<pair geom1="slab" geom2="other"/>"#, "rigidly connected"),
     ] {
         let world = format!(r#"{SLAB}<geom name="other" size=".1"/>"#);
         let links = [

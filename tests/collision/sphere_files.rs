@@ -97,7 +97,7 @@ fn errors_name_the_line() {
     assert!(reported("", "s.txt").contains(".yaml or .urdf"));
     let cylinder = r#"<robot name="r"><link name="hand"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"#;
     assert!(
-        reported(cylinder, "s.urdf").contains("`hand` has a collision shape that is no sphere")
+        reported(cylinder, "s.urdf").contains("`hand` has a collision shape that is not a sphere")
     );
 }
 

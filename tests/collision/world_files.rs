@@ -193,7 +193,7 @@ fn json_errors_name_the_location() {
         (
             r#"{"meshes": [{"name": "a", "file": "b.obj"}]}"#,
             "meshes[0]",
-            "opened only where",
+            "only for a world",
         ),
         (
             r#"{"convex": [{"name": "a", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]}]}"#,
@@ -227,7 +227,7 @@ fn scene_errors_name_the_line() {
             scene("[0.14, 0.03]", "[0.14]"),
             "cylinder does not have 1 dimensions",
         ),
-        (scene("[0.14, 0.03]", "[0.14, no]"), "no number"),
+        (scene("[0.14, 0.03]", "[0.14, no]"), "not a number"),
         (
             scene("[0.14, 0.03]", "[0.14, -1]"),
             "radius of the cylinder is -1",
@@ -324,7 +324,7 @@ fn scene_objects_are_placed_in_their_frame() {
     for (message, what) in [
         (
             message("frame_id: /camera", "frame_id: shelf"),
-            "\"ball\" stands in frame \"shelf\"",
+            "\"ball\" is in frame \"shelf\"",
         ),
         (
             message("{frame_id: camera}", "{frame_id: other}"),
@@ -332,9 +332,12 @@ fn scene_objects_are_placed_in_their_frame() {
         ),
         (
             message("{frame_id: hand}", "{frame_id: world}"),
-            "in \"hand\" is not known",
+            "transform to \"hand\"",
         ),
-        (message("data: []", "data: [0, 1]"), "`octomap` holds cells"),
+        (
+            message("data: []", "data: [0, 1]"),
+            "`octomap` contains cells",
+        ),
         (
             message("translation: {x: 1", "translation: {u: 1"),
             "no `x`",
@@ -375,7 +378,7 @@ fn scene_matrix_allows_collisions_of_objects() {
     let world = read(links).unwrap();
     let message = world.notes().join("\n");
     assert!(
-        message.contains("pairs of links") && message.contains("allowed_collision_matrix"),
+        message.contains("link pairs") && message.contains("allowed_collision_matrix"),
         "{message}"
     );
     assert_eq!(world.scaled(2.0).unwrap().notes(), world.notes());

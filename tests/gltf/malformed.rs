@@ -105,7 +105,10 @@ fn buffer_errors_are_named() {
         &with("data:;base64,AAAA"),
         &["buffers[0].byteLength", "3 are left"],
     );
-    says(&with("https://example.org/a.bin"), &["nothing is fetched"]);
+    says(
+        &with("https://example.org/a.bin"),
+        &["is not a relative URI"],
+    );
     says(
         &with("legs%20and%20arms.bin"),
         &["buffers[0].uri", "legs and arms.bin"],
@@ -119,7 +122,7 @@ fn buffer_errors_are_named() {
     let error = gltf::from_bytes(text.as_bytes(), "own.gltf", opened).unwrap_err();
     says(
         &error.to_string(),
-        &["accessors[6].sparse.indices", "`tube`", "rise"],
+        &["accessors[6].sparse.indices", "`tube`", "increase"],
     );
 }
 
@@ -214,7 +217,7 @@ fn skin_and_mesh_errors_are_named() {
     );
     says(
         &changed(r#""JOINTS_0":2,"#, r#""JOINTS_0":3,"#),
-        &["accessors[3]", "whole numbers"],
+        &["accessors[3]", "unsigned integers"],
     );
     let mut numbers = Numbers::default();
     let corners = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
@@ -237,7 +240,7 @@ fn skin_and_mesh_errors_are_named() {
     says(&over(five), &["primitives[0].indices", "5 corners"]);
     says(
         &changed(r#""indices":5"#, r#""indices":7"#),
-        &["indices", "whole numbers"],
+        &["indices", "unsigned integers"],
     );
 }
 
@@ -293,7 +296,7 @@ fn accessor_errors_are_named() {
             r#""count":3,"sparse":{{"count":2,"indices":{{"bufferView":0,"componentType":5121{indices}}},"values":{{"bufferView":0}}}}"#
         ))
     };
-    says(&sparse(""), &["accessors[0].sparse.indices", "rise"]);
+    says(&sparse(""), &["accessors[0].sparse.indices", "increase"]);
     // The places 1 and 2 are there, 1 and 3 are not.
     for (last, there) in [(2, true), (3, false)] {
         let mut own = Numbers::default();

@@ -72,7 +72,7 @@ fn locked_value_outside_its_range_is_named() {
     let message = Robot::parse_mjcf(text, "held.xml").unwrap_err().to_string();
     assert!(message.starts_with("held.xml:3: joint `held`"), "{message}");
     assert!(
-        message.contains("`a` should stand at 1.5") && message.contains("from -1 to 1"),
+        message.contains("`a`: locked position 1.5 is outside [-1, 1]"),
         "{message}"
     );
 }
@@ -82,10 +82,10 @@ fn unsupported_equalities_are_noted() {
     for (equalities, note) in [
         (
             r#"<joint joint1="a" joint2="b" polycoef="0 1 0.5"/>"#,
-            "no linear relation",
+            "linear relation",
         ),
-        (r#"<joint joint1="a" joint2="ball"/>"#, "no linear relation"),
-        (r#"<tendon tendon1="cable"/>"#, "<tendon> is not read"),
+        (r#"<joint joint1="a" joint2="ball"/>"#, "linear relation"),
+        (r#"<tendon tendon1="cable"/>"#, "<tendon> is not supported"),
     ] {
         let robot = robot(equalities);
         assert!(robot.mimics().is_empty());
@@ -104,7 +104,11 @@ fn unsupported_equalities_are_noted() {
             (robot.mimics().len(), robot.repairs().len()),
             (followers, 1)
         );
-        assert!(robot.repairs()[0].to_string().contains("already follows"));
+        assert!(
+            robot.repairs()[0]
+                .to_string()
+                .contains("already has a source")
+        );
     }
 }
 

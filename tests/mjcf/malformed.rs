@@ -222,7 +222,7 @@ fn fault_of_an_included_file_names_that_file() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("part.xml:3: <body>: attribute `quat` is of length zero"),
+        error.contains("part.xml:3: <body>: attribute `quat` has length zero"),
         "{error}"
     );
 }

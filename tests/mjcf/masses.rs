@@ -109,8 +109,8 @@ fn mass_overrides_the_density_of_a_class() {
 
 #[test]
 fn unknown_mesh_masses_are_noted() {
-    let mass = "mass is that of a mesh";
-    let centre = "2 kg are a mesh's";
+    let mass = "mass depends on a mesh";
+    let centre = "2 kg depends on a mesh";
     let of_two = Some(MissingInertia::Centre { mass: 2.0 });
     for (compiler, geoms, left, note) in [
         (
@@ -154,7 +154,7 @@ fn unknown_mesh_masses_are_noted() {
             r#"settotalmass="2.5""#,
             r#"<geom type="mesh" mesh="m" mass="16.7551608191456"/>"#,
             of_two,
-            "kg are a mesh's",
+            "kg depends on a mesh",
         ),
     ] {
         let robot = robot(compiler, geoms);

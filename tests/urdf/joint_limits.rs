@@ -149,15 +149,21 @@ fn errors_name_the_line() {
         ("joint_limits: [joint1]", "map of joints"),
         ("joint_limits:\n  joint11: {max_velocity: 1}", "line 2"),
         ("joint_limits:\n  joint11: {max_velocity: 1}", "joint1"),
-        ("joint_limits:\n  joint1: {max_velocity: 0}", "not above 0"),
-        ("joint_limits:\n  joint1: {max_velocity: -1}", "not above 0"),
+        (
+            "joint_limits:\n  joint1: {max_velocity: 0}",
+            "must be above 0",
+        ),
+        (
+            "joint_limits:\n  joint1: {max_velocity: -1}",
+            "must be above 0",
+        ),
         (
             "joint_limits:\n  joint1: {max_acceleration: .nan}",
-            "no finite number",
+            "a finite number",
         ),
         (
             "joint_limits:\n  joint1: {max_acceleration: fast}",
-            "no finite number",
+            "a finite number",
         ),
         (
             "joint_limits:\n  joint1: {has_velocity_limits: perhaps, max_velocity: 1}",

@@ -91,7 +91,7 @@ const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
     (
         "revolute",
         "",
-        "2: joint `j`: there is no <limit>: the joint is held at 0",
+        "2: joint `j`: there is no <limit>: the joint is locked at 0",
         (0.0, 0.0),
     ),
     (
@@ -127,7 +127,7 @@ const MENDED: [(&str, &str, &str, (f64, f64)); 8] = [
     (
         "revolute",
         "<origin xyz='1, 2, -3'/><limit lower='-1' upper='2'/>",
-        "2: joint `j`, <origin>: commas in `xyz` are taken as blanks",
+        "2: joint `j`, <origin>: commas in `xyz` are read as spaces",
         (-1.0, 2.0),
     ),
 ];
@@ -165,15 +165,15 @@ fn lenient_reader_repairs_surrounding_xml() {
         ),
         (
             drake,
-            "2: <robot>: prefix `drake` is declared nowhere; its elements are extensions",
+            "2: <robot>: prefix `drake` is not declared; its elements are extensions",
         ),
         (
             format!("\n<?xml version=\"1.0\"?>\n{sound}"),
-            "2: <?xml?>: it is not at the start, and is not looked at",
+            "2: <?xml?>: it is not at the start of the file: ignored",
         ),
         (
             comment,
-            "3: <?xml?>: it is not at the start, and is not looked at",
+            "3: <?xml?>: it is not at the start of the file: ignored",
         ),
     ] {
         assert!(Robot::parse(&text, "one.urdf").is_err());

@@ -117,7 +117,7 @@ fn invalid_shapes_are_dropped_with_a_note() {
         (
             "<sphere radius=\"0.5\"/>",
             "<torus/>",
-            "8: link `body`, <visual>: left out: <geometry> holds none of box, cylinder, capsule, sphere, mesh",
+            "8: link `body`, <visual>: left out: <geometry> must contain one of box, cylinder, capsule, sphere, mesh",
         ),
         (
             "<sphere radius=\"0.5\"/>",

@@ -49,7 +49,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
     (
         r#"<limit lower="-1" upper="2" velocity="1" effort="10"/>"#,
         "",
-        "two.urdf:6: joint `shoulder`: a revolute joint needs <limit>; one that turns without end is `continuous`",
+        "two.urdf:6: joint `shoulder`: a revolute joint needs <limit>; type `continuous` has none",
     ),
     (
         r#"<limit lower="0" upper="0.3" velocity="1" effort="10"/>"#,
@@ -85,7 +85,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
     (
         r#"<axis xyz="0 1 0"/>"#,
         r#"<axis xyz="0 0 0"/>"#,
-        "two.urdf:10: joint `shoulder`, <axis>: the axis is zero and has no direction",
+        "two.urdf:10: joint `shoulder`, <axis>: the axis is zero; it must have a direction",
     ),
     (
         r#"<axis xyz="0 1 0"/>"#,
@@ -195,17 +195,17 @@ const DEFECTS: &[(&str, &str, &str)] = &[
     (
         r#"<child link="fore"/>"#,
         r#"<child link="upper"/>"#,
-        "two.urdf:13: joint `elbow`: its child link `upper` already hangs on joint `shoulder`",
+        "two.urdf:13: joint `elbow`: its child link `upper` is already the child of joint `shoulder`",
     ),
     (
         r#"<parent link="base"/>"#,
         r#"<parent link="fore"/>"#,
-        "two.urdf:6: joint `shoulder`: the joint is part of a ring: following parents from it comes back to it",
+        "two.urdf:6: joint `shoulder`: the joint is part of a cycle; links and joints must form a tree",
     ),
     (
         r#"<parent link="upper"/>"#,
         r#"<parent link="fore"/>"#,
-        "two.urdf:13: joint `elbow`: the joint is part of a ring: following parents from it comes back to it",
+        "two.urdf:13: joint `elbow`: the joint is part of a cycle; links and joints must form a tree",
     ),
     (
         r#"<link name="fore"/>"#,
@@ -332,7 +332,7 @@ fn joint_of_the_cycle_is_named() {
         let message = parse(&text).unwrap_err().to_string();
         let named = ["`there`", "`back`", "`on`"];
         assert!(named.iter().any(|name| message.contains(name)), "{message}");
-        assert!(message.contains("ring"), "{message}");
+        assert!(message.contains("cycle"), "{message}");
     }
 }
 

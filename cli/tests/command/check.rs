@@ -86,7 +86,7 @@ fn moveit_scenes_are_worlds() {
     let allowed = folder.text("allowed.yaml", allowed);
     let run = kinopt!("check {robot} --world {allowed}");
     let told = stderr(&run);
-    says!(told => "note: | allowed.yaml: defaults are not taken from `allowed_collision_matrix`");
+    says!(told => "note: | allowed.yaml: defaults of `allowed_collision_matrix` are ignored");
     let told = text!("check {robot}");
     assert_eq!(told, "free: no enabled pairs\n");
 }

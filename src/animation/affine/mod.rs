@@ -1,5 +1,6 @@
-//! Affine maps taken apart, so that what lies between two of them makes sense: halfway between two
-//! rotations is a rotation.
+//! Decomposition and interpolation of affine maps.
+//!
+//! The rotation of the result is interpolated as a rotation, so a map halfway between two rotations is a rotation.
 //!
 //! Shoemake & Duff 1992, "Matrix animation and polar decomposition".
 

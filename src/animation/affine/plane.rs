@@ -1,4 +1,4 @@
-//! Affine maps of the plane (the paper's section 4).
+//! Affine maps of the plane, by section 4 of the paper.
 
 use std::f64::consts::PI;
 
@@ -11,27 +11,27 @@ use super::NotFinite;
 /// An affine map of the plane as translation · rotation · stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneDecomposition {
-    /// Where the origin goes.
+    /// Image of the origin.
     pub translation: DVec2,
-    /// The rotation nearest to the linear part, in radians within [−π, π].
+    /// Rotation nearest to the linear part, radians within [−π, π].
     pub angle: f64,
-    /// Symmetric: scales along two orthogonal axes. Positive for maps that do not mirror; one scale is
-    /// negative for those that do.
+    /// Symmetric scaling along two orthogonal axes. Positive definite, except that one scale is negative if the map
+    /// mirrors.
     pub stretch: DMat2,
 }
 
 impl PlaneDecomposition {
-    /// The polar decomposition M = R S of the linear part: R turns by the angle of
-    /// (m₁₁ + m₂₂, m₂₁ − m₁₂), which makes RᵀM symmetric.
+    /// Polar decomposition M = R S of the linear part. R rotates by the angle of (m₁₁ + m₂₂, m₂₁ − m₁₂), which makes
+    /// RᵀM symmetric.
     ///
     /// # Errors
-    /// [`NotFinite`].
+    /// [`NotFinite`] for an entry that is NaN or infinite.
     pub fn new(map: &DAffine2) -> Result<Self, NotFinite> {
         if !map.is_finite() {
             return Err(NotFinite);
         }
         let [[a, b], [c, d]] = map.matrix2.to_cols_array_2d();
-        // Halves, so that no sum overflows.
+        // Halved to avoid overflow of the sums.
         let angle = elementary::atan2(0.5 * b - 0.5 * c, 0.5 * a + 0.5 * d);
         Ok(Self {
             translation: map.translation,
@@ -40,7 +40,7 @@ impl PlaneDecomposition {
         })
     }
 
-    /// The affine map again.
+    /// The affine map: translation · rotation · stretch.
     #[must_use]
     pub fn compose(&self) -> DAffine2 {
         DAffine2 {
@@ -49,8 +49,8 @@ impl PlaneDecomposition {
         }
     }
 
-    /// The share `t` of the way to another one: translation, stretch and the angle straight, the
-    /// angle the shorter way round.
+    /// Interpolates to `other` with `t` in [0, 1]. Translation, stretch and angle are linear; the angle takes the
+    /// shorter direction.
     #[must_use]
     pub fn interpolate(&self, other: &Self, t: f64) -> Self {
         let turn = (other.angle - self.angle + PI).rem_euclid(2.0 * PI) - PI;
@@ -62,16 +62,16 @@ impl PlaneDecomposition {
     }
 }
 
-/// The rotation of the plane by an angle in radians.
+/// Rotation matrix of the plane for an angle in radians.
 fn turned(angle: f64) -> DMat2 {
     let (sin, cos) = elementary::sin_cos(angle);
     DMat2::from_cols_array(&[cos, sin, -sin, cos])
 }
 
-/// The share `t` of the way from one affine map of the plane to another, by [`PlaneDecomposition`].
+/// Interpolates between two affine maps of the plane with `t` in [0, 1], by [`PlaneDecomposition`].
 ///
 /// # Errors
-/// A map with an entry that is not finite.
+/// [`NotFinite`] for an entry that is NaN or infinite.
 pub fn interpolate_plane_affine(
     from: &DAffine2,
     to: &DAffine2,

@@ -9,26 +9,25 @@ use crate::spatial::Polar;
 /// An affine map as translation · rotation · stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decomposition {
-    /// Where the origin goes.
+    /// Image of the origin.
     pub translation: DVec3,
-    /// The rotation nearest to the linear part (to its negative, where that mirrors).
+    /// Rotation nearest to the linear part, or to its negative if the map mirrors.
     pub rotation: DQuat,
-    /// Symmetric: scales along three orthogonal axes. Positive for maps that do not mirror, negative
-    /// for those that do. Diagonal where the map scales along the coordinate axes before it turns.
+    /// Symmetric scaling along three orthogonal axes. Positive definite, or negative definite if the map mirrors.
+    /// Diagonal if the map scales along the coordinate axes and then rotates.
     pub stretch: DMat3,
 }
 
-/// An entry of the map is NaN or infinite.
+/// Error of an affine map with an entry that is NaN or infinite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the affine map has an entry that is not finite")]
+#[error("affine map: an entry is NaN or infinite; all entries must be finite")]
 pub struct NotFinite;
 
 impl Decomposition {
-    /// The polar decomposition M = Q S of the linear part, by its singular values. Singular maps have
-    /// one as well.
+    /// Polar decomposition M = Q S of the linear part by its singular values. Singular maps are decomposed as well.
     ///
     /// # Errors
-    /// [`NotFinite`].
+    /// [`NotFinite`] for an entry that is NaN or infinite.
     pub fn new(map: &DAffine3) -> Result<Self, NotFinite> {
         let linear = na::Matrix3::from_column_slice(&map.matrix3.to_cols_array());
         let polar = Polar::new(&linear).filter(|_| map.is_finite());
@@ -43,7 +42,7 @@ impl Decomposition {
         })
     }
 
-    /// The affine map again.
+    /// The affine map: translation · rotation · stretch.
     #[must_use]
     pub fn compose(&self) -> DAffine3 {
         DAffine3 {
@@ -52,8 +51,8 @@ impl Decomposition {
         }
     }
 
-    /// The share `t` of the way to another one: translation and stretch straight, the rotation along
-    /// the shorter arc.
+    /// Interpolates to `other` with `t` in [0, 1]. Translation and stretch are linear; the rotation takes the shorter
+    /// arc.
     #[must_use]
     pub fn interpolate(&self, other: &Self, t: f64) -> Self {
         let turn = self.rotation.conjugate() * other.rotation;
@@ -65,10 +64,10 @@ impl Decomposition {
     }
 }
 
-/// The share `t` of the way from one affine map to another, by [`Decomposition`].
+/// Interpolates between two affine maps with `t` in [0, 1], by [`Decomposition`].
 ///
 /// # Errors
-/// A map with an entry that is not finite.
+/// [`NotFinite`] for an entry that is NaN or infinite.
 pub fn interpolate_affine(from: &DAffine3, to: &DAffine3, t: f64) -> Result<DAffine3, NotFinite> {
     let (from, to) = (Decomposition::new(from)?, Decomposition::new(to)?);
     Ok(from.interpolate(&to, t).compose())

@@ -1,4 +1,4 @@
-//! From one pose to another.
+//! Cross-fade between two poses.
 
 use glam::{Quat, Vec3A, Vec4};
 
@@ -7,13 +7,13 @@ use super::mask::within;
 use super::slerp_weights::slerp_weights;
 use crate::animation::{Pose, SizeMismatch};
 
-/// How many rotations are blended at a time, so that the compiler makes vectors of them.
+/// Number of rotations blended at once, for vectorisation by the compiler.
 const WIDTH: usize = 8;
 
 impl Pose {
-    /// Goes the share (taken into [0, 1]) of the way to another pose: rotations by slerp the shorter
-    /// way round, everything else straight. The rotations are slerp's within 5e-6 radians where the
-    /// two are less than 120° apart, and within 1e-4 near half a turn, where a series is cut short.
+    /// Interpolates towards another pose by `share`, which is clamped to [0, 1]. Rotations use slerp along the shorter
+    /// arc; other values are linear. Below 120° between two rotations the result is within 5e-6 rad of slerp. Near half
+    /// a turn it is within 1e-4 rad, because a series is truncated.
     ///
     /// # Errors
     /// The poses are of different armatures.
@@ -30,8 +30,8 @@ impl Pose {
         Ok(())
     }
 
-    /// As [`cross_fade`](Self::cross_fade), each bone and morph target by its share of the mask as
-    /// well: what the mask leaves out stays.
+    /// [`cross_fade`](Self::cross_fade) with the share of each bone and morph target multiplied by its mask weight.
+    /// Bones and targets with mask weight 0 do not change.
     ///
     /// # Errors
     /// The poses or the mask are of different armatures.
@@ -97,7 +97,7 @@ fn turn_group<const N: usize>(from: &mut [Quat; N], to: &[Quat; N], t: [f32; N])
     for lane in 0..N {
         let to = Vec4::from(to[lane]) * (arrive[lane] * signs[lane]);
         let sum = Vec4::from(from[lane]) * stay[lane] + to;
-        // Within 2e-5 of unit length; one step of Newton's method makes it 1e-9.
+        // The length is within 2e-5 of 1; one Newton step brings it within 1e-9.
         let length = 1.5 - 0.5 * sum.length_squared();
         from[lane] = Quat::from_vec4(sum * length);
     }

@@ -1,4 +1,4 @@
-//! Layers over a base pose: other motion for some bones, or motion added to what is there.
+//! Layers that override or add to a base pose.
 
 use glam::{Quat, Vec3A};
 
@@ -6,37 +6,37 @@ use super::{BoneMask, finite_or_0};
 use crate::animation::rotation::slerp;
 use crate::animation::{Pose, SizeMismatch};
 
-/// How a layer goes onto what is below.
+/// Combination of a layer with the base pose.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LayerMode {
-    /// In its place, by cross-fade: an upper body that waves while the legs walk.
+    /// Replaces the base by cross-fade, such as a wave of the upper body over walking legs.
     Override,
-    /// On top, as the difference from a reference pose: breathing, a lean, a recoil. Often the
-    /// reference is the first pose of the layer's clip, or the armature's rest.
+    /// Adds the difference from a reference pose, such as breathing or recoil. Usual references are the first pose of
+    /// the layer's clip and the rest pose.
     Additive {
-        /// The pose that adds nothing.
+        /// Pose that adds nothing.
         reference: Pose,
     },
 }
 
-/// What is put over a base pose: how, how much, and where.
+/// Layer on a base pose: mode, weight and mask.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// In place of the base or on top of it.
+    /// Override or additive.
     pub mode: LayerMode,
-    /// Within [0, 1] for an override; any finite number for an additive layer, where 1 adds the
-    /// whole difference. NaN adds nothing.
+    /// Weight, within [0, 1] in override mode. In additive mode any finite number; 1 adds the whole difference. NaN
+    /// counts as 0.
     pub weight: f32,
-    /// Which bones and morph targets it moves.
+    /// Weights of the bones and morph targets that the layer moves.
     pub mask: BoneMask,
 }
 
 impl Layer {
-    /// Puts the layer's pose over a base pose.
+    /// Applies the layer's pose to a base pose.
     ///
     /// # Errors
-    /// Poses or mask are of different armatures.
+    /// The poses or the mask are of different armatures.
     pub fn apply(&self, base: &mut Pose, layer: &Pose) -> Result<(), SizeMismatch> {
         match &self.mode {
             LayerMode::Override => base.cross_fade_masked(layer, self.weight, &self.mask),
@@ -44,8 +44,8 @@ impl Layer {
         }
     }
 
-    /// Translation t + w (tₗ − tᵣ), rotation q slerp(1, qᵣ⁻¹ qₗ, w), scale s lerp(1, sₗ/sᵣ, w), each
-    /// with w = weight · mask.
+    /// Translation t + w (tₗ − tᵣ), rotation q slerp(1, qᵣ⁻¹ qₗ, w), scale s lerp(1, sₗ/sᵣ, w), each with w = weight ·
+    /// mask.
     fn add(&self, base: &mut Pose, layer: &Pose, reference: &Pose) -> Result<(), SizeMismatch> {
         base.check_same_size(layer)?;
         base.check_same_size(reference)?;
@@ -60,7 +60,7 @@ impl Layer {
         }
         let ratios = layer.scales.iter().zip(&reference.scales);
         for ((own, (to, from)), share) in base.scales.iter_mut().zip(ratios).zip(shares()) {
-            // A scale of nothing has no ratio; such an axis is left alone.
+            // A zero scale has no ratio; such an axis does not change.
             let ratio = Vec3A::select(from.cmpeq(Vec3A::ZERO), Vec3A::ONE, *to / *from);
             *own *= Vec3A::ONE + (ratio - Vec3A::ONE) * share;
         }

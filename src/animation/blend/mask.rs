@@ -1,38 +1,38 @@
-//! How much of each bone a layer may move.
+//! Bone masks: weights of bones and morph targets in a layer.
 
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::skeleton::BoneId;
 
-/// Why a mask cannot be.
+/// Error of a bone mask.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MaskError {
     /// A bone or morph target of another armature.
     #[error("{what} {index} does not exist; there are {count}")]
     Unknown {
-        /// "bone" or "morph target".
+        /// `bone` or `morph target`.
         what: &'static str,
-        /// Which, from 0.
+        /// Index, from 0.
         index: usize,
-        /// How many there are.
+        /// Number of bones or morph targets.
         count: usize,
     },
-    /// A share that is not within [0, 1].
-    #[error("{what} {index}: the share {share} is not within [0, 1]")]
+    /// A mask weight outside [0, 1].
+    #[error("{what} {index}: the mask weight {share} is outside [0, 1]")]
     BadShare {
-        /// "bone" or "morph target".
+        /// `bone` or `morph target`.
         what: &'static str,
-        /// Which, from 0.
+        /// Index, from 0.
         index: usize,
-        /// The share.
+        /// The weight given.
         share: f32,
     },
-    /// An armature with another number of bones.
+    /// An armature with a different number of bones.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
 }
 
-/// A share within [0, 1] for each bone and each morph target of an armature.
+/// Weight within [0, 1] for each bone and morph target of an armature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoneMask {
     bones: Vec<f32>,
@@ -40,13 +40,13 @@ pub struct BoneMask {
 }
 
 impl BoneMask {
-    /// The whole armature.
+    /// Mask with weight 1 everywhere.
     #[must_use]
     pub fn all(armature: &Armature) -> Self {
         Self::uniform(armature, 1.0)
     }
 
-    /// None of it, to add parts to.
+    /// Mask with weight 0 everywhere.
     #[must_use]
     pub fn none(armature: &Armature) -> Self {
         Self::uniform(armature, 0.0)
@@ -59,19 +59,19 @@ impl BoneMask {
         }
     }
 
-    /// Sets one bone's share.
+    /// Sets the weight of one bone.
     ///
     /// # Errors
-    /// A bone of another armature, or a share that is not within [0, 1].
+    /// The bone is of another armature, or the weight is outside [0, 1].
     pub fn with_bone(mut self, bone: BoneId, share: f32) -> Result<Self, MaskError> {
         set(&mut self.bones, "bone", bone.index(), share)?;
         Ok(self)
     }
 
-    /// Sets the share of a bone and of all that hang on it.
+    /// Sets the weight of a bone and all its descendants.
     ///
     /// # Errors
-    /// As [`with_bone`](Self::with_bone); an armature of another size.
+    /// As [`with_bone`](Self::with_bone); also an armature of another size.
     pub fn with_subtree(
         mut self,
         armature: &Armature,
@@ -82,7 +82,7 @@ impl BoneMask {
         SizeMismatch::check("bones in the mask", self.bones.len(), armature.bones())?;
         let mut inside = vec![false; armature.bones()];
         inside[root.index()] = true;
-        // Parents come first, so theirs is decided already.
+        // Parents precede their children, so a parent's membership is already known.
         for index in root.index()..armature.bones() {
             let parent = armature.parent(BoneId::new(index));
             inside[index] |= parent.is_some_and(|parent| inside[parent.index()]);
@@ -93,19 +93,19 @@ impl BoneMask {
         Ok(self)
     }
 
-    /// Sets one morph target's share.
+    /// Sets the weight of one morph target.
     ///
     /// # Errors
-    /// A target that the armature does not have, or a share that is not within [0, 1].
+    /// The armature does not have the target, or the weight is outside [0, 1].
     pub fn with_morph_target(mut self, target: usize, share: f32) -> Result<Self, MaskError> {
         set(&mut self.morph_targets, "morph target", target, share)?;
         Ok(self)
     }
 
     getters! {
-        /// The bones' shares.
+        /// Weights of the bones.
         pub fn bones(&self) -> &[f32] = &self.bones;
-        /// The morph targets' shares.
+        /// Weights of the morph targets.
         pub fn morph_targets(&self) -> &[f32] = &self.morph_targets;
     }
 
@@ -131,12 +131,12 @@ fn set(shares: &mut [f32], what: &'static str, index: usize, share: f32) -> Resu
     Ok(())
 }
 
-/// The nearest number within [0, 1]; 0 for NaN.
+/// Clamps to [0, 1]; 0 for NaN.
 pub(in crate::animation) fn within(share: f32) -> f32 {
     if share > 0.0 { share.min(1.0) } else { 0.0 }
 }
 
-/// The number; 0 for one that is not finite.
+/// Returns the number, or 0 if it is not finite.
 pub(in crate::animation) fn finite_or_0(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }

@@ -1,4 +1,4 @@
-//! Poses combined: cross-fades, weighted means, masks and layers.
+//! Pose blending: cross-fades, weighted means, masks and layers.
 
 mod cross_fade;
 mod layer;

@@ -1,15 +1,14 @@
-//! slerp's weights from the cosine, without trigonometry.
+//! Slerp weights from the cosine, without trigonometry.
 //!
-//! Eberly 2011, "A fast and accurate algorithm for computing SLERP": sin(tΩ)/sin Ω as a series in
-//! cos Ω − 1, cut after eight terms with the last one corrected. Off by at most 2e-5, and by less
-//! than 1e-6 below Ω = 60° (rotations 120° apart). Unlike the arcs of a clip's keys, the two
-//! rotations of a blend are new on every frame, so there is no angle to keep.
+//! Eberly 2011, "A fast and accurate algorithm for computing SLERP": sin(tΩ)/sin Ω as a series in cos Ω − 1. The series
+//! has eight terms, with a correction of the last. The error is at most 2e-5, and below 1e-6 for Ω under 60° (rotations
+//! 120° apart). In a blend both rotations change each frame, so no angle can be stored as in a clip's arcs.
 
-/// The correction of the last term for eight terms (the paper's table).
+/// Correction of the last of eight terms, from the table of the paper.
 const MU: f32 = 1.852_981_1;
 const TERMS: usize = 8;
 
-/// sin(tΩ)/sin Ω for each t and cosine; the cosines are at least 0 and at most 1 but for rounding.
+/// sin(tΩ)/sin Ω for each t and cosine. Cosines are within [0, 1], up to rounding.
 #[inline(always)]
 pub(super) fn slerp_weights<const N: usize>(t: &[f32; N], cosines: &[f32; N]) -> [f32; N] {
     let mut sum = [0.0; N];

@@ -1,35 +1,36 @@
-//! The weighted mean of any number of poses.
+//! Weighted mean of poses.
 
 use glam::{Quat, Vec3A, Vec4};
 
 use crate::animation::{Pose, SizeMismatch};
 
-/// Why poses cannot be blended.
+/// Error of a pose blend.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BlendError {
     /// A weight that is negative or not finite.
-    #[error("pose {pose}: the weight {weight} is not a finite number of at least 0")]
+    #[error("pose {pose}: the weight {weight} must be finite and at least 0")]
     BadWeight {
-        /// Which pose.
+        /// Index of the pose.
         pose: usize,
-        /// Its weight.
+        /// The weight given.
         weight: f32,
     },
-    /// There is no pose with a weight above 0.
-    #[error("no pose has a weight above 0")]
+    /// No pose has a weight above 0.
+    #[error("no pose has a weight above 0; at least one must")]
     NoWeight,
     /// The poses are of different armatures.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
 }
 
-/// Writes the weighted mean of poses into `out`; weights need not sum to one. Rotations are summed
-/// as quaternions on the side of the heaviest pose's and made of unit length, so the order of the
-/// poses does not matter.
+/// Writes the weighted mean of poses into `out`; the weights need not sum to one. Rotations are summed as quaternions
+/// on the hemisphere of the pose with the largest weight, then normalised. The result does not depend on the order of
+/// the poses.
 ///
 /// # Errors
-/// A weight that is negative or not finite, none above 0, or poses of different armatures.
+/// - A weight is negative or not finite, or none is above 0.
+/// - The poses are of different armatures.
 pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendError> {
     for (pose, &(_, weight)) in poses.iter().enumerate() {
         if !(weight.is_finite() && weight >= 0.0) {

@@ -1,13 +1,13 @@
-//! Which bones a kind's tracks move.
+//! Bones moved by the tracks of one property.
 
 use super::timelines::{Timelines, Track};
 use crate::animation::curve::KeyError;
 
-/// The bone of each track.
+/// Bone of each track.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Bones {
     pub(super) list: Vec<u32>,
-    /// Whether they are the first bones in their order: no need to look them up.
+    /// The bones are the first of the armature, in order; no lookup is needed.
     pub(super) are_first: bool,
 }
 
@@ -19,7 +19,7 @@ impl Bones {
         }
     }
 
-    /// The tracks again, each by what makes a curve of its times and keys.
+    /// The tracks, with a curve built from times and keys by `curve`.
     pub(super) fn tracks<V: Copy, C>(
         &self,
         timelines: &Timelines,
@@ -28,7 +28,7 @@ impl Bones {
     ) -> impl Iterator<Item = Track<C>> {
         let bones = self.list.iter().zip(timelines.by_track(keys));
         bones.filter_map(move |(&bone, (times, keys))| {
-            // They passed the same check before.
+            // The keys passed this check when the clip was built.
             let curve = curve(times, keys).ok()?;
             let target = bone as usize;
             Some(Track { target, curve })

@@ -1,4 +1,4 @@
-//! Collects the channels of a clip and compiles them.
+//! Builder of clips: collects channels and compiles them.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -42,8 +42,9 @@ impl<'a> ClipBuilder<'a> {
     /// Adds a channel of a bone.
     ///
     /// # Errors
-    /// A bone of another armature, a second channel for one property, or a rotation before Euler
-    /// angles that is not one.
+    /// - The bone belongs to another armature.
+    /// - The property has a channel already.
+    /// - `before` of an Euler channel is not a unit quaternion.
     pub fn channel(&mut self, bone: BoneId, channel: Channel) -> Result<&mut Self, ChannelError> {
         let bones = self.armature.bones();
         let Some(name) = self.armature.names().get(bone.index()) else {
@@ -68,7 +69,7 @@ impl<'a> ClipBuilder<'a> {
     /// Adds the weight of one morph target.
     ///
     /// # Errors
-    /// A target that does not exist or has a channel already.
+    /// The target does not exist or has a channel already.
     pub fn morph_weight(
         &mut self,
         target: usize,
@@ -87,11 +88,13 @@ impl<'a> ClipBuilder<'a> {
         Ok(self)
     }
 
-    /// Adds the weights of all morph targets, keyed together and interpolated linearly: for each
-    /// key the weight of every target, as glTF has it.
+    /// Adds the weights of all morph targets with common keys and linear interpolation. The weights are ordered by key,
+    /// then by target, as in glTF.
     ///
     /// # Errors
-    /// Another count than keys × targets, bad keys, or a target that has a channel already.
+    /// - The number of weights is not keys × targets.
+    /// - The keys are invalid.
+    /// - A target has a channel already.
     pub fn morph_weights(
         &mut self,
         times: &[f32],
@@ -118,12 +121,12 @@ impl<'a> ClipBuilder<'a> {
         Ok(self)
     }
 
-    /// Adds the tracks of a rig's keyframes as Euler channels that run between their keys as the clip
-    /// says, for an armature made [of its skeleton](Armature::of_skeleton).
+    /// Adds the tracks of a rig's keyframes as Euler channels with the interpolation of the clip. The armature must be
+    /// made [of the rig's skeleton](Armature::of_skeleton).
     ///
     /// # Errors
-    /// A bone of another armature or one that has a rotation channel already; times that collide in
-    /// single precision.
+    /// - A bone belongs to another armature or has a rotation channel already.
+    /// - Two times are equal in single precision.
     pub fn euler_clip(&mut self, clip: &EulerClip) -> Result<&mut Self, ChannelError> {
         for track in clip.tracks() {
             let times = track.keys.iter().map(|key| key.time as f32).collect();
@@ -145,7 +148,7 @@ impl<'a> ClipBuilder<'a> {
         Ok(self)
     }
 
-    /// What is wrong with a bone's keys, by the bone's name where it has one.
+    /// Error of the keys of a bone, with the bone's name if it has one.
     fn keys_of(&self, bone: BoneId, problem: KeyError) -> ChannelError {
         match self.armature.names().get(bone.index()) {
             Some(bone) => ChannelError::BoneKeys {
@@ -156,10 +159,10 @@ impl<'a> ClipBuilder<'a> {
         }
     }
 
-    /// Adds an event; one outside the clip's span never fires.
+    /// Adds an event. An event outside the span of the clip never fires.
     ///
     /// # Errors
-    /// A time that is not finite.
+    /// The time is not finite.
     pub fn event(&mut self, time: f32, name: impl Into<String>) -> Result<&mut Self, ChannelError> {
         let name = name.into();
         if !time.is_finite() {
@@ -170,10 +173,10 @@ impl<'a> ClipBuilder<'a> {
         Ok(self)
     }
 
-    /// Sets the clip's span in seconds. Without it, it is from the first to the last key.
+    /// Sets the span of the clip in seconds. The default is from the first to the last key.
     ///
     /// # Errors
-    /// Times that are not finite or out of order.
+    /// A time is not finite, or `end` is before `start`.
     pub fn span(&mut self, start: f32, end: f32) -> Result<&mut Self, ChannelError> {
         if !(start.is_finite() && end.is_finite() && start <= end) {
             return Err(ChannelError::BadSpan { start, end });
@@ -182,7 +185,7 @@ impl<'a> ClipBuilder<'a> {
         Ok(self)
     }
 
-    /// The clip. One without channels is the rest pose, with a span of nothing unless it is set.
+    /// Builds the clip. A clip without channels is the rest pose; its span is empty unless it was set.
     #[must_use]
     pub fn build(self) -> Clip {
         let mut curves = Curves::default();
@@ -209,7 +212,7 @@ impl<'a> ClipBuilder<'a> {
     }
 }
 
-/// From the first to the last key of all.
+/// Times of the first and the last key of all channels.
 pub(crate) fn keyed_span(
     channels: &[(BoneId, Channel)],
     morphs: &[(usize, KeyedCurve<f32>)],
@@ -220,7 +223,7 @@ pub(crate) fn keyed_span(
     ends.reduce(|[start, end], [s, e]| [start.min(s), end.max(e)])
 }
 
-/// Takes up a curve, or its only value.
+/// Adds a curve, or its value if it has a single key.
 fn add(target: usize, channel: Channel, curves: &mut Curves, constant: &mut Pose) {
     match channel {
         Channel::Translation(curve) => match curve.values() {

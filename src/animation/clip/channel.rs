@@ -1,4 +1,4 @@
-//! What a clip moves and how.
+//! Channels: curves for the properties of bones.
 
 use glam::{Quat, Vec3A};
 
@@ -6,43 +6,43 @@ use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::exponential::turn_about;
 use crate::animation::rotation::{EulerOrder, RotationCurve};
 
-/// A curve for one property of one bone; times are in seconds. Weights of morph targets go to
-/// [`ClipBuilder::morph_weight`](super::ClipBuilder::morph_weight), because they hang on no bone.
+/// Curve for one property of one bone; times are in seconds. Morph target weights belong to no bone; use
+/// [`ClipBuilder::morph_weight`](super::ClipBuilder::morph_weight).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Channel {
-    /// Where the bone is in its parent.
+    /// Translation in the parent's frame.
     Translation(KeyedCurve<Vec3A>),
-    /// How the bone is turned in its parent.
+    /// Rotation in the parent's frame.
     Rotation(RotationCurve),
-    /// How the bone is turned in its parent, as angles.
+    /// Rotation in the parent's frame, as Euler angles.
     Euler(EulerCurve),
-    /// How the bone is scaled along its own axes.
+    /// Scale along the bone's own axes.
     Scale(KeyedCurve<Vec3A>),
 }
 
-/// A rotation before · R(angles), whose angles run along a curve. For motion that is authored in
-/// angles; they may pass whole turns, which quaternions cannot.
+/// Rotation `before` · R(angles), with angles along a curve. Angles may exceed full turns, which quaternions cannot
+/// represent.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EulerCurve {
-    /// The axes of the angles.
+    /// Axis order of the angles.
     pub order: EulerOrder,
-    /// The rotation that the angles follow: where zero angles are.
+    /// Rotation that precedes the angles; the value at zero angles.
     pub before: Quat,
-    /// The angles in radians, in the order of the axes.
+    /// Angles in radians, in axis order.
     pub angles: KeyedCurve<Vec3A>,
 }
 
 impl EulerCurve {
-    /// The rotation at a time in seconds.
+    /// Rotation at a time in seconds.
     #[must_use]
     pub fn at(&self, time: f32) -> Quat {
         self.rotation(self.angles.at(time))
     }
 
-    /// The rotation of these angles.
+    /// Rotation of the given angles in radians.
     pub(super) fn rotation(&self, angles: Vec3A) -> Quat {
         let axes = self.order.axes().map(|axis| glam::Vec3::AXES[axis]);
         let turns = axes.into_iter().zip(angles.to_array());
@@ -52,7 +52,7 @@ impl EulerCurve {
 }
 
 impl Channel {
-    /// The key times in seconds.
+    /// Key times in seconds.
     #[must_use]
     pub fn times(&self) -> &[f32] {
         match self {
@@ -62,7 +62,7 @@ impl Channel {
         }
     }
 
-    /// The property's name in messages.
+    /// Property name for messages.
     pub(crate) fn property(&self) -> Property {
         match self {
             Self::Translation(_) => Property::Translation,
@@ -72,15 +72,15 @@ impl Channel {
     }
 }
 
-/// What of a bone a channel moves.
+/// Property of a bone that a channel animates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Property {
-    /// Where it is.
+    /// Translation.
     Translation,
-    /// How it is turned, by quaternions or by angles.
+    /// Rotation, by quaternions or Euler angles.
     Rotation,
-    /// How it is scaled.
+    /// Scale.
     Scale,
 }
 

@@ -1,4 +1,4 @@
-//! A clip's channels again, as they were added.
+//! Recovery of a clip's channels.
 
 use super::{Channel, Clip};
 use crate::animation::curve::KeyedCurve;
@@ -7,9 +7,8 @@ use crate::animation::{Armature, SizeMismatch};
 use crate::skeleton::BoneId;
 
 impl Clip {
-    /// What it moves and how: a channel for each property of a bone that is not at rest all the time,
-    /// by bone. One that does not move has a single key at the clip's start. Added to a builder with
-    /// the clip's span they give the clip again.
+    /// The channels of the clip, by bone: one for each property that differs from rest at any time. A constant property
+    /// has a single key at the start of the clip. A builder that gets these channels and the span builds an equal clip.
     ///
     /// # Errors
     /// The armature is not of the clip's size.
@@ -50,7 +49,8 @@ impl Clip {
         Ok(own)
     }
 
-    /// As [`channels`](Self::channels), for the weights of morph targets, by target.
+    /// The channels of morph target weights, by target. Constant weights have a single key, as in
+    /// [`channels`](Self::channels).
     ///
     /// # Errors
     /// The armature is not of the clip's size.
@@ -74,8 +74,8 @@ impl Clip {
         Ok(own)
     }
 
-    /// The same channels and events for an armature of the same bones that are at rest elsewhere, as
-    /// [`Armature::at_rest_in`] gives it: what has no channel is at rest there.
+    /// The clip for an armature with the same bones and another rest pose, such as from [`Armature::at_rest_in`].
+    /// Channels and events are unchanged; properties without a channel take the new rest pose.
     ///
     /// # Errors
     /// One of the armatures is not of the clip's size.
@@ -93,7 +93,7 @@ impl Clip {
         let (channels, morphs) = (self.channels(own)?, self.morph_channels(own)?);
         self.check_armature(other)?;
         let mut builder = Self::builder(self.name.clone(), other);
-        // Bones and targets are this clip's, each once: nothing is refused.
+        // Bones and targets are those of this clip, each once, so no channel is rejected.
         for (bone, channel) in channels {
             let _ = builder.channel(bone, channel_now(channel));
         }
@@ -101,12 +101,12 @@ impl Clip {
             let _ = builder.morph_weight(target, weight_now(curve));
         }
         let mut rebuilt = builder.build().with_events_of(self);
-        // An empty one stays so.
+        // An empty clip stays empty.
         rebuilt.span = self.span;
         Ok(rebuilt)
     }
 
-    /// The clip with another one's events instead of its own.
+    /// The clip with the events of another clip.
     pub(in crate::animation) fn with_events_of(mut self, other: &Self) -> Self {
         self.events.clone_from(&other.events);
         self

@@ -1,28 +1,27 @@
-//! Where a clip was sampled last.
+//! Playback cursors of clips.
 
 use std::sync::{Arc, Weak};
 
 use super::tracks::{Segments, Tracks};
 
-/// Where a clip was sampled last: the keys around that time, so that a frame of playback only takes
-/// up the keys that it passes. It may be used with any clip and any time; a change of clip or a leap
-/// in time only costs a search.
+/// Playback cursor: the keys around the last sample time. During playback, a sample then only processes the keys passed
+/// since. A cursor is valid for any clip and time; a change of clip or a seek costs a search.
 #[derive(Clone, Debug, Default)]
 pub struct Cursor {
-    /// Whose segments these are. A weak reference keeps no keys, but keeps their address from being
-    /// used again.
+    /// Tracks to which the segments belong. The weak reference does not keep the keys alive, but prevents reuse of
+    /// their address.
     of: Weak<Tracks>,
     segments: Segments,
 }
 
 impl Cursor {
-    /// At the start of whatever clip.
+    /// A cursor at the start of any clip.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// What it keeps of these tracks.
+    /// The segments stored for these tracks.
     #[inline]
     pub(super) fn on(&mut self, tracks: &Arc<Tracks>) -> &mut Segments {
         if self.of.as_ptr() != Arc::as_ptr(tracks) {

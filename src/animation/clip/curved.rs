@@ -1,4 +1,4 @@
-//! Curves that are sampled one by one: steps, cubics, angles and morph weights.
+//! Curves sampled one by one: steps, cubics, Euler angles and morph weights.
 
 use super::timelines::{Progress, Timelines, Track};
 
@@ -9,7 +9,7 @@ pub(super) struct Curved<C> {
     tracks: Vec<Track<C>>,
 }
 
-/// Between which keys a cursor is.
+/// Segments between keys at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CurveSegments {
     progress: Progress,
@@ -19,9 +19,9 @@ pub(super) struct CurveSegments {
 #[derive(Clone, Copy, Debug, Default)]
 struct CurveSegment {
     key: usize,
-    /// When it starts, in seconds.
+    /// Start time, seconds.
     start: f32,
-    /// One over how long it lasts.
+    /// Reciprocal of the duration, 1/s.
     rate: f32,
 }
 
@@ -52,7 +52,7 @@ impl<C> Curved<C> {
         }
     }
 
-    /// Writes for each curve what `value` says at a key and u in [0, 1] of the way to the next.
+    /// Writes `value` of each curve at a key and u in [0, 1] towards the next key.
     pub(super) fn sample<V>(
         &self,
         time: f32,
@@ -70,7 +70,7 @@ impl<C> Curved<C> {
         });
         for (track, segment) in self.tracks.iter().zip(segments) {
             let u = (time - segment.start) * segment.rate;
-            // Not `clamp`, which would keep the NaN of a segment too short for its rate.
+            // `clamp` would keep the NaN of a segment whose reciprocal duration overflows.
             let u = if u > 0.0 { u.min(1.0) } else { 0.0 };
             out[track.target] = value(&track.curve, segment.key, u);
         }

@@ -1,121 +1,119 @@
-//! What can be wrong with the parts of a clip.
+//! Errors of clips and their parts.
 
 use super::Property;
 use crate::SizeMismatch;
 use crate::animation::curve::KeyError;
 
-/// Why parts do not make a clip.
+/// Error of a clip or of one of its parts.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChannelError {
-    /// Two channels move one property of one bone.
-    #[error("bone `{bone}` has a {property} channel already")]
+    /// Two channels for one property of one bone.
+    #[error("bone `{bone}`: a {property} channel exists already; a bone takes one")]
     Duplicate {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
         /// The property.
         property: Property,
     },
-    /// Two channels move one morph target.
-    #[error("morph target `{target}` has a channel already")]
+    /// Two channels for one morph target.
+    #[error("morph target `{target}`: a channel exists already; a target takes one")]
     DuplicateTarget {
-        /// The target.
+        /// Name of the target.
         target: String,
     },
-    /// A bone of another armature.
-    #[error("bone {bone} does not exist; the armature has {bones}")]
+    /// Bone of another armature.
+    #[error("bone {bone} does not exist; the armature has {bones} bones")]
     UnknownBone {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// How many bones there are.
+        /// Number of bones.
         bones: usize,
     },
-    /// A morph target that does not exist.
-    #[error("morph target {target} does not exist; the armature has {targets}")]
+    /// Morph target of another armature.
+    #[error("morph target {target} does not exist; the armature has {targets} targets")]
     UnknownTarget {
-        /// The target's index.
+        /// Index of the target.
         target: usize,
-        /// How many there are.
+        /// Number of morph targets.
         targets: usize,
     },
-    /// Values for several morph targets that are not one for each key and target.
-    #[error("{given} morph weights for {keys} keys of {targets} targets")]
+    /// The number of morph weights is not keys × targets.
+    #[error("{given} morph weights; {keys} keys of {targets} targets need one weight each")]
     WeightCount {
-        /// How many weights were given.
+        /// Number of weights given.
         given: usize,
-        /// How many key times.
+        /// Number of key times.
         keys: usize,
-        /// How many morph targets.
+        /// Number of morph targets.
         targets: usize,
     },
-    /// The keys of a channel.
+    /// Invalid keys of a channel.
     #[error(transparent)]
     Keys(#[from] KeyError),
-    /// The keys of a bone's angles.
+    /// Invalid keys of a bone's Euler angles.
     #[error("bone `{bone}`: {problem}")]
     BoneKeys {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// What is wrong with them.
+        /// The error of the keys.
         #[source]
         problem: KeyError,
     },
-    /// The keys of a morph target's weight.
+    /// Invalid keys of a morph target's weight.
     #[error("morph target `{target}`: {problem}")]
     TargetKeys {
-        /// The target.
+        /// Name of the target.
         target: String,
-        /// What is wrong with them.
+        /// The error of the keys.
         #[source]
         problem: KeyError,
     },
-    /// The rotation before an Euler channel's angles is not one.
-    #[error("bone `{bone}`: the rotation before the angles is not of unit length")]
+    /// The rotation before an Euler channel's angles is not a unit quaternion.
+    #[error("bone `{bone}`: the rotation before the angles must be a unit quaternion")]
     BadRotation {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// A pose of another armature.
+    /// Pose of another armature.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// So many keys a second that there would be none or millions.
+    /// Number of keys per second that results in no key or in too many.
     #[error(
-        "{keys_per_second} keys a second; it must be a number above 0 that makes fewer than four million keys"
+        "sample rate {keys_per_second} keys/s: it must be above 0 and give fewer than four million keys"
     )]
     BadRate {
-        /// What was asked for.
+        /// Requested keys per second.
         keys_per_second: f64,
     },
-    /// Seconds that are not within a clip.
-    #[error(
-        "{given} s of a clip that lasts {duration} s; it must be a number above 0 and no more than that"
-    )]
+    /// Time that is not within the clip.
+    #[error("time {given} s is outside (0, {duration}] s, the length of the clip")]
     NotWithin {
-        /// What was asked for.
+        /// Requested time, seconds.
         given: f64,
-        /// How long the clip lasts.
+        /// Duration of the clip, seconds.
         duration: f64,
     },
-    /// An axis without a direction.
-    #[error("the axis up, {up:?}, is not finite or has no direction")]
+    /// Up axis without a direction.
+    #[error("up axis {up:?}: it must be finite and not zero")]
     BadUp {
-        /// What was given.
+        /// The vector given.
         up: [f32; 3],
     },
-    /// An event at a time that is not finite.
-    #[error("event `{event}`: the time {time} is not finite")]
+    /// Event at a time that is NaN or infinite.
+    #[error("event `{event}`: the time {time} s is not finite")]
     EventTime {
-        /// Its name.
+        /// Name of the event.
         event: String,
-        /// In seconds.
+        /// Time, seconds.
         time: f32,
     },
-    /// A span of time that is not one.
-    #[error("the span from {start} s to {end} s is not finite or ends before it starts")]
+    /// Span that is not finite or ends before it starts.
+    #[error("span [{start}, {end}] s: both times must be finite and the end not before the start")]
     BadSpan {
-        /// In seconds.
+        /// Start, seconds.
         start: f32,
-        /// In seconds.
+        /// End, seconds.
         end: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! Events at times of a clip, each fired exactly once as playback passes.
+//! Events of a clip; each fires exactly once when playback passes it.
 
 use std::iter::successors;
 
@@ -6,38 +6,37 @@ use super::{Clip, Passage};
 use crate::animation::Playback;
 use crate::interruption::is_stopped;
 
-/// Something that happens at a time of a clip: a foot lands, a sound starts.
+/// Named event at a time of a clip, such as a footfall or a sound.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
-    /// In seconds of the clip's own time.
+    /// Clip time, seconds.
     pub time: f32,
-    /// What happens.
+    /// Name of the event.
     pub name: String,
 }
 
-/// An event that playback passed.
+/// Event that playback passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Fired<'a> {
-    /// Which one.
+    /// The event.
     pub event: &'a Event,
-    /// When, in seconds since playback started.
+    /// Time since playback started, seconds.
     pub elapsed: f64,
 }
 
 impl Clip {
-    /// The clip's events, sorted by time.
+    /// The events of the clip, sorted by time.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// The events that a passage of playback goes by, in the order in which it meets them. In a
-    /// chain of passages, such as a [`Playhead`](super::Playhead) makes, each event fires exactly
-    /// once each time it is passed: at any lengths of steps, over the ends of loops, and on the way
-    /// back of ping-pong (once at its turning points). They are found as they are asked for: a passage
-    /// of a million loops has a million times the events.
+    /// The events passed during a passage, in playback order. In a chain of passages from a
+    /// [`Playhead`](super::Playhead), each event fires once per pass. This holds for any step size, across loop ends
+    /// and backwards in ping-pong, with one firing at turning points. The iterator is lazy: a passage of n loops yields
+    /// the events n times.
     pub fn fired(&self, playback: Playback, passage: Passage) -> impl Iterator<Item = Fired<'_>> {
         let [start, end] = self.span().map(f64::from);
         let length = end - start;
@@ -50,7 +49,7 @@ impl Clip {
             .iter()
             .filter(within)
             .map(move |event| (event, f64::from(event.time) - start));
-        // Turning points belong to the way there.
+        // Turning points belong to the forward direction.
         let back = there
             .clone()
             .rev()
@@ -59,7 +58,7 @@ impl Clip {
         let cycle: Vec<(&Event, f64)> = there.chain(back).collect();
 
         let [low, high] = [passage.from.min(passage.to), passage.from.max(passage.to)];
-        // One more on either side, because an event at a cycle's end fires as the next one starts.
+        // One more cycle at each end: an event at a cycle's end fires at the start of the next cycle.
         let [first, last] = match repeats {
             true => [(low / period).floor() - 1.0, (high / period).floor() + 1.0],
             false => [0.0, 0.0],
@@ -68,20 +67,19 @@ impl Clip {
         let step = if forwards { 1.0 } else { -1.0 };
         let cycles = successors(Some(if forwards { first } else { last }), move |k| {
             let next = k + step;
-            // Beyond 2^53 cycles the next one is the same number.
+            // Above 2^53 cycles, adding one does not change the number.
             (next != *k && (first..=last).contains(&next)).then_some(next)
         });
         // Without events in the span no cycle has any.
         let cycles = cycles.take(if cycle.is_empty() { 0 } else { usize::MAX });
         let cycles = cycles.take_while(|_| !is_stopped());
         cycles.flat_map(move |k| {
-            // The same expression for the same event and cycle always, so that passages which meet
-            // at a time agree on which side of it an event is.
+            // One expression for the time of an event in a cycle, so adjacent passages agree on which side an event is.
             let mut events: Vec<Fired<'_>> = cycle
                 .iter()
                 .map(|&(event, at)| (event, at, k * period + at))
                 .filter(|&(_, at, elapsed)| {
-                    // A loop that starts here does not play the other cycle that meets here.
+                    // A loop that starts here does not play the previous cycle's end.
                     let other = if forwards { length } else { 0.0 };
                     let meets = playback == Playback::Loop && elapsed == passage.from;
                     passage.passes(elapsed) && !(repeats && meets && at == other)

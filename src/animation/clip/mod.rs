@@ -1,4 +1,4 @@
-//! Clips: keyed channels of many bones, sampled a whole pose at a time.
+//! Animation clips: keyed channels of many bones, sampled one pose at a time.
 
 mod bones;
 mod builder;
@@ -35,8 +35,7 @@ use std::sync::Arc;
 use self::tracks::Tracks;
 use super::{Armature, Pose, SizeMismatch};
 
-/// Motion of an armature's bones and morph targets over a span of time. What has no channel is at
-/// rest.
+/// Motion of an armature's bones and morph targets over a span of time. Properties without a channel are at rest.
 ///
 /// ```
 /// use glam::{Quat, Vec3A};
@@ -74,10 +73,10 @@ use super::{Armature, Pose, SizeMismatch};
 )]
 pub struct Clip {
     name: String,
-    /// None of a motion of no frames.
+    /// `None` for a motion without frames.
     span: Option<[f32; 2]>,
     tracks: Arc<Tracks>,
-    /// What does not move.
+    /// Values of properties that do not move.
     constant: Pose,
     events: Vec<Event>,
 }
@@ -90,42 +89,42 @@ impl Clip {
     }
 
     getters! {
-        /// Its name.
+        /// Name of the clip.
         pub fn name(&self) -> &str = &self.name;
-        /// The first and last moment, in seconds; both 0 where it [is empty](Self::is_empty).
+        /// First and last time in seconds; both 0 if the clip [is empty](Self::is_empty).
         pub fn span(&self) -> [f32; 2] = self.span.unwrap_or_default();
-        /// Whether it has no moment at all, as what a file of motion capture without frames holds; the rest pose that is
-        /// sampled then is nobody's.
+        /// True if the clip has no frames, like a motion capture file without samples. Sampling an empty clip gives the
+        /// rest pose.
         pub fn is_empty(&self) -> bool = self.span.is_none();
-        /// How many bones it is for.
+        /// Number of bones.
         pub fn bones(&self) -> usize = self.constant.bones();
     }
 
-    /// The same, of no frames.
+    /// The clip, marked as having no frames.
     pub(crate) fn without_frames(mut self) -> Self {
         self.span = None;
         self
     }
 
-    /// Its first moment, in seconds of the file.
+    /// First time of the clip in seconds, as stored in the file.
     #[must_use]
     pub fn start(&self) -> f64 {
         self.span()[0].into()
     }
 
-    /// How long it lasts, in seconds.
+    /// Duration, seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        // Single precision would round, and a loop's end would be its start.
+        // Single precision would round the duration and merge the end of a loop with its start.
         f64::from(self.span()[1]) - self.start()
     }
 
     setters! {
-        /// The same motion under another name.
+        /// The clip under another name.
         pub fn renamed(mut self, name: impl Into<String>) { self.name = name.into() }
     }
 
-    /// Whether it is for an armature of this one's size.
+    /// Checks that the armature is of the clip's size.
     pub(in crate::animation) fn check_armature(
         &self,
         armature: &Armature,
@@ -133,11 +132,13 @@ impl Clip {
         armature.rest().check_same_size(&self.constant)
     }
 
-    /// Writes the whole pose at `time`, in seconds of the file as in [`span`](Self::span) and [`events`](Self::events), taken into the
-    /// span by `playback`. NaN counts as the start. Rotations run at constant angular speed between linear
-    /// keys (slerp, not nlerp); at key times all values are the keys' to rounding.
+    /// Writes the pose at `time`, in seconds of the file as in [`span`](Self::span) and [`events`](Self::events).
+    ///
+    /// `playback` maps the time into the span; NaN counts as the start. Rotations between linear keys have constant
+    /// angular speed (slerp, not nlerp). Values at key times equal the keys up to rounding.
     ///
     /// # Errors
+    /// The pose is of another armature's size.
     /// The pose is of another armature's size.
     pub fn sample(
         &self,

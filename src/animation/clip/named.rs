@@ -1,32 +1,32 @@
-//! Clips by name: programs write `Armature|Walk` where people say `Walk`.
+//! Lookup of clips by name. A short name is accepted: `Walk` for `Armature|Walk`.
 
 use super::Clip;
 use crate::model::UnknownName;
 
-/// Why a name means no clip.
+/// Error of a clip lookup by name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClipNameError {
-    /// No clip has the name, nor one that ends with it.
+    /// No clip name equals or ends with the name.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
-    /// Several names end with it.
+    /// Several clip names end with the name.
     #[error("clip name `{name}` may mean {}", clips.join(" or "))]
     Ambiguous {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The whole names of the clips that it may mean, in their order.
+        /// Full names of the matching clips, in their order.
         clips: Vec<String>,
     },
 }
 
 impl Clip {
-    /// The clip of a name among `clips`; of several with one name the first. Where none has the name,
-    /// the one whose name ends with it after a sign: `Walk` means `Armature|Walk`, but neither
-    /// `SlowWalk` nor `Walk.001`.
+    /// Finds a clip by name among `clips`; the first one if several have that name. Without an exact match, a clip
+    /// whose name ends with `name` after a separator is found. `Walk` matches `Armature|Walk`, but not `SlowWalk` or
+    /// `Walk.001`.
     ///
     /// # Errors
-    /// An unknown name, with the valid ones; several that end with it, by name.
+    /// The name is unknown or ambiguous; the error lists the names.
     pub fn named<'c>(
         clips: impl IntoIterator<Item = &'c Self>,
         name: &str,
@@ -37,7 +37,7 @@ impl Clip {
     }
 }
 
-/// Where the name that is meant stands.
+/// Index of the name that matches.
 pub(crate) fn position<'n>(
     names: impl Iterator<Item = &'n str> + Clone,
     name: &str,
@@ -61,7 +61,7 @@ pub(crate) fn position<'n>(
     }
 }
 
-/// Whether a name ends with a part after a sign.
+/// True if a name ends with `part` after a separator.
 fn ends_with(own: &str, part: &str) -> bool {
     let before = own.strip_suffix(part).filter(|_| !part.is_empty());
     let sign = before.and_then(|before| before.chars().next_back());

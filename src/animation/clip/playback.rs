@@ -1,25 +1,24 @@
-//! What a clip does outside its own span of time.
+//! Playback modes: extrapolation of a clip outside its span.
 
-/// What happens before the first and after the last key.
+/// Extrapolation before the first and after the last key.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Deserialize, serde::Serialize,
 )]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Playback {
-    /// The first pose before the clip, the last one after it.
+    /// Holds the first pose before the clip and the last pose after it.
     #[default]
     Hold,
-    /// The clip again, with the period of its span. Within the span, both ends included, it plays
-    /// as it is.
+    /// Repeats the clip with the period of its span. Both ends of the span are played as they are.
     Loop,
-    /// The clip forwards, then backwards, with twice the period of its span.
+    /// Plays the clip forwards, then backwards, with twice the period of its span.
     PingPong,
 }
 
 impl Playback {
-    /// The time within the span `[start, end]` that looks as `time` does; all in seconds. NaN, and
-    /// an infinite time of motion that repeats, counts as the start.
+    /// Maps a time to the span `[start, end]`, all in seconds. NaN maps to the start, as does an infinite time in a
+    /// repeating mode.
     #[must_use]
     pub fn within(self, time: f64, [start, end]: [f64; 2]) -> f64 {
         if (start..=end).contains(&time) || start >= end {

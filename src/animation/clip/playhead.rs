@@ -1,30 +1,29 @@
-//! Where playback of a clip is.
+//! Playback position of a clip.
 
-/// Time that passes while a clip plays, at a speed that may be negative.
+/// Playback position that advances at a speed, which may be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playhead {
     elapsed: f64,
     started: bool,
-    /// How many seconds of the clip pass in a second; negative plays backwards.
+    /// Clip seconds per second; negative plays backwards.
     pub speed: f64,
 }
 
-/// The stretch of time between two moments of playback, in seconds since it started. A chain of
-/// passages covers each moment once: the later end belongs to a passage, the earlier one only where
-/// playback starts there.
+/// Interval between two playback positions, in seconds since playback started. It includes `to`, and includes `from`
+/// only if playback starts there. A chain of passages thus covers each time once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Passage {
-    /// Where playback was.
+    /// Position at the start of the passage, seconds.
     pub from: f64,
-    /// Where it is now; before `from` when it plays backwards.
+    /// Position at the end of the passage, seconds; less than `from` in backward playback.
     pub to: f64,
-    /// Whether playback started at `from`.
+    /// True if playback started at `from`.
     pub starts: bool,
 }
 
 impl Passage {
-    /// Whether a moment lies in it.
+    /// True if the passage includes a time.
     pub(super) fn passes(&self, moment: f64) -> bool {
         let Self { from, to, starts } = *self;
         if moment == from {
@@ -41,13 +40,13 @@ impl Default for Playhead {
 }
 
 impl Playhead {
-    /// At the start, at normal speed.
+    /// Playhead at the start, at normal speed.
     #[must_use]
     pub fn new() -> Self {
         Self::starting_at(0.0)
     }
 
-    /// So many seconds after the start.
+    /// Playhead at `elapsed` seconds after the start.
     #[must_use]
     pub fn starting_at(elapsed: f64) -> Self {
         Self {
@@ -57,7 +56,7 @@ impl Playhead {
         }
     }
 
-    /// Plays on for so many seconds; not at all for a number that is not finite.
+    /// Advances by the given seconds. Does nothing if the number is not finite.
     pub fn advance(&mut self, seconds: f64) -> Passage {
         let from = self.elapsed;
         let step = seconds * self.speed;
@@ -73,7 +72,7 @@ impl Playhead {
         }
     }
 
-    /// Seconds of the clip since playback started. The clip's start plus these is the time for [`Clip::sample`](super::Clip::sample).
+    /// Clip seconds since playback started. Add the clip's start for the time of [`Clip::sample`](super::Clip::sample).
     #[must_use]
     pub fn elapsed(&self) -> f64 {
         self.elapsed

@@ -1,4 +1,4 @@
-//! Rotations at constant speed from key to key.
+//! Rotation tracks with constant angular speed between keys.
 
 use glam::{Quat, Vec4};
 
@@ -7,32 +7,32 @@ use super::slerp_arcs::{Arc, weights};
 use super::timelines::{Progress, Segment, Timelines, Track};
 use crate::animation::rotation::RotationCurve;
 
-/// How many tracks are sampled at a time.
+/// Number of tracks sampled at once.
 const WIDTH: usize = 4;
 
-/// Rotations of bones.
+/// Rotation tracks of bones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Slerps {
     timelines: Timelines,
     bones: Bones,
     keys: Vec<Quat>,
-    /// From each key to the track's next; meaningless at its last.
+    /// Arc from each key to the next of the track; unused at the last key.
     arcs: Vec<Arc>,
 }
 
-/// Between which keys a cursor is.
+/// Segments between keys at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlerpSegments {
     progress: Progress,
     groups: Vec<Group>,
 }
 
-/// The ways from one key to the next of some tracks.
+/// Arcs between two keys for a group of tracks.
 #[derive(Clone, Copy, Debug, Default)]
 struct Group {
-    /// When they start, in seconds.
+    /// Start times, seconds.
     start: [f32; WIDTH],
-    /// One over how long they last.
+    /// Reciprocal durations, 1/s.
     rate: [f32; WIDTH],
     squared: [f32; WIDTH],
     ratio: [f32; WIDTH],
@@ -51,7 +51,7 @@ impl Group {
         self.to[lane] = to;
     }
 
-    /// The rotations at a time, which stands in all four.
+    /// Rotations at a time, which is repeated in all four lanes.
     #[inline(always)]
     fn at(&self, time: Vec4) -> [Quat; WIDTH] {
         let [start, rate] = [self.start, self.rate].map(Vec4::from_array);
@@ -83,7 +83,7 @@ impl Slerps {
         self.bones.list.len()
     }
 
-    /// The tracks again.
+    /// The tracks as curves.
     pub(super) fn tracks(&self) -> impl Iterator<Item = Track<RotationCurve>> + '_ {
         self.bones
             .tracks(&self.timelines, &self.keys, RotationCurve::slerp)
@@ -124,7 +124,7 @@ impl Slerps {
     }
 }
 
-/// From each key to the next, and nowhere from the last.
+/// Arcs from each key to the next; a placeholder at the last key.
 fn arcs(curve: &RotationCurve) -> Vec<Arc> {
     let keys = curve.rotations();
     let ends = keys.iter().skip(1).chain(keys.last());

@@ -1,5 +1,4 @@
-//! A clip as serde writes it: what moves, by its curves, and what does not. One that is read is built
-//! anew.
+//! Serde form of a clip: curves of moving properties and values of constant ones. Reading rebuilds the clip.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,13 +12,13 @@ pub(super) struct Parts {
     name: String,
     span: Option<[f32; 2]>,
     channels: Vec<(BoneId, Channel)>,
-    /// By morph target.
+    /// Morph target and its curve.
     morphs: Vec<(usize, KeyedCurve<f32>)>,
     constant: Pose,
     events: Vec<Event>,
 }
 
-/// Why parts that are read are no clip.
+/// Error of clip parts in the serialised form.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum PartsError {
     #[error(transparent)]
@@ -47,7 +46,7 @@ impl TryFrom<Parts> for Clip {
     type Error = PartsError;
 
     fn try_from(parts: Parts) -> Result<Self, PartsError> {
-        // An armature whose rest is what does not move: clips know no names.
+        // An armature whose rest pose is the constant part; clips do not store bone names.
         let still = &parts.constant;
         let bones = (0..still.bones()).map(|index| ArmatureBone {
             name: index.to_string(),

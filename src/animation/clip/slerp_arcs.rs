@@ -1,26 +1,26 @@
-//! Rotation keys ready for slerp without trigonometry at run time.
+//! Rotation keys prepared for slerp without trigonometry at run time.
 //!
-//! slerp's weights are sin((1−t)Ω)/sin Ω and sin(tΩ)/sin Ω, with Ω at most π/2 after the choice of
-//! side. Ω is the same on every frame between two keys, so Ω² and Ω/sin Ω are kept with them, and
-//! sin x / x is a polynomial in x²: the one of degree 8 with the least relative error for x up to π/2
-//! (Remez; 5.3e-9). Then t Ω/sin Ω · P(t²Ω²) is the weight, exact to single precision for all angles,
-//! zero included.
+//! The weights of slerp are sin((1−t)Ω)/sin Ω and sin(tΩ)/sin Ω. After the choice of sign Ω is at most π/2.
+//!
+//! Ω is constant between two keys, so Ω² and Ω/sin Ω are stored with them. sin x / x is a polynomial in x² of degree 8
+//! in x. It has the least relative error up to π/2 (Remez; 5.3e-9). The weight t · Ω/sin Ω · P(t²Ω²) is exact to single
+//! precision for all angles, including zero.
 
 use glam::{Quat, Vec4};
 
 use crate::scalar::elementary;
 
-/// The arc from one key to the next.
+/// Arc from one key to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Arc {
-    /// Ω²: the angle between the unit quaternions, squared, in radians.
+    /// Ω²: squared angle between the unit quaternions, rad².
     pub(super) squared: f32,
     /// Ω / sin Ω.
     pub(super) ratio: f32,
 }
 
 impl Arc {
-    /// From one unit quaternion to another on its side.
+    /// Arc between two unit quaternions on the same hemisphere.
     pub(super) fn between(from: Quat, to: Quat) -> Self {
         let (from, to) = (from.as_dquat(), to.as_dquat());
         let cosine = from.dot(to).clamp(-1.0, 1.0);

@@ -1,74 +1,72 @@
-//! Key times, and the order in which playback comes to them.
+//! Key times, and the order in which playback passes them.
 //!
-//! Tracks keyed together share a timeline. Where playback leaves one segment between keys for the
-//! next is written down once for all timelines, in order of time, so that a frame looks only at what
-//! changes in it: the cost of a track that stays between its keys is nothing here.
+//! Tracks with common key times share a timeline. The transitions between segments of all timelines are stored in one
+//! list, ordered by time. A frame only visits the transitions it passes; a track between its keys costs nothing here.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// The timelines of all tracks of one kind.
+/// Timelines of all tracks of one kind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Timelines {
     timelines: Vec<Timeline>,
-    /// The key times of all timelines, end to end.
+    /// Key times of all timelines, concatenated.
     times: Vec<f32>,
-    /// When playback comes to a key that is neither first nor last on its timeline, in order.
+    /// Times of all keys that are neither first nor last on their timeline, sorted.
     moments: Vec<f32>,
-    /// Which key that is.
+    /// The key at each of these times.
     keys: Vec<TimelineKey>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 struct Timeline {
     first: TimelineKey,
-    /// At least two.
+    /// Number of keys, at least two.
     keys: usize,
 }
 
-/// A key time of all tracks of a timeline. Its numbers are narrow, as there is one for each time.
+/// Key of all tracks of a timeline. The fields are 32 bits wide, to keep the list compact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TimelineKey {
-    /// Counted on its timeline.
+    /// Index on the timeline.
     key: u32,
-    /// Where its time is.
+    /// Index of the time.
     time: u32,
-    /// Where its values are, one for each track, and those of the next key after them.
+    /// Index of the values, one for each track; those of the next key follow.
     values: u32,
-    /// The timeline's tracks, which follow one another.
+    /// First track of the timeline; its tracks are consecutive.
     first_track: u32,
     tracks: u32,
 }
 
-/// The way from a key to the next, for all tracks of a timeline.
+/// Segment between two adjacent keys, for all tracks of a timeline.
 #[derive(Clone, Debug)]
 pub(super) struct Segment {
     pub(super) tracks: Range<usize>,
-    /// The key it starts at, counted on its timeline.
+    /// Index on the timeline of the key at the start.
     pub(super) key: usize,
-    /// Where the values at its start are in [`Timelines::in_order`], one for each track; those at
-    /// its end follow them.
+    /// Index in [`Timelines::in_order`] of the values at the start, one for each track; those at the end follow.
     pub(super) values: usize,
-    /// When it starts, in seconds.
+    /// Start time, seconds.
     pub(super) start: f32,
-    /// One over how long it lasts.
+    /// Reciprocal of the duration, 1/s.
     pub(super) rate: f32,
 }
 
-/// How many moments a cursor has passed; `None` before its first look.
+/// Number of key times that a cursor has passed; `None` before its first sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Progress(Option<usize>);
 
-/// Something that moves along a curve with at least two keys.
+/// Animated property with a curve of at least two keys.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Track<C> {
-    /// The bone's index, or the morph target's.
+    /// Index of the bone or morph target.
     pub(super) target: usize,
     pub(super) curve: C,
 }
 
 impl TimelineKey {
-    /// The timeline's key so many after this one.
+    /// The key that is `keys` later on the timeline.
     fn on(self, keys: usize) -> Self {
         let keys = keys as u32;
         Self {
@@ -91,7 +89,7 @@ impl TimelineKey {
 }
 
 impl Timelines {
-    /// Puts tracks that share their key times next to one another.
+    /// Orders tracks such that tracks with common key times are adjacent.
     pub(super) fn arrange<C>(
         mut tracks: Vec<Track<C>>,
         times: impl Fn(&C) -> &[f32],
@@ -138,8 +136,8 @@ impl Timelines {
         self.moments = self.keys.iter().map(time).collect();
     }
 
-    /// Goes on to `time` and enters, in turn, the segments that begin (or, backwards, end) on the
-    /// way. The last one entered of each timeline is the one that `time` is in, or the nearest.
+    /// Advances to `time` and calls `enter` for each segment that begins, or ends in backward playback, on the way. The
+    /// last segment entered on each timeline contains `time` or is nearest to it.
     #[inline]
     pub(super) fn follow(
         &self,
@@ -164,7 +162,7 @@ impl Timelines {
         progress.0 = Some(back);
     }
 
-    /// Whether following is cheaper than searching.
+    /// True if following is cheaper than searching.
     fn is_near(&self, from: usize, time: f32) -> bool {
         let few = 4 * self.timelines.len();
         let is_beyond = self.moments.get(from + few).is_some_and(|&m| m <= time);
@@ -172,7 +170,7 @@ impl Timelines {
         !(is_beyond || before.is_some_and(|moment| moment > time))
     }
 
-    /// Enters the segment of each timeline, wherever it is.
+    /// Enters the segment at `time` of each timeline, by binary search.
     #[cold]
     fn search(&self, time: f32, mut enter: impl FnMut(&Segment)) -> usize {
         for timeline in &self.timelines {
@@ -197,7 +195,7 @@ impl Timelines {
         }
     }
 
-    /// The key times of each track, and out of values [in order](Self::in_order) its own.
+    /// Key times and values of each track, extracted from values [in order](Self::in_order).
     pub(super) fn by_track<V: Copy>(&self, values: &[V]) -> Vec<(Vec<f32>, Vec<V>)> {
         let timelines = self.timelines.iter();
         let tracks = timelines.flat_map(|timeline| {
@@ -213,8 +211,8 @@ impl Timelines {
         tracks.collect()
     }
 
-    /// Puts the keys of tracks that were [arranged](Self::arrange) in the order that
-    /// [`Segment::values`] counts in: those of one moment side by side.
+    /// Orders the keys of [arranged](Self::arrange) tracks as counted by [`Segment::values`]: values of one time are
+    /// adjacent.
     pub(super) fn in_order<'a, V: Copy + 'a>(&self, keys: impl Fn(usize) -> &'a [V]) -> Vec<V> {
         let timelines = self.timelines.iter();
         let places = timelines.flat_map(|timeline| {

@@ -1,4 +1,4 @@
-//! A clip's channels as they are sampled, by kind.
+//! Sampling form of a clip's channels, by kind.
 
 use glam::Vec3A;
 
@@ -25,7 +25,7 @@ pub(super) struct Tracks {
     morphs: Curved<KeyedCurve<f32>>,
 }
 
-/// Between which keys of all channels a cursor is.
+/// Segments of all channels at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Segments {
     translations: VectorSegments,
@@ -38,7 +38,7 @@ pub(super) struct Segments {
     morphs: CurveSegments,
 }
 
-/// Curves with at least two keys, by what they move.
+/// Curves with at least two keys, by property.
 #[derive(Debug, Default)]
 pub(super) struct Curves {
     pub(super) translations: Vec<Track<KeyedCurve<Vec3A>>>,
@@ -49,7 +49,7 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// What moves bones, by property.
+    /// Channels of bones, by property.
     pub(super) fn channels(self) -> impl Iterator<Item = (BoneId, Channel)> {
         fn of<C>(
             tracks: Vec<Track<C>>,
@@ -85,7 +85,7 @@ impl Tracks {
         }
     }
 
-    /// The curves again.
+    /// The tracks as curves.
     pub(super) fn curves(&self) -> Curves {
         let vectors = |straight: &Vectors, curved: &Curved<KeyedCurve<Vec3A>>| {
             let curved = curved.tracks().iter().cloned();
@@ -101,7 +101,7 @@ impl Tracks {
         }
     }
 
-    /// What a cursor keeps, before its first look.
+    /// Segments of a cursor before its first sample.
     pub(super) fn start(&self) -> Segments {
         Segments {
             translations: self.translations.start(),
@@ -115,7 +115,7 @@ impl Tracks {
         }
     }
 
-    /// Copies what the tracks do not write: nothing of a property that every bone has a track for.
+    /// Copies the constant values; skips a property if every bone has a track for it.
     pub(super) fn fill_constant(&self, constant: &Pose, pose: &mut Pose) {
         let bones = constant.bones();
         if self.translations.count() + self.curved_translations.count() < bones {

@@ -1,4 +1,4 @@
-//! Translations and scales that run straight from key to key.
+//! Translation and scale tracks with linear interpolation.
 
 use glam::{Vec3A, Vec4, Vec4Swizzles};
 
@@ -6,7 +6,7 @@ use super::bones::Bones;
 use super::timelines::{Progress, Segment, Timelines, Track};
 use crate::animation::curve::KeyedCurve;
 
-/// Vectors of bones.
+/// Vector tracks of bones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Vectors {
     timelines: Timelines,
@@ -14,19 +14,19 @@ pub(super) struct Vectors {
     keys: Vec<Vec3A>,
 }
 
-/// Between which keys a cursor is.
+/// Segments between keys at which a cursor is.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VectorSegments {
     progress: Progress,
     segments: Vec<VectorSegment>,
 }
 
-/// The way from one key to the next.
+/// Segment between two keys.
 #[derive(Clone, Copy, Debug, Default)]
 struct VectorSegment {
-    /// The value at its start; w is when that is.
+    /// Value at the start; w is the start time in seconds.
     start: Vec4,
-    /// How much the value changes; w is one over how long that takes.
+    /// Change of the value; w is the reciprocal of the duration, 1/s.
     change: Vec4,
 }
 
@@ -39,7 +39,7 @@ impl VectorSegment {
         }
     }
 
-    /// The value at a time, which stands in all four.
+    /// Value at a time, which is repeated in all four lanes.
     #[inline(always)]
     fn at(&self, time: Vec4) -> Vec3A {
         let u = (time - self.start.wwww()) * self.change.wwww();
@@ -62,7 +62,7 @@ impl Vectors {
         self.bones.list.len()
     }
 
-    /// The tracks again.
+    /// The tracks as curves.
     pub(super) fn tracks(&self) -> impl Iterator<Item = Track<KeyedCurve<Vec3A>>> + '_ {
         self.bones
             .tracks(&self.timelines, &self.keys, KeyedCurve::linear)

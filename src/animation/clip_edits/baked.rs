@@ -1,20 +1,20 @@
-//! Poses as a clip: what was solved, simulated or captured, and any clip by samples.
+//! Clips from sampled poses.
 
 use crate::SizeMismatch;
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, check_count, check_times};
 use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
 
-/// More samples than this are a slip.
+/// Largest number of samples.
 const MOST_SAMPLES: f64 = 4e6;
-/// A last sample that rounding puts this share of a step too late still counts, or as many times what single precision can
-/// tell apart there.
+/// Rounding tolerance of the last sample time, as a fraction of a step. It is raised to `ROUNDINGS` increments of
+/// single precision.
 const SLACK: f64 = 1e-6;
 const ROUNDINGS: f64 = 4.0;
 
 impl Clip {
-    /// A clip through poses at times in seconds, which rise: straight from pose to pose, rotations by slerp. What is the same in all
-    /// poses has one key, and none where it is at rest.
+    /// Clip through poses at increasing times in seconds. Values between poses are linear, rotations use slerp. A
+    /// property that is equal in all poses has one key, or none if it is at rest.
     ///
     /// ```
     /// use kinopt::animation::{Armature, Clip};
@@ -29,7 +29,9 @@ impl Clip {
     /// ```
     ///
     /// # Errors
-    /// No poses, not one for each time, times that do not rise, or a pose of another armature.
+    /// - There are no poses, or not one for each time.
+    /// - The times do not increase.
+    /// - A pose is of another armature.
     pub fn through_poses(
         name: impl Into<String>,
         armature: &Armature,
@@ -74,16 +76,18 @@ impl Clip {
         Ok(builder.build())
     }
 
-    /// The clip by samples: so many keys a second from its start to its end, with straight lines between them. Events stay.
+    /// Samples the clip at `keys_per_second` from start to end, with linear interpolation between the samples. Events
+    /// are preserved.
     ///
     /// # Errors
-    /// A rate that is not a finite number above 0 or that takes more than four million keys, or another armature.
+    /// - The rate is not a finite number above 0, or gives more than four million keys.
+    /// - The armature is not of the clip's size.
     pub fn baked(&self, armature: &Armature, keys_per_second: f64) -> Result<Self, ChannelError> {
         self.resampled(armature, keys_per_second, |_, _| Ok(()))
             .map(|(baked, ())| baked)
     }
 
-    /// The clip by samples at an even rate, whose poses are changed first; and what that came to.
+    /// Samples the clip at an even rate and applies `change` to the poses first; returns its result as well.
     pub(super) fn resampled<T>(
         &self,
         armature: &Armature,
@@ -97,7 +101,7 @@ impl Clip {
         Ok((changed.with_events_of(self), told))
     }
 
-    /// Times at an even rate from its start to its end, both of which are among them.
+    /// Evenly spaced times from start to end, both included.
     fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ChannelError> {
         let [start, end] = self.span();
         let steps = self.duration() * per_second;
@@ -114,12 +118,12 @@ impl Clip {
         let mut times = vec![start];
         times.extend(inner);
         times.push(end);
-        // A clip of one moment, and samples that single precision cannot tell apart.
+        // Removes equal times, in a clip of zero duration or of samples too close for single precision.
         times.dedup();
         Ok(times)
     }
 
-    /// The poses at times of the clip.
+    /// Poses at times of the clip.
     fn poses_at(&self, armature: &Armature, times: &[f32]) -> Result<Vec<Pose>, SizeMismatch> {
         let mut cursor = Cursor::new();
         let poses = times.iter().map(|&time| {
@@ -141,7 +145,7 @@ fn straight<V: CurveValue<Real = f32> + PartialEq>(
         .transpose()
 }
 
-/// The keys that it takes: one of what does not change, none of what is at rest.
+/// Keys of a property: one if it is constant, none if it is at rest.
 fn keys<V: Copy + PartialEq>(
     times: &[f32],
     mut values: Vec<V>,

@@ -1,4 +1,4 @@
-//! Keys that straight lines between others replace within an error.
+//! Key reduction: removes keys that linear interpolation reproduces within a tolerance.
 //!
 //! Ramer 1972, "An iterative procedure for the polygonal approximation of plane curves"; Douglas & Peucker 1973.
 
@@ -10,21 +10,21 @@ use crate::animation::rotation::exponential::log;
 use crate::animation::rotation::{RotationCurve, nearer, slerp};
 use crate::animation::{Armature, Channel, Clip};
 
-/// How far a channel with fewer keys may be from what it was, at any key that it had.
+/// Largest deviation of a reduced channel from the original, at each original key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct KeyTolerance {
-    /// Of a bone's place in its parent, in the file's unit of length.
+    /// Of a bone's translation, in the file's unit of length.
     pub translation: f32,
-    /// Of how it is turned in its parent, in radians.
+    /// Of a bone's rotation, radians.
     pub rotation: f32,
-    /// Of its scale along an axis, and of weights of morph targets: shares of 1.
+    /// Of a bone's scale along an axis, and of morph target weights; dimensionless.
     pub scale: f32,
 }
 
 impl KeyTolerance {
-    /// No key is dropped that is not exactly on the line between others.
+    /// Removes only keys that are exactly on the line between kept keys.
     pub const EXACT: Self = Self {
         translation: 0.0,
         rotation: 0.0,
@@ -32,29 +32,31 @@ impl KeyTolerance {
     };
 
     setters! {
-        /// Of a bone's place, in the file's unit of length.
+        /// Sets the tolerance of translations, in the file's unit of length.
         pub fn with_translation(mut self, length: f32) { self.translation = length }
-        /// Of how it is turned, in radians.
+        /// Sets the tolerance of rotations, radians.
         pub fn with_rotation(mut self, radians: f32) { self.rotation = radians }
-        /// Of its scale, and of weights of morph targets.
+        /// Sets the tolerance of scales and morph target weights.
         pub fn with_scale(mut self, share: f32) { self.scale = share }
     }
 }
 
 impl Default for KeyTolerance {
-    /// [`EXACT`](Self::EXACT).
+    /// The default is [`EXACT`](Self::EXACT).
     fn default() -> Self {
         Self::EXACT
     }
 }
 
 impl Clip {
-    /// The clip with as few keys as leave every straight channel (rotations: slerp) within the tolerance of what it was at each of its
-    /// keys, and so everywhere between them for vectors. A channel that stays within it of one value has one key. Steps, cubic and
-    /// eased curves stay as they are: [`baked`](Self::baked) makes them straight. Negative tolerances and NaN count as 0.
+    /// The clip with fewer keys, each linear or slerp channel within the tolerance at all its original keys. For
+    /// vectors the tolerance then holds at all times. A channel within the tolerance of one value gets one key.
+    ///
+    /// Step, cubic and eased curves do not change; [`baked`](Self::baked) makes them linear. Negative tolerances and
+    /// NaN count as 0.
     ///
     /// # Errors
-    /// Another armature.
+    /// The armature is not of the clip's size.
     pub fn with_fewer_keys(
         &self,
         armature: &Armature,
@@ -84,7 +86,7 @@ fn straight<V: CurveValue<Real = f32>>(
         return curve;
     }
     let (times, values) = kept((curve.times(), curve.values()), lerp, distance, tolerance);
-    // Some of keys that are in order are.
+    // A subset of sorted keys is sorted.
     KeyedCurve::linear(times, values).unwrap_or(curve)
 }
 
@@ -98,8 +100,8 @@ fn turning(curve: RotationCurve, tolerance: f32) -> RotationCurve {
     RotationCurve::slerp(times, rotations).unwrap_or(curve)
 }
 
-/// The keys that it takes: the ends, then of each stretch between two of them the one that is farthest from their line, until none is
-/// farther than the tolerance.
+/// Indices of the kept keys: the ends, then repeatedly the key farthest from the line between two kept keys. Stops when
+/// no key is farther than the tolerance.
 fn kept<V: Copy>(
     (times, values): (&[f32], &[V]),
     between: impl Fn(V, V, f32) -> V,

@@ -1,4 +1,4 @@
-//! A clip whose end meets its start.
+//! Closing of loop seams.
 
 use glam::Quat;
 
@@ -6,12 +6,16 @@ use crate::animation::rotation::slerp;
 use crate::animation::{Armature, ChannelError, Clip, Pose};
 
 impl Clip {
-    /// The clip by samples, whose last seconds lead over to its first pose, so that it repeats without a jump: what is missing at its
-    /// end is added little by little, by 3s² − 2s³ of the share s of those seconds that has passed, rotations along the shorter arc.
-    /// What travels would be brought back; [`root motion`](super::RootMotion) takes that out first.
+    /// Samples the clip and blends its last `seconds` into its first pose, so that it loops without a jump. The
+    /// difference at the end is added with the weight 3s² − 2s³, where s is the fraction of `seconds` that has passed.
+    /// Rotations take the shorter arc.
+    ///
+    /// Remove [`root motion`](super::RootMotion) first; otherwise the blend moves the character back to its start.
     ///
     /// # Errors
-    /// Seconds that are not above 0 or more than the clip lasts, a rate as for [`baked`](Self::baked), or another armature.
+    /// - `seconds` is not above 0 or exceeds the duration of the clip.
+    /// - The rate is invalid, as for [`baked`](Self::baked).
+    /// - The armature is not of the clip's size.
     pub fn with_closed_seam(
         &self,
         armature: &Armature,
@@ -36,7 +40,7 @@ impl Clip {
                     add_difference(armature, pose, [&last, &first], ease);
                 }
             }
-            // Exactly, whatever the way there rounds to.
+            // Set exactly, without rounding.
             if let Some(end) = poses.last_mut() {
                 end.clone_from(&first);
             }
@@ -46,7 +50,7 @@ impl Clip {
     }
 }
 
-/// Moves a pose by a share of what leads from one pose to another.
+/// Moves a pose by a fraction of the difference between two poses.
 fn add_difference(armature: &Armature, pose: &mut Pose, [from, to]: [&Pose; 2], share: f32) {
     for bone in armature.bone_ids() {
         let mut own = pose.local_of(bone);
@@ -55,7 +59,7 @@ fn add_difference(armature: &Armature, pose: &mut Pose, [from, to]: [&Pose; 2], 
         own.scale += (to.scale - from.scale) * share;
         let turn = slerp(Quat::IDENTITY, to.rotation * from.rotation.inverse(), share);
         own.rotation = (turn * own.rotation).normalize();
-        // The sum of finite numbers; one that overflows leaves the bone as it was.
+        // The sum of finite numbers; if it overflows, the bone does not change.
         let _ = pose.set_local(bone, own);
     }
     let weights = pose.morph_weights_mut().iter_mut();

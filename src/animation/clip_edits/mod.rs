@@ -1,4 +1,4 @@
-//! Clips made from others: through poses, with fewer keys, in place, without a jump where they repeat.
+//! Clip edits: baking, key reduction, root motion and loop seams.
 
 mod baked;
 mod fewer_keys;

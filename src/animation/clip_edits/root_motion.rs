@@ -1,4 +1,4 @@
-//! Where a bone takes a character: its way over the ground and its heading, apart from the clip that it moves by.
+//! Root motion: horizontal path and heading of a bone, separated from its clip.
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
@@ -8,24 +8,28 @@ use crate::animation::{Armature, ChannelError, Clip, Playback, Pose};
 use crate::scalar::elementary::single::atan2;
 use crate::skeleton::BoneId;
 
-/// A character's way over the ground: how far it has gone since the clip's start, and turned about the axis up. Its first moment is where it
-/// starts: no way, no turn.
+/// Horizontal displacement of a character since the clip's start, and its rotation about the up axis. Both are zero at
+/// the start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootMotion {
     up: Vec3,
     span: [f32; 2],
-    /// Across the axis up.
+    /// Displacement perpendicular to the up axis.
     way: KeyedCurve<Vec3A>,
-    /// About it, radians, beyond whole turns.
+    /// Rotation about the up axis, radians, continuous beyond full turns.
     heading: KeyedCurve<f32>,
 }
 
 impl Clip {
-    /// Takes the way of a bone out of the clip: the clip in place, by samples, in which the bone stays above the ground where it started
-    /// and faces as it did, and its way. Height, lean and sway stay in the clip. What hangs on the bone comes along.
+    /// Samples the clip and extracts the root motion of a bone. Returns the clip in place and the root motion.
+    ///
+    /// In the returned clip the bone keeps its initial horizontal position and heading. Height, tilt and sway remain in
+    /// the clip. Descendants of the bone move with it.
     ///
     /// # Errors
-    /// An axis up that is not finite or zero, a rate as for [`baked`](Self::baked), another armature, a bone of another one.
+    /// - The up axis is not finite or zero.
+    /// - The rate is invalid, as for [`baked`](Self::baked).
+    /// - The armature is not of the clip's size, or the bone is of another armature.
     pub fn without_root_motion(
         &self,
         armature: &Armature,
@@ -45,10 +49,11 @@ impl Clip {
         })
     }
 
-    /// Puts a way into the clip of a bone, by samples: the reverse of [`without_root_motion`](Self::without_root_motion).
+    /// Samples the clip and adds root motion to a bone: the reverse of
+    /// [`without_root_motion`](Self::without_root_motion).
     ///
     /// # Errors
-    /// As there.
+    /// As [`without_root_motion`](Self::without_root_motion).
     pub fn with_root_motion(
         &self,
         armature: &Armature,
@@ -65,7 +70,7 @@ impl Clip {
 }
 
 impl RootMotion {
-    /// The way of a bone over poses.
+    /// Root motion of a bone over poses.
     fn of(
         armature: &Armature,
         bone: BoneId,
@@ -113,21 +118,21 @@ impl RootMotion {
     }
 
     getters! {
-        /// The way over the ground, in the armature's unit, by the clip's time in seconds.
+        /// Horizontal displacement in the armature's unit, by clip time in seconds.
         pub fn way(&self) -> &KeyedCurve<Vec3A> = &self.way;
-        /// The turn about the axis up in radians, beyond whole turns.
+        /// Rotation about the up axis in radians by clip time in seconds, continuous beyond full turns.
         pub fn heading(&self) -> &KeyedCurve<f32> = &self.heading;
     }
 
-    /// The character's place at a time of the clip in seconds: from where it starts to where it is.
+    /// Transform from the start to the character's placement at a clip time in seconds.
     #[must_use]
     pub fn at(&self, time: f32) -> Affine3A {
         let turn = turn_about(self.up, self.heading.at(time));
         Affine3A::from_rotation_translation(turn, self.way.at(time).into())
     }
 
-    /// The character's place after so many seconds of playback: over the end of a loop it goes on from where the loop ended. Other ways
-    /// of playing hold or go back as the clip does.
+    /// Transform of the character after `elapsed` seconds of playback. In loop mode the motion accumulates over the
+    /// cycles. Other modes hold or reverse as the clip does.
     #[must_use]
     pub fn after(&self, elapsed: f64, playback: Playback) -> Affine3A {
         let [start, end] = self.span.map(f64::from);
@@ -135,7 +140,7 @@ impl RootMotion {
         if playback != Playback::Loop || !loops.is_finite() {
             return self.at(playback.within(start + elapsed, [start, end]) as f32);
         }
-        // The end of one loop is the start of the next.
+        // The end of a loop is the start of the next.
         let within = self.at((start + elapsed.rem_euclid(end - start)) as f32);
         let whole = self.at(self.span[1]);
         let step = if loops < 0.0 { whole.inverse() } else { whole };
@@ -143,7 +148,7 @@ impl RootMotion {
     }
 }
 
-/// A place taken so many times: by squares.
+/// Integer power of a transform, by repeated squaring.
 fn power(step: Affine3A, mut times: u32) -> Affine3A {
     let (mut all, mut square) = (Affine3A::IDENTITY, step);
     while times > 0 {
@@ -156,18 +161,18 @@ fn power(step: Affine3A, mut times: u32) -> Affine3A {
     all
 }
 
-/// The angle about an axis of unit length by which a rotation turns, in radians.
+/// Rotation angle about a unit axis, radians.
 fn twist(q: Quat, axis: Vec3) -> f32 {
     2.0 * atan2(q.xyz().dot(axis), q.w)
 }
 
-/// The angle, with whole turns added, that is nearest to another one.
+/// The angle plus full turns that is nearest to `to`, radians.
 fn nearest_turn(angle: f32, to: f32) -> f32 {
     let turn = std::f32::consts::TAU;
     angle + ((to - angle) / turn).round() * turn
 }
 
-/// Moves a bone in the model, and with it what hangs on it.
+/// Moves a bone in model coordinates, with its descendants.
 fn carry(
     armature: &Armature,
     bone: BoneId,
@@ -183,11 +188,11 @@ fn carry(
     let mut local = pose.local_of(bone);
     let (_, stands, _) = above.to_scale_rotation_translation();
     let (_, turn, _) = by.to_scale_rotation_translation();
-    // The same turn as the bone's parent sees it.
+    // The rotation in the coordinates of the bone's parent.
     local.rotation = (stands.inverse() * turn * stands * local.rotation).normalize();
     let there = by.transform_point3a(above.transform_point3a(local.translation));
     local.translation = above.inverse().transform_point3a(there);
-    // A parent that is scaled to nothing has no place to go to.
+    // Fails if the parent has zero scale; the bone then does not change.
     let _ = pose.set_local(bone, local);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! One of a crowd.
+//! Characters of a crowd.
 
 use std::sync::Arc;
 
@@ -8,23 +8,23 @@ use crate::animation::{
     Armature, Clip, Cursor, Limb, LimbGoal, Playback, Playhead, Pose, SizeMismatch,
 };
 
-/// A clip that a character plays.
+/// Clip that a character plays.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct PlayingClip {
     clip: Arc<Clip>,
     cursor: Cursor,
-    /// Where it is, and how fast it plays.
+    /// Playback position and speed.
     pub playhead: Playhead,
-    /// What happens at its ends.
+    /// Playback mode.
     pub playback: Playback,
-    /// How far the pose of the clips before it goes to this one's, taken into [0, 1]; NaN counts as
-    /// 0. The first clip's does not count.
+    /// Weight of this clip's pose over the blend of the previous clips, clamped to [0, 1]. NaN counts as 0. Unused for
+    /// the first clip.
     pub share: f32,
 }
 
 impl PlayingClip {
-    /// From its start, in a loop, with share 1.
+    /// Plays a clip from its start, in a loop, with share 1.
     #[must_use]
     pub fn new(clip: Arc<Clip>) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl PlayingClip {
     }
 }
 
-/// One of a [`Crowd`](super::Crowd): what it plays, what its limbs reach for, and its pose.
+/// Character of a [`Crowd`](super::Crowd): its clips, the goals of its limbs, and its pose.
 #[derive(Clone, Debug)]
 pub struct Character {
     clips: Vec<PlayingClip>,
@@ -78,17 +78,17 @@ impl Character {
     }
 
     getters! {
-        /// Its clips, each blended over those before it.
+        /// Clips of the character, each blended over the previous ones.
         pub fn clips_mut(&mut self) -> &mut [PlayingClip] = &mut self.clips;
-        /// A goal for each limb of the crowd, in model coordinates.
+        /// Goal for each limb of the crowd, in model coordinates.
         pub fn goals_mut(&mut self) -> &mut [LimbGoal] = &mut self.goals;
-        /// Its pose as of the last frame.
+        /// Pose after the last frame.
         pub fn pose(&self) -> &Pose = &self.pose;
-        /// Where its bones are in the model, as of the last frame.
+        /// Transforms from bones to the model after the last frame.
         pub fn model_from_bone(&self) -> &[Affine3A] = &self.model_from_bone;
     }
 
-    /// One frame; `other` is room for a pose.
+    /// Advances one frame; `other` is a scratch pose.
     pub(super) fn advance(
         &mut self,
         armature: &Armature,
@@ -97,7 +97,7 @@ impl Character {
         other: &mut Pose,
     ) -> Result<(), SizeMismatch> {
         if self.clips.is_empty() {
-            // Limbs reach from rest, not from where they were.
+            // Each frame starts at the rest pose, so limb solutions do not depend on the previous frame.
             self.pose.copy_from(armature.rest());
         }
         for (number, playing) in self.clips.iter_mut().enumerate() {

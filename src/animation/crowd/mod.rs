@@ -1,4 +1,4 @@
-//! Many characters of one armature, a frame at a time.
+//! Crowds: many characters with one armature.
 
 mod character;
 
@@ -6,13 +6,12 @@ pub use character::{Character, PlayingClip};
 
 use super::{Armature, Limb, Pose, SizeMismatch};
 
-/// How many characters one thread takes at a time at least: enough to hide what handing them over
-/// costs.
+/// Least number of characters per parallel task, which amortises the cost of scheduling.
 #[cfg(feature = "rayon")]
 const CHARACTERS_AT_A_TIME: usize = 8;
 
-/// Characters that share an armature and the limbs that reach for goals. A frame of one samples its
-/// clips, blends them, brings its limbs to their goals, and places its bones in the model.
+/// Characters that share an armature and limbs. A frame samples and blends the clips of each character, solves its
+/// limbs and computes its model transforms.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -38,12 +37,12 @@ pub struct Crowd {
     armature: Armature,
     limbs: Vec<Limb>,
     characters: Vec<Character>,
-    /// Where clips after the first are sampled.
+    /// Buffer for samples of clips after the first.
     other: Pose,
 }
 
 impl Crowd {
-    /// A crowd without characters. The limbs are of the armature; each character has a goal for each.
+    /// A crowd without characters. The limbs belong to the armature; each character has a goal for each limb.
     #[must_use]
     pub fn new(armature: Armature, limbs: Vec<Limb>) -> Self {
         Self {
@@ -54,10 +53,11 @@ impl Crowd {
         }
     }
 
-    /// Adds a character that plays these clips, in the rest pose until it is advanced. Its limbs'
-    /// goals have weight 0.
+    /// Adds a character that plays these clips. It is in the rest pose until the next frame. The goals of its limbs
+    /// have weight 0.
     ///
     /// # Errors
+    /// A clip is of another armature's size.
     /// A clip is of another armature's size.
     pub fn add(&mut self, clips: Vec<PlayingClip>) -> Result<&mut Character, SizeMismatch> {
         for playing in &clips {
@@ -70,29 +70,28 @@ impl Crowd {
     }
 
     getters! {
-        /// What the characters are made of.
+        /// Armature of the characters.
         pub fn armature(&self) -> &Armature = &self.armature;
-        /// The characters, in the order they were added.
+        /// The characters, in insertion order.
         pub fn characters(&self) -> &[Character] = &self.characters;
-        /// The same, to change what they play and reach for.
+        /// Mutable access to the characters' clips and goals.
         pub fn characters_mut(&mut self) -> &mut [Character] = &mut self.characters;
     }
 
-    /// Goes on by so many seconds. Allocates nothing after the first frame.
+    /// Advances all characters by `seconds`. Allocates nothing after the first frame.
     ///
     /// # Errors
-    /// A character was swapped with one of another crowd, whose armature has another size.
+    /// A character was swapped with one of a crowd whose armature has another size.
     pub fn advance(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
         self.characters
             .iter_mut()
             .try_for_each(|own| own.advance(&self.armature, &self.limbs, seconds, &mut self.other))
     }
 
-    /// As [`advance`](Self::advance), over the threads of the current rayon pool, with the same
-    /// bits.
+    /// [`advance`](Self::advance) on the threads of the current rayon pool. The result is bitwise equal.
     ///
     /// # Errors
-    /// As there.
+    /// As [`advance`](Self::advance).
     #[cfg(feature = "rayon")]
     pub fn advance_parallel(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
         use rayon::prelude::*;

@@ -2,8 +2,8 @@
 
 use super::{CurveValue, Real, lerp};
 
-/// A cubic Bézier curve: from the first to the last of its four control points, leaving towards the
-/// second and arriving from the third, within their convex hull.
+/// Cubic Bézier curve from the first to the last of four control points. It leaves towards the second, arrives from the
+/// third, and stays within their convex hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicBezier<V> {
     /// P₀, P₁, P₂, P₃.
@@ -11,28 +11,28 @@ pub struct CubicBezier<V> {
 }
 
 impl<V: CurveValue> CubicBezier<V> {
-    /// The curve of these control points.
+    /// Curve with these control points.
     #[must_use]
     pub fn new(points: [V; 4]) -> Self {
         Self { points }
     }
 
-    /// B(u) for u in [0, 1], by de Casteljau's algorithm: lerps of lerps.
+    /// B(u) for u in [0, 1], by de Casteljau's algorithm.
     #[must_use]
     pub fn position(&self, u: V::Real) -> V {
         let (_, [left, right]) = self.rounds(u);
         lerp(left, right, u)
     }
 
-    /// dB/du = 3 (1−u)² (P₁−P₀) + 6 (1−u) u (P₂−P₁) + 3 u² (P₃−P₂): three times the difference of
-    /// the last two points of de Casteljau's algorithm.
+    /// Derivative dB/du = 3 (1−u)² (P₁−P₀) + 6 (1−u) u (P₂−P₁) + 3 u² (P₃−P₂). Computed as three times the difference
+    /// of the last two points of de Casteljau's algorithm.
     #[must_use]
     pub fn tangent(&self, u: V::Real) -> V {
         let (_, [left, right]) = self.rounds(u);
         (right - left) * V::Real::from(3.0)
     }
 
-    /// The two curves before and after u, each over [0, 1]; together they are this one.
+    /// Splits the curve at u; each part is over [0, 1].
     #[must_use]
     pub fn split(&self, u: V::Real) -> [Self; 2] {
         let ([first, _, last], [left, right]) = self.rounds(u);
@@ -44,7 +44,7 @@ impl<V: CurveValue> CubicBezier<V> {
         ]
     }
 
-    /// The points of de Casteljau's first and second round.
+    /// Points of de Casteljau's first and second round.
     fn rounds(&self, u: V::Real) -> ([V; 3], [V; 2]) {
         let [p0, p1, p2, p3] = self.points;
         let first @ [a, b, c] = [lerp(p0, p1, u), lerp(p1, p2, u), lerp(p2, p3, u)];
@@ -53,8 +53,8 @@ impl<V: CurveValue> CubicBezier<V> {
 }
 
 impl CubicBezier<f64> {
-    /// Where in [0, 1] a curve of numbers that starts at 0, never falls and ends at 1 passes one of
-    /// them: by Newton's method, kept within a bracket that halves when a step leaves it.
+    /// Parameter in [0, 1] at which a non-decreasing scalar curve from 0 to 1 takes the value `number`. Newton's method
+    /// within a bracket; a step outside it becomes a bisection.
     pub(super) fn parameter_at(&self, number: f64) -> f64 {
         let (mut low, mut high, mut u) = (0.0, 1.0, number);
         for _ in 0..60 {
@@ -77,8 +77,8 @@ impl CubicBezier<f64> {
         u
     }
 
-    /// The slope of `values` over this curve's numbers at u: the quotient of the tangents, a little
-    /// inside where a handle on an end leaves both without length.
+    /// Slope of `values` over this scalar curve at u: the quotient of the tangents. u is clamped to
+    /// [1e-6, 1 − 1e-6], because a coincident handle makes both tangents zero at an end.
     pub(super) fn slope_of<V: CurveValue>(&self, values: &CubicBezier<V>, u: f64) -> V {
         const INSIDE: f64 = 1e-6;
         let u = u.clamp(INSIDE, 1.0 - INSIDE);

@@ -1,27 +1,27 @@
-//! Catmull-Rom segments: a curve through points whose tangents come from their neighbours.
+//! Catmull-Rom splines: curves through points, with tangents from neighbouring points.
 //!
-//! Catmull & Rom 1974, "A class of local interpolating splines"; the pyramid for any knots is
-//! Barry & Goldman 1988, "A recursive evaluation algorithm for a class of Catmull-Rom splines"; the
-//! centripetal choice of knots neither cusps nor loops within a segment (Yuksel, Schaefer & Keyser
-//! 2011, "Parameterization and applications of Catmull-Rom curves").
+//! Catmull & Rom 1974, "A class of local interpolating splines".
+//! Barry & Goldman 1988, "A recursive evaluation algorithm for a class of Catmull-Rom splines", for arbitrary knots.
+//! Centripetal knots avoid cusps and loops within a segment (Yuksel, Schaefer & Keyser 2011, "Parameterization and
+//! applications of Catmull-Rom curves").
 
 use super::{CurveValue, Hermite, KeyError, KeyedCurve, Real};
 
-/// How far apart in the parameter neighbouring points are.
+/// Knot spacing between neighbouring points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Knots {
-    /// One each: the classic matrix.
+    /// 1 for each pair: the classic matrix form.
     Uniform,
-    /// The square root of their distance.
+    /// Square root of the distance.
     #[default]
     Centripetal,
-    /// Their distance.
+    /// Distance.
     Chordal,
 }
 
 impl Knots {
-    /// The parameters of the points, the first at 0. Points that coincide get the same one.
+    /// Knots of the points, the first at 0. Coincident points get equal knots.
     #[must_use]
     pub fn of<V: CurveValue, const N: usize>(self, points: &[V; N]) -> [V::Real; N] {
         let mut at = V::Real::from(0.0);
@@ -35,7 +35,7 @@ impl Knots {
         })
     }
 
-    /// From one point's parameter to the next one's.
+    /// Knot interval between two neighbouring points.
     fn between<V: CurveValue>(self, from: V, to: V) -> V::Real {
         let distance = (to - from).length();
         match self {
@@ -47,10 +47,11 @@ impl Knots {
 }
 
 impl<V: CurveValue> KeyedCurve<V> {
-    /// The Catmull-Rom spline through any number of points without times, such as a path: the
-    /// segments of [`catmull_rom_at_knots`], one after the other, with the knots for times. They start
-    /// at 0 and end at the last of [`times`](Self::times). At the ends the missing neighbour is the
-    /// nearer one mirrored at the end, so that the tangent there is the chord's.
+    /// Catmull-Rom spline through points without times, such as a path. It consists of the segments of
+    /// [`catmull_rom_at_knots`], with the knots as times.
+    ///
+    /// The times start at 0 and end at the last of [`times`](Self::times). At an end, the missing neighbour is the
+    /// mirror image of the existing one. The tangent there is therefore the chord.
     ///
     /// ```
     /// use glam::DVec2;
@@ -65,8 +66,8 @@ impl<V: CurveValue> KeyedCurve<V> {
     /// ```
     ///
     /// # Errors
-    /// No points, one that is not finite, or, unless the knots are uniform, two neighbours in one
-    /// place.
+    /// - There are no points, or one is not finite.
+    /// - Two neighbouring points coincide and the knots are not uniform.
     pub fn through(points: Vec<V>, knots: Knots) -> Result<Self, KeyError> {
         if let Some(key) = points.iter().position(|point| !point.all_finite()) {
             return Err(KeyError::NonFiniteValue { key, what: "point" });
@@ -78,7 +79,7 @@ impl<V: CurveValue> KeyedCurve<V> {
         });
         let start = points.first().map(|_| V::Real::from(0.0));
         let times: Vec<V::Real> = start.into_iter().chain(steps).collect();
-        // Checks what the tangents below rely on.
+        // Checks the preconditions of the tangents below.
         let straight = Self::linear(times, points).map_err(|error| match error {
             KeyError::NotIncreasing { key: point, .. } => KeyError::SamePlace { point },
             other => other,
@@ -106,8 +107,8 @@ impl<V: CurveValue> KeyedCurve<V> {
     }
 }
 
-/// The uniform segment from `points[1]` to `points[2]` at u in [0, 1]: the Hermite segment with
-/// tangents (P_{i+1} − P_{i−1}) / 2.
+/// Uniform segment from `points[1]` to `points[2]` at u in [0, 1]: the Hermite segment with tangents (P_{i+1} −
+/// P_{i−1}) / 2.
 #[must_use]
 pub fn catmull_rom<V: CurveValue>(points: [V; 4], u: V::Real) -> V {
     let half = V::Real::from(0.5);
@@ -121,9 +122,8 @@ pub fn catmull_rom<V: CurveValue>(points: [V; 4], u: V::Real) -> V {
     segment.position(u)
 }
 
-/// The segment from `points[1]` to `points[2]` for any knots, at u in [0, 1] of the way between
-/// their knots. Where two knots coincide the points do not differ there, and that tangent is the
-/// segment's own chord.
+/// Segment from `points[1]` to `points[2]` with arbitrary knots, at u in [0, 1] between their knots. If an outer knot
+/// coincides with an inner one, the tangent there is the chord of the segment.
 #[must_use]
 pub fn catmull_rom_at_knots<V: CurveValue>(points: [V; 4], knots: [V::Real; 4], u: V::Real) -> V {
     let [before, start, end, after] = points;
@@ -132,14 +132,14 @@ pub fn catmull_rom_at_knots<V: CurveValue>(points: [V; 4], knots: [V::Real; 4], 
     let length = t2 - t1;
     let one = V::Real::from(1.0);
     let slope = |from: V, to: V, time: V::Real| {
-        // A neighbour at the same knot says nothing about direction.
+        // A neighbour at an equal knot does not define a direction.
         let usable = time > zero;
         usable.then(|| (to - from) * (one / time))
     };
     let Some(own) = slope(start, end, length) else {
         return start;
     };
-    // The derivative of Barry and Goldman's pyramid at the two inner knots.
+    // Derivative of Barry and Goldman's pyramid at the two inner knots.
     let tangent = |outer: Option<V>, over: Option<V>| match (outer, over) {
         (Some(outer), Some(over)) => outer - over + own,
         _ => own,

@@ -1,10 +1,10 @@
-//! Easing: how far along a motion is at a share of its time.
+//! Easing functions.
 //!
-//! Every easing maps 0 to 0 and 1 to 1; times outside [0, 1] are taken to the nearer end.
+//! Every easing maps 0 to 0 and 1 to 1. Arguments are clamped to [0, 1].
 
 use super::{CubicBezier, Real};
 
-/// How a motion between two ends runs over its time.
+/// Easing function of a motion between two ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -18,18 +18,18 @@ pub enum Easing {
     QuadraticOut,
     /// 2 t², then its point reflection.
     QuadraticInOut,
-    /// t³.
+    /// t³: starts slowly.
     CubicIn,
-    /// 1 − (1 − t)³.
+    /// 1 − (1 − t)³: stops slowly.
     CubicOut,
     /// 4 t³, then its point reflection 1 − (2 − 2t)³ / 2.
     CubicInOut,
-    /// Drawn by two handles.
+    /// Bézier curve with two handles.
     Bezier(BezierEasing),
 }
 
 impl Easing {
-    /// All that have a formula.
+    /// All easings with a closed form.
     pub const ALL: [Self; 7] = [
         Self::Linear,
         Self::QuadraticIn,
@@ -40,7 +40,7 @@ impl Easing {
         Self::CubicInOut,
     ];
 
-    /// The share of the way at a share `t` of the time; NaN counts as 0.
+    /// Value at `t` in [0, 1]; NaN counts as 0.
     #[must_use]
     pub fn at<R: Real>(self, t: R) -> R {
         let [half, one, two, four] = [0.5, 1.0, 2.0, 4.0].map(R::from);
@@ -60,8 +60,8 @@ impl Easing {
         }
     }
 
-    /// The derivative of [`at`](Self::at) by t, one-sided at the ends; NaN counts as 0. Where a drawn
-    /// easing stands upright it is a very large number.
+    /// Derivative of [`at`](Self::at) by t, one-sided at the ends; NaN counts as 0. Very large if a Bézier easing is
+    /// vertical at t.
     #[must_use]
     pub fn rate<R: Real>(self, t: R) -> R {
         let [half, one, two, three, four] = [0.5, 1.0, 2.0, 3.0, 4.0].map(R::from);
@@ -82,7 +82,7 @@ impl Easing {
     }
 }
 
-/// The nearest number within [0, 1]; 0 for NaN.
+/// Clamps to [0, 1]; 0 for NaN.
 fn share<R: Real>(t: R) -> R {
     let [zero, one] = [0.0, 1.0].map(R::from);
     match (t > zero, t < one) {
@@ -92,31 +92,30 @@ fn share<R: Real>(t: R) -> R {
     }
 }
 
-/// An easing drawn by two handles, as f-curve editors and CSS's `cubic-bezier` have it: the Bézier
-/// curve from (0, 0) to (1, 1) in the plane of time and value. In JSON it is the two handles:
-/// `{"bezier": [[0.42, 0], [0.58, 1]]}`.
+/// Easing by two handles, as in f-curve editors and CSS's `cubic-bezier`. It is the Bézier curve from (0, 0) to (1, 1)
+/// in the plane of time and value. In JSON it is the two handles: `{"bezier": [[0.42, 0], [0.58, 1]]}`.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(try_from = "[[f32; 2]; 2]", into = "[[f32; 2]; 2]")]
 pub struct BezierEasing {
     handles: [[f32; 2]; 2],
 }
 
-/// A handle whose time would let the curve run backwards.
+/// Error of a handle that is not finite or has a time outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the handle ({time}, {value}) must be finite with a time within [0, 1]")]
+#[error("easing handle ({time}, {value}): both numbers must be finite and the time within [0, 1]")]
 #[non_exhaustive]
 pub struct HandleError {
-    /// The handle's time.
+    /// Time of the handle.
     pub time: f32,
-    /// The handle's value.
+    /// Value of the handle.
     pub value: f32,
 }
 
 impl BezierEasing {
-    /// The easing with these `[time, value]` handles; values may leave [0, 1], times may not.
+    /// Easing with these `[time, value]` handles. Values may be outside [0, 1], times may not.
     ///
     /// # Errors
-    /// A handle that is not finite or whose time is outside [0, 1].
+    /// A handle is not finite or its time is outside [0, 1].
     pub fn new(first: [f32; 2], second: [f32; 2]) -> Result<Self, HandleError> {
         for [time, value] in [first, second] {
             if !((0.0..=1.0).contains(&time) && value.is_finite()) {

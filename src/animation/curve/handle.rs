@@ -1,12 +1,11 @@
-//! Bézier handles at keys: the f-curve of animation editors.
+//! Bézier handles at keys, as in the f-curves of animation editors.
 
 use super::keys::{KeyError, check_count};
 use super::{CubicBezier, CurveValue, Real};
 
-/// A handle of a key: where the curve's control point is, as seen from the key. One that arrives has
-/// a time of at most 0, one that leaves of at least 0, and neither reaches beyond the next key on its
-/// side, so that there is one value at every time. Handles in one line through their key make the
-/// curve smooth there.
+/// Handle of a key: a control point relative to the key. An arriving handle has a time of at most 0, a leaving one of
+/// at least 0. Neither exceeds the adjacent key, so the curve has one value at each time. The curve is smooth at a key
+/// whose two handles are collinear with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -17,14 +16,14 @@ use super::{CubicBezier, CurveValue, Real};
     ))
 )]
 pub struct BezierHandle<V: CurveValue> {
-    /// In seconds from the key.
+    /// Time from the key, seconds.
     pub time: V::Real,
-    /// From the key's value.
+    /// Value relative to the key.
     pub value: V,
 }
 
-/// Checks the `[arriving, leaving]` handles of keys at `times`. What stands outside the first and the
-/// last key is not used and need only be finite.
+/// Checks the `[arriving, leaving]` handles of keys at `times`. The outer handles of the first and the last key are
+/// unused and only need to be finite.
 pub(super) fn check_handles<V: CurveValue>(
     times: &[V::Real],
     handles: &[[BezierHandle<V>; 2]],
@@ -64,7 +63,7 @@ pub(super) fn check_handles<V: CurveValue>(
     Ok(())
 }
 
-/// The way between two keys: times as shares of its length, and values.
+/// Bézier segment between two keys: times as fractions of its duration, and values.
 pub(super) struct Drawn<V> {
     times: CubicBezier<f64>,
     values: CubicBezier<V>,
@@ -86,13 +85,13 @@ impl<V: CurveValue> Drawn<V> {
         }
     }
 
-    /// The value at a share of the time.
+    /// Value at a fraction of the time.
     pub(super) fn position(&self, share: V::Real) -> V {
         let u = self.times.parameter_at(share.as_f64());
         self.values.position(V::Real::from_f64(u))
     }
 
-    /// The derivative by the share of the time.
+    /// Derivative by the fraction of the time.
     pub(super) fn tangent(&self, share: V::Real) -> V {
         let u = self.times.parameter_at(share.as_f64());
         self.times.slope_of(&self.values, u)

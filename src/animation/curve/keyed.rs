@@ -1,12 +1,12 @@
-//! A curve through keys at times that need not be evenly spaced.
+//! Curves through values at key times, with any spacing.
 
 use super::easing::Easing;
 use super::handle::{BezierHandle, Drawn, check_handles};
 use super::keys::{check_count, check_times};
 use super::{CurveValue, Hermite, KeyError, TensionContinuityBias, lerp};
 
-/// A curve through values at key times: step, linear, eased, cubic or drawn by handles. Before the first and after the last
-/// key it holds the value there.
+/// Curve through values at key times: step, linear, eased, cubic or Bézier. It is constant before the first and after
+/// the last key.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -25,7 +25,7 @@ pub struct KeyedCurve<V: CurveValue> {
     between: Between<V>,
 }
 
-/// What a curve does between keys.
+/// Interpolation between keys.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -36,15 +36,15 @@ pub struct KeyedCurve<V: CurveValue> {
     ))
 )]
 pub(crate) enum Between<V: CurveValue> {
-    /// It keeps the value of the key before.
+    /// Value of the previous key.
     Step,
-    /// It runs straight.
+    /// Linear.
     Linear,
-    /// It runs straight, at the pace of each key's easing.
+    /// Linear, with an easing for each segment.
     Eased(Vec<Easing>),
-    /// It is a cubic; (arriving, leaving) rates per unit of time at each key.
+    /// Cubic; (arriving, leaving) rates per unit of time at each key.
     Cubic(Vec<[V; 2]>),
-    /// It is a cubic in time as well; the handles (arriving, leaving) of each key.
+    /// Cubic in time and value; (arriving, leaving) handles of each key.
     Bezier(Vec<[BezierHandle<V>; 2]>),
 }
 
@@ -79,16 +79,15 @@ impl<V: CurveValue> KeyedCurve<V> {
         })
     }
 
-    /// A curve that keeps each key's value until the next (glTF's `STEP`).
+    /// Curve that holds each key's value until the next key (glTF's `STEP`).
     ///
     /// # Errors
-    /// A [`KeyError`]: no keys, counts that differ, a number that is not finite, or times that do
-    /// not strictly increase.
+    /// A [`KeyError`]: no keys, differing counts, a number that is not finite, or times that do not strictly increase.
     pub fn step(times: Vec<V::Real>, values: Vec<V>) -> Result<Self, KeyError> {
         Self::new(times, values, Between::Step)
     }
 
-    /// Straight from key to key (glTF's `LINEAR`).
+    /// Linear curve between keys (glTF's `LINEAR`).
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -96,8 +95,8 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::new(times, values, Between::Linear)
     }
 
-    /// Straight from key to key, each way at its own pace: an easing for each key and the way that
-    /// leaves it. The last one's is not used.
+    /// Linear curve with an easing for each segment, stored at the key where the segment starts. The easing of the last
+    /// key is unused.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -109,9 +108,9 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::new(times, values, Between::Eased(easings))
     }
 
-    /// The f-curve of animation editors: between keys runs the Bézier curve in the plane of time and
-    /// value that the `[arriving, leaving]` handles of each key draw, solved for its parameter at each
-    /// time. A vector's components share the handles' times.
+    /// F-curve of animation editors. Each segment is a Bézier curve in the plane of time and value, with the handles
+    /// `[arriving, leaving]` of its keys. Its parameter is solved for each time. A vector's components share the times
+    /// of the handles.
     ///
     /// ```
     /// use kinopt::animation::curve::{BezierHandle, KeyedCurve};
@@ -130,7 +129,7 @@ impl<V: CurveValue> KeyedCurve<V> {
     /// ```
     ///
     /// # Errors
-    /// As [`step`](Self::step), or a handle that reaches back in time or beyond the next key.
+    /// As [`step`](Self::step), or a handle that points back in time or exceeds the next key.
     pub fn bezier(
         times: Vec<V::Real>,
         values: Vec<V>,
@@ -139,8 +138,8 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::new(times, values, Between::Bezier(handles))
     }
 
-    /// Cubic Hermite segments with `[arriving, leaving]` tangents at each key, per unit of time
-    /// (glTF's `CUBICSPLINE`, whose in- and out-tangents these are).
+    /// Cubic Hermite segments with `[arriving, leaving]` tangents at each key, per unit of time. These are the in- and
+    /// out-tangents of glTF's `CUBICSPLINE`.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -152,8 +151,8 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::new(times, values, Between::Cubic(tangents))
     }
 
-    /// A Catmull-Rom spline over uneven times: tangents
-    /// (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), one-sided at the ends.
+    /// Catmull-Rom spline over uneven times. The tangents are (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), one-sided at
+    /// the ends.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -162,8 +161,8 @@ impl<V: CurveValue> KeyedCurve<V> {
         Self::kochanek_bartels(times, values, &controls)
     }
 
-    /// A Kochanek-Bartels spline, one set of controls for each key. At the ends the missing
-    /// neighbour's change is taken to be as fast as the other one's.
+    /// Kochanek-Bartels spline with a set of controls for each key. At an end, the missing neighbour's rate of change
+    /// equals that of the existing one.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -199,24 +198,23 @@ impl<V: CurveValue> KeyedCurve<V> {
     getters! {
         /// Key times, strictly increasing; at least one.
         pub fn times(&self) -> &[V::Real] = &self.times;
-        /// The values at the keys.
+        /// Values at the keys.
         pub fn values(&self) -> &[V] = &self.values;
-        /// What it does between keys.
+        /// Interpolation between keys.
         #[cfg(feature = "gltf")]
         pub(crate) fn between(&self) -> &Between<V> = &self.between;
-        /// Whether it runs straight from key to key.
+        /// True if the curve is linear.
         pub(crate) fn is_linear(&self) -> bool = matches!(self.between, Between::Linear);
     }
 
-    /// The value at a time; at a key's time the key's value to the bit. A time that is NaN counts
-    /// as before the first key.
+    /// Value at a time; exactly the key's value at a key time. NaN counts as before the first key.
     #[must_use]
     pub fn at(&self, time: V::Real) -> V {
         let (key, u) = self.place(time);
         self.within(key, u)
     }
 
-    /// The value at u in [0, 1] of the way from a key to the next; u counts as 0 after the last key.
+    /// Value at u in [0, 1] between a key and the next; u counts as 0 after the last key.
     pub(crate) fn within(&self, key: usize, u: V::Real) -> V {
         let start = self.values[key];
         match (&self.between, self.values.get(key + 1)) {
@@ -229,13 +227,12 @@ impl<V: CurveValue> KeyedCurve<V> {
         }
     }
 
-    /// The rate of change per unit of time; at a key that of the segment after it. Zero outside the
-    /// keys and where the curve steps.
+    /// Rate of change per unit of time; at a key, that of the following segment. Zero outside the keys and on steps.
     #[must_use]
     pub fn rate(&self, time: V::Real) -> V {
         let (key, u) = self.place(time);
         let start = self.values[key];
-        // From the last key on there is no next one.
+        // From the last key on there is no next segment.
         let begun = time >= self.times[0];
         let next = self.values.get(key + 1).filter(|_| begun);
         let one = V::Real::from(1.0);
@@ -255,7 +252,7 @@ impl<V: CurveValue> KeyedCurve<V> {
         }
     }
 
-    /// The segments of a curve of cubics, each with the times of its ends; none of other curves.
+    /// Segments of a cubic curve with their end times; empty for other curves.
     pub(crate) fn cubics(&self) -> impl Iterator<Item = (Hermite<V>, [V::Real; 2])> {
         let rates = match &self.between {
             Between::Cubic(rates) => rates.as_slice(),
@@ -284,7 +281,7 @@ impl<V: CurveValue> KeyedCurve<V> {
         Drawn::new(length, ends, &handles[key][1], &handles[key + 1][0])
     }
 
-    /// The key at or before a time and how far the time is towards the next, in [0, 1).
+    /// Key at or before a time, and the fraction in [0, 1) towards the next key.
     fn place(&self, time: V::Real) -> (usize, V::Real) {
         let zero = V::Real::from(0.0);
         let after = self.times.partition_point(|&key| key <= time);

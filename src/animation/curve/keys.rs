@@ -1,81 +1,81 @@
-//! Key times: what is wrong with them, and how they are put right where that is asked for.
+//! Validation and repair of keys.
 
 use super::Real;
 
-/// What is wrong with the keys of a curve or channel. Keys are counted from 0 in the order given.
+/// Error of the keys of a curve or channel. Keys are counted from 0 in the given order.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyError {
     /// There are no keys.
-    #[error("there are no keys")]
+    #[error("no keys; at least one is needed")]
     Empty,
-    /// Values, tangents or controls are not one for each key.
-    #[error("{given} {what} for {keys} keys")]
+    /// The number of values, tangents or controls is not the number of keys.
+    #[error("{given} {what} for {keys} keys; there must be one for each key")]
     Count {
-        /// What there are too many or too few of.
+        /// Kind of the items counted.
         what: &'static str,
-        /// How many were given.
+        /// Number of items given.
         given: usize,
-        /// How many key times there are.
+        /// Number of key times.
         keys: usize,
     },
     /// A time is NaN or infinite.
     #[error("key {key}: the time {time} is not finite")]
     NonFiniteTime {
-        /// Which key.
+        /// Index of the key.
         key: usize,
-        /// In seconds.
+        /// Time, seconds.
         time: f64,
     },
     /// A value or tangent is NaN or infinite.
     #[error("key {key}: the {what} is not finite")]
     NonFiniteValue {
-        /// Which key.
+        /// Index of the key.
         key: usize,
-        /// Value or tangent.
+        /// `value` or `tangent`.
         what: &'static str,
     },
-    /// A key is not later than the one before.
+    /// A key time is not after the previous one.
     #[error("key {key}: the time {time} s is not after the key before it, at {previous} s")]
     NotIncreasing {
-        /// Which key.
+        /// Index of the key.
         key: usize,
-        /// Its time in seconds.
+        /// Time, seconds.
         time: f64,
-        /// The time of the key before it.
+        /// Time of the previous key, seconds.
         previous: f64,
     },
-    /// A point is where the one before it is, so that the distance says nothing about time.
+    /// Two neighbouring points coincide, so their distance gives no knot interval.
     #[error(
-        "point {point} is where the one before it is; knots by distance need points apart, uniform knots do not"
+        "point {point} coincides with the previous point; centripetal and chordal knots need distinct points"
     )]
     SamePlace {
-        /// Which point, from 0.
+        /// Index of the point.
         point: usize,
     },
-    /// A Bézier handle that would let the curve run backwards in time.
+    /// A Bézier handle that makes the curve run backwards in time.
     #[error(
         "key {key}: the {side} handle is {time} s from its key; it must be within the {room} s to the key on that side"
     )]
     HandleTime {
-        /// Which key.
+        /// Index of the key.
         key: usize,
-        /// Arriving or leaving.
+        /// `arriving` or `leaving`.
         side: &'static str,
-        /// From the key to the handle, in seconds.
+        /// Time from the key to the handle, seconds.
         time: f64,
-        /// From the key to the next one on that side, in seconds.
+        /// Time from the key to the adjacent key on that side, seconds.
         room: f64,
     },
-    /// A quaternion without direction.
-    #[error("key {key}: the quaternion is zero and stands for no rotation")]
+    /// Quaternion of zero length.
+    #[error("key {key}: the quaternion is zero; a rotation needs a non-zero quaternion")]
     ZeroRotation {
-        /// Which key.
+        /// Index of the key.
         key: usize,
     },
 }
 
-/// Checks that times are finite and strictly increase, and that there is one.
+/// Checks that there is at least one time and that times are finite and strictly increase.
 pub(crate) fn check_times<R: Real>(times: &[R]) -> Result<(), KeyError> {
     let mut previous: Option<R> = None;
     for (key, &time) in times.iter().enumerate() {
@@ -104,28 +104,27 @@ pub(crate) fn check_count(what: &'static str, given: usize, keys: usize) -> Resu
     Err(KeyError::Count { what, given, keys })
 }
 
-/// What [`repair_keys`] did.
+/// Report of [`repair_keys`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KeyRepair {
     /// Keys dropped because the time or the value was not finite.
     pub not_finite: usize,
-    /// Whether keys had to be sorted.
+    /// True if keys had to be sorted.
     pub sorted: bool,
-    /// Keys dropped because a later one in the list has the same time.
+    /// Keys dropped because a later one in the list has an equal time.
     pub duplicates: usize,
 }
 
 impl KeyRepair {
-    /// Whether nothing had to be done.
+    /// True if no repair was needed.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         *self == Self::default()
     }
 }
 
-/// Puts keys of doubtful origin right and says what it took: drops those with a time that is not
-/// finite or a value that is not `usable`, sorts the rest by time, and of keys at one time keeps
-/// the last in the list.
+/// Repairs keys in place. Drops keys with a time that is not finite or a value that is not `usable`, and sorts by time.
+/// Of several keys at one time it keeps the last in the list.
 pub fn repair_keys<R: Real, V>(
     keys: &mut Vec<(R, V)>,
     mut usable: impl FnMut(&V) -> bool,
@@ -136,7 +135,7 @@ pub fn repair_keys<R: Real, V>(
     repair.not_finite = given - keys.len();
     let order = |a: &(R, V), b: &(R, V)| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal);
     repair.sorted = !keys.is_sorted_by(|a, b| order(a, b).is_le());
-    // Stable, so that keys at one time stay in the order of the list.
+    // A stable sort keeps keys at one time in list order.
     keys.sort_by(order);
     let finite = keys.len();
     keys.reverse();

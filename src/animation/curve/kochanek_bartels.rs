@@ -1,25 +1,25 @@
-//! Kochanek-Bartels (TCB) tangents: easing at keys by three numbers.
+//! Kochanek-Bartels (TCB) tangents.
 //!
-//! Kochanek & Bartels 1984, "Interpolating splines with local tension, continuity, and bias
-//! control", with the correction of speed for keys at uneven times.
+//! Kochanek & Bartels 1984, "Interpolating splines with local tension, continuity, and bias control", with the
+//! correction of speed for keys at uneven times.
 
 use super::CurveValue;
 
-/// How a curve passes a key. All three are usually within [−1, 1]; all zero is Catmull-Rom.
+/// Tension, continuity and bias at a key, usually within [−1, 1]. All zero is Catmull-Rom.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TensionContinuityBias {
-    /// 1 stops at the key, −1 doubles the speed.
+    /// Tension: 1 gives zero tangents, −1 doubles the tangents.
     pub tension: f32,
-    /// Other than 0 makes a corner; −1 runs straight into and out of the key.
+    /// Continuity: non-zero values make a corner; −1 gives straight segments at the key.
     pub continuity: f32,
-    /// 1 overshoots the key along the way it came, −1 turns early.
+    /// Bias: 1 overshoots the key in the incoming direction, −1 turns before it.
     pub bias: f32,
 }
 
 impl TensionContinuityBias {
-    /// The rates (per unit of time) at which a curve arrives at and leaves a key, from the changes
-    /// since the key before and to the key after, and the time from the one to the other.
+    /// Rates per unit of time at which a curve arrives at and leaves a key. `since` and `to_next` are the changes from
+    /// the previous and to the next key, `time` the time between those keys.
     #[must_use]
     pub fn rates<V: CurveValue>(self, since: V, to_next: V, time: V::Real) -> [V; 2] {
         let [one, t, c, b] = [1.0, self.tension, self.continuity, self.bias].map(V::Real::from);

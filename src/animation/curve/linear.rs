@@ -2,7 +2,7 @@
 
 use super::CurveValue;
 
-/// (1 − u) a + u b: `a` at u = 0 and `b` at u = 1, both to the bit; constant speed between them.
+/// (1 − u) a + u b: exactly `a` at u = 0 and `b` at u = 1.
 #[inline]
 #[must_use]
 pub fn lerp<V: CurveValue>(a: V, b: V, u: V::Real) -> V {

@@ -1,4 +1,4 @@
-//! A curve as serde reads it: its keys, and what runs between them, checked.
+//! Serde form of a curve: keys and interpolation, checked when read.
 
 use serde::Deserialize;
 

@@ -1,4 +1,4 @@
-//! What curves run through: numbers and vectors in single or double precision.
+//! Value types of curves: numbers and vectors in single or double precision.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec3A, Vec4};
 
 use crate::scalar::elementary::{self, single};
 
-/// The numbers that curves compute with: `f32` or `f64`.
+/// Scalar type of curves: `f32` or `f64`.
 pub trait Real:
     Copy
     + std::fmt::Debug
@@ -18,30 +18,30 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// The power of a number that is not negative.
+    /// Power of a non-negative number.
     #[must_use]
     fn power(self, exponent: Self) -> Self;
-    /// Whether it is neither NaN nor infinite.
+    /// True if the number is neither NaN nor infinite.
     #[must_use]
     fn is_finite(self) -> bool;
-    /// In double precision.
+    /// Conversion to double precision.
     #[must_use]
     fn as_f64(self) -> f64;
-    /// The nearest number of this precision.
+    /// Nearest number of this precision.
     #[must_use]
     fn from_f64(number: f64) -> Self;
 }
 
-/// A number or a vector that can be added and scaled.
+/// Number or vector that can be added and scaled.
 pub trait CurveValue:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<<Self as CurveValue>::Real, Output = Self>
 {
-    /// What it is scaled by, and what times are measured in.
+    /// Scalar type of scale factors and times.
     type Real: Real;
-    /// The Euclidean length.
+    /// Euclidean length.
     #[must_use]
     fn length(self) -> Self::Real;
-    /// Whether all its numbers are finite.
+    /// True if all components are finite.
     #[must_use]
     fn all_finite(self) -> bool;
 }

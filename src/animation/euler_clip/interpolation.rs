@@ -1,4 +1,4 @@
-//! How a bone's angles go from key to key: straight, or by which spline.
+//! Interpolation of Euler keyframes.
 
 use glam::DVec3;
 
@@ -6,21 +6,21 @@ use super::{ClipError, EulerClip, EulerTrack};
 use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, TensionContinuityBias};
 use crate::skeleton::BoneId;
 
-/// How the angles of one bone go from key to key. Each angle goes by itself.
+/// Interpolation of one bone's angles between keys. Each angle is interpolated independently.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum EulerInterpolation {
-    /// Straight from key to key: what to try first, but the speed jumps at every key.
+    /// Linear; the velocity is discontinuous at keys.
     Linear,
-    /// A Catmull-Rom spline over the keys' own times: the speed does not jump.
+    /// Catmull-Rom spline over the times of the keys; the velocity is continuous.
     #[default]
     CatmullRom,
-    /// A Kochanek-Bartels spline: one set of controls for each key says how it is passed.
+    /// Kochanek-Bartels spline with a set of controls for each key.
     KochanekBartels(Vec<TensionContinuityBias>),
 }
 
-/// Where a bone has no keys.
+/// Interpolation of bones without keys.
 static DEFAULT: EulerInterpolation = EulerInterpolation::CatmullRom;
 
 impl EulerInterpolation {
@@ -28,7 +28,7 @@ impl EulerInterpolation {
     pub(crate) const CATMULL_ROM: &str = "catmull-rom";
     pub(crate) const KOCHANEK_BARTELS: &str = "kochanek-bartels";
 
-    /// What files and the command line call it.
+    /// Name in files and on the command line.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -38,16 +38,16 @@ impl EulerInterpolation {
         }
     }
 
-    /// A Kochanek-Bartels spline that passes all of a track's keys alike.
+    /// Kochanek-Bartels spline with equal controls at all keys of a track.
     #[must_use]
     pub fn kochanek_bartels(track: &EulerTrack, controls: TensionContinuityBias) -> Self {
         Self::KochanekBartels(vec![controls; track.keys.len()])
     }
 
-    /// The curve through these values (vectors of a bone's angles, say) at these times in seconds.
+    /// Curve through values, such as vectors of a bone's angles, at times in seconds.
     ///
     /// # Errors
-    /// As [`KeyedCurve`]'s own makers.
+    /// A [`KeyError`] of the [`KeyedCurve`] constructor.
     pub fn curve<V: CurveValue>(
         &self,
         times: Vec<V::Real>,
@@ -62,7 +62,7 @@ impl EulerInterpolation {
         }
     }
 
-    /// The curves of tracks by what runs between the keys of each.
+    /// Curves of tracks, by the interpolation of each.
     pub(super) fn curves(
         tracks: &[EulerTrack],
         between: &[Self],
@@ -78,7 +78,7 @@ impl EulerInterpolation {
         tracks.iter().zip(between).map(curve).collect()
     }
 
-    /// Checks that there is a set of finite controls for each key where there are any.
+    /// Checks that Kochanek-Bartels controls are finite, with one set for each key.
     fn check(&self, track: &EulerTrack) -> Result<(), ClipError> {
         let Self::KochanekBartels(controls) = self else {
             return Ok(());
@@ -99,12 +99,10 @@ impl EulerInterpolation {
 }
 
 impl EulerClip {
-    /// The same keys with what `choose` says between them, for each track. A new clip has Catmull-Rom
-    /// splines throughout.
+    /// The clip with the interpolation that `choose` returns for each track. A new clip has Catmull-Rom splines.
     ///
     /// # Errors
-    /// A [`ClipError`]: there is not one set of controls for each of a track's keys, or one is not
-    /// finite.
+    /// A [`ClipError`]: the number of control sets is not the number of keys, or a control is not finite.
     pub fn interpolated(
         mut self,
         choose: impl Fn(&EulerTrack) -> EulerInterpolation,
@@ -114,7 +112,7 @@ impl EulerClip {
         Ok(self)
     }
 
-    /// What runs between a bone's keys.
+    /// Interpolation of a bone's keys.
     #[must_use]
     pub fn interpolation(&self, bone: BoneId) -> &EulerInterpolation {
         let track = self.tracks.binary_search_by_key(&bone, |track| track.bone);

@@ -11,120 +11,121 @@ use glam::DVec3;
 use crate::animation::curve::{KeyError, KeyedCurve};
 use crate::skeleton::BoneId;
 
-/// The angles of one bone at one time.
+/// Angles of one bone at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EulerKey {
-    /// In seconds.
+    /// Time, seconds.
     pub time: f64,
-    /// (θ₁, θ₂, θ₃): first twist, bend, second twist, in radians. They need not be within the
-    /// bone's limits.
+    /// Angles (θ₁, θ₂, θ₃) in radians: first twist, bend, second twist. They may be outside the bone's limits.
     pub angles: [f64; 3],
 }
 
-/// The keys of one bone, strictly increasing in time.
+/// Keys of one bone, strictly increasing in time.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EulerTrack {
-    /// The bone they move.
+    /// The animated bone.
     pub bone: BoneId,
-    /// At times that need not be evenly spaced.
+    /// The keys; their times need not be evenly spaced.
     pub keys: Vec<EulerKey>,
 }
 
-/// Keyframes for any of a skeleton's bones; a bone without keys has no track.
+/// Keyframes of a skeleton's bones; a bone without keys has no track.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Tracks", into = "Tracks"))]
 pub struct EulerClip {
     tracks: Vec<EulerTrack>,
-    /// One for each track.
+    /// Interpolation of each track.
     between: Vec<EulerInterpolation>,
-    /// What is sampled: one for each track, by what runs between its keys.
+    /// Sampled curve of each track.
     curves: Vec<KeyedCurve<DVec3>>,
-    /// Whose tracks had no keys.
+    /// Bones whose tracks had no keys.
     keyless: Vec<BoneId>,
 }
 
-/// What is wrong with keyframes. Tracks and keys are counted from 0 in the order given.
+/// Error of Euler keyframes. Tracks and keys are counted from 0 in the given order.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClipError {
     /// Two tracks for one bone.
-    #[error("bone {bone} has a track already")]
+    #[error("bone {bone}: a track exists already; a bone takes one")]
     DuplicateBone {
-        /// The second track.
+        /// Index of the second track.
         track: usize,
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
     },
     /// A time is NaN or infinite.
-    #[error("the time {time} is not finite")]
+    #[error("the time {time} s is not finite")]
     NonFiniteTime {
-        /// Which track.
+        /// Index of the track.
         track: usize,
-        /// Which of its keys.
+        /// Index of the key.
         key: usize,
-        /// In seconds.
+        /// Time, seconds.
         time: f64,
     },
     /// An angle is NaN or infinite.
     #[error("the angles {angles:?} rad are not finite")]
     NonFiniteAngle {
-        /// Which track.
+        /// Index of the track.
         track: usize,
-        /// Which of its keys.
+        /// Index of the key.
         key: usize,
-        /// In radians.
+        /// Angles, radians.
         angles: [f64; 3],
     },
-    /// A key is not later than the one before.
+    /// A key time is not after the previous one.
     #[error("the time {time} s is not after the key before it, at {previous} s")]
     NotIncreasing {
-        /// Which track.
+        /// Index of the track.
         track: usize,
-        /// Which of its keys.
+        /// Index of the key.
         key: usize,
-        /// Its time in seconds.
+        /// Time, seconds.
         time: f64,
-        /// The time of the key before it.
+        /// Time of the previous key, seconds.
         previous: f64,
     },
-    /// There is not one set of Kochanek-Bartels controls for each key.
-    #[error("bone {bone}: {given} sets of controls for {keys} keys")]
+    /// The number of Kochanek-Bartels control sets is not the number of keys.
+    #[error(
+        "bone {bone}: {given} sets of controls for {keys} keys; there must be one for each key"
+    )]
     ControlCount {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// How many sets were given.
+        /// Number of sets given.
         given: usize,
-        /// How many keys the bone has.
+        /// Number of keys of the bone.
         keys: usize,
     },
-    /// Numbers so large, or so near to each other in time, that a tangent is beyond double precision.
+    /// Values too large, or times too close, for a tangent in double precision.
     #[error("bone {bone}: {problem}")]
     Curve {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// What is wrong with the curve through its keys.
+        /// The error of the curve.
         problem: KeyError,
     },
     /// A tension, continuity or bias is NaN or infinite.
-    #[error("bone {bone}, key {key}: tension, continuity and bias are not all finite")]
+    #[error("bone {bone}, key {key}: tension, continuity and bias must be finite")]
     NonFiniteControls {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// Which of its keys.
+        /// Index of the key.
         key: usize,
     },
 }
 
 impl EulerClip {
-    /// A clip of tracks in any order, with Catmull-Rom splines between keys. Tracks without keys are
-    /// left out; [`keyless`](Self::keyless) tells whose.
+    /// Clip of tracks in any order, with Catmull-Rom splines. Tracks without keys are omitted;
+    /// [`keyless`](Self::keyless) returns their bones.
     ///
     /// # Errors
-    /// A [`ClipError`]: two tracks for one bone, a number that is not finite, key times that do not
-    /// strictly increase, or tangents beyond double precision.
+    /// A [`ClipError`]: two tracks for one bone, a number that is not finite, key times that do not strictly increase,
+    /// or tangents beyond double precision.
     pub fn new(tracks: Vec<EulerTrack>) -> Result<Self, ClipError> {
         let mut bones = std::collections::BTreeSet::new();
         for (track, EulerTrack { bone, keys }) in tracks.iter().enumerate() {
@@ -165,15 +166,15 @@ impl EulerClip {
     }
 
     getters! {
-        /// The tracks, sorted by bone; each has at least one key.
+        /// Tracks sorted by bone, each with at least one key.
         pub fn tracks(&self) -> &[EulerTrack] = &self.tracks;
-        /// The bones whose tracks were given without keys and left out.
+        /// Bones whose tracks had no keys and were omitted.
         pub fn keyless(&self) -> &[BoneId] = &self.keyless;
-        /// Whether no bone has keys.
+        /// Returns true if no bone has keys.
         pub fn is_empty(&self) -> bool = self.tracks.is_empty();
     }
 
-    /// A bone's keys; empty when it has none.
+    /// Keys of a bone; empty if it has none.
     #[must_use]
     pub fn keys(&self, bone: BoneId) -> &[EulerKey] {
         match self.tracks.binary_search_by_key(&bone, |track| track.bone) {
@@ -182,7 +183,7 @@ impl EulerClip {
         }
     }
 
-    /// The first and last key times in seconds; `None` without keys.
+    /// First and last key time in seconds; `None` without keys.
     #[must_use]
     pub fn time_span(&self) -> Option<[f64; 2]> {
         let ends = |track: &EulerTrack| Some([track.keys.first()?.time, track.keys.last()?.time]);
@@ -191,7 +192,7 @@ impl EulerClip {
     }
 }
 
-/// A clip as serde writes it: each track with what runs between its keys. One that is read is checked.
+/// Serde form of a clip: each track with its interpolation. It is checked when read.
 #[cfg(feature = "serde")]
 type Tracks = Vec<(EulerTrack, EulerInterpolation)>;
 

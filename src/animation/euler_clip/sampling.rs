@@ -1,41 +1,41 @@
-//! Interpolation of keyframes at times that need not be evenly spaced.
+//! Sampling of Euler clips.
 
 use super::EulerClip;
 use crate::animation::Playback;
 use crate::skeleton::ANGLES_PER_BONE;
 
-/// Why a clip cannot be sampled.
+/// Error of sampling an Euler clip.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SampleError {
     /// The time is NaN or infinite.
-    #[error("the time {time} is not finite")]
+    #[error("the time {time} s is not finite")]
     NonFiniteTime {
-        /// In seconds.
+        /// Time, seconds.
         time: f64,
     },
-    /// The clip moves a bone that the configuration has no angles for.
-    #[error("the clip moves bone {bone}, but there is room for {angles} angles only")]
+    /// The clip moves a bone that the configuration does not contain.
+    #[error("the configuration has {angles} angles, too few for bone {bone} of the clip")]
     TooFewAngles {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// How many angles there is room for.
+        /// Number of angles of the configuration.
         angles: usize,
     },
 }
 
 impl EulerClip {
-    /// Writes the angles at `time` (seconds) into the stacked configuration `q` (radians, shape
-    /// 3 × bones: θ₁, θ₂, θ₃ of bone 0, of bone 1, …). Bones without keys are at 0.
+    /// Writes the angles at `time` (seconds) into the stacked configuration `q` (radians, 3 × bones: θ₁, θ₂, θ₃ of bone
+    /// 0, of bone 1, …). Bones without keys are at 0.
     ///
-    /// Between keys P_i at t_i runs a straight line or a cubic Hermite segment, as each track's
-    /// [`EulerInterpolation`](super::EulerInterpolation) says. A Catmull-Rom spline has the tangents
-    /// m_i = (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), times the segment's own length in time; at a
-    /// track's first and last key the tangent is one-sided. At evenly spaced keys this is the
-    /// classic one (Catmull & Rom 1974). Kochanek-Bartels tangents are
-    /// [`TensionContinuityBias::rates`](crate::animation::curve::TensionContinuityBias::rates). At a key's time the values are the key's, to the bit. A track
-    /// shorter than the clip holds its ends. Limits are not looked at, and a cubic may leave the
-    /// range of its keys.
+    /// [`EulerInterpolation`](super::EulerInterpolation) selects linear or cubic Hermite segments between keys P_i at
+    /// t_i. A Catmull-Rom spline has the tangents m_i = (P_{i+1} − P_{i−1}) / (t_{i+1} − t_{i−1}), times the segment's
+    /// duration. They are one-sided at the first and last key. At evenly spaced keys this is the classic form (Catmull
+    /// & Rom 1974). Kochanek-Bartels tangents are
+    /// [`TensionContinuityBias::rates`](crate::animation::curve::TensionContinuityBias::rates).
+    ///
+    /// Values at key times are exactly those of the key. A track shorter than the clip holds its end values. Limits are
+    /// not applied, and a cubic may exceed the range of its keys.
     ///
     /// # Errors
     /// A [`SampleError`]: the time is not finite, or `q` is too short for a bone that has keys.

@@ -1,4 +1,4 @@
-//! A bone that points at something, in closed form.
+//! Aim IK: a bone that points at a target, in closed form.
 
 use glam::{DQuat, Quat, Vec3A};
 
@@ -11,11 +11,11 @@ use crate::animation::{Armature, Mirror, Pose, SizeMismatch};
 use crate::scalar::elementary::single;
 use crate::skeleton::BoneId;
 
-/// Angle from the target of a corrected bone that has converged, radians: what single precision holds.
+/// Angle to the target at which a corrected bone has converged, radians; the limit of single precision.
 const CONVERGED: f64 = 3e-7;
 
-/// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims, a
-/// foot that is laid on the ground by its normal.
+/// Bone with an axis that points at a target: a head that looks, a hand that aims, a foot aligned with the ground
+/// normal.
 ///
 /// ```
 /// use glam::Vec3A;
@@ -40,50 +40,50 @@ pub struct Aim {
     offset: Vec3A,
 }
 
-/// What cannot aim.
+/// Error of an aim definition.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AimError {
     /// A bone of another armature.
-    #[error("bone {bone} does not exist; the armature has {bones}")]
+    #[error("bone {bone} does not exist; the armature has {bones} bones")]
     UnknownBone {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// How many bones there are.
+        /// Number of bones.
         bones: usize,
     },
-    /// A direction that is none.
-    #[error("the {axis} axis is not finite or has no length")]
+    /// An axis that is not finite or zero.
+    #[error("the {axis} axis must be finite and not zero")]
     BadAxis {
-        /// "forward" or "up".
+        /// `forward` or `up`.
         axis: &'static str,
     },
-    /// Forward and up are on one line.
-    #[error("the up axis is on the line of the forward axis")]
+    /// Forward and up axis are parallel.
+    #[error("the up axis is parallel to the forward axis; the two must differ")]
     UpIsForward,
     /// An offset that is not finite.
-    #[error("the offset is not finite")]
+    #[error("the offset must be finite")]
     BadMuzzle,
 }
 
-/// What a bone should point at this frame.
+/// Goal of an aim for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AimGoal {
-    /// The point to point at, in model coordinates.
+    /// Target point, in model coordinates.
     pub target: Vec3A,
-    /// The direction, in model coordinates, to which the bone's up axis goes as far as it can; with
-    /// `None`, or for a bone without one, the bone turns by the shortest arc.
+    /// Desired direction of the bone's up axis, in model coordinates. With `None`, or without an up axis, the bone
+    /// rotates by the shortest arc.
     pub up: Option<Vec3A>,
-    /// How far the bone turns about the way to the target besides, in radians, counter-clockwise as
-    /// seen from the target. A number that is not finite counts as 0.
+    /// Additional rotation about the direction to the target, radians, counter-clockwise as seen from the target. A
+    /// number that is not finite counts as 0.
     pub twist: f32,
-    /// From 0, the pose as it is, to 1, pointing at the target: the bone turns this share of the
-    /// angle. Taken into [0, 1]; NaN counts as 0.
+    /// Fraction of the rotation that is applied: 0 leaves the pose, 1 points at the target. Clamped to [0, 1]; NaN
+    /// counts as 0.
     pub weight: f32,
 }
 
 impl AimGoal {
-    /// At a point in model coordinates, with weight 1, by the shortest arc.
+    /// Goal at a point in model coordinates, with weight 1, by the shortest arc.
     #[must_use]
     pub fn at(target: impl Into<Vec3A>) -> Self {
         let target = target.into();
@@ -97,7 +97,7 @@ impl AimGoal {
 }
 
 impl Aim {
-    /// A bone that points along an axis in its own coordinates.
+    /// Aim along an axis in the bone's coordinates.
     ///
     /// # Errors
     /// An [`AimError`].
@@ -119,10 +119,10 @@ impl Aim {
         })
     }
 
-    /// The axis, in the bone's coordinates, that goals may hold upright.
+    /// Sets the up axis, in the bone's coordinates, that goals can align.
     ///
     /// # Errors
-    /// An axis that is not finite, has no length, or is on the line of the one that points.
+    /// The axis is not finite, zero, or parallel to the forward axis.
     pub fn with_up(mut self, up: impl Into<Vec3A>) -> Result<Self, AimError> {
         let up = up.into();
         let up = axis("up", up)?;
@@ -133,11 +133,11 @@ impl Aim {
         Ok(self)
     }
 
-    /// A point, in the bone's coordinates, from which it points instead of from its joint: an eye in a
-    /// head, the muzzle of a gun.
+    /// Sets the origin of the aiming line, in the bone's coordinates; the default is the joint. Examples are an eye in
+    /// a head and the muzzle of a gun.
     ///
     /// # Errors
-    /// A point that is not finite.
+    /// The point is not finite.
     pub fn with_offset(mut self, offset: impl Into<Vec3A>) -> Result<Self, AimError> {
         let offset = offset.into();
         if !offset.is_finite() {
@@ -147,12 +147,12 @@ impl Aim {
         Ok(self)
     }
 
-    /// Turns the bone by its weight's share of the rotation that points it at the target. Says
-    /// whether there is one: there is none for a target that is not finite, that is the joint itself, or
-    /// that is nearer to the joint than the line through the offset; then the pose stays as it is.
+    /// Rotates the bone towards the target by the goal's weight. Returns false, without a change of the pose, if there
+    /// is no such rotation. This happens if the target is not finite, coincides with the joint, or is nearer to the
+    /// joint than the aiming line.
     ///
-    /// Uneven scales of the bone and of those above it shear its axes. The bone is then turned again until the axis as the
-    /// pose shows it points at the target, as near as that converges.
+    /// Uneven scales of the bone and its ancestors shear its axes. The rotation is then corrected iteratively until the
+    /// axis of the posed bone points at the target, as far as this converges.
     ///
     /// # Errors
     /// The pose is of another armature.
@@ -186,8 +186,8 @@ impl Aim {
         Ok(true)
     }
 
-    /// The rotation with which a sheared bone points at the target, as near as that converges, from one with which it nearly
-    /// does. `placed` is the bone in the model with a rotation.
+    /// Corrects the rotation of a sheared bone until it points at the target, as far as this converges. `placed` is the
+    /// bone in the model with an approximate rotation.
     fn corrected(
         &self,
         goal: &AimGoal,
@@ -226,8 +226,7 @@ impl Aim {
         wanted
     }
 
-    /// The rotation in the model with which the bone points at the target, if its scaled axes turn rigidly from how it is
-    /// placed.
+    /// Rotation in the model that points the bone at the target, if its scaled axes rotate rigidly from `placed`.
     fn aimed(&self, own: &Placed, goal: &AimGoal) -> Option<Quat> {
         let way = goal.target - own.affine.translation;
         let line = Line::of(self, own);
@@ -248,13 +247,13 @@ impl Aim {
     }
 }
 
-/// The line that points, in the axes of the bone's rotation in the model.
+/// Aiming line, in the axes of the bone's rotation in the model.
 struct Line {
     /// Unit vectors.
     forward: Vec3A,
     up: Option<Vec3A>,
     offset: Vec3A,
-    /// Of lengths in the model to those of `offset`.
+    /// Ratio of lengths in the model to those of `offset`.
     scale: f32,
 }
 
@@ -277,14 +276,14 @@ impl Line {
         }
     }
 
-    /// The direction of the point of the line through the offset that is at a distance from the joint, which is to be turned
-    /// onto the target: |m + s f| = d for s ≥ 0.
+    /// Direction from the joint to the point of the line at `distance` from the joint, which is rotated onto the
+    /// target. Solves |m + s f| = d for s ≥ 0.
     fn point_at(&self, distance: f32) -> Option<Vec3A> {
         let distance = distance / self.scale;
         let ahead = self.offset.dot(self.forward);
         let beside = self.offset - self.forward * ahead;
         let reach = distance * distance - beside.length_squared();
-        // Behind the offset point is no way to point.
+        // A point behind the offset cannot be aimed.
         let along = (reach > 0.0).then(|| reach.sqrt())?;
         if along < ahead {
             return None;
@@ -293,8 +292,8 @@ impl Line {
     }
 }
 
-/// The shortest turn from a unit vector to another one; in double precision, because near half a turn
-/// its axis is what rounding leaves.
+/// Shortest rotation between two unit vectors. Double precision, because near half a turn the axis results from
+/// cancellation.
 fn arc(from: Vec3A, to: Vec3A) -> Quat {
     let [from, to] = [from, to].map(|v| v.as_dvec3().normalize());
     DQuat::from_rotation_arc(from, to).as_quat()

@@ -1,4 +1,4 @@
-//! An armature as a skeleton, so that the optimiser can pose characters from files of animation.
+//! Conversion of armatures to skeletons for the solver.
 
 use std::collections::BTreeSet;
 
@@ -13,10 +13,11 @@ use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 impl Skeleton {
-    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
-    /// scales. The angles keep their meaning and the rest pose its placements.
+    /// The skeleton with its joints and tips at their positions in a pose of its armature, with the pose's translations
+    /// and scales. The meaning of the angles and the rest placements do not change.
     ///
     /// # Errors
+    /// The pose has fewer bones.
     /// The pose has fewer bones.
     pub fn standing_in(&self, pose: &Pose) -> Result<Self, SizeMismatch> {
         has_bones(pose, self.bones().len())?;
@@ -27,22 +28,24 @@ impl Skeleton {
 }
 
 impl Armature {
-    /// The skeleton with the same bones and ids, at rest where the armature is: what
-    /// [`ReachLayer`](super::ReachLayer) and problems are stated on, while
-    /// [`EulerPoseMap`](super::EulerPoseMap) takes its angles to this armature's poses. An armature does
-    /// not say where bones end, so tips are where their bones stand: the tip of a hand is the wrist.
-    /// `limits` gives the ranges of a bone's first twist, bend and second twist about the bone's own
-    /// x, z and x, in radians.
+    /// The skeleton with the same bones and ids, in the armature's rest pose. [`ReachLayer`](super::ReachLayer) and
+    /// problems are defined on it. [`EulerPoseMap`](super::EulerPoseMap) converts its angles to poses of this armature.
     ///
-    /// Scales of the rest pose are part of the bones' lengths: every joint is where the rest pose has it in the model. The
-    /// axes of a bone are the product of the rotations down to it. Below a mirrored bone those are reflected, so that the
-    /// skeleton turns as the mirrored armature does. Below an [unevenly scaled](Self::scale_notes) bone the armature shears
-    /// and the skeleton does not: their joints part as bones turn. [`ReachLayer`](super::ReachLayer) and
-    /// [`ClipIk`](crate::motion::clip_ik::ClipIk) solve for the joints of the armature, and a
-    /// [`Drag`](crate::ik::Drag) does whose joints [`move`](crate::ik::Drag::move_joints) after each frame.
+    /// An armature does not define where bones end, so the tip of each bone is at its origin: the tip of a hand is the
+    /// wrist. `limits` gives the ranges in radians of a bone's first twist, bend and second twist about its own x, z
+    /// and x.
+    ///
+    /// Scales of the rest pose are part of the bone lengths: every joint is at its rest position in the model. The axes
+    /// of a bone are the product of the rotations from the root. Below a mirrored bone they are reflected, so the
+    /// skeleton rotates like the mirrored armature.
+    ///
+    /// Below an [unevenly scaled](Self::scale_notes) bone the armature shears and the skeleton does not, so their
+    /// joints separate as bones rotate. [`ReachLayer`](super::ReachLayer) and
+    /// [`ClipIk`](crate::motion::clip_ik::ClipIk) solve for the joints of the armature. A [`Drag`](crate::ik::Drag)
+    /// does so if [`move_joints`](crate::ik::Drag::move_joints) is called after each frame.
     ///
     /// # Errors
-    /// A [`SkeletonError`] naming the bone whose limits are no interval.
+    /// A [`SkeletonError`] with the bone whose limits are not an interval.
     pub fn skeleton(
         &self,
         name: impl Into<String>,
@@ -84,12 +87,12 @@ impl Armature {
         Skeleton::new(name, bones)
     }
 
-    /// As [`skeleton`](Self::skeleton), the bones of `turning` free to turn any way and the others still: of a scene those of
-    /// [its skins](crate::io::gltf::Scene::turning_bones), of a capture those
-    /// [with channels](crate::io::bvh::MotionCapture::turning_bones).
+    /// [`skeleton`](Self::skeleton) with unlimited rotation of the bones in `turning` and all other bones locked. Use
+    /// [the skinned bones](crate::io::gltf::Scene::turning_bones) of a scene, or [the bones with
+    /// channels](crate::io::bvh::MotionCapture::turning_bones) of a capture.
     ///
     /// # Errors
-    /// As there.
+    /// As [`skeleton`](Self::skeleton).
     pub fn turning_skeleton(
         &self,
         name: impl Into<String>,

@@ -1,4 +1,4 @@
-//! Where single bones of a pose are, without placing all of them.
+//! Placements of single bones of a pose.
 
 use glam::{Affine3A, Quat};
 
@@ -6,20 +6,20 @@ use crate::animation::pose::Stretch;
 use crate::animation::{Armature, Mirror, Pose};
 use crate::skeleton::BoneId;
 
-/// A bone in the model, or in a bone above it.
+/// Placement of a bone in the model or in an ancestor.
 #[derive(Clone, Copy)]
 pub(super) struct Placed {
     pub(super) affine: Affine3A,
-    /// Without scales, in reflected axes below mirrored bones.
+    /// Rotation without scales; in reflected axes below mirrored bones.
     pub(super) rotation: Quat,
-    /// Of the bone's children.
+    /// Mirror of the bone's children.
     pub(super) mirror: Mirror,
-    /// Whether a bone down to this one has an uneven scale.
+    /// True if the bone or an ancestor has an uneven scale.
     pub(super) uneven: bool,
 }
 
 impl Placed {
-    /// Where a bone is in its parent.
+    /// Placement of a bone in its parent.
     pub(super) fn local(pose: &Pose, bone: BoneId) -> Self {
         let local = pose.local_of(bone);
         Self {
@@ -30,7 +30,7 @@ impl Placed {
         }
     }
 
-    /// Where a bone is in the coordinates of a bone above it (in the model without one).
+    /// Placement of a bone in the coordinates of an ancestor, or in the model without one.
     pub(super) fn within(
         armature: &Armature,
         pose: &Pose,
@@ -62,7 +62,7 @@ impl std::ops::Mul for Placed {
     }
 }
 
-/// Writes the local rotation of a bone, made of unit length.
+/// Writes the normalised local rotation of a bone.
 pub(super) fn set_rotation(pose: &mut Pose, bone: BoneId, rotation: Quat) {
     if let Some(own) = pose.rotations.get_mut(bone.index()) {
         *own = rotation.normalize();

@@ -1,4 +1,4 @@
-//! A bone whose rotation in the model is a task of the optimiser.
+//! Rotation task of a bone in the model.
 
 use glam::{DQuat, DVec4};
 
@@ -8,7 +8,7 @@ use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::{Matrix3, Quaternion};
 use crate::task::Orientation;
 
-/// A bone that is held as the clip has it, or turned by a weight.
+/// Bone whose rotation follows the clip, or a target by a weight.
 #[derive(Clone, Debug)]
 pub(super) struct Held {
     pub(super) bone: BoneId,
@@ -29,7 +29,7 @@ impl Held {
         }
     }
 
-    /// Sets the rotation wanted, of any length; whether it is one.
+    /// Sets the target rotation as a quaternion of any length. Returns false if it is zero or not finite.
     pub(super) fn set(&mut self, rotation: Quaternion<f64>, weight: f64) -> bool {
         let unit = DVec4::from(DQuat::from(rotation)).try_normalize();
         if let Some(unit) = unit {
@@ -38,7 +38,7 @@ impl Held {
         unit.is_some()
     }
 
-    /// The clip's rotation, turned by the weight's share of the shortest arc to the one wanted.
+    /// The clip's rotation, interpolated to the target by the weight along the shortest arc.
     pub(super) fn target(&self, clip: DQuat) -> Matrix3<f64> {
         let mut turned = clip;
         if self.weight > 0.0 {

@@ -1,5 +1,4 @@
-//! Inverse kinematics as a layer over animated poses: limbs and aims in closed form, and the
-//! optimiser for everything else.
+//! IK layers over animated poses: limbs and aims in closed form, and tasks of a general solver.
 
 mod aim;
 mod armature_skeleton;

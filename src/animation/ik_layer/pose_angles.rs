@@ -1,4 +1,4 @@
-//! Between a pose's local rotations (single precision) and a skeleton's angles.
+//! Conversion between local rotations of a pose (single precision) and Euler angles of a skeleton.
 
 use glam::{DQuat, Quat};
 
@@ -10,15 +10,17 @@ use crate::animation::{Mirror, Pose};
 use crate::model::{Limits, ModelError};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
-/// The rotation of a bone by its angles θ₁, θ₂, θ₃: R_x(θ₃) R_z(θ₂) R_x(θ₁), in radians.
+/// Rotation of a bone by its angles θ₁, θ₂, θ₃ in radians: R_x(θ₃) R_z(θ₂) R_x(θ₁).
 pub(crate) fn bone_rotation([first, bend, second]: [f64; 3]) -> DQuat {
     EulerOrder::Xzx.to_quaternion([second, bend, first])
 }
 
-/// The angles θ₁, θ₂, θ₃ of a rotation, in radians. Twist-bend-twist angles come in pairs,
-/// (θ₁, θ₂, θ₃) and (θ₁ ± π, −θ₂, θ₃ ± π): those that are outside the limits by less, or else that
-/// twist less. Where the bend is 0 only the sum of the twists counts; then the second twist takes
-/// what its limits allow. The angles themselves are not moved into the limits.
+/// Angles θ₁, θ₂, θ₃ of a rotation, radians. Twist-bend-twist angles come in pairs, (θ₁, θ₂, θ₃) and (θ₁ ± π, −θ₂, θ₃ ±
+/// π).
+///
+/// The pair that violates the limits less is chosen, or else the one with less twist. If the bend is 0, only the sum of
+/// the twists is defined; the second twist then takes as much as its limits allow. The angles are not clamped to the
+/// limits.
 pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
     let euler = EulerOrder::Xzx.from_quaternion(rotation);
     let [second, bend, first] = euler.angles;
@@ -35,7 +37,7 @@ pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
             .sum()
     };
     let twist = |angles: &[f64; 3]| angles[0].abs() + angles[2].abs();
-    // Rounding of a pose in single precision must not decide.
+    // Excludes the rounding of single-precision poses from the choice.
     const ROUNDING: f64 = 1e-5;
     let [a, b] = pair;
     let difference = outside(&a) - outside(&b);
@@ -46,14 +48,14 @@ pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
     if second_is_better { b } else { a }
 }
 
-/// Refuses a pose without all bones of a skeleton; behind them it may have others, as a scene's does.
+/// Returns an error if a pose has fewer bones than a skeleton. Additional bones, as in a scene, are allowed.
 pub(super) fn has_bones(pose: &Pose, bones: usize) -> Result<(), SizeMismatch> {
     SizeMismatch::check("bones in the pose", pose.bones().min(bones), bones)
 }
 
-/// A skeleton's rest rotations, to go from angles to local rotations and back.
+/// Map between a skeleton's angles and the local rotations of poses, by the skeleton's rest rotations.
 ///
-/// Below bones that a pose mirrors, local rotations are in reflected axes.
+/// Local rotations below mirrored bones are in reflected axes.
 #[derive(Clone, Debug)]
 pub struct EulerPoseMap {
     rest: Vec<DQuat>,
@@ -62,7 +64,7 @@ pub struct EulerPoseMap {
 }
 
 impl EulerPoseMap {
-    /// The angles of a skeleton in poses of the armature [of it](crate::animation::Armature::of_skeleton).
+    /// Map for poses of the armature [of the skeleton](crate::animation::Armature::of_skeleton).
     #[must_use]
     pub fn new(skeleton: &Skeleton) -> Self {
         let armature = crate::animation::Armature::of_skeleton(skeleton);
@@ -74,11 +76,11 @@ impl EulerPoseMap {
         }
     }
 
-    /// Writes the stacked angles (radians, shape 3 × bones) whose local rotations a pose has. A `Vec` gets
-    /// room for all bones of the skeleton.
+    /// Writes the stacked angles (radians, 3 × bones) of a pose's local rotations. A `Vec` is resized to all bones of
+    /// the skeleton.
     ///
     /// # Errors
-    /// A pose of fewer bones, a slice of another length.
+    /// The pose has fewer bones, or a slice has another length.
     pub fn angles_of(
         &self,
         pose: &Pose,
@@ -98,10 +100,12 @@ impl EulerPoseMap {
         Ok(())
     }
 
-    /// Writes the local rotations of stacked angles (radians, shape 3 × bones) into a pose.
+    /// Writes the local rotations of stacked angles (radians, 3 × bones) into a pose. The pose does not change on an
+    /// error.
     ///
     /// # Errors
-    /// A pose of fewer bones; another number of angles, or one that is not finite. The pose stays.
+    /// - The pose has fewer bones.
+    /// - The number of angles differs, or an angle is not finite.
     pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
         has_bones(pose, self.rest.len())?;
         let angles = ANGLES_PER_BONE * self.rest.len();
@@ -112,7 +116,7 @@ impl EulerPoseMap {
         Ok(())
     }
 
-    /// As [`pose_of`](Self::pose_of), for one bone.
+    /// [`pose_of`](Self::pose_of) for one bone.
     pub(super) fn pose_bone(&self, bone: BoneId, q: &[f64], pose: &mut Pose) {
         let first = ANGLES_PER_BONE * bone.index();
         let angles = q.get(first..first + ANGLES_PER_BONE);
@@ -126,7 +130,7 @@ impl EulerPoseMap {
         }
     }
 
-    /// The mirror of the bones above one in a pose.
+    /// Mirror of the ancestors of a bone in a pose.
     fn mirror_above(&self, bone: BoneId, pose: &Pose) -> Mirror {
         let parent = |bone: &BoneId| self.parents.get(bone.index()).copied().flatten();
         let above = std::iter::successors(parent(&bone), parent);

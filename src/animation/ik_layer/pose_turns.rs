@@ -1,4 +1,4 @@
-//! Between a pose's local transforms (single precision) and the configurations of bones on ball joints.
+//! Conversion between local transforms of a pose (single precision) and configurations of ball joints.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3A};
 
@@ -8,34 +8,34 @@ use crate::animation::{Armature, Mirror, Pose};
 use crate::skeleton::{BallSkeleton, BoneId};
 use crate::{Buffer, SizeMismatch};
 
-/// Takes configurations of a [`BallSkeleton`] to poses of the armature that its bones are of, and back. Bones that do not
-/// turn, scales and all translations but a free root's are left as they are.
+/// Map between configurations of a [`BallSkeleton`] and poses of its armature. Locked bones, scales and all
+/// translations except those of a free root do not change.
 #[derive(Clone, Debug)]
 pub struct BallPoseMap {
     figure: BallSkeleton,
-    /// Of each bone at rest: its local rotation.
+    /// Local rotation of each bone at rest.
     rest: Vec<DQuat>,
-    /// The mirrors of the bones above each bone at rest.
+    /// Mirror of the ancestors of each bone at rest.
     mirrors: Vec<Mirror>,
-    /// Of the roots of a free figure.
+    /// Roots of a skeleton with a free base.
     roots: Vec<Root>,
 }
 
-/// A bone that a free root carries.
+/// Bone moved by a free root.
 #[derive(Clone, Debug)]
 struct Root {
     bone: BoneId,
-    /// What it stands on at rest.
+    /// Placement of its parent at rest.
     model_from_parent: DAffine3,
-    /// The same without its scale.
+    /// The placement of the parent without scale.
     parent_turned: DQuat,
-    /// Where it is at rest in the model.
+    /// Position at rest in the model.
     tail: DVec3,
 }
 
 impl BallPoseMap {
-    /// For poses of `armature`, whose bones those of `figure` are: it was made of
-    /// [its skeleton](Armature::skeleton), or it is [of the skeleton](Armature::of_skeleton).
+    /// Map for poses of `armature`, whose bones are those of `figure`. The figure was made of [the armature's
+    /// skeleton](Armature::skeleton), or the armature is [of the skeleton](Armature::of_skeleton).
     #[must_use]
     pub fn new(armature: &Armature, figure: &BallSkeleton) -> Self {
         let rest = armature.rest();
@@ -82,11 +82,11 @@ impl BallPoseMap {
         }
     }
 
-    /// Writes the configuration of a pose: how each bone is turned from rest, whatever its cone says, and where a
-    /// free root is. A `Vec` gets room for all of it.
+    /// Writes the configuration of a pose: the rotation of each bone from rest and the placement of a free root. Cone
+    /// limits are not applied. A `Vec` is resized.
     ///
     /// # Errors
-    /// A pose of fewer bones, a slice of another length.
+    /// The pose has fewer bones, or a slice has another length.
     pub fn configuration_of(
         &self,
         pose: &Pose,
@@ -112,7 +112,7 @@ impl BallPoseMap {
                     if let Some(slides) = slides {
                         slides.copy_from_slice(&went.to_array());
                     }
-                    // As the model's axes have it: P r = t (P r₀).
+                    // In the axes of the model: P r = t (P r₀).
                     let carried = root.parent_turned;
                     let [rotation, back] = [rotation, rest.conjugate()].map(|q| mirror.rotation(q));
                     carried * rotation * back * carried.conjugate()
@@ -120,7 +120,7 @@ impl BallPoseMap {
                 None => mirror.rotation(rest.conjugate() * rotation),
             };
             let turned = turned.normalize();
-            // Of the two quaternions of a rotation the one nearer to rest.
+            // Of the two quaternions of a rotation, the one nearer to rest.
             let [x, y, z, w] = match turned.w < 0.0 {
                 true => -turned,
                 false => turned,
@@ -133,11 +133,12 @@ impl BallPoseMap {
         Ok(())
     }
 
-    /// Writes the local rotations of a configuration into a pose, and where it has a free root.
+    /// Writes the local rotations of a configuration into a pose, and the placement of a free root. The pose does not
+    /// change on an error.
     ///
     /// # Errors
-    /// A pose of fewer bones; a configuration of another length, not finite or with a quaternion of
-    /// length zero. The pose stays.
+    /// - The pose has fewer bones.
+    /// - The configuration has another length, is not finite, or contains a zero quaternion.
     pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
         has_bones(pose, self.rest.len())?;
         self.figure.model().check_configuration(q)?;
@@ -152,7 +153,7 @@ impl BallPoseMap {
                 Some(root) => {
                     let place = root.tail + DVec3::from(went.to_array());
                     let own = root.model_from_parent.inverse().transform_point3(place);
-                    // A parent that flattens space leaves the root where it is.
+                    // With a singular parent transform the root does not change.
                     let own = own.is_finite().then(|| Vec3A::from(own.as_vec3()));
                     if let Some((own, translation)) = own.zip(pose.translations.get_mut(index)) {
                         *translation = own;

@@ -1,5 +1,4 @@
-//! Any number of tips of a skeleton brought to points, and bones turned, by the optimiser, after
-//! sampling.
+//! Tasks for tips and rotations of many bones, solved after sampling a clip.
 
 use std::collections::BTreeSet;
 
@@ -20,35 +19,35 @@ use crate::solver::Stopping;
 use crate::spatial::{Quaternion, Vector3};
 use crate::task::{Point, Quantity};
 
-/// Tips count as there within this share of the skeleton's size: what single precision can hold.
+/// Distance at which a tip counts as reached, as a fraction of the skeleton's size; the limit of single precision.
 const TOLERANCE: f64 = 1e-6;
 
-/// Inverse kinematics over an animated pose: tasks for the tips of bones, each with a weight, on top
-/// of the pose that clips gave. Slower than a [`Limb`](super::Limb), but for any bones, with joint
-/// limits, and several tips that share a spine. The search starts at the clip's pose, so what does not
-/// help a tip stays. Joints stand where the pose's own translations and scales put them, so that what
-/// the solution says of a tip is what the posed bones show: W (ℓ, 0, 0) for a bone of length ℓ.
+/// IK over an animated pose: weighted tasks for the tips of bones, on top of the sampled pose.
 ///
-/// Uneven scales shear the bones that turn below them, which no joint does. Such a pose is solved again with its joints at
-/// their new positions until the tips of the posed bones are at their targets. The solution is that of the posed bones
-/// also where this does not converge.
+/// It is slower than a [`Limb`](super::Limb), but supports any bones, joint limits and several tips with a common
+/// spine. The search starts at the clip's pose, so joints that do not help a tip do not move. Joints are placed by the
+/// pose's own translations and scales, so tip errors are those of the posed bones: W (ℓ, 0, 0) for a bone of length ℓ.
+///
+/// Uneven scales shear the bones that rotate below them, which no joint does. Such a pose is solved repeatedly, with
+/// updated joint positions, until the tips of the posed bones are at their targets. The solution reports the posed
+/// bones even if this does not converge.
 #[derive(Clone, Debug)]
 pub struct ReachLayer {
     bridge: EulerPoseMap,
     stances: Stances,
     problem: Problem,
     targets: Targets,
-    /// The problem's joints where the pose has them.
+    /// Joints of the problem, at their positions in the pose.
     tree: Tree,
     places: TreeWorkspace,
     effectors: Vec<Effector>,
     held: Vec<Held>,
-    /// Those that the tasks move, by index.
+    /// Bones moved by the tasks, by index.
     moved: Vec<BoneId>,
     solver: Solver,
-    /// The solver of corrections: from where the last solve ended.
+    /// Solver of corrections, starting at the end of the last solve.
     correction: Solver,
-    /// Measures a pose and does not move it.
+    /// Solver that evaluates a pose without a change.
     measurement: Solver,
     workspace: Workspace,
     q: Vec<f64>,
@@ -60,22 +59,22 @@ struct Effector {
     task: TaskId<Point>,
     target: Vector3<f64>,
     weight: f64,
-    /// Where the weight has it.
+    /// Target after the weight is applied.
     goal: Vector3<f64>,
 }
 
-/// A bone that the layer has no such task for.
+/// Error of a bone for which the layer has no task of this kind.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", UnknownName::new("effector of the layer", bone, effectors.iter().map(String::as_str)))]
 #[non_exhaustive]
 pub struct NoEffector {
-    /// The bone asked for.
+    /// Name of the requested bone.
     pub bone: String,
-    /// The bones that are.
+    /// Names of the bones with such a task.
     pub effectors: Vec<String>,
 }
 
-/// A solve of one pose: the first, one after a correction of shear, or one that only measures.
+/// Kind of a solve of one pose: the first, one after a shear correction, or an evaluation only.
 #[derive(Clone, Copy, Debug)]
 enum Pass {
     First,
@@ -84,17 +83,16 @@ enum Pass {
 }
 
 impl ReachLayer {
-    /// A layer for the tips of these bones, all with weight 0 at first. A bone named twice counts once.
+    /// Layer for the tips of these bones, all with weight 0 at first. Repeated bones count once.
     ///
     /// # Errors
-    /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build): no bones, or one of another
-    /// skeleton.
+    /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build): no bones, or a bone of another skeleton.
     pub fn new(skeleton: &Skeleton, tips: &[BoneId], solver: Solver) -> Result<Self, ProblemError> {
         Self::holding(skeleton, tips, &[], solver)
     }
 
-    /// A layer for the tips of these bones, which also holds some bones turned in the model as the clip
-    /// has them, or turns them as [asked](Self::set_rotation): hands, feet, a head.
+    /// Layer for the tips of some bones and the rotations of other bones, such as hands, feet and a head. Rotations in
+    /// the model follow the clip until [set](Self::set_rotation).
     ///
     /// # Errors
     /// As [`ProblemBuilder::build`](crate::problem::ProblemBuilder::build).
@@ -142,11 +140,12 @@ impl ReachLayer {
         })
     }
 
-    /// Sets where a bone's tip should be, in model coordinates, and how much of the way it goes: from
-    /// 0, where the clip has it, to 1, the target. The weight is taken into [0, 1]; NaN counts as 0.
+    /// Sets the target of a bone's tip in model coordinates and its weight. Weight 0 is the clip's position, weight 1
+    /// the target. The weight is clamped to [0, 1]; NaN counts as 0.
     ///
     /// # Errors
-    /// A bone that is none of the layer's; the error lists them. A target that is not finite: the last one stays.
+    /// - The layer has no tip task for the bone; the error lists the bones.
+    /// - The target is not finite; the previous target is kept.
     pub fn set_goal(
         &mut self,
         bone: BoneId,
@@ -167,13 +166,13 @@ impl ReachLayer {
         Err(self.none_of(bone, effectors).into())
     }
 
-    /// Sets how a held bone should be turned in the model, and how much of the way it goes there by the
-    /// shortest arc: from 0, as the clip has it, to 1. The weight is taken into [0, 1]; NaN counts as
-    /// 0. The quaternion may be of any length.
+    /// Sets the target rotation of a held bone in the model and its weight. Weight 0 is the clip's rotation, weight 1
+    /// the target, by the shortest arc. The weight is clamped to [0, 1]; NaN counts as 0. The quaternion may have any
+    /// length.
     ///
     /// # Errors
-    /// A bone that the layer does not hold; the error lists those that it does. A quaternion of length 0 or not
-    /// finite: the last one stays.
+    /// - The layer has no rotation task for the bone; the error lists the bones.
+    /// - The quaternion is zero or not finite; the previous rotation is kept.
     pub fn set_rotation(
         &mut self,
         bone: BoneId,
@@ -208,14 +207,13 @@ impl ReachLayer {
         }
     }
 
-    /// Turns the bones of a pose so that the tips go their weights' shares of the way to their
-    /// targets, within the joints' limits. All tips and held bones are tasks: one with weight 0 stays
-    /// where the clip has it. Bones that none of them hangs on are left as they are; with all weights 0
-    /// all are, also outside the limits.
+    /// Rotates the bones of a pose, within joint limits, so that the tips move towards their targets by their weights.
+    /// All tips and held bones are tasks: one with weight 0 keeps the clip's value. Bones without a task below them do
+    /// not change. With all weights 0 no bone changes, even outside its limits.
     ///
     /// # Errors
-    /// The pose has another number of bones than the skeleton; the pose stays as it is. Missing a target is no error; the
-    /// solution says by how much.
+    /// The number of bones differs from the skeleton's; the pose does not change. An unreached target is not an error;
+    /// the solution reports its distance.
     pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, ReachError> {
         let bones = self.stances.skeleton().bones();
         SizeMismatch::check("bones in the pose", pose.bones(), bones.len())?;
@@ -234,7 +232,7 @@ impl ReachLayer {
         Ok(Some(self.workspace.solution()))
     }
 
-    /// Sets the targets of the tasks by the pose last taken.
+    /// Sets the targets of the tasks from the pose last taken.
     fn aim(&mut self) {
         for own in &mut self.effectors {
             if let Some(stance) = self.stances.of(own.bone) {
@@ -253,7 +251,7 @@ impl ReachLayer {
         }
     }
 
-    /// Solves from `q` with the joints where the pose last taken has them, and turns the bones of `pose`.
+    /// Solves from `q` with the joint positions of the pose last taken, and rotates the bones of `pose`.
     fn solve(&mut self, pass: Pass, pose: &mut Pose) -> Result<(), ReachError> {
         let solver = match pass {
             Pass::First => &self.solver,
@@ -272,8 +270,7 @@ impl ReachLayer {
         Ok(())
     }
 
-    /// Solves again from a pose whose bones scales shear until the tips of the posed bones are at their goals, and measures
-    /// them there.
+    /// Solves a sheared pose again until the tips of the posed bones are at their goals, and evaluates them there.
     fn correct(&mut self, pose: &mut Pose) -> Result<(), ReachError> {
         let goals = |own: &Effector| DVec3::from(own.goal.to_array());
         let goals: Vec<DVec3> = self.effectors.iter().map(goals).collect();
@@ -310,7 +307,7 @@ impl ReachLayer {
         self.solve(Pass::Measurement, pose)
     }
 
-    /// The tips of the effectors in the pose last taken.
+    /// Tip positions of the effectors in the pose last taken.
     fn tips(&self) -> Vec<DVec3> {
         let stances = self.effectors.iter().map(|own| self.stances.of(own.bone));
         stances
@@ -327,18 +324,18 @@ impl ReachLayer {
     }
 }
 
-/// A weight that animates, within [0, 1].
+/// Clamps a weight to [0, 1].
 fn share(weight: f64) -> f64 {
     if weight > 0.0 { weight.min(1.0) } else { 0.0 }
 }
 
-/// Each bone once, in the order in which they are first named.
+/// The distinct bones, in order of first occurrence.
 fn once(bones: &[BoneId]) -> impl Iterator<Item = BoneId> {
     let mut seen = BTreeSet::new();
     bones.iter().copied().filter(move |bone| seen.insert(*bone))
 }
 
-/// The bones given and all that they hang on.
+/// The bones given and all their ancestors.
 fn above<'a>(skeleton: &Skeleton, bones: impl Iterator<Item = &'a BoneId>) -> Vec<BoneId> {
     let mut found = BTreeSet::new();
     for &bone in bones {

@@ -1,32 +1,32 @@
-//! Why a pose is left as it is.
+//! Errors of IK layers.
 
 use super::NoEffector;
 use crate::animation::SizeMismatch;
 use crate::ik::SolveError;
 use crate::model::ModelError;
 
-/// Why a layer, or angles, leave a pose as it is.
+/// Error of an IK layer or of angles; the pose does not change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReachError {
     /// The pose is of another armature than the skeleton's.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// A bone that the layer has no such task for.
+    /// A bone for which the layer has no task of this kind.
     #[error(transparent)]
     NoEffector(#[from] NoEffector),
-    /// A target, or a rotation, that is none.
+    /// A target or rotation that is zero or not finite.
     #[error("bone `{bone}`: its {what}")]
     NotFinite {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// What of it, and how it is wrong.
+        /// The value and its defect.
         what: &'static str,
     },
-    /// Angles, or a configuration, of another length or not finite.
+    /// Angles or a configuration of another length or not finite.
     #[error(transparent)]
     Configuration(#[from] ModelError),
-    /// The search did not start.
+    /// The solve did not start.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }

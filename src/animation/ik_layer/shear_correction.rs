@@ -1,54 +1,55 @@
-//! Points of sheared bones brought to targets by a solver for rigid ones.
+//! Correction of sheared bones for a solver of rigid bones.
 //!
-//! Bones below an uneven scale do not turn as rigid bones do. A solve that would move rigid bones by s moves the sheared
-//! ones by y = G s, and G is not known. Broyden's method learns its inverse from pairs of s and y: the next solve is for a
-//! point from which the shear leads to the target.
+//! Bones below an uneven scale do not rotate rigidly. A solve that moves points of rigid bones by s moves the sheared
+//! points by y = G s with unknown G. Broyden's method estimates G⁻¹ from pairs of s and y. The next solve uses a target
+//! that the shear maps to the real one.
 
 use glam::DVec3;
 
-/// Solves of one sheared pose at most. Scales of 1 and 1.5 along a bone's axes take about eight.
+/// Largest number of solves of one sheared pose. Scales of 1 and 1.5 along a bone's axes take about eight.
 const MAX_SOLVES: usize = 40;
-/// A solve after which the points are further off than this many times the last distance is undone.
+/// Growth of the distance above which a solve is undone.
 const MAX_GROWTH: f64 = 2.0;
-/// Share of a move that is tried where the whole was undone.
+/// Fraction of a move that is tried after the whole move was undone.
 const SHORTENED: f64 = 0.5;
-/// So many moves undone in a row show that shortening does not help: what the solver moves besides the points shears them.
-/// The next solve then starts from the pose further off, or where rigid bones do not reach either, corrections end.
+/// Number of consecutive undone moves after which shortening has no effect, because the solver changes the shear
+/// itself. The next solve then starts from the farther pose. If rigid bones do not reach the targets either,
+/// corrections end.
 const MAX_UNDONE: usize = 4;
-/// A denominator of an update below this share of its factors is taken for zero.
+/// Fraction of its factors below which a denominator of an update counts as zero.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// What a solve led to.
+/// Outcome of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Corrected {
-    /// The nearest pose yet, from which the next solve starts.
+    /// The nearest pose so far; the next solve starts here.
     Nearest,
-    /// A pose from which the next solve starts although an earlier one is nearer.
+    /// A pose from which the next solve starts although an earlier pose is nearer.
     Onwards,
-    /// A pose that is much further off. The next solve starts where this one did.
+    /// A pose that is much farther; the next solve starts from the previous start.
     Undone,
 }
 
-/// The inverse of G for some points, and the positions of those in a pose.
+/// Estimate of G⁻¹ for some points, and their positions in a pose.
 #[derive(Clone, Debug)]
 pub(crate) struct ShearCorrection {
     targets: Vec<f64>,
     /// B ≈ G⁻¹, row by row.
     inverse: Vec<f64>,
-    /// Positions in the pose that the next solve starts from.
+    /// Positions in the pose from which the next solve starts.
     at: Vec<f64>,
-    /// Largest distance of a point from its target in the nearest pose yet.
+    /// Largest distance of a point from its target in the nearest pose so far.
     off: f64,
-    /// s of the move that was proposed last.
+    /// Move s proposed last.
     proposed: Vec<f64>,
-    /// Share of the next move.
+    /// Fraction of the next move.
     share: f64,
     solves: usize,
     undone: usize,
 }
 
 impl ShearCorrection {
-    /// For points at `shown` in a pose, with the bones rigid to first order.
+    /// Correction for points at `shown` in a pose, with rigid bones as the first estimate.
     pub(crate) fn new(targets: &[DVec3], shown: &[DVec3]) -> Self {
         let rows = 3 * targets.len();
         let mut own = Self {
@@ -65,17 +66,17 @@ impl ShearCorrection {
         own
     }
 
-    /// Largest distance of a point from its target in the nearest pose yet.
+    /// Largest distance of a point from its target in the nearest pose so far.
     pub(crate) fn off(&self) -> f64 {
         self.off
     }
 
-    /// Whether no more solves are worth their time.
+    /// Returns true if further solves are not worthwhile.
     pub(crate) fn gives_up(&self) -> bool {
         self.solves >= MAX_SOLVES || self.undone >= MAX_UNDONE
     }
 
-    /// Where the next rigid solve should bring the points.
+    /// Targets of the next rigid solve.
     pub(crate) fn commands(&mut self) -> Vec<DVec3> {
         let missing = self.missing(&self.at);
         let share = self.share;
@@ -89,7 +90,8 @@ impl ShearCorrection {
         points.map(|at| DVec3::new(at[0], at[1], at[2])).collect()
     }
 
-    /// Learns where the points are after a solve for the last commands; `reached` where rigid bones would be at those.
+    /// Updates the estimate from the positions after the last solve. `reached` is true if rigid bones would be at the
+    /// commands.
     pub(crate) fn learn(&mut self, shown: &[DVec3], reached: bool) -> Corrected {
         let shown = flat(shown);
         self.solves += 1;
@@ -167,7 +169,7 @@ fn flat(points: &[DVec3]) -> Vec<f64> {
     points.iter().flat_map(|point| point.to_array()).collect()
 }
 
-/// The length of the longest of some vectors of three.
+/// Largest length of some three-dimensional vectors.
 fn largest(vectors: &[f64]) -> f64 {
     let lengths = vectors.chunks_exact(3).map(|v| dot(v, v).sqrt());
     lengths.fold(0.0, f64::max)

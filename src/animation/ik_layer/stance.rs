@@ -1,4 +1,4 @@
-//! Where a pose's own translations and scales put the joints of a skeleton.
+//! Joint positions of a skeleton from a pose's translations and scales.
 
 use glam::{DQuat, DVec3};
 
@@ -6,29 +6,29 @@ use crate::animation::Pose;
 use crate::animation::pose::{Mirror, Stretch};
 use crate::skeleton::{BoneId, Skeleton};
 
-/// A bone in the model, as a pose has it.
+/// Bone of a pose in the model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FootPlant {
     pub(super) rotation: DQuat,
     pub(super) tail: DVec3,
     pub(super) tip: DVec3,
     stretch: Stretch,
-    /// Of its children.
+    /// Mirror of the bone's children.
     mirror: Mirror,
 }
 
-/// The stances of bones, and the skeleton whose joints stand as the pose has them.
+/// Placements of bones, and the skeleton with joints at their positions in the pose.
 #[derive(Clone, Debug)]
 pub(super) struct Stances {
     skeleton: Skeleton,
-    /// By bone; only those asked for are kept up.
+    /// Placements by bone; only requested bones are updated.
     stances: Vec<FootPlant>,
-    /// Whether another one asked for hangs on a bone.
+    /// True for bones with a requested descendant.
     carries: Vec<bool>,
 }
 
 impl Stances {
-    /// For some bones of a skeleton, with all that they hang on.
+    /// Placements of some bones of a skeleton and their ancestors.
     pub(super) fn new(skeleton: &Skeleton, bones: &[BoneId]) -> Self {
         let nowhere = FootPlant {
             rotation: DQuat::IDENTITY,
@@ -51,10 +51,10 @@ impl Stances {
         }
     }
 
-    /// The skeleton with the joints of these bones where the pose has them.
+    /// The skeleton with the joints of these bones at their positions in the pose.
     ///
-    /// A joint is at M t on its parent, with t its own translation and M the parent's [`Stretch`]. The tip of a bone of
-    /// length ℓ is at M (ℓ, 0, 0) with its own M.
+    /// A joint is at M t on its parent, with its own translation t and the parent's [`Stretch`] M. The tip of a bone of
+    /// length ℓ is at M (ℓ, 0, 0), with M of the bone itself.
     pub(super) fn take(&mut self, pose: &Pose, bones: &[BoneId]) -> &Skeleton {
         for &bone in bones {
             let index = bone.index();
@@ -89,13 +89,13 @@ impl Stances {
         &self.skeleton
     }
 
-    /// Whether a bone of the last pose shears others that were asked for as they turn.
+    /// Returns true if a bone of the last pose shears its requested descendants when they rotate.
     pub(super) fn shear(&self) -> bool {
         let mut carriers = self.stances.iter().zip(&self.carries);
         carriers.any(|(stance, carries)| *carries && !stance.stretch.is_even())
     }
 
-    /// A bone's stance as of the last pose; `None` for a bone of another skeleton.
+    /// Placement of a bone in the last pose; `None` for a bone of another skeleton.
     pub(super) fn of(&self, bone: BoneId) -> Option<&FootPlant> {
         self.stances.get(bone.index())
     }

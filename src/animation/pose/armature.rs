@@ -1,4 +1,4 @@
-//! The bones that poses are about: names, parents and the rest pose.
+//! Armatures: bone names, parents and rest pose.
 
 use std::collections::BTreeSet;
 
@@ -17,15 +17,14 @@ use crate::spatial::{Placement, Quaternion};
 pub struct ArmatureBone {
     /// Unique within the armature.
     pub name: String,
-    /// The position of its parent in the list, which comes before it; `None` for a root.
+    /// Index of the parent, which precedes this bone; `None` for a root.
     pub parent: Option<usize>,
-    /// Where it stands in its parent at rest.
+    /// Transform in the parent at rest.
     pub rest: LocalTransform,
 }
 
-/// Bones in a tree, parents before children, with their rest pose and the names of morph targets:
-/// what characters are animated by, in single precision. A [`Skeleton`] becomes one by
-/// [`of_skeleton`](Self::of_skeleton), with the same bone ids.
+/// Tree of bones, parents before children, with rest pose and morph target names, in single precision.
+/// [`of_skeleton`](Self::of_skeleton) converts a [`Skeleton`] with the same bone ids.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -43,47 +42,45 @@ pub struct Armature {
     pub(super) rest_from_model: Vec<Affine3A>,
 }
 
-/// What is wrong with the bones of an armature.
+/// Error of an armature's bones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArmatureError {
-    /// Parents must come before children, which also rules rings out.
-    #[error("bone `{bone}`: its parent does not come before it")]
+    /// A parent does not precede its child, as in a cycle.
+    #[error("bone `{bone}`: its parent must precede it in the list")]
     ParentNotBefore {
-        /// The child.
+        /// Name of the child.
         bone: String,
     },
     /// Two bones or two morph targets share a name.
-    #[error("{kind} name `{name}` is used twice")]
+    #[error("{kind} name `{name}` is used twice; names must be unique")]
     DuplicateName {
-        /// "bone" or "morph target".
+        /// `bone` or `morph target`.
         kind: &'static str,
         /// The name.
         name: String,
     },
-    /// A rest transform with numbers that are not finite or a rotation that is none.
-    #[error(
-        "bone `{bone}`: the rest transform is not finite or its rotation is not of unit length"
-    )]
+    /// A rest transform that is not finite or has an invalid rotation.
+    #[error("bone `{bone}`: the rest transform must be finite, with a unit quaternion as rotation")]
     BadRest {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// More bones than can be counted.
-    #[error("{given} bones; at most {most} can be animated")]
+    /// Number of bones above the maximum.
+    #[error("{given} bones; an armature has at most {most}")]
     TooMany {
-        /// How many were given.
+        /// Number of bones given.
         given: usize,
-        /// The most there may be.
+        /// Largest number of bones.
         most: usize,
     },
 }
 
 impl Armature {
-    /// Checks bones and the names of morph targets.
+    /// Checks bones and morph target names and builds an armature.
     ///
     /// # Errors
-    /// An [`ArmatureError`] naming the bone.
+    /// An [`ArmatureError`] with the name of the bone.
     pub fn new(
         bones: Vec<ArmatureBone>,
         morph_targets: Vec<String>,
@@ -119,10 +116,10 @@ impl Armature {
         Ok(own.with_inverses())
     }
 
-    /// The same, with these weights of the morph targets at rest instead of zeros.
+    /// The armature with these morph target weights at rest; the default is zero.
     ///
     /// # Errors
-    /// There is not one weight for each morph target.
+    /// The number of weights is not the number of morph targets.
     pub fn with_rest_morph_weights(mut self, weights: &[f32]) -> Result<Self, SizeMismatch> {
         let targets = self.morph_targets.len();
         SizeMismatch::check("morph weights", weights.len(), targets)?;
@@ -130,10 +127,10 @@ impl Armature {
         Ok(self)
     }
 
-    /// The same bones and morph targets, at rest as `pose` has them: a figure in the middle of a clip, which a
-    /// [`skeleton`](Self::skeleton) of it then starts from.
+    /// The armature with `pose` as rest pose. A [`skeleton`](Self::skeleton) of the result then starts from that pose.
     ///
     /// # Errors
+    /// The pose is not of this armature's size.
     /// The pose is not of this armature's size.
     pub fn at_rest_in(mut self, pose: &Pose) -> Result<Self, SizeMismatch> {
         self.rest.check_same_size(pose)?;
@@ -141,7 +138,7 @@ impl Armature {
         Ok(self.with_inverses())
     }
 
-    /// The same bones, and behind them a root at the origin, called as given or, where a bone is, with marks at its end.
+    /// Appends a root at the origin. If a bone has the name already, the new name gets a suffix.
     #[cfg(feature = "gltf")]
     pub(crate) fn with_root(mut self, name: &str) -> (Self, BoneId) {
         let mut name = name.to_owned();
@@ -156,7 +153,7 @@ impl Armature {
         (self, root)
     }
 
-    /// The same, with the inverses of where the rest pose puts the bones.
+    /// Computes the inverse model transforms of the rest pose.
     pub(super) fn with_inverses(mut self) -> Self {
         let mut model_from_rest = self.rest_from_model.clone();
         self.propagate(&self.rest, &mut model_from_rest);
@@ -166,8 +163,8 @@ impl Armature {
         self
     }
 
-    /// The bones of a skeleton, with the same ids: at rest each stands where its angles are zero. Morph
-    /// targets are added by [`with_morph_targets`](Self::with_morph_targets).
+    /// Armature of a skeleton, with the same bone ids. The rest pose is the one at zero angles. Add morph targets with
+    /// [`with_morph_targets`](Self::with_morph_targets).
     #[must_use]
     pub fn of_skeleton(skeleton: &Skeleton) -> Self {
         let bones = skeleton.bones();
@@ -192,9 +189,8 @@ impl Armature {
         }
     }
 
-    /// The same bones with these morph targets instead of those that it had: for a skeleton's armature,
-    /// which has none by itself. Their weights are zero at rest. Clips and poses are made for the
-    /// armature as it is then.
+    /// The armature with other morph targets, with weight zero at rest. Use it for a skeleton's armature, which has
+    /// none. Create clips and poses afterwards.
     ///
     /// # Errors
     /// Two targets share a name.
@@ -206,31 +202,30 @@ impl Armature {
     }
 
     getters! {
-        /// How many bones there are.
+        /// Number of bones.
         pub fn bones(&self) -> usize = self.names.len();
-        /// The bones' names, by index.
+        /// Bone names, by index.
         pub fn names(&self) -> &[String] = &self.names;
-        /// The morph targets' names, by index.
+        /// Morph target names, by index.
         pub fn morph_targets(&self) -> &[String] = &self.morph_targets;
-        /// The pose at rest; all morph weights are zero unless they were
-        /// [set](Self::with_rest_morph_weights).
+        /// Rest pose; morph weights are zero unless [set](Self::with_rest_morph_weights).
         pub fn rest(&self) -> &Pose = &self.rest;
-        /// The inverse of where each bone is at rest: model → the bone at rest (the inverse bind matrix).
+        /// Transforms from the model to each bone at rest (inverse bind matrices).
         pub fn rest_from_model(&self) -> &[Affine3A] = &self.rest_from_model;
     }
 
-    /// Looks a bone up by name.
+    /// Finds a bone by name.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// The name is unknown; the error lists the valid names.
     pub fn bone(&self, name: &str) -> Result<BoneId, UnknownName> {
         find("bone", &self.names, name).map(BoneId::new)
     }
 
-    /// Looks a morph target's index up by name.
+    /// Finds the index of a morph target by name.
     ///
     /// # Errors
-    /// An unknown name; the error lists the valid ones.
+    /// The name is unknown; the error lists the valid names.
     pub fn morph_target(&self, name: &str) -> Result<usize, UnknownName> {
         find("morph target", &self.morph_targets, name)
     }
@@ -240,21 +235,21 @@ impl Armature {
         (0..self.bones()).map(BoneId::new)
     }
 
-    /// The bone at a position.
+    /// Bone id of an index; `None` if it is out of range.
     #[must_use]
     pub fn bone_at(&self, index: usize) -> Option<BoneId> {
         (index < self.bones()).then(|| BoneId::new(index))
     }
 
-    /// The bone that a bone turns with; `None` for a root.
+    /// Parent of a bone; `None` for a root.
     #[must_use]
     pub fn parent(&self, bone: BoneId) -> Option<BoneId> {
         let parent = *self.parents.get(bone.index())?;
         usize::try_from(parent).ok().map(BoneId::new)
     }
 
-    /// From local to model transforms, parents first: W_j = W_parent(j) L_j. `model_from_bone` has
-    /// one place for each bone, or is a `Vec` that gets them; it needs no particular contents.
+    /// Computes model transforms from local transforms: W_j = W_parent(j) L_j. `model_from_bone` has one element for
+    /// each bone; a `Vec` is resized. Its previous contents are ignored.
     ///
     /// # Errors
     /// The pose or a slice is not of this armature's size.
@@ -270,8 +265,8 @@ impl Armature {
         Ok(())
     }
 
-    /// The skinning matrices S_j = W_j B_j⁻¹ of model transforms: from the model at rest to the
-    /// posed model. `posed_from_rest` has one place for each bone, or is a `Vec` that gets them.
+    /// Computes the skinning matrices S_j = W_j B_j⁻¹ of model transforms, from the rest pose to the posed model.
+    /// `posed_from_rest` has one element for each bone; a `Vec` is resized.
     ///
     /// # Errors
     /// A slice is not of this armature's size.
@@ -290,9 +285,9 @@ impl Armature {
         Ok(())
     }
 
-    /// As [`local_to_model`](Self::local_to_model), for sizes that agree.
+    /// [`local_to_model`](Self::local_to_model) for sizes already checked.
     fn propagate(&self, pose: &Pose, model_from_bone: &mut [Affine3A]) {
-        // Slices of one length, so that the loop's indices need no checks.
+        // Slices of equal length remove the bounds checks of the loop.
         let bones = self.parents.len().min(model_from_bone.len());
         let parents = &self.parents[..bones];
         let translations = &pose.translations[..bones];
@@ -313,7 +308,7 @@ impl Armature {
     }
 }
 
-/// Refuses two morph targets of one name.
+/// Returns an error if two morph targets share a name.
 fn check_targets(names: &[String]) -> Result<(), ArmatureError> {
     let mut seen = BTreeSet::new();
     match names.iter().find(|name| !seen.insert(name.as_str())) {

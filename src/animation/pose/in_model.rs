@@ -1,7 +1,7 @@
-//! Bones placed in the model instead of in their parents.
+//! Placement of bones in model coordinates.
 //!
-//! With W_j = W_parent(j) L_j a wish for W_j is the local transform W_parent(j)⁻¹ W_j; the bones above
-//! stay, those below move along.
+//! With W_j = W_parent(j) L_j, a given W_j determines the local transform W_parent(j)⁻¹ W_j. Ancestors do not change;
+//! descendants move along.
 
 use glam::{Affine3A, Quat, Vec3A};
 
@@ -9,22 +9,22 @@ use super::{Armature, LocalError, LocalTransform, Mirror, Pose};
 use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
-/// A parent that shrinks an axis below this share of its longest one flattens space.
+/// Ratio of a parent's volume to its longest axis cubed below which its transform counts as singular.
 const FLAT: f32 = 1e-6;
 
 impl Armature {
-    /// Where one bone is in the model: W_j, the product of the local transforms down to it.
-    /// [`local_to_model`](Self::local_to_model) places all of them.
+    /// Model transform of one bone: W_j, the product of the local transforms from the root.
+    /// [`local_to_model`](Self::local_to_model) computes all bones.
     ///
     /// # Errors
-    /// The pose is of another armature, or the bone of none.
+    /// The pose is of another armature, or the bone does not exist.
     pub fn model_from_bone(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
         self.check(pose, bone)?;
         Ok(self.placed(pose, Some(bone)))
     }
 
-    /// The rotation of one bone in the model: the product of the rotations down to it, without scales. Below mirrored bones
-    /// rotations are in reflected axes.
+    /// Rotation of one bone in the model: the product of the rotations from the root, without scales. Below mirrored
+    /// bones rotations are in reflected axes.
     ///
     /// # Errors
     /// As [`model_from_bone`](Self::model_from_bone).
@@ -33,13 +33,14 @@ impl Armature {
         Ok(self.turned(pose, Some(bone)))
     }
 
-    /// Places a bone in the model: afterwards [`model_from_bone`](Self::model_from_bone) is the one
-    /// given. The bones above stay, those below move along.
+    /// Sets the model transform of a bone; [`model_from_bone`](Self::model_from_bone) then returns it. Ancestors do not
+    /// change; descendants move along. The pose does not change on an error.
     ///
     /// # Errors
-    /// As [`model_from_bone`](Self::model_from_bone); a number that is not finite; a bone whose parents
-    /// flatten space, or one that would have to shear for it ([`LocalError::Sheared`]). Nothing is
-    /// changed then.
+    /// - As [`model_from_bone`](Self::model_from_bone).
+    /// - A number is not finite.
+    /// - The parent's transform is singular.
+    /// - The local transform would contain shear ([`LocalError::Sheared`]).
     pub fn set_model_from_bone(
         &self,
         pose: &mut Pose,
@@ -56,12 +57,11 @@ impl Armature {
         pose.set_local(bone, local)
     }
 
-    /// Turns a bone in the model: afterwards [`model_rotation`](Self::model_rotation) is the one given.
-    /// Its translation and scale in its parent stay; the bones below move along.
+    /// Sets the rotation of a bone in the model; [`model_rotation`](Self::model_rotation) then returns it. Its local
+    /// translation and scale do not change; descendants move along. The pose does not change on an error.
     ///
     /// # Errors
-    /// As [`model_from_bone`](Self::model_from_bone); a quaternion that is zero or not finite. Nothing is
-    /// changed then.
+    /// As [`model_from_bone`](Self::model_from_bone); also a quaternion that is zero or not finite.
     pub fn set_model_rotation(
         &self,
         pose: &mut Pose,
@@ -75,12 +75,13 @@ impl Armature {
         pose.set_rotation(bone, mirror.single(parent.conjugate() * model_from_bone))
     }
 
-    /// Moves a bone's origin in the model, in its unit. Its rotation and scale stay; the bones below
-    /// move along.
+    /// Sets the position of a bone's origin in the model, in the model's unit. Its rotation and scale do not change;
+    /// descendants move along. The pose does not change on an error.
     ///
     /// # Errors
-    /// As [`model_from_bone`](Self::model_from_bone); a number that is not finite; a bone whose parents
-    /// flatten space. Nothing is changed then.
+    /// - As [`model_from_bone`](Self::model_from_bone).
+    /// - A number is not finite.
+    /// - The parent's transform is singular.
     pub fn set_model_translation(
         &self,
         pose: &mut Pose,
@@ -100,7 +101,7 @@ impl Armature {
         }
     }
 
-    /// A bone and those above it, from it upwards.
+    /// A bone and its ancestors, upwards.
     pub(in crate::animation) fn upwards(
         &self,
         bone: Option<BoneId>,
@@ -122,7 +123,7 @@ impl Armature {
         })
     }
 
-    /// The mirror of a bone's children.
+    /// Mirror of a bone's children.
     fn mirror(&self, pose: &Pose, bone: Option<BoneId>) -> Mirror {
         let bones = self.upwards(bone);
         bones.fold(Mirror::NONE, |mirror, bone| {
@@ -130,7 +131,7 @@ impl Armature {
         })
     }
 
-    /// The inverse of where a bone's parent is.
+    /// Inverse of the model transform of a bone's parent.
     fn parent_from_model(&self, pose: &Pose, bone: BoneId) -> Result<Affine3A, LocalError> {
         self.check(pose, bone)?;
         let model_from_parent = self.placed(pose, self.parent(bone));
@@ -139,7 +140,7 @@ impl Armature {
         let longest = x.length().max(y.length()).max(z.length());
         let volume = x.cross(y).dot(z).abs();
         let flat = FLAT * longest * longest * longest;
-        // Not `volume <= flat`, which NaN would pass.
+        // `volume <= flat` would accept NaN.
         if volume > flat {
             Ok(model_from_parent.inverse())
         } else {

@@ -1,31 +1,31 @@
-//! Where a bone stands in its parent.
+//! Local transforms of bones.
 
 use glam::{Affine3A, Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
 
-/// Cosine between axes up to which a matrix counts as without shear: single precision and a chain of
-/// products stay below it.
+/// Largest cosine between axes at which a matrix counts as free of shear. Rounding in single precision over a chain of
+/// products stays below it.
 const SQUARE: f32 = 1e-4;
 
-/// A bone's place in its parent: scaled, then turned, then moved.
+/// Transform of a bone in its parent: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalTransform {
-    /// In the model's own unit.
+    /// In the model's unit.
     pub translation: Vec3A,
-    /// Of unit length.
+    /// Unit quaternion.
     pub rotation: Quat,
     /// Along the bone's own axes.
     pub scale: Vec3A,
 }
 
 impl LocalTransform {
-    /// Where the parent is.
+    /// The identity: the bone coincides with its parent.
     pub const IDENTITY: Self = Self {
         translation: Vec3A::ZERO,
         rotation: Quat::IDENTITY,
         scale: Vec3A::ONE,
     };
 
-    /// The same as a matrix.
+    /// The transform as a matrix.
     #[inline]
     #[must_use]
     pub fn to_affine(&self) -> Affine3A {
@@ -37,8 +37,8 @@ impl LocalTransform {
         }
     }
 
-    /// The scale, rotation and translation that a matrix is; a mirror scales x by a negative number.
-    /// `None` for one that shears, flattens space or is not finite.
+    /// Decomposes a matrix into scale, rotation and translation; a mirror has a negative x scale. `None` if the matrix
+    /// shears, is singular or not finite.
     #[must_use]
     pub fn of_affine(matrix: &Affine3A) -> Option<Self> {
         let Mat3A {
@@ -51,7 +51,7 @@ impl LocalTransform {
         let axes = [x / lengths.x, y / lengths.y, z / lengths.z];
         let [x, y, z] = axes;
         let square = [x.dot(y), y.dot(z), z.dot(x)];
-        // Comparisons that NaN fails: a length of zero gives it.
+        // These comparisons fail for NaN, which results from a zero length.
         let square = square.into_iter().all(|cosine| cosine.abs() <= SQUARE);
         let rotation = Quat::from_mat3a(&Mat3A::from_cols(x, y, z)).normalize();
         let local = Self {
@@ -62,16 +62,16 @@ impl LocalTransform {
         (square && local.is_valid()).then_some(local)
     }
 
-    /// Whether all its numbers are finite and the rotation is one.
+    /// Returns true if all numbers are finite and the rotation is a unit quaternion.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        // No length of what is not finite is 1.
+        // A rotation that is not finite does not have unit length.
         self.translation.is_finite() && self.scale.is_finite() && self.rotation.is_normalized()
     }
 }
 
-/// The columns of a unit quaternion's rotation matrix. Six products of vectors instead of the
-/// entries one by one: half the instructions of `Mat3A::from_quat`.
+/// Columns of a unit quaternion's rotation matrix. Six vector products take half the instructions of
+/// `Mat3A::from_quat`.
 #[inline(always)]
 fn rotation_axes(rotation: Quat) -> [Vec3A; 3] {
     let q = Vec4::from(rotation);

@@ -1,11 +1,11 @@
 //! Reflections of bones by negative scales.
 //!
-//! A mirrored bone turns its children in reflected axes: with D the signs of the scales above a bone, its local rotation R
-//! turns the rigid bone by D R D, which is a rotation again.
+//! A mirrored bone rotates its children in reflected axes. With D the signs of the ancestors' scales, a local rotation
+//! R rotates the rigid bone by D R D.
 
 use glam::{DQuat, DVec3, Quat, Vec3A};
 
-/// The product of the signs of scales along a chain of bones, by axis: a reflection D with D² = 1.
+/// Product of the signs of scales along a chain of bones, by axis: a reflection D with D² = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirror(DVec3);
 
@@ -13,13 +13,13 @@ impl Mirror {
     /// No reflection.
     pub(crate) const NONE: Self = Self(DVec3::ONE);
 
-    /// The mirror of a bone's children: this one, of the bone itself, with the signs of its scale.
+    /// Mirror of a bone's children: this mirror of the bone with the signs of its scale.
     pub(crate) fn below(self, scale: Vec3A) -> Self {
         let sign = |scale: f32| if scale < 0.0 { -1.0 } else { 1.0 };
         Self(self.0 * DVec3::new(sign(scale.x), sign(scale.y), sign(scale.z)))
     }
 
-    /// The mirror of the children of bones, with `other` that of the lower ones alone.
+    /// Composition with the mirror `other` of a chain below.
     pub(crate) fn and(self, other: Self) -> Self {
         Self(self.0 * other.0)
     }
@@ -29,13 +29,13 @@ impl Mirror {
         axis * (self.0 * (self.0.x * self.0.y * self.0.z))
     }
 
-    /// D R D: from a local rotation to that of the rigid bone, and back.
+    /// D R D: converts a local rotation to that of the rigid bone, and back.
     pub(crate) fn rotation(self, q: DQuat) -> DQuat {
         let axis = self.axis(DVec3::new(q.x, q.y, q.z));
         DQuat::from_xyzw(axis.x, axis.y, axis.z, q.w)
     }
 
-    /// As [`rotation`](Self::rotation), in single precision.
+    /// [`rotation`](Self::rotation) in single precision.
     pub(crate) fn single(self, q: Quat) -> Quat {
         // Changes of sign are exact.
         self.rotation(q.as_dquat()).as_quat()

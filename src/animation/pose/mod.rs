@@ -1,4 +1,4 @@
-//! Poses: where bones stand in their parents, and from there to the model.
+//! Poses and armatures: local transforms of bones and their model transforms.
 
 mod armature;
 mod in_model;

@@ -1,4 +1,4 @@
-//! Where all bones of an armature stand in their parents.
+//! Poses: local transforms of all bones of an armature.
 
 use glam::{Quat, Vec3A};
 
@@ -6,8 +6,8 @@ use super::LocalTransform;
 use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
-/// A local transform for each bone and a weight for each morph target, by property: most clips and
-/// blends touch rotations only.
+/// Local transform of each bone and weight of each morph target. Stored by property, because most clips and blends
+/// change rotations only.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::serialised::PoseParts"))]
@@ -18,44 +18,43 @@ pub struct Pose {
     pub(crate) morph_weights: Vec<f32>,
 }
 
-/// What is wrong with a local transform, or with the bone it is for. Bones are given by index.
+/// Error of a local transform or its bone. Bones are given by index.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LocalError {
     /// A bone of another armature.
-    #[error("bone {bone} does not exist; the pose has {bones}")]
+    #[error("bone {bone} does not exist; the pose has {bones} bones")]
     UnknownBone {
-        /// The bone.
+        /// Index of the bone.
         bone: usize,
-        /// How many bones there are.
+        /// Number of bones.
         bones: usize,
     },
     /// A number that is NaN or infinite.
-    #[error("bone {bone}: the local transform is not finite")]
+    #[error("bone {bone}: the local transform must be finite")]
     NotFinite {
-        /// The bone.
+        /// Index of the bone.
         bone: usize,
     },
-    /// The bones above leave a bone less than three dimensions, so that nothing in its parent brings it
-    /// to a place in the model.
-    #[error("bone {bone}: the bones above it flatten space, so no local transform places it")]
+    /// The transform of the bone's parent is singular, so no local transform gives the requested one.
+    #[error("bone {bone}: the transform of its parent is singular; it must have a volume")]
     Flattened {
-        /// The bone.
+        /// Index of the bone.
         bone: usize,
     },
-    /// A transform in the model that is no scale, rotation and translation in the parent.
-    #[error("bone {bone}: it would have to shear in its parent, or has no size")]
+    /// A model transform that has no scale, rotation and translation in the parent.
+    #[error("bone {bone}: its local transform must not shear or have zero size")]
     Sheared {
-        /// The bone.
+        /// Index of the bone.
         bone: usize,
     },
     /// A pose of another armature.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// A quaternion without direction.
-    #[error("bone {bone}: the quaternion is zero and stands for no rotation")]
+    /// A zero quaternion.
+    #[error("bone {bone}: the quaternion is zero; a rotation needs a non-zero quaternion")]
     ZeroRotation {
-        /// The bone.
+        /// Index of the bone.
         bone: usize,
     },
 }
@@ -71,24 +70,24 @@ impl Pose {
     }
 
     getters! {
-        /// How many bones there are.
+        /// Number of bones.
         pub fn bones(&self) -> usize = self.rotations.len();
-        /// Where the bones are in their parents, in the model's own unit.
+        /// Translations of the bones in their parents, in the model's unit.
         pub fn translations(&self) -> &[Vec3A] = &self.translations;
-        /// How the bones are turned in their parents: unit quaternions.
+        /// Rotations of the bones in their parents, unit quaternions.
         pub fn rotations(&self) -> &[Quat] = &self.rotations;
-        /// How the bones are scaled along their own axes.
+        /// Scales of the bones along their own axes.
         pub fn scales(&self) -> &[Vec3A] = &self.scales;
-        /// The weights of the morph targets.
+        /// Weights of the morph targets.
         pub fn morph_weights(&self) -> &[f32] = &self.morph_weights;
-        /// The same, to change.
+        /// Mutable weights of the morph targets.
         pub fn morph_weights_mut(&mut self) -> &mut [f32] = &mut self.morph_weights;
     }
 
-    /// A bone's place in its parent.
+    /// Local transform of a bone.
     ///
     /// # Errors
-    /// A bone that is not in the pose.
+    /// The bone is not in the pose.
     pub fn local(&self, bone: BoneId) -> Result<LocalTransform, LocalError> {
         let (bone, bones) = (bone.index(), self.bones());
         match bone < bones {
@@ -97,7 +96,7 @@ impl Pose {
         }
     }
 
-    /// One more bone behind the others.
+    /// Appends a bone.
     #[cfg(feature = "gltf")]
     pub(super) fn push(&mut self, local: LocalTransform) {
         self.translations.push(local.translation);
@@ -105,7 +104,7 @@ impl Pose {
         self.scales.push(local.scale);
     }
 
-    /// [`local`](Self::local) of a bone that is in the pose.
+    /// [`local`](Self::local) of a bone known to be in the pose.
     pub(crate) fn local_of(&self, bone: BoneId) -> LocalTransform {
         let index = bone.index();
         let parts = (
@@ -123,11 +122,10 @@ impl Pose {
         }
     }
 
-    /// Moves a bone in its parent. A rotation that is not of unit length is made so.
+    /// Sets the local transform of a bone; the rotation is normalised. The pose does not change on an error.
     ///
     /// # Errors
     /// A [`LocalError`]: the bone is not in the pose, a number is not finite, or the rotation is zero.
-    /// Nothing is changed then.
     pub fn set_local(&mut self, bone: BoneId, local: LocalTransform) -> Result<(), LocalError> {
         let (bone, bones) = (bone.index(), self.bones());
         if bone >= bones {
@@ -144,9 +142,8 @@ impl Pose {
         Ok(())
     }
 
-    /// Turns a bone in its parent; its translation and scale stay. A quaternion that is not of unit
-    /// length is made so. [`Armature::set_model_rotation`](super::Armature::set_model_rotation) turns it
-    /// in the model.
+    /// Sets the local rotation of a bone, normalised; its translation and scale do not change.
+    /// [`Armature::set_model_rotation`](super::Armature::set_model_rotation) sets the rotation in the model.
     ///
     /// # Errors
     /// As [`set_local`](Self::set_local).
@@ -155,7 +152,7 @@ impl Pose {
         self.set_local(bone, LocalTransform { rotation, ..local })
     }
 
-    /// Moves a bone's origin in its parent, in the model's own unit; its rotation and scale stay.
+    /// Sets the local translation of a bone, in the model's unit; its rotation and scale do not change.
     ///
     /// # Errors
     /// As [`set_local`](Self::set_local).
@@ -168,7 +165,7 @@ impl Pose {
         self.set_local(bone, local)
     }
 
-    /// Scales a bone along its own axes; its translation and rotation stay.
+    /// Sets the scale of a bone along its own axes; its translation and rotation do not change.
     ///
     /// # Errors
     /// As [`set_local`](Self::set_local).
@@ -177,7 +174,7 @@ impl Pose {
         self.set_local(bone, LocalTransform { scale, ..local })
     }
 
-    /// Makes this pose the same as another one, without allocating where both have one size.
+    /// Copies another pose; does not allocate if the sizes are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.translations.clone_from(&other.translations);
         self.rotations.clone_from(&other.rotations);
@@ -192,12 +189,12 @@ impl Pose {
     }
 }
 
-/// The quaternion at unit length, as it is where it has that; `None` for zero.
+/// The normalised quaternion, unchanged if it has unit length; `None` for zero.
 fn unit(q: Quat) -> Option<Quat> {
     if q.is_normalized() {
         return Some(q);
     }
-    // In double precision, where the square of no single-precision number vanishes.
+    // Double precision, because the square of a small single-precision number underflows.
     let q = q.as_dquat();
     let length = q.length();
     (length > 0.0).then(|| (q / length).as_quat())

@@ -1,4 +1,4 @@
-//! Scales at rest that no joint has, and an armature without any.
+//! Scales of rest poses that skeletons cannot represent.
 
 use std::fmt;
 
@@ -7,16 +7,16 @@ use glam::Vec3A;
 use super::{Armature, Stretch};
 use crate::skeleton::BoneId;
 
-/// A scale at rest of a bone with children that a [`Skeleton`](crate::skeleton::Skeleton) does not have.
+/// Rest scale of a bone with children that a [`Skeleton`](crate::skeleton::Skeleton) cannot represent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaleNote {
-    /// The bone's name.
+    /// Name of the bone.
     pub bone: String,
-    /// Its scale at rest, along its own axes.
+    /// Rest scale along the bone's own axes.
     pub scale: [f32; 3],
-    /// The scale differs along the axes, signs aside: bones that turn below this one shear.
+    /// The absolute scales of the axes differ: bones that rotate below this one shear.
     pub uneven: bool,
-    /// The scale is negative along an axis: bones below this one turn in reflected axes.
+    /// The scale is negative along an axis: bones below this one rotate in reflected axes.
     pub mirrored: bool,
 }
 
@@ -30,22 +30,22 @@ impl fmt::Display for ScaleNote {
         };
         write!(
             f,
-            "bone `{}`: its scale ({x}, {y}, {z}) {does} the bones that turn below it",
+            "bone `{}`: its scale ({x}, {y}, {z}) {does} the bones that rotate below it",
             self.bone
         )
     }
 }
 
 impl Armature {
-    /// The bones with children whose scale at rest is uneven or mirrors, in their order.
+    /// Bones with children whose rest scale is uneven or mirrors, in bone order.
     ///
-    /// Scales within 1e-6 of each other are even.
+    /// Scales within 1e-6 of each other count as even.
     #[must_use]
     pub fn scale_notes(&self) -> Vec<ScaleNote> {
         self.scale_notes_of(self.bone_ids())
     }
 
-    /// The same of the bones that carry `turning` ones.
+    /// [`scale_notes`](Self::scale_notes) for the ancestors of `turning` bones.
     pub(crate) fn scale_notes_of(
         &self,
         turning: impl IntoIterator<Item = BoneId>,
@@ -70,8 +70,8 @@ impl Armature {
         noted.collect()
     }
 
-    /// The same bones with scales of 1 at rest. Translations and rotations in the parents stay, so that joints below a
-    /// scaled bone move in the model.
+    /// The armature with rest scales of 1. Local translations and rotations do not change, so joints below a scaled
+    /// bone move in the model.
     #[must_use]
     pub fn without_scale(mut self) -> Self {
         self.rest.scales.fill(Vec3A::ONE);

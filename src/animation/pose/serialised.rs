@@ -1,4 +1,4 @@
-//! Armatures and poses as serde writes them. What is read is checked.
+//! Serde forms of armatures and poses, checked when read.
 
 use glam::{Affine3A, Quat, Vec3A};
 use serde::{Deserialize, Serialize};
@@ -42,11 +42,11 @@ pub(super) struct ArmatureParts {
     parents: Vec<Option<usize>>,
     rest: Pose,
     morph_targets: Vec<String>,
-    /// Kept, as that of a skeleton is made in double precision.
+    /// Stored, because a skeleton's armature computes it in double precision.
     rest_from_model: Vec<Affine3A>,
 }
 
-/// Why parts that are read are no armature.
+/// Error of armature parts in the serialised form.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum PartsError {
     #[error(transparent)]

@@ -1,19 +1,19 @@
-//! Scales of a bone and of all bones above it, in the bone's rigid frame.
+//! Accumulated scales of a bone and its ancestors, in the bone's rigid frame.
 
 use glam::{DMat3, DQuat, DVec3, Vec3A};
 
 use super::Mirror;
 
-/// Largest difference of the scales along a bone's axes that counts as rounding, as a share of the largest scale.
+/// Largest relative difference of the scales along a bone's axes that counts as rounding.
 const EVEN_WITHIN: f64 = 1e-6;
 
-/// Q⁻¹ A of a bone, with A the linear part of its transform into the model and Q its rotation there without scales.
+/// Q⁻¹ A of a bone, with the linear part A of its model transform and its rotation Q in the model without scales.
 ///
-/// Even scales commute with rotations and so stay diagonal down a chain. An uneven scale shears the bones that turn below
-/// it: their stretch then depends on how they are turned.
+/// Even scales commute with rotations and remain diagonal along a chain. An uneven scale shears the bones that rotate
+/// below it: their stretch depends on their rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Stretch {
-    /// Along the bone's own axes; negative where it mirrors.
+    /// Along the bone's own axes; negative if it mirrors.
     Diagonal(DVec3),
     /// With shear.
     Sheared(DMat3),
@@ -23,8 +23,8 @@ impl Stretch {
     /// No scale.
     pub(crate) const NONE: Self = Self::Diagonal(DVec3::ONE);
 
-    /// Of a child: `mirror` is that of this bone's children, `rotation` the child's local rotation of unit length and
-    /// `scale` its own scale.
+    /// Stretch of a child. `mirror` is that of this bone's children, `rotation` the child's local unit quaternion,
+    /// `scale` the child's scale.
     pub(crate) fn below(self, mirror: Mirror, rotation: DQuat, scale: Vec3A) -> Self {
         let scale = scale.as_dvec3();
         match self {
@@ -37,7 +37,7 @@ impl Stretch {
         }
     }
 
-    /// A vector of the bone, scaled, in the axes of its rigid frame.
+    /// The scaled vector of the bone, in the axes of its rigid frame.
     pub(crate) fn apply(&self, v: DVec3) -> DVec3 {
         match self {
             Self::Diagonal(scale) => v * *scale,
@@ -45,12 +45,12 @@ impl Stretch {
         }
     }
 
-    /// Whether a scale is the same along all axes, signs aside.
+    /// Returns true if the absolute scales of all axes are equal.
     pub(crate) fn is_even_scale(scale: Vec3A) -> bool {
         is_even(scale.as_dvec3())
     }
 
-    /// Whether bones that turn below it keep their lengths.
+    /// Returns true if bones that rotate below this one keep their lengths.
     pub(crate) fn is_even(&self) -> bool {
         matches!(self, Self::Diagonal(scale) if is_even(*scale))
     }
@@ -63,7 +63,7 @@ impl Stretch {
     }
 }
 
-/// Whether scales differ along the axes by no more than rounding, signs aside.
+/// Returns true if the absolute scales of the axes differ by rounding only.
 fn is_even(scale: DVec3) -> bool {
     let sizes = scale.abs();
     sizes.max_element() - sizes.min_element() <= EVEN_WITHIN * sizes.max_element()

@@ -1,8 +1,8 @@
-//! Euler angles in any of the twelve orders, exact in gimbal lock and near it.
+//! Euler angles in the twelve orders, accurate in and near gimbal lock.
 //!
-//! From a quaternion by Bernardes & Viollet 2022, "Quaternion to Euler angles conversion: a direct,
-//! general and computationally efficient method": two arc tangents give half the sum and half the
-//! difference of the outer angles, so neither loses digits when the other is undefined.
+//! Conversion from a quaternion by Bernardes & Viollet 2022, "Quaternion to Euler angles conversion: a direct, general
+//! and computationally efficient method". Two arc tangents give half the sum and half the difference of the outer
+//! angles. Neither loses digits if the other is undefined.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -11,15 +11,16 @@ use glam::{DMat3, DQuat, DVec3};
 use super::exponential::turn_about_exactly;
 use crate::scalar::elementary::{self, hypot};
 
-/// The axes about which the three angles turn. A rotation is
-/// R = R_A(angle 0) · R_B(angle 1) · R_C(angle 2) for the order ABC: read from the left, each turn is
-/// about an axis that the ones before have turned (intrinsic); read from the right, about fixed axes.
-/// So R_z(γ) R_y(β) R_x(α), "about x, then y, then z", is [`Zyx`](Self::Zyx) with the angles γ, β, α.
+/// Axis order of three angles. For the order ABC the rotation is R = R_A(angle 0) · R_B(angle 1) · R_C(angle 2).
+///
+/// Read from the left, each rotation is about an axis rotated by the previous ones (intrinsic). Read from the right,
+/// the axes are fixed (extrinsic). R_z(γ) R_y(β) R_x(α), "about x, then y, then z", is [`Zyx`](Self::Zyx) with the
+/// angles γ, β, α.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs, reason = "the names are the axes")]
 pub enum EulerOrder {
-    /// Twist, bend, twist: the bones of a [`Skeleton`](crate::Skeleton).
+    /// Twist, bend, twist: the order of the bones of a [`Skeleton`](crate::Skeleton).
     Xzx,
     Xyx,
     Yxy,
@@ -34,23 +35,23 @@ pub enum EulerOrder {
     Zyx,
 }
 
-/// Three angles of one order, and whether they are the only ones.
+/// Three Euler angles of one order, with a flag for gimbal lock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EulerAngles {
-    /// In radians, in the order of the axes. The middle one is within [0, π] for the six proper
-    /// orders and within [−π/2, π/2] for the six Tait-Bryan orders, the others within [−π, π].
+    /// Angles in radians, in axis order. The middle angle is within [0, π] for the six proper orders and [−π/2, π/2]
+    /// for the six Tait-Bryan orders. The outer angles are within [−π, π].
     pub angles: [f64; 3],
-    /// The middle angle is at an end of its range: the outer two turn about one line, only their
-    /// sum or difference counts, and the last is set to zero.
+    /// The middle angle is at an end of its range. The outer angles then rotate about one line, only their sum or
+    /// difference is defined, and the last is set to zero.
     pub gimbal_lock: bool,
 }
 
-/// Within so many radians of an end of the middle angle's range counts as locked; the rotation is
-/// then off by no more than that.
+/// Distance in radians from an end of the middle angle's range that counts as gimbal lock. It bounds the rotation's
+/// error.
 const LOCKED: f64 = 1e-9;
 
 impl EulerOrder {
-    /// All twelve.
+    /// All twelve orders.
     pub const ALL: [Self; 12] = [
         Self::Xzx,
         Self::Xyx,
@@ -66,7 +67,7 @@ impl EulerOrder {
         Self::Zyx,
     ];
 
-    /// The axes as indices: x is 0, y 1, z 2.
+    /// Axis indices: x is 0, y 1, z 2.
     #[must_use]
     pub fn axes(self) -> [usize; 3] {
         match self {
@@ -85,14 +86,14 @@ impl EulerOrder {
         }
     }
 
-    /// Whether the first and the last axis are the same one.
+    /// True if the first and the last axis are equal.
     #[must_use]
     pub fn is_proper(self) -> bool {
         let [first, _, last] = self.axes();
         first == last
     }
 
-    /// The rotation by these angles, in radians.
+    /// Unit quaternion of the angles in radians.
     #[must_use]
     pub fn to_quaternion(self, angles: [f64; 3]) -> DQuat {
         let [a, b, c] = self.axes().map(|axis| DVec3::AXES[axis]);
@@ -100,25 +101,25 @@ impl EulerOrder {
         turn_about_exactly(a, alpha) * turn_about_exactly(b, beta) * turn_about_exactly(c, gamma)
     }
 
-    /// The rotation matrix of these angles, in radians.
+    /// Rotation matrix of the angles in radians.
     #[must_use]
     pub fn to_matrix(self, angles: [f64; 3]) -> DMat3 {
         DMat3::from_quat(self.to_quaternion(angles))
     }
 
-    /// The angles of a rotation matrix.
+    /// Euler angles of a rotation matrix.
     #[must_use]
     pub fn from_matrix(self, rotation: &DMat3) -> EulerAngles {
         self.from_quaternion(DQuat::from_mat3(rotation).normalize())
     }
 
-    /// The angles of a unit quaternion.
+    /// Euler angles of a unit quaternion.
     #[must_use]
     pub fn from_quaternion(self, q: DQuat) -> EulerAngles {
-        // The paper counts turns about fixed axes, so the last of ours comes first.
+        // The paper uses fixed axes, so the last axis comes first.
         let [k, j, i] = self.axes();
         let proper = self.is_proper();
-        // For proper orders the axis that does not occur plays the third one's part.
+        // For proper orders the axis that does not occur is the third one.
         let k = if proper { 3 - i - j } else { k };
         let sign = if (j + 3 - i) % 3 == 1 { 1.0 } else { -1.0 };
         let v = q.xyz().to_array();
@@ -126,7 +127,7 @@ impl EulerOrder {
         let [a, b, c, d] = if proper {
             [q.w, x, y, z]
         } else {
-            // Seen after a quarter turn about the middle axis, the order is a proper one.
+            // After a quarter turn about the middle axis, the order is a proper one.
             [q.w - y, x + z, y + q.w, z - x]
         };
         let middle = 2.0 * elementary::atan2(hypot(c, d), hypot(a, b));
@@ -151,7 +152,7 @@ impl EulerOrder {
     }
 }
 
-/// The same angle within [−π, π].
+/// Wraps an angle to [−π, π].
 fn wrapped(angle: f64) -> f64 {
     if angle > PI {
         angle - 2.0 * PI

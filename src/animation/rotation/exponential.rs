@@ -1,12 +1,12 @@
-//! Rotations from axes and angles and back, as glam has them but with the same bits on every
-//! machine: glam asks the operating system for sine and arc tangent.
+//! Exponential and logarithm of rotations, bitwise reproducible on every machine. glam uses the platform's sine and arc
+//! tangent.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::AxisAngle;
 use crate::scalar::elementary::{self, single};
 
-/// The turn about a unit axis by an angle in radians.
+/// Rotation about a unit axis by an angle in radians.
 pub(crate) fn turn_about(axis: Vec3, angle: f32) -> Quat {
     let (sin, cos) = single::sin_cos(0.5 * angle);
     Quat::from_vec4((axis * sin).extend(cos))
@@ -18,7 +18,7 @@ pub(crate) fn turn_about_exactly(axis: DVec3, angle: f64) -> DQuat {
     DQuat::from_vec4((axis * sin).extend(cos))
 }
 
-/// The rotation by a rotation vector (axis × angle in radians).
+/// Rotation of a rotation vector, axis × angle in radians.
 pub(crate) fn exp(turn: Vec3) -> Quat {
     let angle = turn.length();
     match angle > 0.0 {
@@ -27,8 +27,7 @@ pub(crate) fn exp(turn: Vec3) -> Quat {
     }
 }
 
-/// The rotation vector (axis × angle in radians) of a unit quaternion; longer than π where w is
-/// negative.
+/// Rotation vector, axis × angle in radians, of a unit quaternion. Its length exceeds π if w is negative.
 pub(crate) fn log(q: Quat) -> Vec3 {
     let length = q.xyz().length();
     match length > 0.0 {
@@ -37,7 +36,7 @@ pub(crate) fn log(q: Quat) -> Vec3 {
     }
 }
 
-/// The share of a turn along its shorter arc.
+/// Fraction of a rotation along its shorter arc.
 pub(crate) fn share_of(turn: DQuat, share: f64) -> DQuat {
     let AxisAngle { axis, angle } = AxisAngle::from_quaternion(turn);
     turn_about_exactly(axis, share * angle)

@@ -1,16 +1,15 @@
-//! A rotation curve with given angular velocities at its ends, for keys at uneven times.
+//! Rotation segments with given angular velocities at their ends, for keys at uneven times.
 //!
-//! Kim, Kim & Shin 1995, "A general construction scheme for unit quaternion curves with simple high
-//! order derivatives": the cumulative Bernstein form of a cubic, with products of
-//! exponentials for its sums.
+//! Kim, Kim & Shin 1995, "A general construction scheme for unit quaternion curves with simple high order derivatives".
+//! The segment is the cumulative Bernstein form of a cubic, with products of exponentials in place of sums.
 
 use glam::{Quat, Vec3};
 
 use super::exponential::{exp, log};
 use super::slerp::nearer;
 
-/// A segment from one rotation to another that leaves and arrives with given angular velocities.
-/// Segments that share their velocities join with a continuous angular velocity at any times.
+/// Rotation segment with given angular velocities at both ends. Segments with equal velocities at their common key join
+/// with continuous angular velocity, at any key times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotationHermite {
     start: Quat,
@@ -18,15 +17,14 @@ pub struct RotationHermite {
 }
 
 impl RotationHermite {
-    /// The segment between two unit quaternions, the shorter way round. Velocities are rotation
-    /// vectors in the rotating frame's own axes, in radians per segment (multiply a rate per second
-    /// by the segment's seconds).
+    /// Segment between two unit quaternions along the shorter arc. Velocities are rotation vectors in the body frame,
+    /// radians per segment; multiply a rate per second by the segment's duration in seconds.
     #[must_use]
     pub fn new(start: Quat, leaving: Vec3, end: Quat, arriving: Vec3) -> Self {
         let [first, last] = [leaving / 3.0, arriving / 3.0];
         let end = nearer(end, start);
         let middle = exp(-first) * (start.conjugate() * end) * exp(-last);
-        // Not the shorter turn of its rotation: where a segment swings out it comes back the way it went.
+        // The rotation vector is not reduced to below π: a segment that overshoots rotates back the same way.
         let middle = log(middle);
         Self {
             start,
@@ -34,7 +32,7 @@ impl RotationHermite {
         }
     }
 
-    /// The rotation at u in [0, 1].
+    /// Rotation at u in [0, 1].
     #[must_use]
     pub fn at(&self, u: f32) -> Quat {
         let rest = 1.0 - u;
@@ -49,10 +47,10 @@ impl RotationHermite {
     }
 }
 
-/// The angular velocity at each key (rotation vectors per second in the rotating frame's own axes):
-/// the mean rate from the key before to the key after, one-sided at the ends. As Catmull-Rom
-/// tangents, but each half weighs by its time. Times strictly increase and there is one for each
-/// rotation; with fewer than two keys all rates are zero.
+/// Angular velocity at each key: rotation vectors per second in the body frame. It is the sum of the rotation vectors
+/// from the previous and to the next key, divided by the sum of their times; one-sided at the ends.
+///
+/// Times strictly increase, one for each rotation. With fewer than two keys all rates are zero.
 #[must_use]
 pub fn mean_rates(times: &[f32], rotations: &[Quat]) -> Vec<Vec3> {
     let turns: Vec<(Vec3, f32)> = rotations

@@ -1,4 +1,4 @@
-//! A curve through rotations at times that need not be evenly spaced.
+//! Curves through rotations at key times, with any spacing.
 
 use glam::{Quat, Vec3, Vec4};
 
@@ -6,8 +6,7 @@ use super::{RotationHermite, mean_rates, nearer, slerp, squad, squad_control};
 use crate::animation::curve::easing::Easing;
 use crate::animation::curve::{Hermite, KeyError, check_count, check_times};
 
-/// A curve through unit quaternions at key times. Before the first and after the last key it holds
-/// the rotation there.
+/// Curve through unit quaternions at key times. It is constant before the first and after the last key.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::serialised::Keys"))]
@@ -17,24 +16,24 @@ pub struct RotationCurve {
     between: BetweenRotations,
 }
 
-/// What a curve does between keys.
+/// Interpolation between keys.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum BetweenRotations {
     Step,
     Slerp,
-    /// Slerp at the pace of each key's easing.
+    /// Slerp with an easing for each segment.
     Eased(Vec<Easing>),
-    /// A control for each key.
+    /// Squad, with a control quaternion for each key.
     Squad(Vec<Quat>),
-    /// (arriving, leaving) rates of the components at each key.
+    /// Cubic; (arriving, leaving) rates of the components at each key.
     Cubic(Vec<[Vec4; 2]>),
-    /// Angular velocities at the keys.
+    /// Hermite, with the angular velocities at the keys.
     Hermite(Vec<Vec3>),
 }
 
 impl RotationCurve {
-    /// Checks keys and makes them of unit length, each on the side of the one before.
+    /// Checks and normalises keys; flips each to the hemisphere of the previous key.
     pub(super) fn checked(
         times: Vec<f32>,
         mut rotations: Vec<Quat>,
@@ -55,17 +54,17 @@ impl RotationCurve {
         })
     }
 
-    /// A curve that keeps each key's rotation until the next (glTF's `STEP`). Here and below,
-    /// quaternions need not be of unit length; they are made so.
+    /// Curve that holds each key's rotation until the next key (glTF's `STEP`). The constructors of this type normalise
+    /// the quaternions.
     ///
     /// # Errors
-    /// A [`KeyError`]: no keys, counts that differ, a number that is not finite, a quaternion that
-    /// is zero, or times that do not strictly increase.
+    /// A [`KeyError`]: no keys, differing counts, a number that is not finite, a zero quaternion, or times that do not
+    /// strictly increase.
     pub fn step(times: Vec<f32>, rotations: Vec<Quat>) -> Result<Self, KeyError> {
         Self::checked(times, rotations, BetweenRotations::Step)
     }
 
-    /// At constant angular speed along the shorter arc from key to key (glTF's `LINEAR`).
+    /// Slerp with constant angular speed along the shorter arc between keys (glTF's `LINEAR`).
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -73,8 +72,8 @@ impl RotationCurve {
         Self::checked(times, rotations, BetweenRotations::Slerp)
     }
 
-    /// Along the shorter arc from key to key, each way at its own pace: an easing for each key and the
-    /// way that leaves it. The last one's is not used.
+    /// Slerp with an easing for each segment, stored at the key where the segment starts. The easing of the last key is
+    /// unused.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -87,7 +86,7 @@ impl RotationCurve {
         Self::checked(times, rotations, BetweenRotations::Eased(easings))
     }
 
-    /// [`squad`]: smooth at keys an even time apart.
+    /// [`squad`] curve: smooth if the keys are evenly spaced.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -116,9 +115,8 @@ impl RotationCurve {
         Ok(curve)
     }
 
-    /// A cubic through the quaternions' components, made of unit length afterwards, with
-    /// `[arriving, leaving]` tangents per second at each key (glTF's `CUBICSPLINE`). Signs are kept
-    /// as given, because the tangents go with them.
+    /// Normalised cubic of the quaternion components, with `[arriving, leaving]` tangents per second at each key
+    /// (glTF's `CUBICSPLINE`). Signs of the quaternions are preserved, because the tangents depend on them.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -149,16 +147,16 @@ impl RotationCurve {
     getters! {
         /// Key times in seconds, strictly increasing; at least one.
         pub fn times(&self) -> &[f32] = &self.times;
-        /// The rotations at the keys: unit quaternions.
+        /// Rotations at the keys, unit quaternions.
         pub fn rotations(&self) -> &[Quat] = &self.rotations;
-        /// What it does between keys.
+        /// Interpolation between keys.
         #[cfg(feature = "gltf")]
         pub(crate) fn between(&self) -> &BetweenRotations = &self.between;
-        /// Whether it runs by slerp from key to key.
+        /// True if the interpolation is slerp without easing.
         pub(crate) fn is_slerp(&self) -> bool = self.between == BetweenRotations::Slerp;
     }
 
-    /// The rotation at a time in seconds; NaN counts as before the first key.
+    /// Rotation at a time in seconds; NaN counts as before the first key.
     #[must_use]
     pub fn at(&self, time: f32) -> Quat {
         let after = self.times.partition_point(|&key| key <= time);
@@ -170,7 +168,7 @@ impl RotationCurve {
         self.within(key, u)
     }
 
-    /// The rotation at u in [0, 1] of the way from a key to the next.
+    /// Rotation at u in [0, 1] between a key and the next.
     pub(crate) fn within(&self, key: usize, u: f32) -> Quat {
         let Some(&start) = self.rotations.get(key) else {
             return Quat::IDENTITY;
@@ -200,7 +198,7 @@ impl RotationCurve {
                     end: Vec4::from(end),
                     arriving: rates[key + 1][0] * length,
                 };
-                // Between opposite keys a cubic may pass zero, where no direction is right.
+                // A cubic between opposite keys may pass through zero, where no rotation is defined.
                 let unit = segment.position(u).try_normalize();
                 unit.map_or(start, Quat::from_vec4)
             }
@@ -208,7 +206,7 @@ impl RotationCurve {
     }
 }
 
-/// The quaternion at unit length, and what it was scaled by.
+/// The normalised quaternion, and its scale factor.
 fn unit(key: usize, q: Quat) -> Result<(Quat, f32), KeyError> {
     if !q.is_finite() {
         let what = "value";
@@ -216,11 +214,11 @@ fn unit(key: usize, q: Quat) -> Result<(Quat, f32), KeyError> {
     }
     let q = q.as_dquat();
     let length = q.length();
-    // In double precision, where the square of no single-precision number vanishes.
+    // Double precision, because the square of a small single-precision number underflows.
     if length == 0.0 {
         return Err(KeyError::ZeroRotation { key });
     }
-    // What rounding to single precision leaves is of unit length already: its bits stay.
+    // A quaternion that is normalised up to rounding keeps its exact bits.
     const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
     if (length - 1.0).abs() <= ROUNDING {
         return Ok((q.as_quat(), 1.0));

@@ -1,4 +1,4 @@
-//! Curves through rotations, and the other ways to write a rotation.
+//! Curves through rotations, and representations of rotations.
 
 mod axis_angle;
 mod euler;

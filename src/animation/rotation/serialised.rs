@@ -1,4 +1,4 @@
-//! A curve of rotations as serde reads it: its keys, and what runs between them, checked.
+//! Serde form of a rotation curve: keys and interpolation, checked when read.
 
 use glam::Quat;
 use serde::Deserialize;
@@ -29,7 +29,7 @@ impl TryFrom<Keys> for RotationCurve {
             odd.map_or(Ok(()), |key| Err(KeyError::NonFiniteValue { key, what }))
         };
         match &between {
-            // A cubic keeps its signs.
+            // A cubic preserves the signs of its quaternions.
             BetweenRotations::Cubic(rates) => return Self::cubic(times, rotations, rates.clone()),
             BetweenRotations::Eased(easings) => check_count("easings", easings.len(), times.len())?,
             BetweenRotations::Squad(controls) => {

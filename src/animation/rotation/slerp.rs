@@ -1,4 +1,4 @@
-//! Between two rotations or directions along the shortest arc.
+//! Interpolation of rotations and directions along the shortest arc.
 //!
 //! Shoemake 1985, "Animating rotation with quaternion curves".
 
@@ -6,18 +6,18 @@ use glam::{Quat, Vec3};
 
 use crate::scalar::elementary::single;
 
-/// Above this cosine the arc is straight to single precision and sin Ω too short to divide by.
+/// Cosine above which the arc is straight to single precision, and sin Ω too small to divide by.
 const CLOSE: f32 = 0.9995;
 
-/// Of `q` and −q, which are the same rotation, the one on the side of `reference`.
+/// `q` or −q, which describe one rotation: the one on the hemisphere of `reference`.
 #[inline]
 #[must_use]
 pub fn nearer(q: Quat, reference: Quat) -> Quat {
     if q.dot(reference) < 0.0 { -q } else { q }
 }
 
-/// Normalised linear interpolation, the shorter way round: the arc of [`slerp`], but faster in its
-/// middle. `from` and `to` are of unit length. Half a turn apart either way is as short.
+/// Normalised linear interpolation between unit quaternions along the shorter arc. It follows the arc of [`slerp`], but
+/// is faster in the middle. For rotations half a turn apart both arcs are equally short.
 #[inline]
 #[must_use]
 pub fn nlerp(from: Quat, to: Quat, t: f32) -> Quat {
@@ -25,25 +25,23 @@ pub fn nlerp(from: Quat, to: Quat, t: f32) -> Quat {
     (from * (1.0 - t) + to * t).normalize()
 }
 
-/// Spherical linear interpolation, the shorter way round, at constant angular speed:
-/// sin((1−t)Ω)/sin Ω · from + sin(tΩ)/sin Ω · to, with cos Ω = from · to. Nearly equal rotations
-/// are interpolated by [`nlerp`]. `from` and `to` are of unit length.
+/// Spherical linear interpolation between unit quaternions along the shorter arc, at constant angular speed. The result
+/// is sin((1−t)Ω)/sin Ω · from + sin(tΩ)/sin Ω · to, with cos Ω = from · to. Nearly equal rotations use [`nlerp`].
 #[must_use]
 pub fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
     arc(from, nearer(to, from), t)
 }
 
-/// [`slerp`] between the quaternions as they are, even where that is the longer way round for the
-/// rotations.
+/// [`slerp`] without a choice of sign, even if the arc is the longer one for the rotations.
 pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
     let cosine = from.dot(to);
     if cosine > CLOSE {
         return (from * (1.0 - t) + to * t).normalize();
     }
-    // From sine and cosine, because the arc cosine alone loses digits for small angles.
+    // From sine and cosine, because the arc cosine loses digits at small angles.
     let sine = (to - from * cosine).length();
     if sine < f32::EPSILON {
-        // Opposite quaternions: one rotation, and every arc is as long.
+        // Opposite quaternions describe one rotation.
         return from;
     }
     let angle = single::atan2(sine, cosine);
@@ -51,9 +49,9 @@ pub(super) fn arc(from: Quat, to: Quat, t: f32) -> Quat {
     (from * a + to * b).normalize()
 }
 
-/// Turns unit vector `from` towards unit vector `to` by the share `t` of the angle θ between them:
-/// cos(tθ) from + sin(tθ) w, where w is the unit vector along to − (from · to) from. Opposite
-/// vectors have no shortest arc; then w is some vector at a right angle to `from`.
+/// Rotates unit vector `from` towards unit vector `to` by the fraction `t` of the angle θ between them. The result is
+/// cos(tθ) from + sin(tθ) w, with w the unit vector along to − (from · to) from. For opposite vectors, w is some vector
+/// perpendicular to `from`.
 #[must_use]
 pub fn slerp_vectors(from: Vec3, to: Vec3, t: f32) -> Vec3 {
     let cosine = from.dot(to);

@@ -1,15 +1,14 @@
-//! Squad: a smooth curve through rotations at even times.
+//! Squad: smooth curves through rotations at even times.
 //!
-//! Shoemake 1987, "Quaternion calculus and fast animation". At keys an even time apart the angular
-//! velocity is continuous; for uneven times use [`RotationHermite`](super::RotationHermite).
+//! Shoemake 1987, "Quaternion calculus and fast animation". The angular velocity is continuous at evenly spaced keys;
+//! for uneven times use [`RotationHermite`](super::RotationHermite).
 
 use glam::{Quat, Vec3};
 
 use super::exponential::{exp, log};
 use super::slerp::{arc, nearer};
 
-/// The control quaternion of a key from its neighbours:
-/// s = q exp(−(log(q⁻¹ q₊) + log(q⁻¹ q₋)) / 4).
+/// Control quaternion of a key from its neighbours: s = q exp(−(log(q⁻¹ q₊) + log(q⁻¹ q₋)) / 4).
 #[must_use]
 pub fn squad_control(before: Quat, key: Quat, after: Quat) -> Quat {
     let inverse = key.conjugate();
@@ -18,10 +17,9 @@ pub fn squad_control(before: Quat, key: Quat, after: Quat) -> Quat {
     (key * exp(mean)).normalize()
 }
 
-/// From `start` to `end` at t in [0, 1]:
-/// slerp(slerp(start, end, t), slerp(controls, t), 2t(1−t)), with the two keys' own controls. The
-/// keys are taken the shorter way round and controls on their keys' sides; what follows stays on the
-/// arcs between those quaternions, as a side chosen again on the way could jump.
+/// Squad from `start` to `end` at t in [0, 1]: slerp(slerp(start, end, t), slerp(controls, t), 2t(1−t)), with the
+/// controls of the two keys. `end` is flipped to the hemisphere of `start`, and each control to that of its key. The
+/// slerps do not flip signs again, as this could make the curve discontinuous.
 #[must_use]
 pub fn squad(start: Quat, controls: [Quat; 2], end: Quat, t: f32) -> Quat {
     let end = nearer(end, start);

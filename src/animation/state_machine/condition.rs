@@ -1,4 +1,4 @@
-//! Transitions and their conditions, whose names are resolved.
+//! Transitions and conditions with resolved names.
 
 use super::definition::{
     ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
@@ -37,7 +37,7 @@ pub(super) enum Condition {
 }
 
 impl Transition {
-    /// Checks a transition against the states and parameters that there are.
+    /// Checks a transition against the states and parameters of the machine.
     pub(super) fn new(
         path: &str,
         given: &TransitionDefinition,

@@ -1,62 +1,62 @@
-//! What can be wrong with a state machine's definition.
+//! Errors of state machine definitions.
 
 use crate::animation::ClipNameError;
 use crate::model::UnknownName;
 
-/// A place in the definition, and what is wrong there.
+/// Location in the definition and error there.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{path}: {problem}")]
 #[non_exhaustive]
 pub struct StateMachineError {
-    /// A path such as `transitions[2].to`.
+    /// Path such as `transitions[2].to`.
     pub path: String,
-    /// What is wrong there.
+    /// The error at that path.
     #[source]
     pub problem: StateMachineProblem,
 }
 
-/// What is wrong at a place in a state machine's definition.
+/// Error at a path of a state machine's definition.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StateMachineProblem {
     /// A state, parameter or clip that does not exist.
     #[error(transparent)]
     Unknown(UnknownName),
-    /// A name that several clips' names end with.
+    /// A clip name that matches the end of several clip names.
     #[error(transparent)]
     ClipName(ClipNameError),
-    /// A name that several of the clips given have.
-    #[error("{clips} clips are named `{clip}`")]
+    /// Several of the given clips share a name.
+    #[error("{clips} clips are named `{clip}`; names must be unique")]
     AmbiguousClip {
         /// The name.
         clip: String,
-        /// How many clips have it.
+        /// Number of clips with the name.
         clips: usize,
     },
-    /// There are no states.
-    #[error("there are no states")]
+    /// The definition has no states.
+    #[error("no states; at least one is needed")]
     NoStates,
     /// Two states share a name.
-    #[error("state name `{name}` is used twice")]
+    #[error("state name `{name}` is used twice; names must be unique")]
     DuplicateState {
         /// The name.
         name: String,
     },
     /// A blend without clips.
-    #[error("the blend has no clips")]
+    #[error("the blend has no clips; at least one is needed")]
     EmptyBlend,
-    /// The numbers of a blend's clips are not in order.
-    #[error("{at} does not lie above {before}, the number of the clip before it")]
+    /// The numbers of a blend's clips do not increase.
+    #[error("{at} must be above {before}, the number of the previous clip")]
     NotRising {
-        /// The number.
+        /// The number of the clip.
         at: f32,
-        /// The number of the clip before it.
+        /// The number of the previous clip.
         before: f32,
     },
     /// A duration that is negative or not finite.
-    #[error("{seconds} s is not a finite duration of at least 0")]
+    #[error("the duration {seconds} s must be finite and at least 0")]
     BadDuration {
-        /// In seconds.
+        /// Duration, seconds.
         seconds: f64,
     },
     /// A speed, bound or default that is not finite.
@@ -65,35 +65,35 @@ pub enum StateMachineProblem {
         /// The number.
         value: f64,
     },
-    /// A condition that no number meets.
-    #[error("no number is above {above} and below {below}")]
+    /// A condition that no number satisfies.
+    #[error("no number is above {above} and below {below}; `above` must be less than `below`")]
     NoNumber {
         /// The lower bound.
         above: f32,
         /// The upper bound.
         below: f32,
     },
-    /// A condition that does not suit its parameter.
+    /// A condition that does not match the kind of its parameter.
     #[error("`{parameter}` is a {kind}; its condition must have {expected}")]
     WrongCondition {
-        /// The parameter.
+        /// Name of the parameter.
         parameter: String,
-        /// Number, flag or trigger.
+        /// `number`, `flag` or `trigger`.
         kind: &'static str,
-        /// What belongs there.
+        /// Allowed fields of the condition.
         expected: &'static str,
     },
-    /// A transition that would happen always, from every state.
+    /// A transition from every state without a condition.
     #[error("a transition from every state needs a condition under `when`")]
     Unconditional,
-    /// The clips are not all for one armature.
-    #[error("clip `{clip}` is for {bones} bones, the first one for {expected}")]
+    /// The clips are for armatures of different sizes.
+    #[error("clip `{clip}` is for {bones} bones; the first clip is for {expected}")]
     OtherArmature {
-        /// The clip.
+        /// Name of the clip.
         clip: String,
-        /// Its bones.
+        /// Number of bones of the clip.
         bones: usize,
-        /// The first clip's bones.
+        /// Number of bones of the first clip.
         expected: usize,
     },
 }

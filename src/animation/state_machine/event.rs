@@ -1,19 +1,18 @@
-//! What a run tells while it goes on.
+//! Events reported by a run.
 
 use crate::animation::Event;
 
-/// An event of a clip that a state machine went by.
+/// Clip event passed by a state machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StateEvent<'a> {
-    /// The name of the state whose clip it is; in a cross-fade, the one that is left or the one that
-    /// is entered.
+    /// Name of the state of the clip; in a cross-fade, the state being left or entered.
     pub state: &'a str,
-    /// The name of the clip.
+    /// Name of the clip.
     pub clip: &'a str,
     /// The event.
     pub event: &'a Event,
-    /// How much of the pose was that clip's at that moment, within [0, 1]: a footstep of a clip that
-    /// hardly shows need not be heard.
+    /// Weight of the clip in the pose at that time, within [0, 1]. It can suppress, for example, footsteps of a clip
+    /// with a small weight.
     pub weight: f32,
 }

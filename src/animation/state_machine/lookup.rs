@@ -1,4 +1,4 @@
-//! Checks that say where in the data something is wrong.
+//! Name lookups with the path of the definition for errors.
 
 use super::definition::ParameterDefault;
 use super::error::{StateMachineError, StateMachineProblem};
@@ -20,7 +20,7 @@ pub(super) fn finite(path: impl FnOnce() -> String, value: f64) -> Checked<()> {
     Err(at(path(), StateMachineProblem::NotFinite { value }))
 }
 
-/// The position of a name.
+/// Index of a name.
 pub(super) fn find<'a>(
     path: impl FnOnce() -> String,
     kind: &'static str,
@@ -34,7 +34,7 @@ pub(super) fn find<'a>(
     })
 }
 
-/// The names that transitions may use.
+/// Names that transitions may use.
 pub(super) struct MachineNames<'a> {
     pub(super) parameters: &'a [(String, ParameterDefault)],
     pub(super) states: Vec<&'a str>,

@@ -1,4 +1,4 @@
-//! A state machine whose names are resolved.
+//! State machines with resolved names.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use super::lookup::{Checked, MachineNames, at, finite};
 use super::motion::Motion;
 use crate::animation::{Clip, Playback};
 
-/// States, transitions and the clips they play, checked. It never changes; each character that runs
-/// it has a [`StateMachineRun`](super::StateMachineRun).
+/// Checked states, transitions and clips. Immutable; each character that runs it has a
+/// [`StateMachineRun`](super::StateMachineRun).
 #[derive(Clone, Debug)]
 pub struct StateMachine {
     pub(super) parameters: Vec<(String, ParameterDefault)>,
@@ -31,9 +31,11 @@ impl StateMachine {
     /// Checks a definition against the clips it names.
     ///
     /// # Errors
-    /// A [`StateMachineError`](super::StateMachineError) with the path of what is wrong: a name that
-    /// does not exist (the error lists those that do) or that several clips have, a duration or number that is out of range, a
-    /// condition that does not suit its parameter, or clips of different armatures.
+    /// A [`StateMachineError`](super::StateMachineError) with the path of the error:
+    /// - a name does not exist (the error lists the valid names), or several clips have it;
+    /// - a duration or number is out of range;
+    /// - a condition does not match the kind of its parameter;
+    /// - the clips are of different armatures.
     pub fn new(definition: &StateMachineDefinition, clips: &[Arc<Clip>]) -> Checked<Self> {
         let mut parameters = Vec::new();
         for (name, default) in &definition.parameters {
@@ -79,7 +81,7 @@ impl StateMachine {
         })
     }
 
-    /// The states' names.
+    /// Names of the states.
     pub fn states(&self) -> impl Iterator<Item = &str> {
         self.states.iter().map(|state| state.name.as_str())
     }

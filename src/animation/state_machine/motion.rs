@@ -1,4 +1,4 @@
-//! What plays in a state, with its names resolved.
+//! Clips of a state with resolved names.
 
 use std::sync::Arc;
 
@@ -12,15 +12,15 @@ use crate::animation::{Clip, ClipNameError};
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
     parameter: Option<usize>,
-    /// At least one, by rising numbers.
+    /// At least one, in increasing order of the number.
     clips: Vec<(f32, Arc<Clip>)>,
 }
 
-/// The clips that play at a value of the parameter: one, and how far it goes to the next one.
+/// Active clips at a parameter value: an index, and the weight of the next clip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mix {
     pub(super) first: usize,
-    /// Within [0, 1); above 0 there is a next one.
+    /// Weight of the next clip, within [0, 1); above 0 a next clip exists.
     pub(super) share: f32,
 }
 
@@ -33,7 +33,7 @@ impl Motion {
         &self.clips[index].1
     }
 
-    /// What plays at the values of the parameters.
+    /// Active clips at the values of the parameters.
     pub(super) fn mix(&self, values: &[ParameterDefault]) -> Mix {
         let alone = |first| Mix { first, share: 0.0 };
         let value = match self.parameter.and_then(|index| values.get(index)) {
@@ -52,14 +52,14 @@ impl Motion {
         }
     }
 
-    /// The clips that play, each with its weight above 0; the weights sum to 1.
+    /// Active clips with their weights, which are above 0 and sum to 1.
     pub(super) fn playing(&self, mix: Mix) -> impl Iterator<Item = (&Clip, f32)> {
         let shares = [1.0 - mix.share, mix.share].into_iter();
         let clips = self.clips().skip(mix.first).zip(shares);
         clips.filter(|(_, share)| *share > 0.0)
     }
 
-    /// How long once through takes at speed 1, in seconds: the mean of the clips that last any time.
+    /// Duration of a cycle at speed 1 in seconds: the mean over clips of non-zero duration.
     pub(super) fn length(&self, mix: Mix) -> f64 {
         let timed = self.playing(mix).filter(|(clip, _)| clip.duration() > 0.0);
         let [length, weight] = timed.fold([0.0, 0.0], |[length, sum], (clip, weight)| {
@@ -71,8 +71,8 @@ impl Motion {
 }
 
 impl Motion {
-    /// Checks what a state plays against the clips and parameters that there are. `bones` is how many
-    /// the clips before it have.
+    /// Checks the clips of a state against the given clips and parameters. `bones` is the number of bones of the clips
+    /// before.
     pub(super) fn new(
         path: &str,
         given: &MotionDefinition,
@@ -121,7 +121,7 @@ impl Motion {
     }
 }
 
-/// Looks a clip up, which must be of the armature of those before it.
+/// Finds a clip and checks that it is of the armature of the previous clips.
 fn look_up(
     path: &str,
     name: &str,

@@ -1,41 +1,41 @@
-//! The values that a run's conditions look at.
+//! Parameters of a run.
 
 use super::condition::Condition;
 use super::definition::ParameterDefault;
 use super::run::StateMachineRun;
 use crate::model::UnknownName;
 
-/// A value for a parameter of another kind, or a parameter that does not exist.
+/// Error of setting a parameter.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParameterError {
-    /// No parameter of that name.
+    /// No parameter of this kind has the name.
     #[error(transparent)]
     Unknown(UnknownName),
-    /// A number that is not finite.
+    /// A number that is NaN or infinite.
     #[error("parameter `{parameter}`: {value} is not finite")]
     NotFinite {
-        /// The parameter.
+        /// Name of the parameter.
         parameter: String,
         /// The number.
         value: f32,
     },
 }
 
-/// A parameter's value now.
+/// Current value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParameterValue {
-    /// A number.
+    /// Number.
     Number(f32),
-    /// A flag.
+    /// Flag.
     Flag(bool),
-    /// Whether a trigger is set and not yet taken.
+    /// True if a trigger is set and no transition has cleared it.
     Trigger(bool),
 }
 
 impl StateMachineRun {
-    /// The parameter of a kind and a name.
+    /// Index of the parameter of a kind and name.
     fn parameter(&self, kind: &'static str, name: &str) -> Result<usize, ParameterError> {
         let parameters = self.machine.parameters.iter();
         let mut all = parameters.clone();
@@ -50,7 +50,7 @@ impl StateMachineRun {
     /// Sets a number.
     ///
     /// # Errors
-    /// No number of that name (the error lists them), or a value that is not finite.
+    /// No number has the name (the error lists the numbers), or the value is not finite.
     pub fn set_number(&mut self, name: &str, value: f32) -> Result<(), ParameterError> {
         let index = self.parameter("number", name)?;
         if !value.is_finite() {
@@ -64,34 +64,34 @@ impl StateMachineRun {
     /// Sets a flag.
     ///
     /// # Errors
-    /// No flag of that name; the error lists them.
+    /// No flag has the name; the error lists the flags.
     pub fn set_flag(&mut self, name: &str, value: bool) -> Result<(), ParameterError> {
         let index = self.parameter("flag", name)?;
         self.values[index] = ParameterDefault::Flag(value);
         Ok(())
     }
 
-    /// Sets a trigger, until a transition takes it.
+    /// Sets a trigger until a transition clears it.
     ///
     /// # Errors
-    /// No trigger of that name; the error lists them.
+    /// No trigger has the name; the error lists the triggers.
     pub fn trigger(&mut self, name: &str) -> Result<(), ParameterError> {
         let index = self.parameter("trigger", name)?;
         self.triggered[index] = true;
         Ok(())
     }
 
-    /// Takes a trigger back that no transition has taken.
+    /// Clears a trigger that no transition has cleared.
     ///
     /// # Errors
-    /// No trigger of that name; the error lists them.
+    /// No trigger has the name; the error lists the triggers.
     pub fn clear_trigger(&mut self, name: &str) -> Result<(), ParameterError> {
         let index = self.parameter("trigger", name)?;
         self.triggered[index] = false;
         Ok(())
     }
 
-    /// All parameters by name, with their values now.
+    /// All parameters by name, with their current values.
     pub fn parameters(&self) -> impl Iterator<Item = (&str, ParameterValue)> {
         let names = self.machine.parameters.iter().map(|(name, _)| &**name);
         let values = self.values.iter().zip(&self.triggered);

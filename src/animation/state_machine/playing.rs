@@ -1,22 +1,22 @@
-//! A state that plays, and what it fades from.
+//! A playing state and the cross-fade into it.
 
 use super::definition::Interruption;
 use super::machine::{State, StateMachine};
 use super::motion::Mix;
 use crate::animation::{Clip, Cursor, Easing, Fired, Passage, Playhead, Pose, SizeMismatch};
 
-/// Moments this near, in seconds, are one: sums of steps are rounded.
+/// Times within this distance count as equal, seconds; sums of steps are rounded.
 pub(super) const MOMENT: f64 = 1e-9;
 
-/// A state and where its clips are.
+/// State with its playback position.
 #[derive(Clone, Debug)]
 pub(super) struct Playing {
     pub(super) state: usize,
-    /// Since the state was entered.
+    /// Time since the state was entered, seconds.
     pub(super) seconds: f64,
-    /// In times through the clips, which keep step.
+    /// Playback position in cycles, common to all clips.
     head: Playhead,
-    /// Where the head was as the state was entered.
+    /// Playback position when the state was entered, cycles.
     entered_at: f64,
     cursors: Vec<Cursor>,
 }
@@ -27,14 +27,14 @@ impl Playing {
         Self::start_at(machine, state, if backwards { 1.0 } else { 0.0 })
     }
 
-    /// Starts a state at the place in its clips at which this one is.
+    /// Starts a state at this state's fraction of the cycle.
     pub(super) fn start_in_step(&self, machine: &StateMachine, state: usize) -> Self {
         let playback = machine.states[self.state].playback;
         let place = playback.within(self.head.elapsed(), [0.0, 1.0]);
         Self::start_at(machine, state, place)
     }
 
-    /// Starts a state at a place in its clips, in times through.
+    /// Starts a state at a position in cycles.
     fn start_at(machine: &StateMachine, state: usize, place: f64) -> Self {
         let entered = &machine.states[state];
         let mut head = Playhead::starting_at(place);
@@ -48,8 +48,8 @@ impl Playing {
         }
     }
 
-    /// Plays on; `on_event` hears each event passed by a clip with its weight, and the share of the
-    /// step at which it was, while there is any budget of them left. Says whether it heard all.
+    /// Advances the state. Calls `on_event` for each passed event with its weight and the fraction of the step, while
+    /// `budget` is positive. Returns false if the budget ran out.
     pub(super) fn advance(
         &mut self,
         state: &State,
@@ -88,7 +88,7 @@ impl Playing {
         all
     }
 
-    /// Writes the pose; `other` is room for one.
+    /// Writes the pose; `other` is a scratch pose.
     pub(super) fn sample(
         &mut self,
         state: &State,
@@ -109,8 +109,7 @@ impl Playing {
         Ok(())
     }
 
-    /// How many times through the clips have played since the state was entered; 1 where all last no
-    /// time.
+    /// Cycles played since the state was entered; 1 if all clips have zero duration.
     pub(super) fn played(&self, state: &State) -> f64 {
         match state.motion.clips().any(|clip| clip.duration() > 0.0) {
             true => (self.head.elapsed() - self.entered_at).abs(),
@@ -118,8 +117,7 @@ impl Playing {
         }
     }
 
-    /// The seconds until the clips have played so many times through, 0 where they have; infinite
-    /// where they never will.
+    /// Seconds until the clips have played `times` cycles; 0 if they have, infinite if they never will.
     pub(super) fn until_played(&self, state: &State, mix: Mix, times: f64) -> f64 {
         let missing = times - self.played(state);
         let each = state.motion.length(mix) / state.speed.abs();
@@ -131,7 +129,7 @@ impl Playing {
     }
 }
 
-/// A cross-fade to the state that is being entered.
+/// Cross-fade to the state being entered.
 #[derive(Clone, Debug)]
 pub(super) struct Fade {
     pub(super) from: Origin,
@@ -139,17 +137,17 @@ pub(super) struct Fade {
     pub(super) interruption: Interruption,
 }
 
-/// What a cross-fade comes from.
+/// Source of a cross-fade.
 #[derive(Clone, Debug)]
 pub(super) enum Origin {
-    /// A state that plays on.
+    /// A state that continues to play.
     State(Playing),
-    /// The pose as it was shown when a fade was broken off, which stands still.
+    /// The frozen pose of an interrupted cross-fade.
     Still(Pose),
 }
 
 impl Fade {
-    /// The state that is being left.
+    /// The state being left.
     pub(super) fn leaving(&self) -> Option<&Playing> {
         match &self.from {
             Origin::State(from) => Some(from),
@@ -158,7 +156,7 @@ impl Fade {
     }
 }
 
-/// How far a cross-fade is; all in seconds.
+/// Progress of a cross-fade, in seconds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
     elapsed: f64,
@@ -175,7 +173,7 @@ impl Progress {
         }
     }
 
-    /// Goes on; false once it is over.
+    /// Advances; returns false once the cross-fade is over.
     pub(super) fn advance(&mut self, seconds: f64) -> bool {
         self.elapsed += seconds;
         self.left() > MOMENT
@@ -183,11 +181,11 @@ impl Progress {
 
     getters! {
         pub(super) fn left(&self) -> f64 = self.seconds - self.elapsed;
-        /// The share of its time.
+        /// Elapsed fraction of the duration.
         pub(super) fn of_time(&self) -> f32 = (self.elapsed / self.seconds) as f32;
     }
 
-    /// How much of the pose is the state's that is being entered, so many seconds from now.
+    /// Weight of the entered state in the pose, `ahead` seconds from now.
     pub(super) fn share(&self, ahead: f64) -> f32 {
         self.easing
             .at(((self.elapsed + ahead) / self.seconds) as f32)

@@ -1,4 +1,4 @@
-//! One character's way through a state machine.
+//! Run of a state machine for one character.
 
 use std::sync::Arc;
 
@@ -8,8 +8,7 @@ use super::machine::StateMachine;
 use super::playing::{Fade, Origin, Playing};
 use crate::animation::{Cursor, Pose, SizeMismatch};
 
-/// Where one character is in a machine: its parameters, the state it is in, and the cross-fade that
-/// is under way.
+/// Run of a machine for one character: parameters, current state and running cross-fade.
 #[derive(Clone, Debug)]
 pub struct StateMachineRun {
     pub(super) machine: Arc<StateMachine>,
@@ -17,25 +16,25 @@ pub struct StateMachineRun {
     pub(super) triggered: Vec<bool>,
     pub(super) current: Playing,
     pub(super) fade: Option<Fade>,
-    /// The transitions taken at this moment.
+    /// Transitions taken at the current time.
     pub(super) taken: Vec<usize>,
-    /// Whether the last update passed more events than it may tell.
+    /// True if the last update passed more events than it may report.
     events_left_out: bool,
-    /// The pose as shown.
+    /// Current pose.
     pub(super) pose: Pose,
-    /// What a cross-fade leads to, and room for what that is blended of.
+    /// Scratch poses: the target of a cross-fade and a buffer for blends.
     others: [Pose; 2],
 }
 
 impl StateMachineRun {
-    /// The most transitions that one update takes.
+    /// Largest number of transitions in one update.
     pub const MOST_TRANSITIONS: usize = 64;
 
-    /// The most events that one update tells: a clip that is tiny beside the step passes its events
-    /// without end.
+    /// Largest number of events reported in one update. A clip much shorter than the step would otherwise report events
+    /// without bound.
     pub const MOST_EVENTS: usize = 1024;
 
-    /// A character in the machine's initial state. `rest` is the rest pose of its armature.
+    /// A run in the machine's initial state. `rest` is the rest pose of the character's armature.
     ///
     /// # Errors
     /// The pose is of another armature than the clips.
@@ -67,59 +66,59 @@ impl StateMachineRun {
     }
 
     getters! {
-        /// How long it has been in that state, in seconds, from the start of the cross-fade to it.
+        /// Time in the current state in seconds, from the start of the cross-fade to it.
         pub fn seconds(&self) -> f64 = self.current.seconds;
-        /// Whether the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events, of which it
-        /// told the first.
+        /// Returns true if the last update passed more than [`MOST_EVENTS`](Self::MOST_EVENTS) events; only the first
+        /// ones were reported.
         pub fn events_left_out(&self) -> bool = self.events_left_out;
-        /// The pose as of the last update.
+        /// Pose after the last update.
         pub fn pose(&self) -> &Pose = &self.pose;
-        /// The state that it is in or on the way to.
+        /// Current state, or the target of the running cross-fade.
         pub fn state(&self) -> &str = &self.machine.states[self.current.state].name;
     }
 
-    /// How many times through that state's clips have played since it was entered: 0.5 is half of it. 1
-    /// for clips that last no time.
+    /// Cycles of the current state's clips since it was entered; 0.5 is half a cycle. 1 if all clips have zero
+    /// duration.
     #[must_use]
     pub fn played(&self) -> f64 {
         self.current
             .played(&self.machine.states[self.current.state])
     }
 
-    /// The names of that state's clips that play now, with their weights; the weights sum to 1.
+    /// Names of the current state's active clips with their weights, which sum to 1.
     pub fn playing(&self) -> impl Iterator<Item = (&str, f32)> {
         let motion = &self.machine.states[self.current.state].motion;
         let clips = motion.playing(motion.mix(&self.values));
         clips.map(|(clip, weight)| (clip.name(), weight))
     }
 
-    /// How far the cross-fade to the state is, as the share of its time within [0, 1); `None` when
-    /// there is none.
+    /// Progress of the cross-fade as the fraction of its duration within [0, 1); `None` without a cross-fade.
     #[must_use]
     pub fn fading(&self) -> Option<f32> {
         self.fade.as_ref().map(|fade| fade.progress.of_time())
     }
 
-    /// The state that a cross-fade comes from; `None` when there is none, or when it comes from the
-    /// pose in which another one was broken off.
+    /// Source state of the cross-fade; `None` without a cross-fade, or if it starts from the pose of an interrupted
+    /// one.
     #[must_use]
     pub fn leaving(&self) -> Option<&str> {
         let leaving = self.fade.as_ref()?.leaving()?;
         Some(&self.machine.states[leaving.state].name)
     }
 
-    /// Goes on by so many seconds: plays the clips, takes transitions at the moments at which they may
-    /// be taken, and blends. A long step ends where many short ones do. A transition that time opens at
-    /// the very end of a step is taken as the next one begins.
+    /// Advances by `seconds`: plays the clips, takes transitions at their times, and blends. One long step ends in the
+    /// same state as many short ones. A transition that becomes possible exactly at the end of a step is taken in the
+    /// next one.
     ///
-    /// At one moment each transition is taken at most once, so transitions that lead in a ring stop;
-    /// and after [`MOST_TRANSITIONS`](Self::MOST_TRANSITIONS) in one update, the rest of its time is
-    /// spent in the state entered last. `on_event` hears the events of the clips, also of a state that
-    /// is being left, but no more than [`MOST_EVENTS`](Self::MOST_EVENTS) in one update; whether there were more,
-    /// [`events_left_out`](Self::events_left_out) says. Seconds that are negative or not finite count as 0.
+    /// At one time each transition is taken at most once, so cycles of transitions end. After
+    /// [`MOST_TRANSITIONS`](Self::MOST_TRANSITIONS) in one update, the remaining time is spent in the last state.
+    ///
+    /// `on_event` receives the events of the clips, including those of a state being left. At most
+    /// [`MOST_EVENTS`](Self::MOST_EVENTS) are reported in one update; [`events_left_out`](Self::events_left_out)
+    /// returns true if there were more. A negative or non-finite `seconds` counts as 0.
     ///
     /// # Errors
-    /// Never for a run that [`new`](Self::new) made; sizes were checked there.
+    /// None for a run made by [`new`](Self::new), which checks the sizes.
     pub fn update(
         &mut self,
         seconds: f64,
@@ -148,7 +147,7 @@ impl StateMachineRun {
         }
     }
 
-    /// Plays on, within one stretch without transitions.
+    /// Advances within an interval without transitions.
     fn advance(
         &mut self,
         machine: &StateMachine,
@@ -158,7 +157,7 @@ impl StateMachineRun {
     ) {
         let mut all = true;
         let progress = self.fade.as_ref().map(|fade| fade.progress);
-        // The share of the state that is being entered, at a share of this step.
+        // Weight of the entered state at a fraction of this step.
         let entered = |at: f64| progress.map_or(1.0, |progress| progress.share(at * seconds));
         if let Some(fade) = &mut self.fade {
             if let Origin::State(from) = &mut fade.from {

@@ -1,4 +1,4 @@
-//! Which transitions a run takes, and when.
+//! Choice and timing of transitions.
 
 use super::condition::{Condition, Transition};
 use super::definition::Interruption;
@@ -7,18 +7,18 @@ use super::playing::{Fade, MOMENT, Origin, Playing, Progress};
 use super::run::StateMachineRun;
 use crate::animation::SizeMismatch;
 
-/// A transition whose conditions hold.
+/// Transition whose conditions hold.
 struct Open<'a> {
     index: usize,
-    /// The state that it leads from.
+    /// Source state.
     left: &'a Playing,
-    /// The seconds until it may be taken.
+    /// Seconds until it may be taken.
     wait: f64,
 }
 
 impl StateMachineRun {
-    /// Takes the transitions of this moment: at most so many, and none of them twice, so that a ring
-    /// of them ends. Says how many.
+    /// Takes the transitions of the current time, none twice and at most `most`, so that cycles end. Returns their
+    /// number.
     pub(super) fn take_all(
         &mut self,
         machine: &StateMachine,
@@ -31,7 +31,7 @@ impl StateMachineRun {
                 break;
             };
             let transition = &machine.transitions[index];
-            // In step with the state it leads from, which a fade that is broken off may be leaving.
+            // The source state may be the one left by an interrupted cross-fade.
             let entered = match transition.in_step {
                 true => left.start_in_step(machine, transition.to),
                 false => Playing::start(machine, transition.to),
@@ -42,8 +42,7 @@ impl StateMachineRun {
         Ok(self.taken.len())
     }
 
-    /// The seconds until the cross-fade ends or time opens another transition; infinite where neither
-    /// will be.
+    /// Seconds until the cross-fade ends or another transition becomes possible; infinite if neither happens.
     pub(super) fn until_change(&self, machine: &StateMachine) -> f64 {
         let fade = self.fade.as_ref().map(|fade| fade.progress.left());
         let waits = self.open(machine).map(|open| open.wait);
@@ -51,7 +50,7 @@ impl StateMachineRun {
         waits.chain(fade).fold(f64::INFINITY, f64::min)
     }
 
-    /// The transitions whose conditions hold, in order of precedence.
+    /// Transitions whose conditions hold, in order of precedence.
     fn open<'a>(&'a self, machine: &'a StateMachine) -> impl Iterator<Item = Open<'a>> + 'a {
         let sources = self.sources().into_iter().flatten();
         sources.flat_map(move |playing| {
@@ -67,7 +66,7 @@ impl StateMachineRun {
         })
     }
 
-    /// The states whose transitions count now.
+    /// States whose transitions are active.
     fn sources(&self) -> [Option<&Playing>; 2] {
         let Some(fade) = &self.fade else {
             return [Some(&self.current), None];
@@ -80,7 +79,7 @@ impl StateMachineRun {
         }
     }
 
-    /// Whether a transition leads from a state to another one than it is going to already.
+    /// Returns true if a transition leads from a state to another one than the current target.
     fn leads_away(&self, playing: &Playing, transition: &Transition) -> bool {
         let going = self.current.state;
         match transition.from {
@@ -98,7 +97,7 @@ impl StateMachineRun {
         let fades = transition.seconds > 0.0;
         let broken = self.fade.is_some();
         if broken && fades {
-            // A fade that is broken off goes on from the pose as it is now.
+            // After an interruption the next cross-fade starts from the current pose.
             self.show()?;
         }
         self.fade = None;
@@ -114,7 +113,7 @@ impl StateMachineRun {
         Ok(())
     }
 
-    /// The seconds until a state has played as long as a transition asks.
+    /// Seconds until a state has played as long as a transition requires.
     fn wait(&self, machine: &StateMachine, playing: &Playing, transition: &Transition) -> f64 {
         let state = &machine.states[playing.state];
         let mix = state.motion.mix(&self.values);

@@ -19,9 +19,9 @@ use crate::task::{
 /// with their exact distances d. It is 0 if all are farther apart than d₀.
 ///
 /// The number of close pairs varies without bound, so the rows are per part. The cost ½ Σ (d₀ − d)₊² equals that of one
-/// row for each pair and has a continuous gradient. The derivatives are exact where the closest points are unique. A
-/// distance grows by n · (velocity of the second closest point − that of the first), with n the direction from one to
-/// the other.
+/// row for each pair and has a continuous gradient. The derivatives are exact where the closest points are unique. Let
+/// n be the direction from the first closest point to the second. A distance grows by n · (velocity of the second
+/// closest point − that of the first).
 ///
 /// ```
 /// use kinopt::collision::{Checker, Clearance, World};

@@ -8,7 +8,7 @@ use crate::model::UnknownName;
 #[non_exhaustive]
 pub enum CheckerError {
     /// An obstacle attached to a frame that the robot does not have.
-    #[error("obstacle `{obstacle}` is attached to what the robot does not have: {unknown}")]
+    #[error("obstacle `{obstacle}`: it cannot be attached to the robot: {unknown}")]
     Attached {
         /// Name of the obstacle.
         obstacle: String,
@@ -16,7 +16,7 @@ pub enum CheckerError {
         unknown: UnknownName,
     },
     /// An obstacle that may collide with an unknown link or obstacle.
-    #[error("obstacle `{obstacle}` may touch what is not there: {unknown}")]
+    #[error("obstacle `{obstacle}`: invalid allowed collision: {unknown}")]
     MayTouch {
         /// Name of the obstacle.
         obstacle: String,

@@ -39,11 +39,11 @@ use touches::Touches;
 ///
 /// - each part and each fixed obstacle;
 /// - the [enabled pairs](CollisionModel::pairs) of links;
-/// - an attached obstacle and each part, except those that may hold it. Exempt are the parts of its body, the bodies
-///   that it carries (a hand's fingers), and the body that carries it next to others (a finger's hand).
+/// - an attached obstacle and each part that cannot hold it. Parts of its body can hold it, and so can the bodies that
+///   this body carries (a hand's fingers). A body that carries it next to other bodies can as well (a finger's hand).
 ///
-/// [Allowed collisions](World::allow_collision) are excluded. A pair keeps the margin if its distance falls short by at
-/// most 1e-9 m, so that rounding does not decide about shapes that touch exactly.
+/// [Allowed collisions](World::allow_collision) are excluded. A pair may fall short of the margin by 1e-9 m, so that
+/// rounding does not decide about shapes that touch exactly.
 ///
 /// A checker is immutable. The copies that its methods return share unchanged data.
 ///

@@ -183,8 +183,8 @@ impl Scene {
         pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
 
-    /// Visits all pairs that are at most `within` apart, each by its shapes that are nearest, until told to stop or
-    /// [cut short](crate::clock::cut_short).
+    /// Visits all pairs at most `within` metres apart, each with its closest shapes. Stops if `each` returns false or
+    /// the time is [over](crate::clock::cut_short).
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],

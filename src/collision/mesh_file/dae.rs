@@ -77,7 +77,7 @@ impl<'a> Collada<'a> {
         let mut stride = 1;
         let mut vertices = None;
         for input in children(node, "input") {
-            let bad = || self.fail(input, "offset is no number below 64");
+            let bad = || self.fail(input, "the offset must be a number below 64");
             let offset = offset(input).ok_or_else(bad)?;
             stride = stride.max(offset + 1);
             if input.attribute("semantic") == Some("VERTEX") {
@@ -100,7 +100,10 @@ impl<'a> Collada<'a> {
             let corners = numbers.chunks_exact(stride).map(|corner| corner[offset]);
             let corners: Vec<u32> = corners.map(|corner| first.saturating_add(corner)).collect();
             if corners.iter().any(|corner| *corner - first >= count) {
-                return Err(self.fail(list, format!("names a corner beyond the {count} there are")));
+                return Err(self.fail(
+                    list,
+                    format!("contains an index beyond the {count} entries"),
+                ));
             }
             match tag {
                 "triangles" => corners
@@ -110,7 +113,9 @@ impl<'a> Collada<'a> {
                     let mut rest = corners.as_slice();
                     for sides in counts.by_ref() {
                         let Some((polygon, others)) = rest.split_at_checked(sides) else {
-                            return Err(self.fail(list, "holds fewer corners than <vcount> says"));
+                            return Err(
+                                self.fail(list, "contains fewer corners than <vcount> announces")
+                            );
                         };
                         mesh.add_polygon(polygon);
                         rest = others;

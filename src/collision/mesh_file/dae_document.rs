@@ -45,7 +45,7 @@ impl<'a> Collada<'a> {
         found.ok_or_else(|| {
             self.fail(
                 node,
-                format!("{attribute} `{reference}` is no id of the file"),
+                format!("{attribute} `{reference}` is not an id of the file"),
             )
         })
     }
@@ -57,7 +57,7 @@ impl<'a> Collada<'a> {
     ) -> Result<Vec<T>, ReadError> {
         let words = node.text().unwrap_or_default().split_ascii_whitespace();
         let number = |word: &str| {
-            let fault = |_| self.fail(node, format!("`{word}` is no number that may stand here"));
+            let fault = |_| self.fail(node, format!("`{word}` is not a valid number here"));
             word.parse().map_err(fault)
         };
         words.map(number).collect()

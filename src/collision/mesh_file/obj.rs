@@ -33,7 +33,9 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
                 for word in words {
                     corners.push(corner(word, mesh.points.len()).ok_or_else(|| {
                         let count = mesh.points.len();
-                        fail(&format!("`{word}` is none of the {count} points so far"))
+                        fail(&format!(
+                            "`{word}` is not an index of the {count} points so far"
+                        ))
                     })?);
                 }
                 if corners.len() < 3 {

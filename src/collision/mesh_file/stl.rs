@@ -28,7 +28,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
         )),
         None => Err(ReadError::of_file(
             file,
-            "is no STL: neither text that begins with `solid` nor a header of 84 bytes",
+            "is not an STL file: it must begin with `solid` or a header of 84 bytes",
         )),
     }
 }

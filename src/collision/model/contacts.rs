@@ -23,7 +23,7 @@ impl CollisionModel {
                 count => format!(" (and {count} more pairs)"),
             };
             self.notes.push(format!(
-                "links `{a}` and `{b}`{more} are kept apart whole, though not all of their geoms would touch by their contact bits"
+                "links `{a}` and `{b}`{more}: all geoms are checked, although contact bits exclude some of them"
             ));
         }
         for plane in &contacts.planes {
@@ -33,7 +33,7 @@ impl CollisionModel {
             let Some(world_from_link) = standing(&self.model, link) else {
                 let on = self.name_of(link);
                 self.notes.push(format!(
-                    "{}: left out, as `{on}` moves: only what stands carries a half-space",
+                    "{}: left out, as `{on}` moves: a half-space must be fixed",
                     plane.name
                 ));
                 continue;

@@ -29,7 +29,7 @@ pub enum CollisionModelError {
         source: ShapeError,
     },
     /// A mesh file that was not found.
-    #[error("link `{link}`: mesh `{file}` is not there; {}", looked(.looked_at))]
+    #[error("link `{link}`: mesh `{file}` not found; {}", looked(.looked_at))]
     MeshNotFound {
         /// Name of the link.
         link: String,
@@ -47,7 +47,7 @@ pub enum CollisionModelError {
         source: Box<ReadError>,
     },
     /// A placement that is not rigid or not finite.
-    #[error("collision shape `{object}`: its place on its link is not rigid")]
+    #[error("collision shape `{object}`: its placement on the link is not rigid")]
     NotRigid {
         /// Name of the shape.
         object: String,
@@ -81,7 +81,7 @@ pub enum CollisionModelError {
     },
     /// A half-space or a height field, which a link cannot carry.
     #[error(
-        "collision shape `{object}`: a half-space or a height field cannot be carried by a link"
+        "collision shape `{object}`: a half-space or a height field cannot be attached to a link"
     )]
     Boundless {
         /// Name of the shape.
@@ -95,7 +95,7 @@ fn looked(places: &[PathBuf]) -> String {
         .map(|place| place.display().to_string())
         .collect();
     match names.is_empty() {
-        true => "it is relative, and the folder of the robot's file is not known".to_owned(),
+        true => "its path is relative, and the folder of the robot's file is unknown".to_owned(),
         false => format!("looked for: {}", names.join(", ")),
     }
 }

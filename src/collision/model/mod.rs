@@ -63,11 +63,11 @@ impl CollisionObject {
 
 /// Collision shapes on the links of a model, and the enabled collision pairs.
 ///
-/// Initially all pairs of links with shapes are enabled, except links of one body (joined by fixed joints) and of
-/// adjacent bodies (joined by one moving joint). An MJCF file instead enables the pairs that MuJoCo checks, and moving
-/// links must stay above the planes of its world. These methods change the pairs: [`with_srdf`](Self::with_srdf),
-/// [`with_pairs_sampled`](Self::with_pairs_sampled), [`with_ignored`](Self::with_ignored) and
-/// [`with_checked`](Self::with_checked).
+/// Initially all pairs of links with shapes are enabled. Exceptions are links of one body (joined by fixed joints) and
+/// of adjacent bodies (joined by one moving joint). An MJCF file instead enables the pairs that MuJoCo checks, and
+/// moving links must stay above the planes of its world. These methods change the pairs:
+/// [`with_srdf`](Self::with_srdf), [`with_pairs_sampled`](Self::with_pairs_sampled),
+/// [`with_ignored`](Self::with_ignored) and [`with_checked`](Self::with_checked).
 ///
 /// ```
 /// use kinopt::collision::CollisionModel;

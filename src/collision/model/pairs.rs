@@ -69,7 +69,7 @@ impl CollisionModel {
     }
 
     fn pair(&self, a: FrameRef<'_>, b: FrameRef<'_>) -> Result<[FrameId; 2], UnknownName> {
-        let hint = "a world's `allow_collision` lets an obstacle be touched";
+        let hint = "a world's `allow_collision` allows collisions of obstacles";
         let link = |link| self.link(link).map_err(|unknown| unknown.with_note(hint));
         Ok(ordered([link(a)?, link(b)?]))
     }

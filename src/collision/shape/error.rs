@@ -93,7 +93,7 @@ pub enum ShapeError {
         columns: usize,
     },
     /// The geometry is a mesh in a file of its own, which must be read first.
-    #[error("the mesh {file:?} is in a file of its own, which must be read for it")]
+    #[error("mesh {file:?}: its file must be read first")]
     NeedsFile {
         /// Reference to the mesh file, as the robot's file writes it.
         file: String,
@@ -105,14 +105,14 @@ pub enum ShapeError {
 #[non_exhaustive]
 pub enum ShapeNote {
     /// Edges that do not join exactly two triangles: the mesh has no inside, only its surface counts.
-    #[error("the mesh is open at {}: its surface alone counts, it has no inside", counted(*.edges, "edge"))]
+    #[error("the mesh is open at {}: only its surface is used", counted(*.edges, "edge"))]
     Open {
         /// Number of open edges.
         edges: usize,
     },
     /// Neighbouring triangles with opposite winding: the mesh has no inside, only its surface counts.
     #[error(
-        "{} of the mesh {} triangles wound against each other: its surface alone counts",
+        "{} of the mesh {} triangles of opposite orientation: only its surface is used",
         counted(*.edges, "edge"), if *.edges == 1 { "joins" } else { "join" }
     )]
     Winding {
@@ -120,7 +120,7 @@ pub enum ShapeNote {
         edges: usize,
     },
     /// Close vertices on open edges that were merged, which closes the mesh.
-    #[error("{} on open edges within {within:e} m of another {} made one with it, which closes the mesh",
+    #[error("{} on open edges within {within:e} m of another {} merged, which closes the mesh",
         counted(*.vertices, "vertex"), if *.vertices == 1 { "was" } else { "were" })]
     Closed {
         /// Number of merged vertices.
@@ -129,7 +129,7 @@ pub enum ShapeNote {
         within: f64,
     },
     /// A closed mesh with clockwise triangles, seen from outside: their winding was reversed.
-    #[error("the mesh is inside out: its triangles were turned")]
+    #[error("the mesh is inside out: its triangles were reversed")]
     InsideOut,
     /// Triangles with two corners at the same position: removed, as their neighbours cover them.
     #[error(

@@ -156,8 +156,8 @@ impl Shape {
     /// The convex hull of `points`, which must span a volume.
     ///
     /// # Errors
-    /// Returns an error if there are fewer than four points, if a coordinate is not finite or exceeds 10⁹, or if the
-    /// points lie in one plane.
+    /// Returns an error if there are fewer than four points, a coordinate is not finite or exceeds 10⁹, or the points
+    /// are coplanar.
     pub fn convex(points: &[Vector3<f64>]) -> Result<Self, ShapeError> {
         Ok(Self::of(ShapeKind::Convex(Arc::new(ConvexHull::new(
             points,
@@ -168,8 +168,8 @@ impl Shape {
     /// [`notes`](Self::notes) report. Vertices at the same position are merged.
     ///
     /// # Errors
-    /// Returns an error if there are no triangles, if a coordinate is not finite or exceeds 10⁹, or if a triangle names
-    /// a vertex that does not exist.
+    /// Returns an error if there are no triangles or a coordinate is not finite or exceeds 10⁹. Also if a triangle has
+    /// the index of a vertex that does not exist.
     pub fn mesh(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
         Ok(Self::of(ShapeKind::Mesh(Arc::new(TriangleMesh::new(
             vertices, triangles,

@@ -61,8 +61,8 @@ impl Shape {
     }
 }
 
-/// Predicates of [`BoxTree::any`]: a triangle of a mesh, a triangle of a height field or a sphere of a cloud is nearer
-/// to a point than a given distance.
+/// Predicates of [`BoxTree::any`]: an element is nearer to a point than a given distance. The element is a triangle of
+/// a mesh or height field, or a sphere of a cloud.
 struct OfMesh<'a>(&'a TriangleMesh, Vector3<f64>, f64);
 struct OfField<'a>(&'a HeightField, Vector3<f64>, f64);
 struct OfCloud<'a>(&'a PointCloud, Vector3<f64>, f64);
@@ -277,8 +277,7 @@ fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<
 mod tests {
     use super::*;
 
-    /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its centre, and each is the nearest in its
-    /// octant.
+    /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its centre. Each is the nearest in its octant.
     #[test]
     fn every_triangle_of_a_hull_is_in_its_tree() {
         let corners = Vector3::UNITS.map(|unit| [unit, -unit]);

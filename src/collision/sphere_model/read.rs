@@ -137,7 +137,7 @@ fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
         let mut spheres = Vec::new();
         for object in model.objects_of(link) {
             let ShapeKind::Sphere { radius } = *object.shape.kind() else {
-                let problem = format!("link `{name}` has a collision shape that is no sphere");
+                let problem = format!("link `{name}` has a collision shape that is not a sphere");
                 return Err(ReadError::of_file(file, problem));
             };
             let centre = object.link_from_shape.translation;

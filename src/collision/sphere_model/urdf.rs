@@ -21,7 +21,10 @@ impl SphereModel {
         })?;
         let robot = document.root_element();
         if robot.tag_name().name() != "robot" {
-            return Err(ReadError::of_file(file, "is no URDF: it has no <robot>"));
+            return Err(ReadError::of_file(
+                file,
+                "is not a URDF file: it has no <robot>",
+            ));
         }
         let mut text = String::with_capacity(urdf.len());
         let mut at = 0;

@@ -55,14 +55,14 @@ pub(super) fn parse(
     let missing = || ReadError::of_file(file, "has no `collision_spheres`");
     let found = find(&root).ok_or_else(missing)?;
     let Value::Map(links) = &found.value else {
-        let problem = "`collision_spheres` is no map of links, but may name a file with one";
+        let problem = "`collision_spheres` must be a map of links or the name of a file";
         return Err(fail(found, problem));
     };
     let mut named = Vec::new();
     for (link, list) in links {
         let name = link
             .text()
-            .ok_or_else(|| fail(link, "is no name of a link"))?;
+            .ok_or_else(|| fail(link, "must be the name of a link"))?;
         let list = list.list();
         let list = list.ok_or_else(|| fail(link, "holds no list of spheres"))?;
         let mut spheres = Vec::with_capacity(list.len());

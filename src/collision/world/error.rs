@@ -10,7 +10,7 @@ use crate::spatial::RigidDefect;
 #[non_exhaustive]
 pub enum WorldError {
     /// An obstacle of that name exists.
-    #[error("there is an obstacle {0:?} already")]
+    #[error("obstacle name {0:?} is used already; names must be unique")]
     Taken(String),
     /// A blank name.
     #[error("an obstacle needs a name, not {0:?}")]
@@ -32,10 +32,10 @@ pub enum WorldError {
         valid: Vec<String>,
     },
     /// The collision of the two is not allowed.
-    #[error("{:?} and {:?} are kept apart: nothing lets them touch", .0[0], .0[1])]
+    #[error("{:?} and {:?} have no allowed collision", .0[0], .0[1])]
     KeptApart([String; 2]),
     /// The obstacle is not attached.
-    #[error("obstacle {0:?} is attached to nothing that it could be detached from")]
+    #[error("obstacle {0:?} is not attached")]
     NotAttached(String),
     /// A placement that is not rigid.
     #[error("the placement of obstacle {name:?} is not rigid: {defect}")]
@@ -96,7 +96,7 @@ fn first_names<'a>(all: impl Iterator<Item = &'a Obstacle>) -> Vec<String> {
 
 fn listed(names: &[String]) -> String {
     match names {
-        [] => "there is none at all".to_owned(),
+        [] => "there are no obstacles".to_owned(),
         [only] => format!("the only one is {only:?}"),
         names => format!("there are {}", names.join(", ")),
     }

@@ -54,7 +54,7 @@ impl World {
             Some("yaml" | "yml") => moveit::parse(bytes, name),
             _ => Err(ReadError::of_file(
                 name,
-                "its name ends neither in .json nor in .yaml or .yml, so it is not known what it holds",
+                "unknown file type; the extension must be .json, .yaml or .yml",
             )),
         })
     }

@@ -194,13 +194,13 @@ impl Mesh {
         let scale = scale.unwrap_or([1.0; 3]);
         let mesh = match (file, vertices.is_empty() && triangles.is_empty()) {
             (Some(_), false) => {
-                let problem = "has both a `file` and triangles of its own";
+                let problem = "has both a `file` and triangles; only one is allowed";
                 return Err(reader.fail(place, problem.to_owned()));
             }
             (Some(file), true) => {
                 let Some(allowed) = reader.allowed else {
                     let problem = format!(
-                        "names the file {file:?}, which is opened only where the world is read from a file of its own"
+                        "names the file {file:?}; files are opened only for a world that is read from a file"
                     );
                     return Err(reader.fail(place, problem));
                 };

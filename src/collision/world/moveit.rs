@@ -33,12 +33,9 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
         objects: Vec::new(),
     };
     scene.frames = scene.frames(&root)?;
-    let world = root.get("world").ok_or_else(|| {
-        scene.fail(
-            &root,
-            "has no `world`, so it is no planning scene of MoveIt's",
-        )
-    })?;
+    let world = root
+        .get("world")
+        .ok_or_else(|| scene.fail(&root, "is not a MoveIt planning scene: it has no `world`"))?;
     scene.no_octomap(world)?;
     if let Some(objects) = world.get("collision_objects") {
         for object in scene.list(objects, "collision_objects")? {
@@ -108,7 +105,12 @@ impl Scene<'_> {
             _ => self.list(node, what)?.iter().collect(),
         };
         let number = |node: &&Node<'_>| {
-            let problem = || self.fail(node, &format!("`{what}` holds what is no number"));
+            let problem = || {
+                self.fail(
+                    node,
+                    &format!("`{what}` contains a value that is not a number"),
+                )
+            };
             node.number().ok_or_else(problem)
         };
         let numbers = nodes.iter().map(number).collect::<Result<Vec<_>, _>>()?;
@@ -152,7 +154,7 @@ impl Scene<'_> {
         };
         placed.ok_or_else(|| {
             let problem = format!(
-                "object {name:?} stands in frame {frame:?}, and where that is in {own:?} is not known: `fixed_frame_transforms` does not say it"
+                "object {name:?} is in frame {frame:?}, whose transform to {own:?} is missing from `fixed_frame_transforms`"
             );
             self.fail(object, &problem)
         })
@@ -166,7 +168,7 @@ impl Scene<'_> {
         };
         match data.list() {
             Some([]) => Ok(()),
-            _ => Err(self.fail(data, "`octomap` holds cells, which are not read")),
+            _ => Err(self.fail(data, "`octomap` contains cells, which are not supported")),
         }
     }
 
@@ -207,7 +209,7 @@ impl Scene<'_> {
         for other in ["meshes", "planes"] {
             let given = object.get(other).and_then(Node::list);
             if given.is_some_and(|list| !list.is_empty()) {
-                let problem = format!("object {name:?} has `{other}`, which are not read");
+                let problem = format!("object {name:?} has `{other}`, which are not supported");
                 return Err(self.fail(object, &problem));
             }
         }

@@ -46,9 +46,10 @@ impl Scene<'_> {
                     Some("true" | "True" | "1") => true,
                     Some("false" | "False" | "0") => false,
                     _ => {
-                        return Err(
-                            self.fail(value, "`entry_values` holds what is neither true nor false")
-                        );
+                        return Err(self.fail(
+                            value,
+                            "`entry_values` contains a value other than true and false",
+                        ));
                     }
                 };
                 if allowed {
@@ -58,11 +59,11 @@ impl Scene<'_> {
             }
         }
         if of_links {
-            let note = "pairs of links are not taken from `allowed_collision_matrix`: an SRDF file, or the robot's own pairs, say which may touch";
+            let note = "link pairs of `allowed_collision_matrix` are ignored: an SRDF file or the robot defines them";
             self.world.notes.push(note.to_owned());
         }
         if has_defaults {
-            let note = "defaults are not taken from `allowed_collision_matrix`: `default_entry_names` may touch what its `entry_values` say";
+            let note = "defaults of `allowed_collision_matrix` are ignored: only `entry_values` apply to `default_entry_names`";
             self.world.notes.push(note.to_owned());
         }
         Ok(())

@@ -9,7 +9,7 @@ use crate::spatial::Placement;
 impl World {
     /// The world scaled by the factor `times` about its origin. Attached obstacles are scaled about the origin of their
     /// frame.
-    ///
+    /// For example, this adapts the surroundings of a human subject to a robot with longer steps.
     /// For example, this adapts a person's surroundings to a robot with longer steps.
     ///
     /// # Errors

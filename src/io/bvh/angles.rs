@@ -58,7 +58,7 @@ impl Axes {
         }
     }
 
-    /// Whether angles about these axes reproduce a unit quaternion.
+    /// Returns true if angles about these axes reproduce a unit quaternion.
     pub(super) fn reproduce(&self, rotation: DQuat) -> bool {
         let angles = self.nearest(rotation, [0.0; 3]);
         let own = self.to_vec().into_iter().zip(angles);
@@ -69,14 +69,14 @@ impl Axes {
         (reproduced.conjugate() * rotation).xyz().length() <= 0.5 * STILL
     }
 
-    /// The angles of a unit quaternion, in radians, nearest to those of the frame before: other programs interpolate
-    /// angles. Zeros fill up the missing axes.
+    /// The angles of a unit quaternion, in radians, nearest to those of the previous frame, for interpolation by other
+    /// programs. Missing axes have zeros.
     pub(super) fn nearest(&self, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
         let angles = match *self {
             Self::Fixed => [0.0; 3],
             Self::One(axis) => [angle_about(rotation, axis), 0.0, 0.0],
             Self::Two([first, second]) => {
-                // The first rotation alone moves the second axis.
+                // Only the first rotation moves the second axis.
                 let [a, b] = [first, second].map(|axis| DVec3::AXES[axis]);
                 let moved = rotation * b;
                 let angle = elementary::atan2(moved.dot(a.cross(b)), moved.dot(b));
@@ -98,7 +98,7 @@ fn of_order(order: EulerOrder, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
     let [mut first, middle, mut last] = order.from_quaternion(rotation).angles;
     let [i, j, _] = order.axes();
     let is_proper = order.is_proper();
-    // In gimbal lock the last rotation is one about the first axis, in its direction or against it.
+    // In gimbal lock the last rotation is about the first axis or its opposite.
     let (to_lock, direction) = if is_proper {
         let sign = if middle < FRAC_PI_2 { 1.0 } else { -1.0 };
         (middle.min(PI - middle), sign)
@@ -111,7 +111,7 @@ fn of_order(order: EulerOrder, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
         first += (last - before[2]) * direction;
         last = before[2];
     }
-    // The two triples of a rotation, each up to whole turns.
+    // The two angle triples of a rotation, each up to full turns.
     let other_middle = if is_proper { -middle } else { PI - middle };
     let both = [[first, middle, last], [first + PI, other_middle, last + PI]];
     let [one, other] = both.map(|angles| near(angles, before));
@@ -122,7 +122,7 @@ fn of_order(order: EulerOrder, rotation: DQuat, before: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// The same angles up to whole turns, each at most half a turn from the one before.
+/// The angles plus full turns, each at most half a turn from the angle in `before`; radians.
 fn near(mut angles: [f64; 3], before: [f64; 3]) -> [f64; 3] {
     for (angle, before) in angles.iter_mut().zip(before) {
         *angle -= TAU * ((*angle - before) / TAU).round();

@@ -1,4 +1,4 @@
-//! From the joints and numbers of a BVH file to an armature and its clip.
+//! Conversion of a BVH file's joints and frames to an armature and a clip.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::animation::rotation::exponential::turn_about_exactly;
 use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
 use crate::io::ReadError;
 
-/// Puts the two parts of a file together.
+/// Builds the armature and the clip from the two parts of a file.
 pub(super) fn capture(
     lexer: &Lexer,
     joints: Vec<Joint>,
@@ -54,7 +54,7 @@ fn clip(
         .file_stem()
         .map(|stem| stem.to_string_lossy());
     let mut builder = Clip::builder(stem.unwrap_or_default(), armature);
-    // From the product in double precision, so that the error does not grow with the frames.
+    // A product in double precision, so that the error does not grow with the frame number.
     let time = |frame: usize| (frame as f64 * motion.frame_time) as f32;
     let Some(last) = motion.frames.checked_sub(1) else {
         return Ok(builder.build().without_frames());
@@ -88,7 +88,7 @@ fn clip(
     Ok(builder.build())
 }
 
-/// Where a frame puts a joint in its parent.
+/// Position of a joint in its parent in one frame.
 fn position(joint: &Joint, frame: &[f64]) -> Vec3A {
     let mut position = joint.offset;
     for (channel, &value) in joint.channels.iter().zip(frame) {
@@ -99,7 +99,7 @@ fn position(joint: &Joint, frame: &[f64]) -> Vec3A {
     Vec3A::from(vector(position))
 }
 
-/// How a frame turns a joint in its parent.
+/// Rotation of a joint in its parent in one frame.
 fn rotation(joint: &Joint, frame: &[f64]) -> Quat {
     let turns = joint.channels.iter().zip(frame);
     let turns = turns.filter(|(channel, _)| channel.is_rotation());

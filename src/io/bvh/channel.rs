@@ -1,7 +1,6 @@
-//! What a number of a frame moves.
+//! Channels of BVH joints.
 
-/// One of the six channels that a joint may have: a coordinate of its place in its parent, or a turn
-/// in degrees about one of its axes.
+/// Channel of a joint: a coordinate of its position in its parent, or a rotation in degrees about one of its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names are those in files")]
 pub enum BvhChannel {
@@ -14,7 +13,7 @@ pub enum BvhChannel {
 }
 
 impl BvhChannel {
-    /// All six.
+    /// All six channels.
     pub const ALL: [Self; 6] = [
         Self::Xposition,
         Self::Yposition,
@@ -24,7 +23,7 @@ impl BvhChannel {
         Self::Zrotation,
     ];
 
-    /// Its name in files.
+    /// Name in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -43,7 +42,7 @@ impl BvhChannel {
         Self::ALL[first + axis.min(2)]
     }
 
-    /// Which axis it moves along or turns about: x is 0, y 1, z 2.
+    /// Axis of the position or rotation: x is 0, y 1, z 2.
     #[must_use]
     pub fn axis(self) -> usize {
         match self {
@@ -53,21 +52,21 @@ impl BvhChannel {
         }
     }
 
-    /// Whether it turns the joint rather than moving it.
+    /// Returns true for a rotation, false for a position.
     #[must_use]
     pub fn is_rotation(self) -> bool {
         matches!(self, Self::Xrotation | Self::Yrotation | Self::Zrotation)
     }
 
-    /// The channel of a name, in capitals or not.
+    /// Channel of a name, in upper or lower case.
     pub(super) fn of_name(name: &str) -> Option<Self> {
         let mut all = Self::ALL.into_iter();
         all.find(|channel| channel.name().eq_ignore_ascii_case(name))
     }
 }
 
-/// The first fault of a joint's channels: a channel twice, or more than three rotations. A rotation axis may come twice with
-/// another one between, as in proper Euler angles.
+/// First fault of a joint's channels: a repeated channel, or more than three rotations. A rotation axis may be repeated
+/// with another one between, as in proper Euler angles.
 pub(super) fn fault(channels: &[BvhChannel]) -> Option<String> {
     let mut turns: Vec<BvhChannel> = Vec::new();
     for (index, channel) in channels.iter().enumerate() {

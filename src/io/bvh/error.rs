@@ -1,38 +1,38 @@
-//! What cannot be said in a BVH file.
+//! Errors of writing BVH files.
 
 use crate::animation::SizeMismatch;
 use crate::io::WriteError;
 
-/// Why motion cannot be written as BVH. Frames are counted from 0.
+/// Error of writing motion as BVH. Frames are counted from 0.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BvhError {
     /// An armature without bones.
-    #[error("the armature has no bones, but a BVH file has a root at least")]
+    #[error("the armature has no bones; a BVH file needs at least one root")]
     NoBones,
-    /// A name that would be read back as another one.
+    /// A name that a reader would change.
     #[error(
         "bone `{bone}`: a name in a BVH file has no braces and no white space but single spaces \
          between words"
     )]
     Name {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// A scale: the format has none.
-    #[error("bone `{bone}` is scaled {}, which a BVH file cannot say", at(.frame))]
+    /// A scaled bone; the format has no scales.
+    #[error("bone `{bone}` is scaled {}; a BVH file has no scales", at(.frame))]
     Scaled {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// In which frame; `None` at rest.
+        /// Frame of the scale; `None` at rest.
         frame: Option<usize>,
     },
-    /// A place that is not finite or too far off to be read back.
-    #[error("bone `{bone}` is too far from its parent or not finite {}", at(.frame))]
+    /// A transform that is not finite or beyond the range of the reader.
+    #[error("bone `{bone}` {}: its transform must be finite and within 1e30 of its parent", at(.frame))]
     OutOfRange {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// In which frame; `None` at rest.
+        /// Frame of the transform; `None` at rest.
         frame: Option<usize>,
     },
     /// Channels that a reader rejects.
@@ -40,25 +40,25 @@ pub enum BvhError {
         "bone `{bone}` has {fault}; a joint has each position at most once and at most three rotations"
     )]
     Channels {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
         /// The first fault.
         fault: String,
     },
-    /// A rate that is none.
-    #[error("{rate} frames a second: the rate must be more than 0, and finite")]
+    /// A frame rate that is not positive and finite.
+    #[error("frame rate {rate} frames/s: it must be finite and above 0")]
     Rate {
-        /// In frames a second.
+        /// Frames per second.
         rate: f64,
     },
-    /// More frames than times in single precision can tell apart.
-    #[error("{duration} s at {rate} frames a second are more than {most} frames")]
+    /// More frames than distinct times in single precision.
+    #[error("{duration} s at {rate} frames/s: a BVH file has at most {most} frames")]
     TooManyFrames {
-        /// Of the clip, in seconds.
+        /// Duration of the clip, seconds.
         duration: f64,
-        /// In frames a second.
+        /// Frames per second.
         rate: f64,
-        /// The most there may be.
+        /// Largest number of frames.
         most: usize,
     },
     /// The motion is of another armature.

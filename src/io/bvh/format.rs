@@ -4,19 +4,19 @@ use super::{BvhChannel, BvhError};
 
 /// Frame rate and channels of a written BVH file.
 ///
-/// A number is a format: that many frames a second, with the default channels. The format of a capture that was read is
-/// [`MotionCapture::format`](super::MotionCapture::format).
+/// A number converts to a format with that many frames per second and the default channels.
+/// [`MotionCapture::format`](super::MotionCapture::format) is the format of a capture that was read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BvhFormat<'a> {
-    /// From one frame to the next, in seconds.
+    /// Time between frames, seconds.
     frame_time: f64,
-    /// Frames a second, for messages.
+    /// Frames per second, for messages.
     rate: f64,
     channels: Option<&'a [Vec<BvhChannel>]>,
 }
 
 impl From<f64> for BvhFormat<'_> {
-    /// Frames a second.
+    /// Format with a number of frames per second.
     fn from(rate: f64) -> Self {
         Self {
             frame_time: 1.0 / rate,
@@ -27,7 +27,7 @@ impl From<f64> for BvhFormat<'_> {
 }
 
 impl<'a> BvhFormat<'a> {
-    /// Format with a time from one frame to the next, in seconds.
+    /// Format with a time between frames, in seconds.
     #[must_use]
     pub fn of_frame_time(frame_time: f64) -> Self {
         Self {
@@ -38,12 +38,12 @@ impl<'a> BvhFormat<'a> {
     }
 
     setters! {
-        /// The channels of each bone, in the order in which the file has them.
+        /// Sets the channels of each bone, in file order.
         pub fn with_channels(mut self, channels: &'a [Vec<BvhChannel>]) { self.channels = Some(channels) }
     }
 
     getters! {
-        /// Time from one frame to the next, in seconds.
+        /// Time between frames, seconds.
         pub fn frame_time(&self) -> f64 = self.frame_time;
         /// The channels of each bone; `None` for the default channels.
         pub fn channels(&self) -> Option<&'a [Vec<BvhChannel>]> = self.channels;
@@ -63,7 +63,7 @@ impl<'a> BvhFormat<'a> {
         BvhError::Rate { rate: self.rate }
     }
 
-    /// Frames a second.
+    /// Frames per second.
     pub(super) fn rate(&self) -> f64 {
         self.rate
     }

@@ -1,4 +1,4 @@
-//! The HIERARCHY of a BVH file: joints, where they hang, and what moves them.
+//! HIERARCHY section of a BVH file: joints, offsets and channels.
 
 use std::collections::BTreeSet;
 
@@ -8,14 +8,14 @@ use super::lexer::{Lexer, Word};
 use super::note::BvhNote;
 use crate::io::ReadError;
 
-/// A joint or an End Site, in the order of the file: parents before children.
+/// Joint or End Site, in file order: parents before children.
 #[derive(Debug)]
 pub(super) struct Joint {
     pub(super) name: String,
     pub(super) parent: Option<usize>,
-    /// From the parent, in the file's unit.
+    /// Offset from the parent, in the file's unit.
     pub(super) offset: [f64; 3],
-    /// In the order of the file.
+    /// Channels in file order.
     pub(super) channels: Vec<BvhChannel>,
     /// Line of the joint.
     line: usize,
@@ -23,7 +23,7 @@ pub(super) struct Joint {
     end_site: Option<usize>,
 }
 
-/// A block whose brace is open.
+/// Block with an open brace.
 #[derive(Debug)]
 struct Open {
     joint: usize,
@@ -34,7 +34,7 @@ struct Open {
     end_sites: usize,
 }
 
-/// Reads up to and with the word `MOTION`; with notes about joints that were renamed.
+/// Reads up to and including the word `MOTION`. Also returns notes about renamed joints.
 pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), ReadError> {
     lexer.expect("HIERARCHY")?;
     let mut reader = Reader::default();
@@ -91,12 +91,12 @@ pub(super) fn read(lexer: &mut Lexer) -> Result<(Vec<Joint>, Vec<BvhNote>), Read
 #[derive(Debug, Default)]
 struct Reader {
     joints: Vec<Joint>,
-    /// The blocks that are open, from a root inwards.
+    /// Open blocks, from a root inwards.
     open: Vec<Open>,
 }
 
 impl Reader {
-    /// `ROOT name {` or `JOINT name {`, whose first word was read.
+    /// Reads `ROOT name {` or `JOINT name {` after its first word.
     fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
         let Some(name) = lexer.name() else {
             let problem = format!("expected a name after `{}`", keyword.text);
@@ -105,7 +105,7 @@ impl Reader {
         self.enter(lexer, keyword, name, None)
     }
 
-    /// `End Site {`, whose first word was read.
+    /// Reads `End Site {` after its first word.
     fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
         lexer.expect("Site")?;
         let number = self.open.last().map(|open| open.end_sites);
@@ -141,8 +141,8 @@ impl Reader {
     }
 }
 
-/// Names End Sites after their joints, and gives joints whose name is taken another one. A name that only one joint has in the
-/// file stays.
+/// Names End Sites after their joints, and renames joints with a name already taken. A unique name in the file does not
+/// change.
 fn name_apart(joints: &mut [Joint]) -> Vec<BvhNote> {
     let in_file: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
     let mut taken: BTreeSet<String> = BTreeSet::new();
@@ -175,7 +175,7 @@ fn name_apart(joints: &mut [Joint]) -> Vec<BvhNote> {
     notes
 }
 
-/// What the bone at a joint's End Site is called; `number` counts the joint's End Sites from 1.
+/// Name of the bone at a joint's End Site; `number` counts the joint's End Sites from 1.
 pub(super) fn end_site_name(joint: &str, number: usize) -> String {
     match number {
         1 => format!("{joint}/tip"),
@@ -183,8 +183,8 @@ pub(super) fn end_site_name(joint: &str, number: usize) -> String {
     }
 }
 
-/// Checks that a line stands once in its block, and before what hangs on the joint: the order of the
-/// channels is that of the joints.
+/// Checks that a line occurs once in its block and before the children of the joint. The order of the channels is that
+/// of the joints.
 fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> Result<(), ReadError> {
     let problem = match (is_second, open.joints + open.end_sites) {
         (false, 0) => return Ok(()),

@@ -1,8 +1,8 @@
-//! How an armature stands in a BVH file, where no bone is turned at rest.
+//! Joints of a written BVH file. The format has no rest rotations.
 //!
-//! A bone j that is turned by A_j in the model at rest becomes a joint that is not: the joint's
-//! turn in its parent is A_p R_j A_j⁻¹ for a bone turned by R_j in its parent p, and its place there
-//! A_p t_j. So at rest all angles are zero, and joints are always where the bones are.
+//! A bone j with the rest rotation A_j in the model becomes a joint without one. Let the bone have the local
+//! rotation R_j and translation t_j in its parent p. The joint's rotation is then A_p R_j A_j⁻¹ and its position A_p t_j.
+//! All angles are zero at rest, and joints are always at the positions of the bones.
 
 use glam::{DQuat, DVec3, Quat, Vec3A};
 
@@ -12,7 +12,7 @@ use super::{BvhChannel, BvhError, BvhFormat, LONGEST, channel};
 use crate::animation::{Armature, LocalTransform, Pose, SizeMismatch};
 use crate::skeleton::BoneId;
 
-/// A scale that is off one by less is rounding.
+/// Deviation of a scale from one that counts as rounding.
 const UNSCALED: f32 = 1e-5;
 
 /// A bone as it is written.
@@ -20,31 +20,31 @@ const UNSCALED: f32 = 1e-5;
 pub(super) struct Joint {
     pub(super) children: Vec<usize>,
     pub(super) is_end_site: bool,
-    /// From the parent at rest.
+    /// Offset from the parent at rest.
     pub(super) offset: Vec3A,
-    /// Values of a frame, in the order of the file.
+    /// Channels in file order.
     pub(super) channels: Vec<BvhChannel>,
-    /// Axes of the rotations among the channels.
+    /// Axes of the rotation channels.
     pub(super) axes: Axes,
-    /// A_p.
+    /// Rest rotation A_p of the parent in the model.
     parent_at_rest: DQuat,
-    /// A_j.
+    /// Rest rotation A_j in the model.
     at_rest: DQuat,
 }
 
 impl Joint {
-    /// Where the joint is in its parent.
+    /// Position of the joint in its parent.
     pub(super) fn position(&self, local: &LocalTransform) -> Vec3A {
         turned(self.parent_at_rest, local.translation)
     }
 
-    /// How the joint is turned in its parent.
+    /// Rotation of the joint in its parent.
     pub(super) fn rotation(&self, local: &LocalTransform) -> DQuat {
         let turn = self.parent_at_rest * local.rotation.as_dquat() * self.at_rest.conjugate();
         turn.normalize()
     }
 
-    /// Whether a position that has no channel leaves the offset.
+    /// Returns true if a position without a channel differs from the offset.
     fn lacks_position(
         &self,
         own: &[BvhChannel],
@@ -59,7 +59,7 @@ impl Joint {
         !own.contains(&BvhChannel::of_axis(axis, false)) && locals.any(leaves)
     }
 
-    /// Sets the given channels, after positions along other axes and before the rotations that complete them.
+    /// Sets the channels: missing positions, the given channels, then missing rotations.
     fn set_channels(&mut self, own: &[BvhChannel], positions: Vec<usize>, complete: bool) {
         let turns = own.iter().filter(|channel| channel.is_rotation());
         let given: Vec<usize> = turns.map(|channel| channel.axis()).collect();
@@ -75,7 +75,8 @@ impl Joint {
     }
 }
 
-/// The bones as joints, by index; an error if a file cannot hold the armature, the poses or the channels.
+/// Joints of the bones, by index. Returns an error if the format cannot represent the armature, the poses or the
+/// channels.
 pub(super) fn joints(
     armature: &Armature,
     poses: &[Pose],
@@ -197,11 +198,11 @@ fn is_moved(rest: &LocalTransform, local: &LocalTransform) -> bool {
 
 fn is_turned(rest: Quat, rotation: Quat) -> bool {
     let [rest, rotation] = [rest, rotation].map(|rotation| rotation.as_dquat().normalize());
-    // Half the angle's sine.
+    // Half of the sine of the angle.
     (rest.conjugate() * rotation).xyz().length() > 0.5 * STILL
 }
 
-/// As it is, to the last bit, where nothing turns it.
+/// The rotated vector; exactly the vector for the identity.
 fn turned(by: DQuat, vector: Vec3A) -> Vec3A {
     let turned: DVec3 = by * vector.as_dvec3();
     turned.as_vec3a()

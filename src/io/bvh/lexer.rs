@@ -1,14 +1,14 @@
-//! The words of a BVH file and their lines.
+//! Lexer of BVH files: words with line numbers.
 
 use std::borrow::Cow;
 
 use super::note::BvhNote;
 use crate::io::{Place, ReadError};
 
-/// A word longer than this is cut in messages.
+/// Length in characters above which messages shorten a word.
 const SHOWN: usize = 40;
 
-/// Takes words off the front of a text.
+/// Lexer of a text.
 #[derive(Debug)]
 pub(super) struct Lexer<'a> {
     file: &'a str,
@@ -16,23 +16,23 @@ pub(super) struct Lexer<'a> {
     line: usize,
 }
 
-/// A brace, or a run of anything but white space and braces.
+/// A brace, or a run of characters other than white space and braces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Word<'a> {
     pub(super) text: &'a str,
-    /// Counted from 1.
+    /// Line, from 1.
     pub(super) line: usize,
 }
 
 impl Word<'_> {
-    /// Whether it is this keyword, in capitals or not.
+    /// Returns true if the word is this keyword, in upper or lower case.
     pub(super) fn is(&self, keyword: &str) -> bool {
         self.text.eq_ignore_ascii_case(keyword)
     }
 }
 
 impl<'a> Lexer<'a> {
-    /// `file` is for messages.
+    /// Lexer of a text; `file` is the file name for messages.
     pub(super) fn new(text: &'a str, file: &'a str) -> Self {
         Self {
             file,
@@ -43,11 +43,11 @@ impl<'a> Lexer<'a> {
 
     getters! {
         pub(super) fn file(&self) -> &'a str = self.file;
-        /// Number of bytes left.
+        /// Number of remaining bytes.
         pub(super) fn left(&self) -> usize = self.rest.len();
-        /// The text left.
+        /// Remaining text.
         pub(super) fn rest(&self) -> &'a str = self.rest;
-        /// The line that the last word stands on.
+        /// Line of the last word.
         pub(super) fn line(&self) -> usize = self.line;
     }
 
@@ -59,7 +59,7 @@ impl<'a> Lexer<'a> {
         self.rest = rest;
     }
 
-    /// The next word; `None` at the end of the text.
+    /// Next word; `None` at the end of the text.
     pub(super) fn word(&mut self) -> Option<Word<'a>> {
         self.skip_space();
         let bytes = self.rest.as_bytes();
@@ -74,7 +74,7 @@ impl<'a> Lexer<'a> {
         Some(Word { text, line })
     }
 
-    /// What follows on this line before a brace, with single spaces between its words.
+    /// Rest of the line up to a brace, with single spaces between words; `None` if it is empty.
     pub(super) fn name(&mut self) -> Option<String> {
         let end = self.rest.find(['\n', '\r', '{', '}']);
         let (name, rest) = self.rest.split_at(end.unwrap_or(self.rest.len()));
@@ -83,14 +83,14 @@ impl<'a> Lexer<'a> {
         (!words.is_empty()).then(|| words.join(" "))
     }
 
-    /// One given word.
+    /// Reads a given word.
     pub(super) fn expect(&mut self, keyword: &str) -> Result<Word<'a>, ReadError> {
         let word = self.word();
         word.filter(|word| word.is(keyword))
             .ok_or_else(|| self.unexpected(&format!("`{keyword}`"), word))
     }
 
-    /// Words with a colon after the last, which need not stand apart from what follows it.
+    /// Reads words followed by a colon; white space after the colon is optional.
     pub(super) fn label(&mut self, words: &[&str]) -> Result<(), ReadError> {
         for keyword in words {
             self.skip_space();
@@ -106,7 +106,7 @@ impl<'a> Lexer<'a> {
         Ok(())
     }
 
-    /// A finite number; `what` it should be is for messages.
+    /// Reads a finite number; `what` describes it in messages.
     pub(super) fn number(&mut self, what: impl Fn() -> String) -> Result<f64, ReadError> {
         let word = self.word();
         let number = word.and_then(|word| word.text.parse().ok());
@@ -115,14 +115,14 @@ impl<'a> Lexer<'a> {
             .ok_or_else(|| self.unexpected(&format!("{}, a finite number", what()), word))
     }
 
-    /// A whole number.
+    /// Reads a whole number.
     pub(super) fn count(&mut self, what: &str) -> Result<usize, ReadError> {
         let word = self.word();
         let count = word.and_then(|word| word.text.parse().ok());
         count.ok_or_else(|| self.unexpected(&format!("{what}, a whole number"), word))
     }
 
-    /// The error of a word that is not what it should be.
+    /// Error of an unexpected word.
     pub(super) fn unexpected(&self, expected: &str, found: Option<Word>) -> ReadError {
         let Some(Word { text, line }) = found else {
             return self.error(self.line, format!("expected {expected}, but the file ends"));
@@ -137,7 +137,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// The text of a file, of which bytes that are not UTF-8 are characters of Latin-1, with a note if there are any.
+/// Decodes a file: UTF-8, with other bytes as Latin-1 characters. Also returns a note if there are any.
 pub(super) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<BvhNote>) {
     let error = match std::str::from_utf8(bytes) {
         Ok(text) => return (text.into(), None),
@@ -153,7 +153,7 @@ pub(super) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<BvhNote>) {
     (text.into(), Some(BvhNote::Latin1 { line }))
 }
 
-/// Number of lines that end here: at a line feed, a carriage return, or both.
+/// Number of line ends: line feeds, carriage returns, or pairs of both.
 fn line_ends(bytes: &[u8]) -> usize {
     let next = bytes.iter().skip(1).map(Some).chain([None]);
     let pairs = bytes.iter().zip(next);

@@ -1,35 +1,31 @@
-//! Motion capture: Biovision Hierarchy (BVH) files, a skeleton and what it does frame by frame.
+//! Motion capture in Biovision Hierarchy (BVH) files: a skeleton and its motion by frames.
 //!
-//! There is no standard; the description that is handed on is the University of Wisconsin's
-//! ("Biovision BVH", CS 838, 1999). Where it is silent, or programs differ, files are read so:
+//! BVH has no standard. The common reference is the description by the University of Wisconsin ("Biovision BVH", CS
+//! 838, 1999). This reader resolves ambiguities and differences between programs as follows:
 //!
-//! - **Joints** become bones of the same name, turned like their parents at rest, `OFFSET` away from
-//!   them. Offsets may be zero. There may be several `ROOT`s. A name may have spaces. A name that is
-//!   taken gets a suffix, `_2` or the next free number, with a [note](BvhNote).
-//! - **End Sites** become bones as well, called `JOINT/tip` (more of one joint: `JOINT/tip/2`, …),
-//!   because the tips of fingers, toes and the head are what poses are judged and goals set by. They
-//!   never move in their joints.
-//! - **`CHANNELS`**: none to six, in any order. Rotations are in degrees and apply as they stand in
-//!   the file: `Zrotation Xrotation Yrotation` is R = R_z R_x R_y, each about axes that those before
-//!   have turned. One or two are enough, and an axis may come twice unless it follows itself.
-//! - **Positions** are where the joint is in its parent, *instead of* its `OFFSET`, for roots and for
-//!   joints; a coordinate without a channel keeps the offset's. Programs differ here: Blender reads
-//!   and writes files so. The Wisconsin description adds a root's offset, three.js any joint's, which
-//!   puts a root that Blender wrote twice as far off. With a root's offset of zero, as most files
-//!   have it, there is no difference.
-//! - **Between frames** bones turn at constant speed along the shorter arc (slerp) and move straight.
-//!   At the frames they are exact. Angles between frames would follow the file's whole turns, but
-//!   they also jump from 180° to −180° wherever the file wraps them; no capture turns a joint half
-//!   round from one frame to the next.
-//! - **Frame k** is at k times the `Frame Time`, so a clip of n frames lasts n − 1 of them. One frame
-//!   is a pose that stays; without any frames all is at rest. Whole frames beyond those that `Frames:`
-//!   announces are left out, with a [note](BvhNote), as three.js and Assimp do.
-//! - **Truncated files** keep their whole frames, those with all their numbers, with a note. The last digits of the last number may
-//!   be missing. A file that announces frames and has no whole one is an error.
+//! - **Joints** become bones with the names of the file, at `OFFSET` from their parents and without rotation at rest.
+//!   Offsets may be zero. Several `ROOT`s are allowed. A name may contain spaces. A repeated name gets a suffix, `_2`
+//!   or the next free number, with a [note](BvhNote).
+//! - **End Sites** become bones named `JOINT/tip` (further ones of a joint: `JOINT/tip/2`, …). They are useful as end
+//!   effectors at fingers, toes and the head. They never move relative to their joints.
+//! - **`CHANNELS`**: none to six, in any order. Rotations are in degrees, intrinsic, in file order: `Zrotation
+//!   Xrotation Yrotation` is R = R_z R_x R_y. One or two are enough, and an axis may be repeated unless it follows
+//!   itself.
+//! - **Positions** replace the `OFFSET`, for roots and for joints; a coordinate without a channel keeps the offset's
+//!   value. Blender reads and writes files this way. The Wisconsin description adds a root's offset, three.js that of
+//!   any joint, which doubles the position of a root written by Blender. Most files have a zero root offset, so there
+//!   is no difference.
+//! - **Between frames** rotations use slerp and positions are linear; at frames they are exact. Interpolated angles
+//!   would follow full turns of the file, but also jump where the file wraps from 180° to −180°. Captured joints do not
+//!   rotate by half a turn in one frame.
+//! - **Frame k** is at k times the `Frame Time`, so a clip of n frames lasts n − 1 frame times. A single frame is a
+//!   constant pose; without frames the clip is at rest. Whole frames beyond the number in `Frames:` are ignored, with a
+//!   [note](BvhNote), as in three.js and Assimp.
+//! - **Truncated files** keep their whole frames, those with all their numbers, with a note. The last digits of the
+//!   last number may be missing. A file that announces frames but contains no whole frame is an error.
 //! - **Names** are UTF-8. Other bytes are characters of Latin-1, with a note.
-//! - The **unit of length** is the file's own: centimetres, inches and others occur, and no file says
-//!   which.
-//! - Keywords may be in capitals or not, numbers and braces on any lines.
+//! - The **unit of length** is that of the file: centimetres or inches, for example. The format does not state it.
+//! - Keywords are case-insensitive; numbers and braces may be on any lines.
 
 mod angles;
 mod capture;
@@ -57,30 +53,29 @@ use super::{MAX_FILE_BYTES, ReadError, read_with};
 use crate::animation::{Armature, Clip};
 use crate::skeleton::BoneId;
 
-/// The longest offset and position that is read and written: sums of as many as a file holds, and
-/// their squares in double precision, stay finite.
+/// Largest offset and position that is read and written, in the file's unit. Sums over all joints of a file, and their
+/// squares, remain finite in double precision.
 const LONGEST: f64 = 1e30;
 
-/// What a BVH file holds.
+/// Contents of a BVH file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionCapture {
-    /// A bone for each joint and End Site, in the order of the file and in its unit of length.
+    /// Bone for each joint and End Site, in file order and in the file's unit of length.
     pub armature: Armature,
-    /// The motion, in seconds from the first frame; named as the file is, without its extension.
+    /// Motion with times in seconds from the first frame; named after the file, without extension.
     pub clip: Clip,
-    /// How many frames there are.
+    /// Number of frames.
     pub frames: usize,
-    /// From one frame to the next, in seconds.
+    /// Time between frames, seconds.
     pub frame_time: f64,
-    /// The channels of each bone in the order of the file; none for End Sites.
+    /// Channels of each bone, in file order; none for End Sites.
     pub channels: Vec<Vec<BvhChannel>>,
     /// Repairs made by the reader.
     pub notes: Vec<BvhNote>,
 }
 
 impl MotionCapture {
-    /// The bones that a figure of this capture turns, in their order: those with channels of rotation, or all where
-    /// there is none.
+    /// Bones with rotation channels, or all bones if there are none.
     #[must_use]
     pub fn turning_bones(&self) -> BTreeSet<BoneId> {
         let bones = self.armature.bone_ids().zip(&self.channels);
@@ -95,7 +90,7 @@ impl MotionCapture {
     }
 }
 
-/// Reads motion capture from the bytes of a BVH file; `name` is for messages and the clip.
+/// Reads motion capture from the bytes of a BVH file; `name` is used for messages and the clip.
 ///
 /// ```
 /// use kinopt::animation::{Cursor, Playback};
@@ -124,12 +119,16 @@ impl MotionCapture {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Repairs are [notes](BvhNote): whole frames of a truncated file are read, joints whose name is taken are renamed, and bytes that
-/// are not UTF-8 are read as Latin-1.
+/// Repairs are reported as [notes](BvhNote): a truncated file gives its whole frames, joints with a repeated name are
+/// renamed, and invalid UTF-8 is read as Latin-1.
 ///
 /// # Errors
-/// A [`ReadError`] with the line: an unexpected word, a number that is missing or not finite, no whole frame although frames
-/// are announced, a frame time that is not positive, frames whose times are equal in single precision.
+/// A [`ReadError`] with the line:
+/// - an unexpected word;
+/// - a number that is missing or not finite;
+/// - no whole frame although frames are announced;
+/// - a frame time that is not positive;
+/// - frame times that are equal in single precision.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MotionCapture, ReadError> {
     let (text, latin1) = lexer::decode(bytes);
     let mut lexer = Lexer::new(&text, name);
@@ -143,7 +142,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MotionCapture, ReadError> 
 /// Reads a BVH file of at most 1 GiB.
 ///
 /// # Errors
-/// As [`from_bytes`], and when the file cannot be opened.
+/// As [`from_bytes`], or the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<MotionCapture, ReadError> {
     read_with(path.as_ref(), MAX_FILE_BYTES, from_bytes)
 }

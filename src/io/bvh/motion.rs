@@ -1,4 +1,4 @@
-//! The MOTION of a BVH file: a number for each channel and frame.
+//! MOTION section of a BVH file: a number for each channel and frame.
 
 use super::LONGEST;
 use super::channel::BvhChannel;
@@ -7,23 +7,23 @@ use super::lexer::Lexer;
 use super::note::BvhNote;
 use crate::io::ReadError;
 
-/// The fewest bytes that a number takes: a digit and the white space before it.
+/// Least number of bytes of a number: a digit and white space before it.
 const NUMBER_WIDTH: usize = 2;
 
-/// The numbers of all frames.
+/// Numbers of all frames.
 #[derive(Debug)]
 pub(super) struct Motion {
     pub(super) frames: usize,
-    /// From one frame to the next, in seconds.
+    /// Time between frames, seconds.
     pub(super) frame_time: f64,
-    /// The line that `frame_time` stands on.
+    /// Line of the `Frame Time`.
     pub(super) frame_time_line: usize,
-    /// Frame by frame, the joints' channels in the order of the file. In degrees and the file's unit.
+    /// Channel values by frame, then in file order; degrees or the file's unit of length.
     pub(super) values: Vec<f64>,
     pub(super) note: Option<BvhNote>,
 }
 
-/// Reads what follows the word `MOTION`, to the end of the file.
+/// Reads from after the word `MOTION` to the end of the file.
 pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadError> {
     lexer.label(&["Frames"])?;
     let frames = lexer.count("the number of frames")?;
@@ -31,7 +31,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
     lexer.label(&["Frame", "Time"])?;
     let frame_time = lexer.number(|| "the time from frame to frame in seconds".to_owned())?;
     let frame_time_line = lexer.line();
-    // In single precision too, which key times are in.
+    // Key times are in single precision.
     if frame_time as f32 <= 0.0 {
         let problem = format!("the frame time must be more than 0 s, not {frame_time}");
         return Err(lexer.error(frame_time_line, problem));
@@ -65,14 +65,15 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
     })
 }
 
-/// The numbers of the announced frames; if the file ends before the last, those of its whole frames and how many these are.
+/// Reads the numbers of the announced frames. If the file ends early, returns the numbers and count of its whole
+/// frames.
 fn values(
     lexer: &mut Lexer,
     frames: usize,
     channels: &[(&Joint, BvhChannel)],
 ) -> Result<(Vec<f64>, Option<usize>), ReadError> {
     let width = channels.len();
-    // Without channels there is nothing to read, however many frames there are.
+    // Without channels there are no numbers, for any number of frames.
     let Some(room) = (lexer.left() / NUMBER_WIDTH).checked_div(width) else {
         return Ok((Vec::new(), None));
     };
@@ -91,14 +92,14 @@ fn values(
     Ok((values, None))
 }
 
-/// Whether the file ends before the next number, or after a part of it that is none.
+/// Returns true if the file ends before the next number or within it.
 fn is_cut(lexer: &Lexer) -> bool {
     let rest = lexer.rest().trim_ascii_start();
     let is_of_number = |byte: u8| byte.is_ascii_digit() || b"+-.eE".contains(&byte);
     rest.is_empty() || rest.bytes().all(is_of_number) && rest.parse::<f64>().is_err()
 }
 
-/// What is there after the frames announced: nothing, or whole frames more.
+/// Reads the text after the announced frames: nothing, or surplus whole frames.
 fn surplus(
     lexer: &mut Lexer,
     announced: usize,

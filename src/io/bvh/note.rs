@@ -1,30 +1,30 @@
-//! Repairs of a BVH file that was read.
+//! Repairs made by the BVH reader.
 
 use std::fmt;
 
-/// A repair of a BVH file that was read. Lines are counted from 1.
+/// Repair made by the BVH reader. Lines are counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BvhNote {
-    /// There are more frames than the file announces; those beyond are left out.
+    /// The file has more frames than announced; the surplus is ignored.
     SurplusFrames {
         /// Line of the first surplus frame.
         line: usize,
-        /// Frames that the file announces.
+        /// Number of frames announced.
         announced: usize,
-        /// Frames beyond those.
+        /// Number of surplus frames.
         surplus: usize,
     },
-    /// The file ends before the last announced frame; the whole frames are read.
+    /// The file ends before the last announced frame; its whole frames are read.
     MissingFrames {
-        /// The file's last line.
+        /// Last line of the file.
         line: usize,
-        /// Frames that the file announces.
+        /// Number of frames announced.
         announced: usize,
-        /// Whole frames in the file.
+        /// Number of whole frames.
         whole: usize,
     },
-    /// A joint was renamed, as its name is that of a joint before it.
+    /// A joint was renamed, because an earlier joint has its name.
     Renamed {
         /// Line of the joint.
         line: usize,

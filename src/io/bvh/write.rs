@@ -1,4 +1,4 @@
-//! Motion as BVH text.
+//! Writer of BVH files.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -10,19 +10,18 @@ use super::{BvhError, BvhFormat, MotionCapture};
 use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
 use crate::io::write_file;
 
-/// The most frames: beyond as many, key times in single precision may meet.
+/// Largest number of frames; above it, key times in single precision may coincide.
 const MOST_FRAMES: f64 = 16_777_216.0;
-/// A clip whose end is so much of a frame before one still has that frame: its span is in single
-/// precision.
+/// Fraction of a frame by which a clip may end before its last frame; the span is in single precision.
 const ROUNDING: f64 = 1e-3;
 
-/// A clip as BVH text, from its start to its last whole frame. `format` is the number of frames a second, or a
+/// A clip as BVH text, from its start to its last whole frame. `format` is a number of frames per second or a
 /// [`BvhFormat`].
 ///
 /// [`poses_to_text`] describes the text.
 ///
 /// # Errors
-/// As [`poses_to_text`], and when the clip is of another armature's size or has too many frames.
+/// As [`poses_to_text`], or the clip is of another armature's size or has too many frames.
 pub fn to_text<'a>(
     armature: &Armature,
     clip: &Clip,
@@ -32,26 +31,29 @@ pub fn to_text<'a>(
     poses_to_text(armature, &sample(armature, clip, &format)?, format)
 }
 
-/// Poses as BVH text, for example the results of blending, layers or inverse kinematics. `format` is the number of frames a
-/// second, or a [`BvhFormat`].
+/// Poses as BVH text, such as results of blending, layers or inverse kinematics. `format` is a number of frames per
+/// second or a [`BvhFormat`].
 ///
-/// - A bone becomes a `JOINT` (without a parent, a `ROOT`) where the bone's tail is. Angles are
-///   counted from the rest pose along the model's own axes, as the format has no other, so bones that
-///   are turned at rest come back along other axes; where they are stays the same.
-/// - Rotations are `Zrotation Xrotation Yrotation` to a millionth of a degree, and run on from frame
-///   to frame without leaps of whole turns. Roots have positions, and so has any bone that leaves its
-///   place in its parent by more than a millionth of its offset.
-/// - A format with [channels](BvhFormat::with_channels) keeps their order. A bone that its channels cannot pose gets the
-///   missing positions before them and the missing rotations after them. No End Site is added.
-/// - A bone at a tip, as [`from_bytes`](super::from_bytes) names them, becomes an `End Site` unless
-///   something moves it. Any other bone on which nothing hangs gets one of no length, as programs
-///   look for one on each branch; read back, it is a bone more.
-/// - Lengths are in the armature's unit, exact to the last bit of single precision unless the parent
-///   is turned at rest. Morph targets are left out.
+/// - Each bone becomes a `JOINT`, or a `ROOT` without a parent, at the bone's origin. The format has no rest rotations:
+///   angles are relative to the rest pose about the axes of the model. Bones with a rest rotation therefore have other
+///   axes when read, but equal positions.
+/// - Rotations are `Zrotation Xrotation Yrotation` to a millionth of a degree, without jumps of full turns between
+///   frames. Roots have positions, and so has any bone that deviates from its offset by more than a millionth of the
+///   offset's length.
+/// - A format with [channels](BvhFormat::with_channels) keeps their order. A bone that its channels cannot pose gets
+///   missing positions before them and missing rotations after them. No End Site is added.
+/// - A tip bone, as named by [`from_bytes`](super::from_bytes), becomes an `End Site` unless it moves. Any other leaf
+///   bone gets an End Site of zero length, which programs expect on each branch. It is read as an additional bone.
+/// - Lengths are in the armature's unit, exact in single precision unless the parent has a rest rotation. Morph targets
+///   are omitted.
 ///
 /// # Errors
-/// A [`BvhError`]: no bones, a name the format cannot say, a scaled bone, poses of another armature's
-/// size, a rate that is not positive.
+/// A [`BvhError`]:
+/// - no bones;
+/// - a name that the format cannot represent;
+/// - a scaled bone;
+/// - poses of another armature's size;
+/// - a rate that is not positive.
 pub fn poses_to_text<'a>(
     armature: &Armature,
     poses: &[Pose],
@@ -67,7 +69,7 @@ pub fn poses_to_text<'a>(
     let mut text = String::from("HIERARCHY\n");
     let adds_end_sites = format.channels().is_none();
     let order = hierarchy(armature, &joints, adds_end_sites, &mut text);
-    // Writing to a String cannot fail, so here and below the results carry nothing.
+    // Writing to a `String` cannot fail; the results here and below are ignored.
     let _ = writeln!(text, "MOTION\nFrames: {}", poses.len());
     let _ = writeln!(text, "Frame Time: {frame_time}");
     let mut before = vec![[0.0; 3]; joints.len()];
@@ -99,7 +101,7 @@ pub fn poses_to_text<'a>(
 /// Writes [`to_text`] to a file.
 ///
 /// # Errors
-/// As [`to_text`], and when the file cannot be written.
+/// As [`to_text`], or the file cannot be written.
 pub fn write<'a>(
     armature: &Armature,
     clip: &Clip,
@@ -113,7 +115,7 @@ pub fn write<'a>(
 /// Writes [`poses_to_text`] to a file.
 ///
 /// # Errors
-/// As [`poses_to_text`], and when the file cannot be written.
+/// As [`poses_to_text`], or the file cannot be written.
 pub fn write_poses<'a>(
     armature: &Armature,
     poses: &[Pose],
@@ -125,7 +127,7 @@ pub fn write_poses<'a>(
 }
 
 impl MotionCapture {
-    /// Frame time and channels of the capture, for [`poses_to_text`] and its siblings.
+    /// Frame time and channels of the capture, for [`poses_to_text`] and the other functions that write.
     #[must_use]
     pub fn format(&self) -> BvhFormat<'_> {
         BvhFormat::of_frame_time(self.frame_time).with_channels(&self.channels)
@@ -142,7 +144,7 @@ impl MotionCapture {
     /// Writes [`to_text`](Self::to_text) to a file.
     ///
     /// # Errors
-    /// As [`to_text`](Self::to_text), and when the file cannot be written.
+    /// As [`to_text`](Self::to_text), or the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), BvhError> {
         Ok(write_file(path.as_ref(), self.to_text()?.as_bytes())?)
     }
@@ -175,7 +177,7 @@ fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Po
     frames.collect()
 }
 
-/// Writes the joints, children inside their parents. The order in which those with channels come.
+/// Writes the joints, children inside their parents. Returns the joints with channels, in the order written.
 fn hierarchy(
     armature: &Armature,
     joints: &[Joint],
@@ -236,13 +238,13 @@ fn hierarchy(
     order
 }
 
-/// Three numbers that are read back exactly.
+/// Three numbers that a reader restores exactly.
 fn numbers(vector: Vec3A) -> String {
     let [x, y, z] = vector.to_array().map(number);
     format!("{x} {y} {z}")
 }
 
-/// A number without the sign of a zero.
+/// The number, with a negative zero made positive.
 fn number(number: f32) -> f32 {
     number + 0.0
 }

@@ -16,7 +16,10 @@ impl<'a> Source<'a> {
             Ok(count) if count > 0 => Ok(count),
             _ => {
                 let path = format!("accessors[{}].count", index.value());
-                let problem = format!("{user}: {} is no count of entries", accessor.count.0);
+                let problem = format!(
+                    "{user}: the number of entries {} must be above 0",
+                    accessor.count.0
+                );
                 Err(self.fail(path, problem))
             }
         }
@@ -62,7 +65,7 @@ impl<'a> Source<'a> {
         );
         if !whole || accessor.normalized {
             let path = format!("accessors[{}].componentType", index.value());
-            return Err(self.fail(path, format!("{user}: these are no whole numbers from 0")));
+            return Err(self.fail(path, format!("{user}: these are not unsigned integers")));
         }
         self.read(index, user, |entry: [f64; N]| {
             entry.map(|number| number as u32)
@@ -122,7 +125,7 @@ impl<'a> Source<'a> {
             Checked::Valid(kind) => Ok(kind.0),
             Checked::Invalid => {
                 let path = format!("accessors[{}].componentType", index.value());
-                let problem = format!("{user}: is none of 5120 to 5123, 5125 and 5126");
+                let problem = format!("{user}: must be one of 5120 to 5123, 5125, 5126");
                 Err(self.fail(path, problem))
             }
         }

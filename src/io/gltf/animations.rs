@@ -84,7 +84,7 @@ impl Context<'_, '_> {
             source.fail(format!("{path}.sampler"), problem)
         })?;
         let Checked::Valid(property) = channel.target.path else {
-            let none = "none of translation, rotation, scale and weights";
+            let none = "not one of translation, rotation, scale, weights";
             let what = format!("{}: a channel {of} that is {none}", self.title);
             notes.push(Note::left_out(format!("{path}.target.path"), what));
             return Ok(());
@@ -127,10 +127,7 @@ impl Context<'_, '_> {
     ) -> Result<(), ReadError> {
         let mesh = self.meshes.of_node.get(&node);
         let Some(mesh) = mesh.and_then(|&mesh| self.meshes.meshes.get(mesh)) else {
-            notes.push(Note::left_out(
-                path,
-                format!("{user}, which carries no mesh here"),
-            ));
+            notes.push(Note::left_out(path, format!("{user}, which has no mesh")));
             return Ok(());
         };
         let first = mesh.first_morph_weight;
@@ -157,7 +154,7 @@ impl Context<'_, '_> {
         of: impl Fn([f64; N]) -> T,
     ) -> Result<Keys<T>, ReadError> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
-            let problem = format!("{user}: is none of STEP, LINEAR and CUBICSPLINE");
+            let problem = format!("{user}: must be one of STEP, LINEAR, CUBICSPLINE");
             return Err(self.source.fail(format!("{path}.interpolation"), problem));
         };
         let input = format!("{user}, times");

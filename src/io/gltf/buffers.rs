@@ -28,7 +28,7 @@ pub(super) fn load<'a>(
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => {
-                let problem = "there is no uri, and no binary chunk for it";
+                let problem = "the buffer has neither a URI nor a binary chunk";
                 return Err(wrong(problem.into()));
             }
             (Some(uri), _) => match data(uri) {
@@ -84,7 +84,7 @@ fn has_scheme(uri: &str) -> bool {
 pub(super) fn path(uri: &str) -> Result<String, String> {
     if has_scheme(uri) {
         return Err(format!(
-            "`{uri}` is not beside the file; nothing is fetched"
+            "`{uri}` is not a relative URI; only files next to this file are read"
         ));
     }
     let mut bytes = Vec::with_capacity(uri.len());

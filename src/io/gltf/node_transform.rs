@@ -48,13 +48,11 @@ pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
     let rotation = rest.rotation.as_dquat();
     let length = rotation.length();
     if length == 0.0 {
-        let problem = "the quaternion is zero and stands for no rotation";
+        let problem = "the quaternion is zero; a rotation needs a non-zero quaternion";
         return Err(("rotation", problem.into()));
     }
     let rotation = (rotation / length).as_quat();
-    let repair = Some(format!(
-        "the quaternion's length was {length}, and is 1 now"
-    ));
+    let repair = Some(format!("quaternion of length {length}: normalised"));
     let rest = LocalTransform { rotation, ..rest };
     Ok(Local { rest, repair })
 }
@@ -69,7 +67,7 @@ fn decomposed(matrix: &[f32; 16]) -> Result<(LocalTransform, Option<String>), St
     let entries = |m: DMat3| m.to_cols_array().into_iter().map(f64::abs);
     let most = |m: DMat3| entries(m).fold(0.0, f64::max);
     if most(apart) > SHEAR_WITHIN * most(stretch) {
-        return Err("shears, which no translation, rotation and scale do".into());
+        return Err("shears; only translation, rotation and scale are allowed".into());
     }
     let rest = LocalTransform {
         translation: parts.translation.as_vec3a(),

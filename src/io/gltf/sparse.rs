@@ -69,9 +69,10 @@ impl Source<'_> {
         };
         let at = |key: &str| format!("accessors[{}].sparse.{key}", index.value());
         let count = usize::try_from(count.0).ok().filter(|&count| count > 0);
-        let count = count.ok_or_else(|| self.fail(at("count"), format!("{user}: is no count")))?;
+        let count = count
+            .ok_or_else(|| self.fail(at("count"), format!("{user}: must be a number above 0")))?;
         let Checked::Valid(kind) = indices.component_type else {
-            let problem = format!("{user}: is none of 5121, 5123 and 5125");
+            let problem = format!("{user}: must be one of 5121, 5123, 5125");
             return Err(self.fail(at("indices.componentType"), problem));
         };
         let (view, offset) = (indices.buffer_view, indices.byte_offset.0);
@@ -102,7 +103,7 @@ impl Source<'_> {
         let places: Vec<u32> = places.collect();
         let rise = places.windows(2).all(|pair| pair[0] < pair[1]);
         if !rise || places.last().is_some_and(|&last| last as usize >= count) {
-            let problem = format!("{user}: do not rise, or are beyond the {count} entries");
+            let problem = format!("{user}: must increase and be below the {count} entries");
             return Err(self.fail(format!("{path}.sparse.indices"), problem));
         }
         Ok(places)

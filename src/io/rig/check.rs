@@ -77,7 +77,7 @@ fn bone(index: usize, entry: &BoneEntry) -> Result<Bone, (String, String)> {
             (_, max) if *max <= -UNBOUNDED => ("xzx_max", max),
             _ => continue,
         };
-        let problem = format!("{end} degrees lies beyond {UNBOUNDED:e}, which stands for no limit");
+        let problem = format!("{end} degrees is outside ±{UNBOUNDED:e}, which is no limit");
         return fail(&format!("{key}[{angle}]"), problem);
     }
     let name = entry.name.clone();

@@ -21,8 +21,9 @@ pub(super) fn read(track: &TrackEntry) -> Result<EulerInterpolation, (String, St
             ));
         }
         other => {
-            let problem =
-                format!("`{other}` is none of {LINEAR}, {CATMULL_ROM}, {KOCHANEK_BARTELS}");
+            let problem = format!(
+                "unknown interpolation `{other}`; valid: {LINEAR}, {CATMULL_ROM}, {KOCHANEK_BARTELS}"
+            );
             return Err(("interpolation".into(), problem));
         }
     };

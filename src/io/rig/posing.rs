@@ -38,7 +38,7 @@ pub enum RigPosingError {
     #[error("the rig has no mesh")]
     NoMesh,
     /// The rig has no weights, and automatic weights failed.
-    #[error("the rig has no skin weights, and none can be made up: {0}")]
+    #[error("the rig has no skin weights, and they cannot be computed: {0}")]
     Weights(AutomaticWeightsError),
     /// A configuration of another skeleton, or one that is not finite.
     #[error(transparent)]

@@ -112,7 +112,7 @@ fn pair(
     ];
     let not_kept = |why| Err(tag.fault(ParseIssue::PairNotKept { why }));
     if contacts.bodies[a.0].weld == contacts.bodies[b.0].weld {
-        return not_kept("nothing moves the two against each other");
+        return not_kept("the two bodies are rigidly connected");
     }
     for ((at, geom), (other, against)) in [(a, b), (b, a)] {
         if geom.body_from_plane.is_some() && against.is_collision() {

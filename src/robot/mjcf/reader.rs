@@ -127,7 +127,7 @@ impl MjcfReader {
         Ok(self.confining(robot))
     }
 
-    /// Reads a document from memory; `file` is the name that errors give it, beside which files that it includes are looked for.
+    /// Reads a document from memory. `file` is its path, used in error messages and to resolve included files.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -136,11 +136,12 @@ impl MjcfReader {
         Ok(self.confining(robot))
     }
 
-    /// A file as one document, with the files that it includes put in: [`parse`](Self::parse) needs no other file for it. If the file
-    /// includes any, lines are no longer those of the file.
+    /// The text of a file with its included files inserted; [`parse`](Self::parse) needs no other file for it. With
+    /// includes, line numbers differ from those of the file.
     ///
     /// # Errors
-    /// A file that cannot be read, is no XML, or includes itself; of a confined robot an included file that is elsewhere.
+    /// The file cannot be read, is not XML, or includes itself. Also an included file outside the folder of a confined
+    /// robot.
     pub fn text_with_includes(&self, path: impl AsRef<Path>) -> Result<String, RobotFileError> {
         Tree::text_with_includes(path.as_ref(), self.confined)
     }

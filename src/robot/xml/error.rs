@@ -64,13 +64,13 @@ pub enum ParseIssue {
     #[error("the root element must be <robot>")]
     NotARobot,
     /// A geom with contact bits whose type is unsupported; collision checks ignore it.
-    #[error("a {kind} is not among the shapes that count, so nothing is kept from it")]
+    #[error("unsupported collision shape `{kind}`: ignored in collision checks")]
     NoShape {
         /// `type` of the geom.
         kind: &'static str,
     },
     /// A geom pair that collision checks ignore.
-    #[error("the pair is not kept apart: {why}")]
+    #[error("the pair is ignored in collision checks: {why}")]
     PairNotKept {
         /// Reason in words.
         why: &'static str,
@@ -125,14 +125,14 @@ pub enum ParseIssue {
     /// A revolute or prismatic joint without limits.
     #[error(
         "a {kind} joint needs <limit>{}",
-        if *kind == "revolute" { "; one that turns without end is `continuous`" } else { "" }
+        if *kind == "revolute" { "; type `continuous` has none" } else { "" }
     )]
     NoLimits {
         /// `revolute` or `prismatic`.
         kind: &'static str,
     },
     /// A `<geometry>` without a shape of the standard.
-    #[error("<geometry> holds none of box, cylinder, capsule, sphere, mesh")]
+    #[error("<geometry> must contain one of box, cylinder, capsule, sphere, mesh")]
     UnknownShape,
     /// The lower limit is above the upper limit.
     #[error("lower limit {lower} is above upper limit {upper}")]
@@ -143,7 +143,7 @@ pub enum ParseIssue {
         upper: f64,
     },
     /// An axis of zero length.
-    #[error("the axis is zero and has no direction")]
+    #[error("the axis is zero; it must have a direction")]
     NoDirection,
     /// A `quat_xyzw` that is zero, given together with `rpy`, or in a file older than URDF 1.1.
     #[error("attribute `quat_xyzw` {problem}")]
@@ -161,7 +161,7 @@ pub enum ParseIssue {
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
     /// A link is the child of two joints.
-    #[error("its child link `{link}` already hangs on joint `{other}`")]
+    #[error("its child link `{link}` is already the child of joint `{other}`")]
     TwoParents {
         /// Name of the link.
         link: String,
@@ -169,7 +169,7 @@ pub enum ParseIssue {
         other: String,
     },
     /// Joints form a cycle.
-    #[error("the joint is part of a ring: following parents from it comes back to it")]
+    #[error("the joint is part of a cycle; links and joints must form a tree")]
     Cycle,
     /// Several links have no parent joint.
     #[error("links {} all have no parent joint; a robot has one root", roots.join(", "))]
@@ -205,13 +205,13 @@ pub enum ParseIssue {
         first_line: u32,
     },
     /// A file is included twice, or by itself.
-    #[error("`{file}` is included already; a file may be once")]
+    #[error("`{file}` is included already; a file may be included once")]
     IncludedTwice {
         /// Path of the file.
         file: String,
     },
     /// Elements or includes are nested too deeply.
-    #[error("it is nested more than {limit} deep")]
+    #[error("nested more than {limit} levels deep")]
     TooDeep {
         /// Largest nesting depth.
         limit: usize,
@@ -220,7 +220,7 @@ pub enum ParseIssue {
     #[error("more than one of quat, axisangle, xyaxes, zaxis, euler is given")]
     SeveralOrientations,
     /// A direction or a rotation has length zero.
-    #[error("attribute `{attribute}` is of length zero and says no direction")]
+    #[error("attribute `{attribute}` has length zero; it must have a direction")]
     ZeroLength {
         /// Name of the attribute.
         attribute: &'static str,
@@ -234,34 +234,34 @@ pub enum ParseIssue {
         value: f64,
     },
     /// `range` without `limited` in a file with `autolimits="false"`.
-    #[error("`range` is given without `limited`, and the file says autolimits=\"false\"")]
+    #[error("`range` needs `limited` in a file with autolimits=\"false\"")]
     UnsaidLimits,
     /// `range` of a ball joint is not 0 and an angle above 0.
-    #[error("a ball's range must be 0 and an angle above 0")]
+    #[error("the range of a ball joint must be 0 and an angle above 0")]
     BadBallRange,
     /// A free joint is not the only joint of its body, or its body is no child of the world.
-    #[error("a free joint must be the only one of a body, and the body stand in the world")]
+    #[error("a free joint must be the only joint of its body, and the body a child of the world")]
     MisplacedFreeJoint,
     /// An unsupported element that creates bodies or joints.
-    #[error("<{element}> is not read: write out what it stands for")]
+    #[error("<{element}> is not supported: replace it by elements that are")]
     UnsupportedElement {
         /// Name of the element.
         element: String,
     },
     /// An equality is not y = offset + ratio · x between two hinge or slide joints.
-    #[error("it is no linear relation between two joints that turn about or slide along one axis")]
+    #[error("it must be a linear relation between two hinge or slide joints")]
     NotLinear,
     /// A loop connects to a mocap body.
-    #[error("it holds a body to a mocap body, which a program moves: ask for that by a task")]
+    #[error("it connects a body to a mocap body: use a task instead")]
     HeldFromOutside,
     /// An equality would couple a joint to two sources, or to itself.
-    #[error("joint `{joint}` already follows another, or this one follows it")]
+    #[error("joint `{joint}` already has a source joint, or would form a mimic cycle")]
     FollowsAlready {
         /// Name of the joint.
         joint: String,
     },
     /// An equality locks a joint at a value outside its range, radians or metres.
-    #[error("joint `{joint}` should stand at {value}, outside its range from {lower} to {upper}")]
+    #[error("joint `{joint}`: locked position {value} is outside [{lower}, {upper}]")]
     StandsOutside {
         /// Name of the joint.
         joint: String,
@@ -279,13 +279,13 @@ pub enum ParseIssue {
         group: String,
     },
     /// A group contains itself.
-    #[error("group `{group}` is within itself")]
+    #[error("group `{group}` contains itself")]
     GroupWithinItself {
         /// Name of the group.
         group: String,
     },
     /// A mesh has both `refquat` and a non-uniform scale, which no placement represents.
-    #[error("the mesh's refquat and an uneven scale do not go together")]
+    #[error("a mesh with refquat must have a uniform scale")]
     UnsupportedMesh,
 }
 

@@ -135,15 +135,15 @@ impl fmt::Display for RepairKind {
             Self::LeftOut(fault) => write!(f, "left out: {fault}"),
             Self::MassLeftToMeshes(MissingInertia::Mass) => write!(
                 f,
-                "its mass is that of a mesh, whose file is not opened, and not known; `inertial` would state it"
+                "the mass depends on a mesh file, which is not opened: unknown without `inertial`"
             ),
             Self::MassLeftToMeshes(MissingInertia::Centre { mass }) => write!(
                 f,
-                "its {mass} kg are a mesh's, whose file is not opened, so their centre is not known; `inertial` would state it"
+                "the centre of its {mass} kg depends on a mesh file, which is not opened: unknown without `inertial`"
             ),
             Self::StopsNothing { angle } => write!(
                 f,
-                "its range ends at {angle} rad, beyond half a turn, farther than which nothing is turned: no limit"
+                "the range ends at {angle} rad, beyond half a turn, the largest rotation: no limit"
             ),
             Self::MimicBeyondRange {
                 joint,
@@ -156,12 +156,9 @@ impl fmt::Display for RepairKind {
                 values.lower, values.upper, range.lower, range.upper
             ),
             Self::Unlimited { attribute } => write!(f, "`{attribute}` is infinite: no limit"),
-            Self::MacroCallLeftOut => write!(
-                f,
-                "a call of a macro that the file does not define: left out"
-            ),
+            Self::MacroCallLeftOut => write!(f, "call of an undefined macro: left out"),
             Self::WorldAdded => write!(f, "link `world` is not declared: added, as Drake does"),
-            Self::HeldAtZero => write!(f, "there is no <limit>: the joint is held at 0"),
+            Self::HeldAtZero => write!(f, "there is no <limit>: the joint is locked at 0"),
             Self::LimitsExchanged { lower, upper } => {
                 write!(f, "limits out of order, taken as {lower} to {upper}")
             }
@@ -169,14 +166,14 @@ impl fmt::Display for RepairKind {
                 write!(f, "<{child}> is given more than once; the first counts")
             }
             Self::CommasAreBlanks { attribute } => {
-                write!(f, "commas in `{attribute}` are taken as blanks")
+                write!(f, "commas in `{attribute}` are read as spaces")
             }
             Self::Named { name } => write!(f, "there is no name; the robot is called `{name}`"),
-            Self::DeclarationRemoved => write!(f, "it is not at the start, and is not looked at"),
+            Self::DeclarationRemoved => write!(f, "it is not at the start of the file: ignored"),
             Self::PrefixDeclared { prefix } => {
                 write!(
                     f,
-                    "prefix `{prefix}` is declared nowhere; its elements are extensions"
+                    "prefix `{prefix}` is not declared; its elements are extensions"
                 )
             }
         }

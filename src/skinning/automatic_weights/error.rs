@@ -7,19 +7,19 @@ use crate::skinning::WeightsError;
 #[non_exhaustive]
 pub enum AutomaticWeightsError {
     /// The skeleton has no bones.
-    #[error("there are no bones to follow")]
+    #[error("there are no bones")]
     NoBones,
     /// The falloff is not a finite number above 0.
-    #[error("a falloff of {0} is not a finite number above 0")]
+    #[error("falloff {0}: it must be finite and above 0")]
     Falloff(f64),
     /// The heat factor is not a finite number above 0.
-    #[error("a heat of {0} is not a finite number above 0")]
+    #[error("heat {0}: it must be finite and above 0")]
     Heat(f64),
     /// The largest number of influences is 0.
     #[error("a vertex must keep at least one influence")]
     NoInfluences,
     /// An end of a bone is NaN or infinite.
-    #[error("bone {bone}: an end of it is not finite")]
+    #[error("bone {bone}: an end is not finite")]
     NonFiniteBone {
         /// Index of the bone, from 0.
         bone: usize,

@@ -19,7 +19,7 @@ pub enum MorphError {
         vertices: usize,
     },
     /// The vertices are not strictly ascending.
-    #[error("target `{target}`: vertex {vertex} does not come after the one before it")]
+    #[error("target `{target}`: vertex {vertex} is out of order; vertices must increase")]
     Order {
         /// Name of the target.
         target: String,

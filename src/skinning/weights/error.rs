@@ -69,7 +69,7 @@ pub enum WeightsError {
     /// A vertex has too many influences for packed weights. [`SkinWeights::pruned`](super::SkinWeights::pruned) removes
     /// the smallest and returns the loss.
     #[error(
-        "vertex {vertex}: {influences} influences, where there is room for 4; prune them first"
+        "vertex {vertex}: {influences} influences; packed weights have at most 4 (prune them first)"
     )]
     TooManyInfluences {
         /// Index of the vertex, from 0.
@@ -81,7 +81,7 @@ pub enum WeightsError {
     #[error("a vertex must keep at least one influence")]
     NoneKept,
     /// Packed weights store bone indices in 16 bits.
-    #[error("{bones} bones, where packed weights have numbers for 65536")]
+    #[error("{bones} bones; packed weights have at most 65536")]
     TooManyBones {
         /// Number of bones.
         bones: usize,

@@ -1,35 +1,35 @@
-//! Bones that are no limb.
+//! Errors of limb definitions.
 
-/// Bones that are no limb.
+/// Error of a limb definition.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LimbError {
     /// A bone of another armature.
-    #[error("bone {bone} does not exist; the armature has {bones}")]
+    #[error("bone {bone} does not exist; the armature has {bones} bones")]
     UnknownBone {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// How many bones there are.
+        /// Number of bones.
         bones: usize,
     },
-    /// The lower bone does not hang on the upper one, or the end not on the lower one.
-    #[error("bone `{lower}` does not hang on bone `{upper}`")]
+    /// The lower bone is not a descendant of the upper one, or the end not one of the lower bone.
+    #[error("bone `{lower}` must be a descendant of bone `{upper}`")]
     NotAbove {
-        /// The lower bone.
+        /// Name of the lower bone.
         lower: String,
-        /// The upper bone.
+        /// Name of the upper bone.
         upper: String,
     },
-    /// An end that is not finite.
-    #[error("the end of the limb is not finite")]
+    /// An end point that is not finite.
+    #[error("the end of the limb must be finite")]
     BadEnd,
-    /// A hinge without a direction.
-    #[error("the hinge's axis is not finite or has no length")]
+    /// A hinge axis that is not finite or zero.
+    #[error("the hinge axis must be finite and not zero")]
     BadHinge,
-    /// A share of the limb's length that is none.
-    #[error("{share} is no share of the limb's length within [0, 1]")]
+    /// A softening fraction outside [0, 1].
+    #[error("the softening {share} is outside [0, 1]")]
     BadSoftening {
-        /// The share.
+        /// The fraction given.
         share: f32,
     },
 }

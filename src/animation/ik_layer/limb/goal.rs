@@ -1,8 +1,8 @@
-//! What the end of a limb should do.
+//! Goals of limbs.
 
 use glam::{Quat, Vec3A};
 
-/// What the end of a limb should do this frame.
+/// Goal of a limb's end for one frame.
 ///
 /// ```
 /// # use glam::Vec3A;
@@ -16,47 +16,46 @@ use glam::{Quat, Vec3A};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimbGoal {
-    /// Where the end should be, in model coordinates.
+    /// Target of the end, in model coordinates.
     pub target: Vec3A,
-    /// The point towards which the elbow or knee goes, in model coordinates; `None` keeps the side
-    /// that the pose has.
+    /// Pole: point towards which the elbow or knee bends, in model coordinates. `None` keeps the bend direction of the
+    /// pose.
     pub pole: Option<Vec3A>,
-    /// How far the limb turns about the way from its root to the target besides, in radians,
-    /// counter-clockwise as seen from the target. A number that is not finite counts as 0.
+    /// Additional rotation about the line from root to target, radians, counter-clockwise as seen from the target. A
+    /// number that is not finite counts as 0.
     pub twist: f32,
-    /// From 0, the pose as it is, to 1, the end at the target: the end goes this share of the way.
-    /// Taken into [0, 1]; NaN counts as 0.
+    /// Fraction of the motion to the target: 0 leaves the pose, 1 puts the end at the target. Clamped to [0, 1]; NaN
+    /// counts as 0.
     pub weight: f32,
-    /// How the bone at the end is turned, for a limb [to a bone](super::Limb::to_bone); a limb that
-    /// ends in a point has none to turn.
+    /// Rotation of the end bone of a limb [to a bone](super::Limb::to_bone); ignored for a limb that ends in a point.
     pub end: EndRotation,
 }
 
-/// How the bone at the end of a limb is turned: the hand, the foot. Weights go from 0, as the lower
-/// bone takes it along, to 1, the rotation named, by the shortest arc; they are taken into [0, 1], NaN
-/// counts as 0, and they are apart from the weight of the position.
+/// Rotation of the bone at the end of a limb: hand or foot. Weight 0 moves it with the lower bone, weight 1 gives the
+/// specified rotation, by the shortest arc. Weights are clamped to [0, 1], NaN counts as 0, and they are independent of
+/// the position weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum EndRotation {
-    /// The lower bone takes it along.
+    /// Moves with the lower bone.
     #[default]
     Follow,
-    /// As it was in the model before the limb moved.
+    /// Keeps the rotation in the model from before the solve.
     Hold {
-        /// How much.
+        /// Weight within [0, 1].
         weight: f32,
     },
-    /// As asked.
+    /// Takes a given rotation.
     Goal {
-        /// In model coordinates, of any length; one that is not finite or zero changes nothing.
+        /// Rotation in model coordinates, of any length; ignored if zero or not finite.
         rotation: Quat,
-        /// How much.
+        /// Weight within [0, 1].
         weight: f32,
     },
 }
 
 impl LimbGoal {
-    /// The end at a point in model coordinates, with weight 1, and nothing else asked.
+    /// Goal at a point in model coordinates, with weight 1 and defaults otherwise.
     #[must_use]
     pub fn at(target: impl Into<Vec3A>) -> Self {
         let target = target.into();

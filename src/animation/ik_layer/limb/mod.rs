@@ -1,4 +1,4 @@
-//! A limb of two bones whose end is brought to a point, in closed form.
+//! Two-bone IK of limbs, in closed form.
 
 mod error;
 mod goal;
@@ -13,8 +13,8 @@ use glam::Vec3A;
 use crate::animation::Armature;
 use crate::skeleton::BoneId;
 
-/// A thigh and a shin, an upper arm and a forearm: two bones of an armature and the point that
-/// should go somewhere. Bones between the two turn with the upper one.
+/// Two bones and an end point to be moved to a target: thigh and shin, or upper arm and forearm. Bones between the two
+/// rotate with the upper one.
 ///
 /// ```
 /// use glam::{Affine3A, Vec3A};
@@ -41,7 +41,7 @@ use crate::skeleton::BoneId;
 /// let mut model = vec![Affine3A::IDENTITY; 3];
 /// armature.local_to_model(&pose, &mut model)?;
 /// assert!(model[2].translation.abs_diff_eq(Vec3A::Y * 0.3, 1e-6));
-/// // From a straight leg, a positive turn about the hinge: the knee goes forwards, along +z.
+/// The positive rotation about the hinge moves the knee forwards, along +z.
 /// assert!(model[1].translation.z > 0.3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -58,15 +58,15 @@ pub struct Limb {
 enum End {
     /// In the lower bone's coordinates.
     Point(Vec3A),
-    /// The origin of a bone.
+    /// Origin of a bone.
     Bone(BoneId),
 }
 
 impl Limb {
-    /// The limb of two bones and its end, a point in the lower bone's coordinates: the tip of a bone
-    /// that none hangs on.
+    /// Limb that ends in a point in the lower bone's coordinates, such as the tip of a leaf bone.
     ///
     /// # Errors
+    /// A [`LimbError`].
     /// A [`LimbError`].
     pub fn new(
         armature: &Armature,
@@ -80,10 +80,11 @@ impl Limb {
         Self::checked(armature, [upper, lower], End::Point(end))
     }
 
-    /// The limb of two bones that ends where a third one starts, a hand or a foot, wherever the pose
-    /// has that. Goals may say how it is turned.
+    /// Limb that ends at the origin of a third bone, a hand or foot, with its position in the pose. Goals can set the
+    /// rotation of that bone.
     ///
     /// # Errors
+    /// A [`LimbError`].
     /// A [`LimbError`].
     pub fn to_bone(
         armature: &Armature,
@@ -110,11 +111,12 @@ impl Limb {
         })
     }
 
-    /// The axis about which the elbow or knee bends, in the lower bone's coordinates: a positive turn
-    /// bends it the way it may. It says where a stretched limb bends, and a limb that the pose bends
-    /// otherwise comes back to its hinge by the goal's weight.
+    /// Sets the hinge axis of the elbow or knee, in the lower bone's coordinates. A positive rotation bends the joint
+    /// in its allowed direction. A straight limb bends about the hinge. A limb that the pose bends about another axis
+    /// is rotated to its hinge by the goal's weight.
     ///
     /// # Errors
+    /// The axis is not finite or zero.
     /// An axis that is not finite or has no length.
     pub fn with_hinge(mut self, axis: impl Into<Vec3A>) -> Result<Self, LimbError> {
         let axis = axis.into();
@@ -122,13 +124,13 @@ impl Limb {
         Ok(self)
     }
 
-    /// Slows the limb's end down as the limb is nearly stretched, so that the elbow or knee does not
-    /// snap: beyond the share s of the limb's length ℓ, a target at distance d from the root counts as
-    /// one at sℓ + (1 − s)ℓ (1 − e^(−(d − sℓ)/((1 − s)ℓ))), which never comes to ℓ. Some 0.95 to 0.98
-    /// do; 1, as without this, is not softened at all.
+    /// Softens the motion of the end as the limb becomes straight, so that the elbow or knee does not snap. With
+    /// fraction s and limb length ℓ, targets at a distance d above sℓ from the root are pulled in. They count as sℓ +
+    /// (1 − s)ℓ (1 − e^(−(d − sℓ)/((1 − s)ℓ))), which is always below ℓ. Usual values are 0.95 to 0.98; the default 1
+    /// disables softening.
     ///
     /// # Errors
-    /// A share that is not within [0, 1].
+    /// The fraction is outside [0, 1].
     pub fn with_softening(mut self, share: f32) -> Result<Self, LimbError> {
         if !(0.0..=1.0).contains(&share) {
             return Err(LimbError::BadSoftening { share });
@@ -138,7 +140,7 @@ impl Limb {
     }
 }
 
-/// Checks that a bone hangs on another one, directly or not.
+/// Checks that a bone is a descendant of another.
 fn hangs(armature: &Armature, lower: BoneId, upper: BoneId) -> Result<(), LimbError> {
     let bones = armature.bones();
     let name = |bone: BoneId| {

@@ -1,23 +1,25 @@
-//! The plane in which a limb bends, and where it goes as the limb's end moves.
+//! Plane in which a limb bends.
 
 use glam::Vec3A;
 
 use crate::scalar::elementary::single;
 
-/// The plane of a limb by unit vectors at right angles.
+/// Plane of a limb, by orthogonal unit vectors.
 #[derive(Clone, Copy)]
 pub(super) struct Plane {
     /// From the root to the end.
     along: Vec3A,
-    /// At a right angle to the plane: `along` × the side on which the middle is.
+    /// Normal of the plane: `along` × direction to the middle joint.
     pub(super) normal: Vec3A,
 }
 
 impl Plane {
-    /// The plane of a limb (the way from its root to its end, and to its middle), and the angle by which
-    /// the limb is out of it, radians within [−π, π] about the way. It is the plane of the hinge's
-    /// axis (a positive turn about it bends the limb), or without one the plane that the limb is in. A
-    /// stretched limb without a hinge bends towards the pole (as seen from the root), or anywhere.
+    /// Plane of a limb from the vectors root to end and root to middle. The angle is the limb's deviation from the
+    /// plane, radians within [−π, π] about the root-end line.
+    ///
+    /// The plane is perpendicular to the hinge axis, a positive rotation about which bends the limb. Without a hinge it
+    /// is the plane of the limb itself. A straight limb without a hinge bends towards the pole, as seen from the root,
+    /// or in an arbitrary direction.
     pub(super) fn of(
         way: Vec3A,
         middle: Vec3A,
@@ -43,18 +45,18 @@ impl Plane {
         (plane, off)
     }
 
-    /// The side on which the middle is.
+    /// Direction to the middle joint.
     pub(super) fn side(&self) -> Vec3A {
         self.normal.cross(self.along)
     }
 
-    /// The same plane for another way to the end, turned by the shortest arc between the two: no
-    /// roll, and no flip wherever the end goes but straight back.
+    /// The plane moved to a new root-end vector by the shortest arc. This adds no roll, and is continuous except at a
+    /// reversal of the vector.
     pub(super) fn carried(self, way: Vec3A) -> Self {
         let Some(along) = way.try_normalize() else {
             return self;
         };
-        // Rodrigues' formula for v at a right angle to a, from a to b: v − (a + b) (b·v) / (1 + a·b).
+        // Rodrigues' formula for v perpendicular to a, rotated from a to b: v − (a + b) (b·v) / (1 + a·b).
         let cosine = self.along.dot(along);
         let rise = along.dot(self.normal) / (1.0 + cosine).max(1e-6);
         let normal = self.normal - (self.along + along) * rise;
@@ -65,7 +67,7 @@ impl Plane {
         }
     }
 
-    /// The same plane turned about the way to the end by an angle in radians.
+    /// The plane rotated about the root-end line by an angle in radians.
     pub(super) fn turned(self, angle: f32) -> Self {
         if angle == 0.0 {
             return self;
@@ -77,8 +79,8 @@ impl Plane {
         }
     }
 
-    /// The plane through the same way to the end with the middle's side towards a pole as seen from the
-    /// root; the same plane for a pole on the way.
+    /// The plane through the root-end line with the middle joint towards a pole, as seen from the root. Unchanged if
+    /// the pole is on the line.
     pub(super) fn facing(self, pole: Vec3A) -> Self {
         Self {
             normal: across(self.along, pole).unwrap_or(self.normal),
@@ -86,9 +88,9 @@ impl Plane {
         }
     }
 
-    /// The angle about the way to the end, radians within [−π, π], to the plane facing a pole.
+    /// Angle about the root-end line to the plane that faces a pole, radians within [−π, π].
     pub(super) fn angle_to(&self, pole: Vec3A) -> f32 {
-        // No need for unit length.
+        // The normal need not have unit length.
         steep(self.along, pole).map_or(0.0, |normal| self.angle_between(normal))
     }
 
@@ -98,12 +100,12 @@ impl Plane {
     }
 }
 
-/// The direction of a × b; `None` where they are within a milliradian of one line.
+/// Direction of a × b; `None` if the vectors are within a milliradian of parallel.
 fn across(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
     steep(a, b)?.try_normalize()
 }
 
-/// a × b; `None` where they are within a milliradian of one line.
+/// a × b; `None` if the vectors are within a milliradian of parallel.
 fn steep(a: Vec3A, b: Vec3A) -> Option<Vec3A> {
     let across = a.cross(b);
     let flat = 1e-6 * a.length_squared() * b.length_squared();

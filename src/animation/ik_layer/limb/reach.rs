@@ -1,4 +1,4 @@
-//! The turns that bring a limb to its goal.
+//! Solution of a limb for a goal.
 
 use glam::{Mat3A, Quat, Vec3A};
 
@@ -13,10 +13,10 @@ use crate::geometric::triangle;
 use crate::scalar::elementary::single;
 use crate::spatial::Vector3;
 
-/// Distance of the end from its target that single precision holds, as a share of the limb's length.
+/// Distance of the end from its target at single precision, as a fraction of the limb's length.
 const CONVERGED: f64 = 3e-7;
 
-/// A limb as a pose has it, in the model: its bones, what they hang on, and its points.
+/// Limb of a pose in the model: its bones, their parents and its points.
 struct Standing {
     above: Placed,
     upper: Placed,
@@ -28,7 +28,7 @@ struct Standing {
 }
 
 impl Standing {
-    /// Whether the two bones are long and short enough for a point.
+    /// True if the limb's bone lengths allow its end to be at a point.
     fn reaches(&self, point: Vec3A) -> bool {
         let lengths = [self.root.distance(self.mid), self.mid.distance(self.end)];
         let distance = self.root.distance(point);
@@ -37,13 +37,13 @@ impl Standing {
 }
 
 impl Limb {
-    /// Turns the two bones of a pose so that the end goes its weight's share of the way to the
-    /// target, or as near as the bones reach (the law of cosines). The plane of the limb turns as a
-    /// whole, by the shortest arc to the target and then towards the pole, so a hinge stays a hinge.
-    /// Then the bone at the end is turned. A target that is not finite leaves the two bones alone.
+    /// Rotates the two bones so that the end moves towards the target by the goal's weight, or to the closest reachable
+    /// point (law of cosines). The plane of the limb rotates rigidly, by the shortest arc to the target and then
+    /// towards the pole, so a hinge remains a hinge. The bone at the end is rotated last. A target that is not finite
+    /// leaves the two bones unchanged.
     ///
-    /// Uneven scales shear the bones that turn below them. The limb is then turned again until its end is where unsheared
-    /// bones would have it, or as near as that converges.
+    /// Uneven scales shear the bones that rotate below them. The limb is then corrected until its end is at the
+    /// position of an unsheared limb, as far as this converges.
     ///
     /// # Errors
     /// The pose is of another armature.
@@ -88,7 +88,7 @@ impl Limb {
         Ok(())
     }
 
-    /// Turns the two bones of a pose in the model.
+    /// Rotates the two bones of a pose in the model.
     fn turn(&self, pose: &mut Pose, standing: &Standing, [upper_turn, lower_turn]: [Quat; 2]) {
         let parent_from_model = standing.above.rotation.conjugate();
         let rotation = parent_from_model * upper_turn * standing.upper.rotation;
@@ -102,8 +102,8 @@ impl Limb {
         );
     }
 
-    /// Turns a sheared limb until its end is at a point, as near as that converges. Returns the rotation of the lower bone
-    /// in the model.
+    /// Corrects a sheared limb until its end is at a point, as far as this converges. Returns the rotation of the lower
+    /// bone in the model.
     fn correct(&self, armature: &Armature, pose: &mut Pose, target: Vec3A) -> Quat {
         let mut lower_turn = Quat::IDENTITY;
         let mut standing = self.standing(armature, pose);
@@ -156,7 +156,7 @@ impl Limb {
         }
     }
 
-    /// Where the end should be: its weight's share of the way to the softened target.
+    /// Position of the end: moved by the weight towards the softened target.
     fn end_target(&self, standing: &Standing, goal: &LimbGoal, weight: f32) -> Vec3A {
         let &Standing { root, mid, end, .. } = standing;
         let lengths = [mid - root, end - mid].map(Vec3A::length);
@@ -164,8 +164,8 @@ impl Limb {
         end + (wanted - end) * weight
     }
 
-    /// Rotations of the two bones in the model that bring the end to `target`; `None` where a bone without length has
-    /// nowhere to point. The pole, the twist and the hinge of `goal` count by `weight`.
+    /// Rotations of the two bones in the model that bring the end to `target`; `None` if a bone has zero length.
+    /// `weight` scales the pole, twist and hinge of `goal`.
     fn turns(
         &self,
         standing: &Standing,
@@ -179,7 +179,7 @@ impl Limb {
         let pole = goal.pole.filter(|pole| pole.is_finite());
         let pole = pole.map(|pole| pole - root);
 
-        // Roll is measured from the hinge where there is one; the plane itself may be off it.
+        // Roll is measured from the hinge if there is one; the plane itself may deviate from it.
         let hinge = self.hinge.map(|axis| {
             let axis = standing.above_lower.mirror.axis(axis.as_dvec3());
             standing.lower.rotation * axis.as_vec3a()
@@ -205,8 +205,8 @@ impl Limb {
             .map(<[Quat; 2]>::from)
     }
 
-    /// The way to a target, shortened where it nearly stretches a limb of this length (Nicholas, "Soft
-    /// IK": an exponential that leaves the straight line without a kink).
+    /// Vector to a target, shortened if it nearly stretches a limb of this length. Nicholas, "Soft IK": an exponential
+    /// that joins the straight line smoothly.
     fn softened(&self, way: Vec3A, length: f32) -> Vec3A {
         let start = self.softened_from * length;
         let [room, distance] = [length - start, way.length()];
@@ -217,8 +217,8 @@ impl Limb {
     }
 }
 
-/// The rotation asked for (`None` for the one from before) and how much of it; `None` where there is
-/// nothing to do.
+/// Target rotation of the end bone and its weight; `None` if the rotation does not change. The inner rotation is `None`
+/// for the one before the solve.
 fn wanted_rotation(end: EndRotation) -> Option<(Option<Quat>, f32)> {
     let (rotation, weight) = match end {
         EndRotation::Follow => return None,
@@ -232,14 +232,14 @@ fn wanted_rotation(end: EndRotation) -> Option<(Option<Quat>, f32)> {
     (weight > 0.0).then_some((rotation, weight))
 }
 
-/// Axes along a direction in a plane; `None` for a direction without length.
+/// Axes along a direction in a plane; `None` for a zero direction.
 fn frame(along: Vec3A, normal: Vec3A) -> Option<Mat3A> {
     let x = along.try_normalize()?;
     let z = (normal - x * normal.dot(x)).try_normalize()?;
     Some(Mat3A::from_cols(x, z.cross(x), z))
 }
 
-/// The rotation that takes axes to others.
+/// Rotation between two sets of axes.
 fn between(from: Option<Mat3A>, to: Option<Mat3A>) -> Option<Quat> {
     Some(Quat::from_mat3a(&(to? * from?.transpose())))
 }

@@ -1,4 +1,4 @@
-//! A state machine as data, as it stands in a JSON file.
+//! Definition of a state machine, as read from JSON.
 
 mod state;
 mod transition;
@@ -12,7 +12,7 @@ use std::fmt;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// States that play clips or blends of them, and what leads from one to another.
+/// States that play clips or blends, and the transitions between them.
 ///
 /// ```
 /// # use kinopt::animation::StateMachineDefinition;
@@ -42,19 +42,19 @@ use serde::{Deserialize, Deserializer, Serialize};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct StateMachineDefinition {
-    /// Named values that conditions look at, and what they are at first.
+    /// Named parameters of conditions, with default values.
     #[serde(default, deserialize_with = "each_once")]
     pub parameters: BTreeMap<String, ParameterDefault>,
-    /// The name of the state to start in.
+    /// Name of the initial state.
     pub initial: String,
-    /// At least one.
+    /// States, at least one.
     pub states: Vec<StateDefinition>,
-    /// In order of precedence.
+    /// Transitions, in order of precedence.
     #[serde(default)]
     pub transitions: Vec<TransitionDefinition>,
 }
 
-/// What kind of value a parameter has, and what it is at first.
+/// Kind and default value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(
     untagged,
@@ -62,16 +62,16 @@ pub struct StateMachineDefinition {
 )]
 #[non_exhaustive]
 pub enum ParameterDefault {
-    /// A flag: `true` or `false`.
+    /// Flag: `true` or `false`.
     Flag(bool),
-    /// A number.
+    /// Number.
     Number(f32),
     /// `"trigger"`: set by an event, cleared by the transition that it causes.
     Trigger(TriggerWord),
 }
 
 impl ParameterDefault {
-    /// What kind of value it is, in words.
+    /// Name of the kind, for messages.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Flag(_) => "flag",
@@ -89,7 +89,7 @@ pub enum TriggerWord {
     Trigger,
 }
 
-/// A map in which a name that is given twice is an error, not the last one's.
+/// Map in which a repeated name is an error.
 fn each_once<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<BTreeMap<String, ParameterDefault>, D::Error> {

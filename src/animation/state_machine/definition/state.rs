@@ -1,43 +1,44 @@
-//! What plays in a state, as data.
+//! Definition of a state.
 
 use serde::{Deserialize, Serialize};
 
 use crate::animation::Playback;
 
-/// What plays while the machine is in a state.
+/// State of a machine: name, clips and playback.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "StateData", into = "StateData")]
 pub struct StateDefinition {
     /// Unique within the machine.
     pub name: String,
-    /// A clip, or several.
+    /// A clip or a blend of clips.
     pub motion: MotionDefinition,
-    /// What happens at the clips' ends; they loop unless this says otherwise.
+    /// Playback mode of the clips; the default is loop.
     pub playback: Playback,
-    /// How many seconds of the clips pass in a second; negative plays backwards.
+    /// Clip seconds per second; negative plays backwards.
     pub speed: f64,
 }
 
-/// One clip, or several between which a number chooses.
+/// One clip, or clips blended by a parameter.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MotionDefinition {
-    /// The name of a clip: in JSON, `clip`.
+    /// Name of a clip; `clip` in JSON.
     Clip(String),
-    /// In JSON, `blend`.
+    /// Blend of clips; `blend` in JSON.
     Blend(BlendDefinition),
 }
 
-/// Clips along a number: walking and running by speed. Between two clips' numbers the pose is the
-/// cross-fade of theirs by the share of the way; beyond the ends it is the end's. The clips keep step:
-/// all are at the same share of their length, which passes in the mean of the lengths by those shares
-/// (clips that last no time, mere poses, do not count).
+/// One-dimensional blend of clips by a number, such as walking and running by speed. The pose is a cross-fade of the
+/// two clips whose numbers enclose the parameter. Outside the range it is that of the end clip.
+///
+/// The clips are synchronised: all are at the same fraction of their duration. The cycle takes the weighted mean of
+/// their durations; clips of zero duration do not count.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlendDefinition {
-    /// The name of a parameter that is a number.
+    /// Name of a number parameter.
     pub parameter: String,
-    /// At least one, by rising numbers.
+    /// Clips in increasing order of `at`; at least one.
     pub clips: Vec<BlendClip>,
 }
 
@@ -45,13 +46,13 @@ pub struct BlendDefinition {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlendClip {
-    /// The number at which it plays alone.
+    /// Parameter value at which the clip plays alone.
     pub at: f32,
-    /// The name of the clip.
+    /// Name of the clip.
     pub clip: String,
 }
 
-/// A state as it stands in a file.
+/// State in the file format.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct StateData {

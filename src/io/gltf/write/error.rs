@@ -19,7 +19,7 @@ pub enum UnwritableScene {
         problem: SizeMismatch,
     },
     /// The file already has a clip of the name.
-    #[error("the file has a clip `{clip}` already; names taken are {}", clips.join(", "))]
+    #[error("clip name `{clip}` is used already; used names: {}", clips.join(", "))]
     ClipNameTaken {
         /// Name of the clip.
         clip: String,
@@ -27,7 +27,7 @@ pub enum UnwritableScene {
         clips: Vec<String>,
     },
     /// A pose belongs to another armature.
-    #[error("the pose is not the file's: {0}")]
+    #[error("the pose does not fit the file's armature: {0}")]
     Pose(#[from] SizeMismatch),
     /// A mesh has no vertices or no triangles, which glTF does not allow.
     #[error("mesh `{mesh}`: there are no {what}")]
@@ -38,13 +38,13 @@ pub enum UnwritableScene {
         what: &'static str,
     },
     /// Two meshes are on one bone, which glTF does not allow.
-    #[error("bone `{bone}` has two meshes; join them, or give one a bone of its own")]
+    #[error("bone `{bone}` has two meshes; a bone has at most one")]
     TwoMeshes {
         /// Name of the bone.
         bone: String,
     },
     /// A skin has more than 65536 joints; joint indices have 16 bits.
-    #[error("mesh `{mesh}`: {joints} joints, where there are numbers for 65536")]
+    #[error("mesh `{mesh}`: {joints} joints; a skin has at most 65536")]
     TooManyJoints {
         /// Name of the mesh.
         mesh: String,
@@ -52,19 +52,19 @@ pub enum UnwritableScene {
         joints: usize,
     },
     /// The number of keys per second is not a finite number above 0.
-    #[error("{0} keys a second; it must be a finite number above 0")]
+    #[error("sample rate {0} keys/s: it must be a finite number above 0")]
     BadRate(f32),
     /// The up axis is zero or not finite.
-    #[error("the axis up, {0:?}, is not finite or has no direction")]
+    #[error("up axis {0:?}: it must be finite and not zero")]
     BadUp([f32; 3]),
     /// A curve would need too many keys.
-    #[error("a curve would take {samples} keys; ask for fewer a second")]
+    #[error("a curve would have {samples} keys, which is too many; reduce the sample rate")]
     TooManySamples {
         /// Number of keys.
         samples: f64,
     },
     /// The file exceeds 4 GiB, as GLB counts bytes with 32 bits.
-    #[error("the file would take {bytes} bytes, beyond the 4 GiB that GLB can have")]
+    #[error("the file would have {bytes} bytes; GLB allows at most 4 GiB")]
     TooLong {
         /// Size in bytes.
         bytes: usize,
