@@ -64,7 +64,7 @@ def test_a_curve_a_ground_and_a_travel(wave: tuple[kinopt.Skeleton, Clip]) -> No
     np.testing.assert_allclose(
         [stance.place for stance in same.stances], [stance.place for stance in high.stances], atol=1e-6
     )
-    gone = clip.with_ik(plant=["left_hand"], travel=(0.2, 0, 0), **given)  # type: ignore[arg-type]
+    gone = clip.with_ik(plant=["left_hand"], root_velocity=(0.2, 0, 0), **given)  # type: ignore[arg-type]
     pelvis = gone.clip.armature.model_from_bone(gone.clip.sample(3.0), "pelvis")
     start = clip.armature.model_from_bone(clip.sample(3.0), "pelvis")
     assert pelvis[0, 3] - start[0, 3] == pytest.approx(0.6, abs=0.2)

@@ -154,7 +154,7 @@ fn walk_on_the_spot_travels_with_its_feet() {
     assert!(speed.distance(Vec3::new(0.0, 0.0, SPEED)) < 0.1, "{speed}");
     let travel = Vec3::new(0.0, 0.0, SPEED);
     let edited = planted(&armature)
-        .with_travel(travel)
+        .with_root_velocity(travel)
         .solve(&on_the_spot)
         .unwrap();
     let same = planted(&armature).solve(&walk(&armature, true)).unwrap();
@@ -303,7 +303,7 @@ fn invalid_clip_ik_is_named() {
     assert!(says(ik().with_reach(reach("hand").with_fade(f64::NAN))).contains("NaN"));
     assert!(says(ik().with_planted(id("foot.l")).with_keys_per_second(0.0)).contains("keys/s"));
     assert!(says(ik().with_planted(id("foot.l")).with_up(Vec3::ZERO)).contains("up axis"));
-    assert!(says(ik().with_reach(reach("hips")).with_travel(Vec3::X)).contains("root"));
+    assert!(says(ik().with_reach(reach("hips")).with_root_velocity(Vec3::X)).contains("root"));
     assert!(Reach::to(id("hand"), [f64::NAN, 0.0, 0.0]).is_err());
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();
     assert!(

@@ -33,7 +33,7 @@ fn reaching_figure_travels_before_and_after() {
         .unwrap()
         .with_span(0.9..=1.1);
     let edited = ClipIk::new(&armature)
-        .with_travel(travel)
+        .with_root_velocity(travel)
         .with_reach(reach)
         .solve(&stand)
         .unwrap();

@@ -95,7 +95,7 @@ fn feet() -> Value {
         for up in [Vec3::Y, Vec3::new(0.3, 2.0, 0.0)] {
             let speed = ground_speed(&armature, &steps, &feet, up, 30.0).unwrap();
             digest.singles(speed.to_array());
-            let travel = planted(&armature).with_travel(speed).with_up(up);
+            let travel = planted(&armature).with_root_velocity(speed).with_up(up);
             if both == [0, 1] && up != Vec3::Y {
                 add(&mut digest, &armature, travel.solve(&steps));
             }
@@ -275,8 +275,8 @@ fn refusals() -> Value {
         ik().with_planted(id("foot.l")).with_keys_per_second(0.0),
         ik().with_planted(id("foot.l")).with_keys_per_second(1e9),
         ik().with_planted(id("foot.l")).with_up(Vec3::ZERO),
-        ik().with_reach(reach("hips")).with_travel(Vec3::X),
-        ik().with_reach(reach("hand")).with_travel(Vec3::NAN),
+        ik().with_reach(reach("hips")).with_root_velocity(Vec3::X),
+        ik().with_reach(reach("hand")).with_root_velocity(Vec3::NAN),
         ik().with_planted(id("foot.l")).with_joints_of(&joints),
         ik().with_planted(id("foot.l"))
             .with_detection(bad.with_speed(-1.0)),

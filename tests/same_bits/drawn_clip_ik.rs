@@ -136,7 +136,7 @@ fn walks() -> Value {
             ik = ik.with_detection(detection(&mut random));
         }
         if at_times(&mut random, 0.3) {
-            ik = ik.with_travel([random.within(-0.2, 0.2), 0.0, random.within(-1.0, 1.0)]);
+            ik = ik.with_root_velocity([random.within(-0.2, 0.2), 0.0, random.within(-1.0, 1.0)]);
         }
         if at_times(&mut random, 0.4) {
             let [rise, tilt, step] = [(); 3].map(|()| random.within(-0.15, 0.15));

@@ -40,7 +40,7 @@ export interface ClipIkOptions {
     /** How many frames a second are solved, and keys made; 60 unless told. */
     keysPerSecond?: number;
     /** A clip on the spot travels by so much a second, or as its feet say. */
-    travel?: "feet" | Numbers;
+    rootVelocity?: "feet" | Numbers;
     /** What feet stand on. */
     ground?: World;
 }
@@ -93,7 +93,7 @@ impl Clip {
             "root",
             "up",
             "keysPerSecond",
-            "travel",
+            "rootVelocity",
             "ground",
         ];
         let asked = Given::new(asked.into(), "option of withIk", &KNOWN)?;
@@ -119,15 +119,15 @@ impl Clip {
         if let Some(root) = asked.text("root")? {
             ik = ik.with_root(bone(&root)?);
         }
-        if let Some(travel) = asked.get("travel") {
-            ik = ik.with_travel(match travel.as_string().as_deref() {
+        if let Some(travel) = asked.get("rootVelocity") {
+            ik = ik.with_root_velocity(match travel.as_string().as_deref() {
                 Some("feet") => ground_speed(armature, motion, &feet, up, rate).map_err(raise)?,
                 Some(word) => {
                     let message =
-                        format!("travel is \"{word}\": \"feet\" or three numbers a second");
+                        format!("rootVelocity is \"{word}\": \"feet\" or three numbers a second");
                     return Err(JsError::new(&message));
                 }
-                None => vector(&travel, "travel")?.as_vec3(),
+                None => vector(&travel, "rootVelocity")?.as_vec3(),
             });
         }
         #[cfg(feature = "collision")]

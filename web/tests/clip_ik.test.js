@@ -41,6 +41,6 @@ test("what is asked wrongly is told", () => {
     assert.throws(() => clip.withIk({ plant: ["LeftPaw"] }), /LeftPaw/);
     assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2] }] }), /target has 2 numbers/);
     assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2, 3], from: 1 }] }), /from.*span/s);
-    assert.throws(() => clip.withIk({ plant: FEET, travel: "hands" }), /travel is "hands"/);
+    assert.throws(() => clip.withIk({ plant: FEET, rootVelocity: "hands" }), /rootVelocity is "hands"/);
     assert.throws(() => clip.withIk({ plant: FEET, ground: 3 }), /ground must be a World/);
 });

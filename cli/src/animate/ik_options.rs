@@ -52,8 +52,8 @@ pub(super) struct IkOptions {
 
     /// Root velocity of a clip that walks on the spot, in lengths per second. `feet` derives it from the planted
     /// feet. Default: 0,0,0.
-    #[arg(long, value_name = "X,Y,Z|feet", requires = "plant", allow_hyphen_values = true, value_parser = Travel::parse)]
-    travel: Option<Travel>,
+    #[arg(long, value_name = "X,Y,Z|feet", requires = "plant", allow_hyphen_values = true, value_parser = RootVelocity::parse)]
+    root_velocity: Option<RootVelocity>,
 
     /// Bone that moves if a limb is too short; only bones below it rotate. Default: the first branching bone above
     /// all requested bones.
@@ -95,12 +95,12 @@ impl ReachArgument {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Travel {
+enum RootVelocity {
     By([f64; 3]),
     AsFeet,
 }
 
-impl Travel {
+impl RootVelocity {
     fn parse(text: &str) -> Result<Self, String> {
         match text {
             "feet" => Ok(Self::AsFeet),
@@ -162,18 +162,18 @@ impl IkOptions {
         if let Some(root) = &self.root {
             ik = ik.with_root(armature.bone(root)?);
         }
-        let travel = match self.travel {
+        let root_velocity = match self.root_velocity {
             None => None,
-            Some(Travel::By(by)) => Some(DVec3::from(by).as_vec3()),
-            Some(Travel::AsFeet) => Some(ground_speed(armature, &clip, &feet, up, fps)?),
+            Some(RootVelocity::By(by)) => Some(DVec3::from(by).as_vec3()),
+            Some(RootVelocity::AsFeet) => Some(ground_speed(armature, &clip, &feet, up, fps)?),
         };
-        ik = ik.with_travel(travel.unwrap_or(Vec3::ZERO));
+        ik = ik.with_root_velocity(root_velocity.unwrap_or(Vec3::ZERO));
         if let Some(file) = &self.ground {
             let (world, up) = (world_file::read(Some(file))?, Vector3::from(up));
             ik = ik.with_ground(move |at| world.height_at(at, up).unwrap_or(0.0).max(0.0));
         }
         let edited = ik.solve(&clip)?;
-        let report = IkReport::of_clip(&edited, armature, travel);
+        let report = IkReport::of_clip(&edited, armature, root_velocity);
         Ok((edited.clip, Some(report)))
     }
 

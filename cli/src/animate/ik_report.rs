@@ -14,7 +14,7 @@ pub(super) struct IkReport {
     /// Largest displacement of the root from its motion in the clip, in the file's unit.
     root_moved: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    travel: Option<[f32; 3]>,
+    root_velocity: Option<[f32; 3]>,
     /// Limit violations of a rig's joints by its keys.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     beyond: Vec<BeyondReport>,
@@ -47,7 +47,11 @@ struct LedReport {
 
 impl IkReport {
     /// Report of a solved clip.
-    pub(super) fn of_clip(edited: &EditedClip, armature: &Armature, travel: Option<Vec3>) -> Self {
+    pub(super) fn of_clip(
+        edited: &EditedClip,
+        armature: &Armature,
+        root_velocity: Option<Vec3>,
+    ) -> Self {
         let name = |bone: BoneId| armature.names()[bone.index()].clone();
         let stances = edited.stances.iter().map(|stance| StanceReport {
             bone: name(stance.bone),
@@ -60,7 +64,7 @@ impl IkReport {
             stances: stances.collect(),
             led: led(&edited.led, armature),
             root_moved: edited.root_moved,
-            travel: travel.map(|by| by.to_array()),
+            root_velocity: root_velocity.map(|by| by.to_array()),
             beyond: Vec::new(),
         }
     }
@@ -79,7 +83,7 @@ impl IkReport {
             stances: Vec::new(),
             led: led(&edited.led, armature),
             root_moved: 0.0,
-            travel: None,
+            root_velocity: None,
             beyond: beyond.collect(),
         }
     }
@@ -109,7 +113,7 @@ impl IkReport {
                 limit.joint, limit.by, limit.at
             ));
         }
-        if let Some([x, y, z]) = self.travel {
+        if let Some([x, y, z]) = self.root_velocity {
             lines.push(format!("root velocity {x:.4}, {y:.4}, {z:.4} per second"));
         }
         lines.push(format!("largest root displacement {:.2e}", self.root_moved));

@@ -181,7 +181,7 @@ fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
 struct Document<'a> {
     fps: f64,
     names: &'a [String],
-    standing: &'a [String],
+    contact_frames: &'a [String],
     /// Contact points in the coordinates of their frames, metres.
     contact_points: Vec<[f64; 3]>,
     q: Vec<&'a [f64]>,
@@ -192,7 +192,7 @@ fn document<'a>(found: &'a Retargeted, names: &'a [String]) -> Document<'a> {
     Document {
         fps: found.frame_rate,
         names,
-        standing: &found.contact_frames,
+        contact_frames: &found.contact_frames,
         contact_points: contact_points(found),
         q: found.q.chunks_exact(names.len().max(1)).collect(),
         contacts: contacts(found).collect(),
@@ -239,7 +239,7 @@ fn as_table(found: &Retargeted, names: &[String]) -> String {
     let standing = found
         .contact_frames
         .iter()
-        .map(|frame| format!("{frame} stands"));
+        .map(|frame| format!("{frame} in contact"));
     let columns = std::iter::once("time".to_owned())
         .chain(names.iter().cloned())
         .chain(standing);

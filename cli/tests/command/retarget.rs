@@ -154,7 +154,7 @@ fn swaying_subject_is_retargeted_to_a_robot() {
         "fps.npy",
         "names.npy",
         "contacts.npy",
-        "standing.npy",
+        "contact_frames.npy",
         "contact_points.npy",
     ] {
         let found = bytes

@@ -314,7 +314,7 @@ class Clip:
         up: tuple[float, float, float] | Sequence[float] = ...,
         keys_per_second: float = 60.0,
         ground: World | Callable[[float, float, float], float] | None = None,
-        travel: str | ArrayLike | None = None,
+        root_velocity: str | ArrayLike | None = None,
         skeleton: Skeleton | None = None,
     ) -> EditedClip: ...
     def with_root_motion(

@@ -295,7 +295,7 @@ impl Clip {
     /// branching bone from the top above all these bones.
     ///
     /// `up` is the upward axis. Feet stand on the `ground`: a `World`, or a function of x, y, z that returns its height
-    /// over the level of the clip's walk. A clip in place travels with the velocity `travel`, in units a second; "feet"
+    /// over the level of the clip's walk. A clip in place travels with the velocity `root_velocity`, in units a second; "feet"
     /// computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and the tips of bones reach
     /// and stand. `keys_per_second` samples are solved and keyed.
     ///
@@ -303,7 +303,7 @@ impl Clip {
     /// requests. Exceptions of the ground function propagate.
     #[pyo3(signature = (
         reach = Vec::new(), plant = Vec::new(), *, root = None, up = [0.0, 1.0, 0.0], keys_per_second = 60.0,
-        ground = None, travel = None, skeleton = None
+        ground = None, root_velocity = None, skeleton = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn with_ik<'py>(
@@ -315,7 +315,7 @@ impl Clip {
         up: [f32; 3],
         keys_per_second: f64,
         ground: Option<Bound<'py, PyAny>>,
-        travel: Option<Bound<'py, PyAny>>,
+        root_velocity: Option<Bound<'py, PyAny>>,
         skeleton: Option<Bound<'py, PyAny>>,
     ) -> PyResult<EditedClip> {
         let asked = ClipIkRequest {
@@ -325,7 +325,7 @@ impl Clip {
             up,
             keys_per_second,
             ground,
-            travel,
+            root_velocity,
             skeleton,
         };
         asked.over(py, self)

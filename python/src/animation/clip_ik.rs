@@ -98,7 +98,7 @@ pub(super) struct ClipIkRequest<'py> {
     pub(super) up: [f32; 3],
     pub(super) keys_per_second: f64,
     pub(super) ground: Option<Bound<'py, PyAny>>,
-    pub(super) travel: Option<Bound<'py, PyAny>>,
+    pub(super) root_velocity: Option<Bound<'py, PyAny>>,
     pub(super) skeleton: Option<Bound<'py, PyAny>>,
 }
 
@@ -135,8 +135,8 @@ impl ClipIkRequest<'_> {
         if let Some(root) = &self.root {
             ik = ik.with_root(bone(root)?);
         }
-        if let Some(travel) = &self.travel {
-            let travel = match travel.extract::<String>().as_deref() {
+        if let Some(root_velocity) = &self.root_velocity {
+            let root_velocity = match root_velocity.extract::<String>().as_deref() {
                 Ok("feet") => {
                     let rate = self.keys_per_second;
                     let speed = py.detach(|| ground_speed(armature, motion, &feet, up, rate));
@@ -144,12 +144,12 @@ impl ClipIkRequest<'_> {
                 }
                 Ok(word) => {
                     return Err(invalid(format!(
-                        "travel is {word:?}: \"feet\" or x, y, z a second"
+                        "root_velocity is {word:?}: \"feet\" or x, y, z a second"
                     )));
                 }
-                Err(_) => DVec3::from(arrays::array(travel, "travel")?).as_vec3(),
+                Err(_) => DVec3::from(arrays::array(root_velocity, "root_velocity")?).as_vec3(),
             };
-            ik = ik.with_travel(travel);
+            ik = ik.with_root_velocity(root_velocity);
         }
         let raised = Raised::default();
         if let Some(ground) = &self.ground {

@@ -60,7 +60,7 @@ pub struct ClipIk<'a> {
     pub(super) rate: f64,
     detection: Option<ContactDetection>,
     pub(super) ground: Option<Height>,
-    travel: Vec3,
+    root_velocity: Vec3,
 }
 
 impl fmt::Debug for ClipIk<'_> {
@@ -88,7 +88,7 @@ pub(super) struct ClipRequest {
     pub(super) span: [f64; 2],
     pub(super) up: Vector3<f64>,
     /// A second.
-    pub(super) travel: DVec3,
+    pub(super) root_velocity: DVec3,
 }
 
 impl<'a> ClipIk<'a> {
@@ -105,7 +105,7 @@ impl<'a> ClipIk<'a> {
             rate: 60.0,
             detection: None,
             ground: None,
-            travel: Vec3::ZERO,
+            root_velocity: Vec3::ZERO,
         }
     }
 
@@ -132,8 +132,8 @@ impl<'a> ClipIk<'a> {
         pub fn with_detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
         /// The clip walks on the spot, and the character travels by so much a second: the root carries it, and contacts are
         /// those on the way. [`ground_speed`](super::ground_speed) tells it from the feet.
-        pub fn with_travel(mut self, per_second: impl Into<Vector3<f64>>) {
-            self.travel = single(per_second);
+        pub fn with_root_velocity(mut self, per_second: impl Into<Vector3<f64>>) {
+            self.root_velocity = single(per_second);
         }
         /// How high the ground is at a place, in a model whose clip walks on a ground of height 0. Feet stand on it, and the
         /// root follows it.
@@ -210,15 +210,15 @@ impl<'a> ClipIk<'a> {
                 });
             }
         }
-        if !self.travel.is_finite() || (self.travel != Vec3::ZERO && root.is_none()) {
-            return Err(ClipIkError::Travel {
-                travel: self.travel.to_array(),
+        if !self.root_velocity.is_finite() || (self.root_velocity != Vec3::ZERO && root.is_none()) {
+            return Err(ClipIkError::RootVelocity {
+                root_velocity: self.root_velocity.to_array(),
             });
         }
         Ok(ClipRequest {
             bones,
             root,
-            travel: self.travel.as_dvec3(),
+            root_velocity: self.root_velocity.as_dvec3(),
             span,
             up: Vector3::from(up.as_dvec3().to_array()),
         })

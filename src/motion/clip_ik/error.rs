@@ -41,11 +41,11 @@ pub enum ClipIkError {
     },
     /// A way that is not finite, or no root to travel.
     #[error(
-        "a travel of {travel:?} a second: it must be finite, and there must be a root that carries all bones asked for"
+        "root velocity {root_velocity:?} a second: it must be finite, and there must be a root that carries all bones asked for"
     )]
-    Travel {
+    RootVelocity {
         /// What was asked for.
-        travel: [f32; 3],
+        root_velocity: [f32; 3],
     },
     /// Two things are asked of a bone at one time.
     #[error("bone `{bone}` is asked for twice at the same time")]

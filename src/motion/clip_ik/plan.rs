@@ -117,7 +117,7 @@ impl Plan<'_> {
 
 /// How far a clip on the spot has travelled at a time of it, in seconds.
 pub(super) fn travelled(request: &ClipRequest, time: f32) -> DVec3 {
-    request.travel * (f64::from(time) - request.span[0])
+    request.root_velocity * (f64::from(time) - request.span[0])
 }
 
 /// What the reaches ask of a bone that the clip has at `free`.

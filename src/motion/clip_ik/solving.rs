@@ -56,7 +56,7 @@ pub(super) fn solve(
         goals.collect()
     };
     let goals: Vec<Vec<Goal>> = limbs.iter().enumerate().map(goals).collect();
-    let runs = match request.travel == DVec3::ZERO {
+    let runs = match request.root_velocity == DVec3::ZERO {
         true => runs(&goals),
         false => std::iter::once(0..times.len()).collect(),
     };
