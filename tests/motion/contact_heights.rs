@@ -9,7 +9,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use crate::clip_ik::{HIPS, bend, figure, planted};
 use crate::retargeted_feet::{MAP, RATE, legs};
 
-/// A subject on the right foot, with the left foot held still at this height in metres for the middle second of three.
+/// Subject on the right foot, with the left foot held still at this height in metres for the middle second of three.
 fn crane(lifted: f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for frame in 0..300 {

@@ -46,7 +46,7 @@ fn capture_of_steps_is_retargeted_to_the_nao() {
     }
 }
 
-/// At these rates the frames of 6 s exceed any memory. Earlier they ended the process.
+/// At these rates the frames of 6 s exceed any memory.
 #[test]
 fn more_frames_than_memory_holds_are_rejected() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
