@@ -335,8 +335,8 @@ pub fn sledge() -> (Model, FrameId, Masses) {
     (model, frame, masses)
 }
 
-/// Problem on [`sledge`] with two priority levels: x = −y, then y = 0. A soft posture task at (0, 2) is weighted
-/// against the second level. Also returns the id of the posture task.
+/// Problem on [`sledge`] with two priority levels: x = −y, then y = 0 with a tolerance of 1 m. A soft posture task at
+/// (0, 2) is weighted against both. Also returns the id of the posture task.
 pub fn traded_on_a_sledge() -> (Problem, TaskId<Posture>) {
     let (model, mass, _) = sledge();
     let [x, y, _] = Vector3::UNITS;
