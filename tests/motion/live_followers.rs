@@ -22,7 +22,7 @@ fn nao() -> Robot {
     nao.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// Hips that sway over two feet, and jump sideways at frame `leap`.
+/// Hips that sway over two feet, and jump sideways at a frame.
 fn sway(frames: usize, leap: usize) -> Capture {
     let places = (0..frames).flat_map(|frame| {
         let leapt = if frame < leap { 0.0 } else { 0.3 };
