@@ -167,9 +167,9 @@ class Point(Task):
 class Pose(Task):
     """Pose of ``frame`` at ``target``, a placement of shape (4, 4): three rows in metres, three in radians.
 
-    ``tool``, shape (4, 4), is the placement in the frame that goes to the target; by default the frame itself.
-    ``goal``, a ``kinopt.PoseBounds``, sets the goal bounds. The target is in the world, or in the frame ``base``, which may
-    move with the joints.
+    ``tool``, shape (4, 4), is the placement in the frame that reaches the target; by default the frame itself.
+    ``goal``, a ``kinopt.PoseBounds``, sets the goal bounds. The target is in the world, or in the frame ``base``, which
+    may move with the joints.
 
     Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
@@ -596,7 +596,7 @@ class Manipulability(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounded(Task):
-    """Interval of another task: its rows cost only the part outside it, as for a workspace, a floor, a least distance.
+    """Interval of another task: its rows cost only the part outside it, as for a floor or a smallest distance.
 
     ``half_width`` is the interval from -half_width to half_width; otherwise it is from ``lower`` to ``upper``, either
     of which may be infinite. It applies to every row, in its own unit. Name, weights, tolerance, role and level are by

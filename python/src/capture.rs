@@ -90,7 +90,8 @@ impl MotionCapture {
         self.inner.channels.iter().map(names).collect()
     }
 
-    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not UTF-8.
+    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not
+    /// UTF-8.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()

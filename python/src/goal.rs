@@ -11,8 +11,8 @@ use crate::pickling;
 /// Allowed offset of a frame's pose from its target, for each component, along the target's axes. Tolerances are added
 /// to it.
 ///
-/// Created by `PoseBounds.pose()`, `PoseBounds.position()`, `PoseBounds.free_about("z")`, `PoseBounds.free_along("x")` or
-/// `PoseBounds.within(half_widths)`.
+/// Created by `PoseBounds.pose()`, `PoseBounds.position()`, `PoseBounds.free_about("z")`, `PoseBounds.free_along("x")`
+/// or `PoseBounds.within(half_widths)`.
 #[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct PoseBounds {

@@ -485,7 +485,7 @@ def test_axis_upward_is_detected(tmp_path: Path) -> None:
     places[:, 1, 1], places[:, 2, 1] = 0.1, -0.1
     upright = kinopt.retarget(places, nao, joints=joints, fps=30)
     assert upright.capture.up == "z" and not any("upward" in note for note in upright.notes)
-    # The same movement with y upward.
+    # The same motion with y upward.
     turned = np.stack([places[..., 0], places[..., 2], -places[..., 1]], axis=-1)
     detected = kinopt.retarget(turned, nao, joints=joints, fps=30)
     assert detected.capture.up == "y"

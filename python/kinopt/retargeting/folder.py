@@ -126,7 +126,7 @@ def retarget_folder(
 
     Each of ``threads`` (None: one for each core) processes one file at a time; other arguments are as in ``retarget``.
     A file appears when it is complete. After an interruption, an equal call, or ``kinopt retarget`` with equal
-    arguments, continues the job. Changed inputs are done overwrite, or with ``again`` all of them. A failure does not
+    arguments, continues the job. Changed inputs are processed again, or with ``again`` all of them. A failure does not
     affect other files: its report has the error. ``progress`` shows a tqdm bar if True, or is called with (done,
     total). ``kinopt.ray.retarget_files`` runs on several machines.
 

@@ -39,11 +39,11 @@ def read_capture(
 ) -> Capture:
     """Creates a ``Capture`` of a motion.
 
-    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or "smpl")
-    in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, of whose clips
-    ``clip`` names one (None: the first). ``fps``: of an array the frames a second that it has (None: 120), of
-    everything else those that are taken (None: the file's own, of clips 60). ``up``: the axis that points upward (None: the one
-    along which the body stands, from its ankles to its pelvis, else z of arrays and y of files of animation).
+    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or
+    "smpl") in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file. ``clip`` names
+    one of a file's clips (None: the first). ``fps``: the frame rate of an array (None: 120), or the sampling rate of
+    any other source (None: the file's own, of clips 60). ``up``: the upward axis. None selects the axis from the ankles
+    to the pelvis of an upright subject, else z for arrays and y for animation files.
 
     Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton,
     ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame and

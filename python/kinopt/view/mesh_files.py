@@ -23,8 +23,7 @@ class MeshFiles:
         packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
         confine: bool = False,
     ) -> None:
-        """`beside` is the folder of the robot; `packages` are folders of packages by name, or folders that contain
-        packages.
+        """Arguments: the folder of the robot, and folders of packages by name, or folders that contain packages.
 
         With `confine` no file outside these folders is opened.
         """

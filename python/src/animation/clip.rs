@@ -289,15 +289,15 @@ impl Clip {
         })
     }
 
-    /// Inverse kinematics over the clip. `reach` is a list of `Reach`: bones that go to points, or along curves, over
+    /// Inverse kinematics over the clip. `reach` is a list of `Reach`: bones that reach points, or follow curves, over
     /// spans. `plant` are bones, such as feet, that are locked in place while they hardly move. Each sample stays as
     /// close to the clip as possible. The root `root` moves only if limbs are too short; by default it is the first
     /// branching bone from the top above all these bones.
     ///
-    /// `up` is the upward axis. Feet stand on the `ground`: a `World`, or a function of x, y, z that returns its height
-    /// over the level of the clip's walk. A clip in place travels with the velocity `travel`, in units a second; "feet"
-    /// computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and the tips of bones reach
-    /// and stand. `keys_per_second` samples are solved and keyed.
+    /// `up` is the upward axis. Feet are in contact with the `ground`: a `World`, or a function of x, y, z that returns
+    /// its height over the level of the clip's walk. A clip in place travels with the velocity `travel`, in units a
+    /// second; "feet" computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and the tips
+    /// of bones reach and are planted. `keys_per_second` samples are solved and keyed.
     ///
     /// Raises `UnknownNameError` for bones, `InvalidValueError` for spans and numbers out of range and for conflicting
     /// requests. Exceptions of the ground function propagate.

@@ -180,7 +180,8 @@ impl CollisionModel {
         self.inner.is_checked(first, second).or_raise()
     }
 
-    /// The model with this collision pair disabled. `World.allow_collision` allows collisions of a link and an obstacle.
+    /// The model with this collision pair disabled. `World.allow_collision` allows collisions of a link and an
+    /// obstacle.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {

@@ -19,10 +19,10 @@ use crate::pickling;
 /// The derivative of the solution `q` (shape (nq,), a configuration of the problem's model) with respect to the
 /// targets, weights and link lengths of a problem, by the implicit function theorem with the active limits.
 ///
-/// `targets` are those of the solve, as in `Solver.solve`. Check `differentiability` first: only if it is "unique" is the
-/// solution a smooth function of the parameters. Velocities are those of `Model.integrate`, shape (dof,). A pose target
-/// has six numbers: along and about its own axes, metres then radians; a position has three, a posture one for each
-/// joint and three for each ball.
+/// `targets` are those of the solve, as in `Solver.solve`. Check `differentiability` first: only if it is "unique" is
+/// the solution a smooth function of the parameters. Velocities are those of `Model.integrate`, shape (dof,). A pose
+/// target has six numbers: along and about its own axes, metres then radians. A position has three, a posture one for
+/// each joint and three for each ball.
 ///
 /// Raises `InvalidValueError` and `UnknownNameError` as `Solver.solve` does for its start and targets.
 #[pyclass(frozen, module = "kinopt")]

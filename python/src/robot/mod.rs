@@ -181,7 +181,7 @@ impl Robot {
         mimic_limits: &str,
         confine: bool,
     ) -> PyResult<Self> {
-        // Faults are told by the lines of the file, which the text of all files together has not.
+        // Errors refer to the lines of the file, which the combined text of all files does not have.
         let reader = kinopt::robot::Robot::mjcf_reader();
         let reader = if confine { reader.confined() } else { reader };
         reader.read(&path).or_raise()?;
@@ -337,8 +337,8 @@ impl Robot {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
     }
 
-    /// Acceleration limits in configuration order, shape (nq,), rad/s² or m/s²; inf for none. From the URDF's `<limit acceleration>`
-    /// or `with_joint_limits`.
+    /// Acceleration limits in configuration order, shape (nq,), rad/s² or m/s²; inf for none. From the URDF's `<limit
+    /// acceleration>` or `with_joint_limits`.
     #[getter]
     fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.acceleration_limit(id))

@@ -202,9 +202,9 @@ impl Drag {
         py.detach(|| self.lock().set_configuration(&q).or_raise())
     }
 
-    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
-    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standing_in(pose).model` of its
-    /// pose after each frame.
+    /// Moves joints and frames on their parents to their placements in `model`, which has the joints of the problem's
+    /// model. The configuration stays. For a character whose scales shear its bones, use
+    /// `skeleton.standing_in(pose).model` of its pose after each frame.
     ///
     /// Raises `InvalidValueError` for a model of other joints and for a problem that avoids collisions.
     fn move_joints(&self, py: Python<'_>, model: &Bound<'_, crate::model::Model>) -> PyResult<()> {
@@ -212,7 +212,7 @@ impl Drag {
         py.detach(|| self.lock().move_joints(model).or_raise())
     }
 
-    /// Where the body stands, shape (nq,).
+    /// Current configuration, shape (nq,).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let q = self.look(py, |drag| drag.q().to_vec());

@@ -130,10 +130,11 @@ impl Solver {
     /// and mimic joints take their values from the problem's parameters.
     ///
     /// `max_move` is a hard bound of each joint's displacement from `start`; of a ball joint, of its rotation angle. It
-    /// is one number for each number of a configuration, shape (nq,), radians or metres, inf for no limit and four
-    /// equal numbers for a ball (`robot.velocity_limits * dt` is the step of a controller); a dict of those by joint;
-    /// or one angle for all. A prismatic joint then moves at most the distance by which that angle moves a point at a
-    /// quarter of the model's reach. Active bounds of this kind are among the `active_limits`, with the kind "move".
+    /// is one number for each number of a configuration, shape (nq,), radians or metres, with inf for no limit and four
+    /// equal numbers for a ball. `robot.velocity_limits * dt` is the step of a controller. It may also be a dict of
+    /// those by joint, or one angle for all. A prismatic joint then moves at most the distance by which that angle
+    /// moves a point at a quarter of the model's reach. Active bounds of this kind are among the `active_limits`, with
+    /// the kind "move".
     ///
     /// `targets` replaces targets of the problem, by the tasks' names or indices: {"hand": [0.4, 0.1, 0.3]}; the
     /// problem itself does not change. `observer` is called with an `Iteration` before the first and after every step
