@@ -1,5 +1,5 @@
-// What callers give, looked at before the module reads it: the module trusts lengths and types, and a wrong one would trap in it.
-// Each function returns what it was given, or throws a TypeError that says what is wanted.
+// Checks of arguments before the module reads them: the module trusts lengths and types, and a wrong one would trap in
+// it. Each function returns its argument, or throws a TypeError that names the expected type.
 
 const kind = (value) => {
     if (value === undefined) return "is missing";
@@ -9,14 +9,14 @@ const kind = (value) => {
 };
 const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}: ${what} is wanted`);
 const isNumber = (value) => typeof value === "number";
-/** What has its length from the engine, and not from whoever made it. */
+/** Objects whose length is set by the engine, not by a caller. */
 const isList = (value) => Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
 
-/** A list without what is none of its kind; typed arrays of numbers are taken as they are. */
+/** A list whose elements all have the type; typed arrays of numbers are accepted unchanged. */
 function list(value, name, what, isOne, one) {
     if (!isList(value) || value instanceof BigInt64Array || value instanceof BigUint64Array) throw wanted(what, value, name);
     if (!Array.isArray(value)) return value;
-    // By its length, as what is missing in between is skipped otherwise.
+    // By index, because iteration methods skip missing elements.
     for (let k = 0; k < value.length; k += 1) if (!isOne(value[k])) throw wanted(one, value[k], `${name}[${k}]`);
     return value;
 }
@@ -50,15 +50,17 @@ export function array(value, name) {
 
 export function bytes(value, name) {
     if (Array.isArray(value)) return numbers(value, name);
-    // Also where it is another page's.
+    // Also accepts an array of another page.
     if (value?.[Symbol.toStringTag] !== "Uint8Array" || !isList(value)) throw wanted("a Uint8Array", value, name);
     return value;
 }
 
-/** No list in the module has more bytes. */
+/** Largest size of a list in the module, bytes. */
 const MOST_BYTES = 0x7fffffff;
 
-/** What allocates in the module, which traps there where there is no room, as what throws: `sizeAt` says which argument is how many bytes. */
+/**
+ * Wraps an allocation function of the module: a trap becomes a RangeError. `sizeAt` is the index of the size argument.
+ */
 export const allocating = (allocate, sizeAt) => (...sizes) => {
     const bytes = sizes[sizeAt];
     const full = () => new RangeError(`${bytes} bytes are more than the module has room for`);

@@ -1,6 +1,6 @@
-// Placements of places and rotations, however those are written.
+// Placements from positions and rotations in several representations.
 
-/** A placement of a place and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
+/** A placement of a position and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
 export function placement(position = [0, 0, 0], { wxyz, xyzw } = {}) {
     for (const k of [0, 1, 2]) {
         if (!Number.isFinite(position[k])) throw new TypeError(`position[${k}] is ${position[k]}: a place has three finite numbers`);

@@ -1,10 +1,10 @@
-// The classes of the npm package with what their types say, as a page of Markdown.
+// Reference of the npm package as a page of Markdown, from its types.
 import { readFileSync } from "node:fs";
 
 const read = (name) => readFileSync(new URL(`../../dist/${name}`, import.meta.url), "utf8");
 const comment = (lines) => lines.map((line) => line.replace(/^\s*\/?\*+\/? ?/, "").replace(/\*\/$/, "").trimEnd()).join("\n").trim();
 
-/** What stands in the braces of a declaration: each member with the comment before it. */
+/** Members in the braces of a declaration, each with the comment before it. */
 function members(lines) {
     const found = [];
     let said = [];
@@ -25,7 +25,7 @@ function members(lines) {
     return found;
 }
 
-/** The exported declarations of a file of types: name, kind, comment and members. */
+/** Exported declarations of a file of types: name, kind, comment and members. */
 export function declarations(text) {
     const found = [];
     const pattern = /((?:^\/\*\*[\s\S]*?\*\/\n)?)^export (?:declare )?(class|interface|type|function) (\w+)([\s\S]*?)(?=^\/\*\*|^export |^type |(?![\s\S]))/gm;

@@ -1,4 +1,4 @@
-// The frame around every page: header, contents, the page's own headings, its neighbours.
+// Frame of every page: header, contents, headings of the page, next and previous page.
 import { repository } from "./contents.js";
 import { between } from "./links.js";
 
@@ -26,13 +26,13 @@ function neighbours(page, groups) {
     return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Before")}${to(order[at + 1], "next", "Next")}</nav>`;
 }
 
-/** Whether some table has more than a measure of text has room for: many columns of many letters. */
+/** True if a table is too wide for the text column: many columns with long rows. */
 const hasWideTable = (html) => html.split("<table>").slice(1).some((part) => {
     const rows = part.split("</table>")[0].split("</tr>").map((row) => row.replace(/<[^>]*>|&[a-z]+;/g, ""));
     return part.split("</thead>")[0].split("<th").length > 6 && rows.some((row) => row.length > 150);
 });
 
-/** How a page begins, without its markup. */
+/** First paragraph of a page without markup. */
 function firstWords(html) {
     const [, first = ""] = html.match(/<p>([\s\S]*?)<\/p>/) ?? [];
     const text = first.replace(/<[^>]*>/g, "").replace(/\s+/g, " ").replace(/&quot;/g, '"').replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&");

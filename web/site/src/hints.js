@@ -1,4 +1,4 @@
-// What can be done with what is open, and what can be dropped, in a line each.
+// Hints: actions for the opened model, and files that can be dropped.
 
 const DROP = "Drop your own robot (.urdf, .xml, meshes), character (.glb, .gltf, .bvh) or rig here.";
 const HINTS = {
@@ -9,7 +9,7 @@ const HINTS = {
     movement: ["A robot follows a captured person, live.", "Drop a .bvh for it to follow, or another robot's .urdf."],
 };
 
-/** Of what is open, if anything is: what can be done, what can be dropped. */
+/** Hints for the opened model, if any: possible actions, and files that can be dropped. */
 export function hints({ kind, pins = [] } = {}, plays) {
     const what = { character: plays ? "clip" : kind, robot: pins.length > 0 ? "body" : kind }[kind] ?? kind;
     return HINTS[what] ?? ["", ""];

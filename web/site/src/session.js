@@ -1,4 +1,4 @@
-// What a set of files is: told by the extensions of those that are there.
+// Selection of a session by the extensions of the files.
 import { AnimatedSession } from "./animated_session.js";
 import { extension } from "./files.js";
 import { RetargetSession } from "./retarget_session.js";

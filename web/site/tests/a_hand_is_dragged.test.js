@@ -1,4 +1,4 @@
-// A hand is dragged along 300 points at 60 frames a second; what is pinned stays.
+// A hand is dragged along 300 points at 60 frames a second; pinned tips stay.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";

@@ -1,4 +1,4 @@
-// Of a file with several clips each is chosen, and plays at once.
+// Each clip of a file can be selected, and plays at once.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";

@@ -1,4 +1,4 @@
-// Words are told from what is behind them, by light and by dark: 4.5 to 1, as WCAG 2.2 asks (1.4.3).
+// Contrast of text in the light and dark schemes: at least 4.5 to 1, as in WCAG 2.2 (1.4.3).
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";

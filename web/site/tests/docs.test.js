@@ -1,5 +1,6 @@
-// The documentation in a browser: nothing is wider than a small screen and no table than a desk's, languages are chosen once for all
-// pages, the search finds, nothing is said on the console, and all of it is readable without scripts.
+// The documentation in a browser. Nothing is wider than a small screen, and no table wider than a desktop's. A language
+// choice applies to all pages, the search finds sections, the console has no messages, and pages are readable without
+// scripts.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { contents, pages } from "../docs/contents.js";

@@ -1,4 +1,4 @@
-// Files are chosen, and bad ones are told in the library's words.
+// Files are chosen, and the page shows the library's error for invalid ones.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";

@@ -1,4 +1,4 @@
-// What a visitor sees first: all of what is open, on any screen; words where nothing can be drawn.
+// First view of the page: the whole model on any screen, and a message if nothing can be drawn.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
@@ -19,7 +19,7 @@ async function opened(browser, options) {
     return page;
 }
 
-/** How far what is drawn goes beyond the picture, in pixels: the corners of each part's box. */
+/** Largest distance of the drawing beyond the picture, in pixels, by the corners of each part's box. */
 const beyond = (page) =>
     page.evaluate(() => {
         const { stage, view } = kinoptPage;

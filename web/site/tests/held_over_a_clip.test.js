@@ -1,4 +1,4 @@
-// A hand is dragged while the clip goes on, is pinned there, and comes back to the clip.
+// A hand is dragged during playback, pinned there, and returns to the clip.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -26,7 +26,7 @@ test("a hand is dragged while the clip goes on, is pinned there, and comes back 
     }
     const target = await page.evaluate(() => kinoptPage.target.toArray());
     await page.waitForFunction((target) => kinoptPage.view.place("left_hand").toArray().every((value, k) => Math.abs(value - target[k]) < 0.01), target);
-    // The other hand waves on, from frame to frame.
+    // The other hand moves from frame to frame.
     const waving = [];
     for (let k = 0; k < 8; k += 1) {
         waving.push(await at("right_hand"));
@@ -71,7 +71,7 @@ test("a pose that a clip takes over is not let go without a word", { skip }, asy
     await page.locator("#play").click();
     await page.waitForFunction(() => kinoptPage.playback.seconds > 0.5);
     assert.match(await status(page), /pose from before is let go/);
-    // Until something is grabbed, or it stands still.
+    // Until a handle is grabbed, or playback stops.
     await page.locator("#play").click();
     assert.equal(await status(page), "");
     assert.deepEqual(said, []);

@@ -1,4 +1,4 @@
-// Any joint, pins, keys, both skins, its clip.
+// Any joint, pins, keys, both skinning methods, and the clip.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";

@@ -1,4 +1,5 @@
-// What was pulled stays as it is when a file is bad; fingers that hold nothing end no drag; the page is used without a mouse.
+// The model and its pose are kept after an invalid file. Other pointers do not end a drag. The page works without a
+// mouse.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -99,7 +100,7 @@ test("plain shapes that do not meet are joined by sticks", { skip }, async () =>
 
 test("keys choose a file, joints and the view; the joints are one stop", { skip }, async () => {
     const { page, said } = await opened();
-    // The chooser itself is the browser's.
+    // The file chooser belongs to the browser.
     await page.evaluate(() => {
         window.asked = 0;
         document.querySelector("#file").addEventListener("click", (event) => { event.preventDefault(); window.asked += 1; });

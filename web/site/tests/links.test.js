@@ -1,5 +1,5 @@
-// Every link of the built site leads somewhere: pages, anchors, pictures. Addresses elsewhere are listed, not asked, as the gate may be
-// offline.
+// Every link of the built site has a target: pages, anchors, pictures. External addresses are listed but not requested,
+// because the gate may be offline.
 import assert from "node:assert/strict";
 import { mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

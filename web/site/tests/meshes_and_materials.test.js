@@ -1,4 +1,4 @@
-// A robot's meshes are drawn of the files beside it, a scene in its own colours.
+// A robot is drawn with the meshes that are dropped with it, and a scene with its materials.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";

@@ -1,4 +1,5 @@
-// The package in a browser without a bundler: its README's ten lines, and a hundred humanoids dragged at once; the site by the project's README.
+// The package in a browser without a bundler: the README's example, and a hundred humanoids dragged at once. The site
+// by the commands of the project's README.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -25,7 +26,7 @@ after(async () => {
     rmSync(project, { recursive: true });
 });
 
-/** What a page with this script says until it says what matches. */
+/** Text of a page with this script once it matches. */
 async function said(name, script, last) {
     writeFileSync(join(project, name), `<!doctype html><link rel="icon" href="data:,">${block("html")}<script type="module">\n${script}</script>`);
     const page = await site.browser.newPage();
@@ -83,13 +84,13 @@ test("the project's README serves the site", async () => {
     const root = fileURLToPath(new URL("../", own));
     const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/```sh until its page answers\n(.*)\n```/);
     const [build, serve] = line.split(" && ");
-    // It made what the other tests look at just now.
+    // The build under test is the result of this command.
     assert.equal(build, "web/site/build");
     const [command, ...words] = serve.split(" ");
     // Any free port.
     const server = spawn(command, ["-u", ...words, "0"], { cwd: root });
     try {
-        // It comes in pieces of any size.
+        // The output arrives in pieces of any size.
         let printed = "";
         const port = await new Promise((told) =>
             server.stdout.on("data", (text) => {

@@ -1,4 +1,4 @@
-// What the page is made of and needs no browser: folders that are dropped, files that stay, what is held over a clip.
+// Parts of the page without a browser: dropped folders, files that stay, handles held during playback.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { besideNew, dropped } from "../src/files.js";
@@ -6,7 +6,7 @@ import { HeldOverClip } from "../src/held_over_clip.js";
 import { Playback } from "../src/playback.js";
 
 const file = (name) => ({ isFile: true, file: (resolve) => resolve({ name }) });
-/** A folder whose reader gives two entries at a time, as browsers give a hundred. */
+/** A folder whose reader returns two entries at a time; browsers return a hundred. */
 const folder = (...entries) => ({
     isDirectory: true,
     createReader() {
@@ -50,7 +50,7 @@ test("what is let go comes back to the clip over a while, without a leap", () =>
         away = angle;
     }
     assert.ok(place === 0 && away < 1e-3 && frames > 24 && frames < 240, `${frames} frames`);
-    // What is held again is no longer let go.
+    // A handle that is held again is no longer released.
     held.targets([["hand", [1, 0, 0]]], frame, () => home);
     held.targets([], frame, () => home);
     assert.deepEqual(held.targets([["hand", [0.5, 0, 0]]], frame, () => home).get("hand"), [0.5, 0, 0]);

@@ -1,4 +1,4 @@
-// A robot follows a captured person: live, another one that is dropped, and as a whole movement.
+// A robot follows a captured subject: online, with another dropped capture, and solved as a whole.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
@@ -45,7 +45,8 @@ test("a robot follows a captured person live, another one that is dropped, and a
     await page.locator("#whole").click();
     await page.waitForFunction(() => kinoptPage.whole === undefined);
 
-    // One's own, whose movement as a whole takes long: it tells how far it is, what plays goes on, and it is stopped.
+    // A dropped capture, which takes long to solve as a whole: progress is shown, playback continues, and it is
+    // stopped.
     const capture = await readFile(join(models, "captures/steps.bvh"), "utf8");
     const [head, motion] = capture.split(/Frame Time: .*\n/);
     const long = `${head.replace(/Frames: \d+/, `Frames: ${181 * 200}`)}Frame Time: 0.0333333\n${motion.repeat(200)}`;
@@ -62,7 +63,7 @@ test("a robot follows a captured person live, another one that is dropped, and a
     assert.ok(await page.locator("#stop").isHidden());
     assert.equal(await page.evaluate(() => kinoptPage.opened.kind), "movement");
 
-    // What is no person's is told, and what was there goes on.
+    // A capture without a body is an error, and the previous motion continues.
     await page.locator("#file").setInputFiles([file("rope.bvh", "HIERARCHY\nROOT a {\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site {\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n")]);
     await page.waitForFunction(() => document.querySelector("#status.bad"));
     const told = await status(page);

@@ -1,4 +1,4 @@
-// The references have all that the packages export, each with its words.
+// The references contain all exports of the packages, each with its text.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -6,13 +6,13 @@ import { source } from "../docs/contents.js";
 import { javascriptReference } from "../docs/javascript_reference.js";
 import { pythonReference } from "../docs/python_reference.js";
 
-/** The parts of a page below its headings, by their names. */
+/** The parts of a page below its headings, by name. */
 function parts(page, sign) {
     const found = page.split(new RegExp(`^${sign} `, "m")).slice(1);
     return new Map(found.map((part) => [part.split("\n", 1)[0], part.slice(part.indexOf("\n"))]));
 }
 
-/** What is said in a part besides signatures. */
+/** The text of a part without signatures. */
 const words = (part) => part.replace(/```[\s\S]*?```/g, "").split("\n").filter((line) => line && !line.startsWith("- `") && !line.startsWith("  "));
 
 test("Python's has every class and function of the package, and says something of each", () => {

@@ -1,4 +1,4 @@
-// A robot is held as a figure is: it stands on its feet, what is pinned of it stays, and the joints that hold it back are seen.
+// A robot is dragged like a figure: it is on its feet, pinned frames stay, and joints at limits are marked.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
@@ -9,12 +9,12 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-/** The page with a robot of these files open. */
+/** The page with a robot of these files. */
 async function robot(files, options) {
     const { page, said } = await opened(options);
     await page.locator("#file").setInputFiles(files);
     await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
-    // It is seen from elsewhere until it is drawn.
+    // The view changes until the robot is drawn.
     await settled(page);
     return { page, said };
 }
@@ -32,7 +32,7 @@ async function pull(page, name, right, down) {
     await settled(page);
 }
 
-/** Where a link is, and how it is turned: sixteen numbers. */
+/** Placement of a link: sixteen numbers. */
 const placed = (page, name) =>
     page.evaluate((name) => {
         const { view } = kinoptPage;
@@ -82,7 +82,7 @@ test("any part of a robot is pinned and freed", { skip }, async () => {
     await page.locator("#pin").click();
     await pull(page, "right_hand", 10, 40);
     assert.ok(away(await placed(page, "right_hand"), before) > 0.01, "a hand that was freed goes along");
-    // A foot that is pulled keeps its sole level, and the other stays.
+    // A dragged foot keeps its sole level, and the other foot stays.
     const [left, right] = await Promise.all(["left_sole", "right_sole"].map((foot) => placed(page, foot)));
     await pull(page, "left_sole", 0, -30);
     const [lifted, stood] = await Promise.all(["left_sole", "right_sole"].map((foot) => placed(page, foot)));

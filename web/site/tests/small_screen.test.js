@@ -1,4 +1,4 @@
-// A finger drags on a small screen, where nothing is wider than it.
+// A finger drags on a small screen, and nothing is wider than the screen.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";

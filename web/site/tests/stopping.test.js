@@ -1,4 +1,4 @@
-// What takes long is stopped, and what was open is there again.
+// A long request is stopped, and the previous model is shown again.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
