@@ -6,7 +6,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Gives the bytes of a file that another one names, or `undefined` where there is none. */
+/** Returns the bytes of a referenced file, or `undefined` if it does not exist. */
 export type Open = (file: string) => Uint8Array | undefined;
 "#;
 

@@ -109,15 +109,15 @@ impl Drag {
         self.inner.set_configuration(q).map_err(raise)
     }
 
-    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
-    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standingIn(pose).model` of its
-    /// pose after each frame.
+    /// Moves joints and frames on their parents to their placements in `model`, which has the joints of the problem's
+    /// model. The configuration stays. For a character whose scales shear its bones, use
+    /// `skeleton.standingIn(pose).model` of its pose after each frame.
     #[wasm_bindgen(js_name = moveJoints)]
     pub fn move_joints(&mut self, model: &Model) -> Result<(), JsError> {
         self.inner.move_joints(&model.inner).map_err(raise)
     }
 
-    /// Where the body stands.
+    /// Current configuration.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q().to_vec()

@@ -1,4 +1,4 @@
-// An arm comes to every pose that it can reach, and says what it cannot.
+// An arm reaches every reachable pose, and reports misses.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Arm, CollisionModel, placement, Robot, World } from "kinopt";
@@ -87,7 +87,7 @@ test("a limit of time ends what takes long, and is told", () => {
     const far = placement([3, 0, 0.5]);
     const { termination, reached, q } = pandaArm({ timeLimit: 0, search: "first" }).solve(far);
     assert.deepEqual([termination, reached, q.length], ["time_limit", false, 7]);
-    // Long enough ends nothing.
+    // A long time limit ends nothing.
     const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
     const target = pandaArm().baseFromTool(start.map((value) => value + 0.1));
     assert.deepEqual(pandaArm({ timeLimit: 60 }).solve(target, start).q, pandaArm().solve(target, start).q);
@@ -118,7 +118,7 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     const solution = arm.solve(target);
     assert.ok(solution.goalsReached || !solution.reached);
     assert.deepEqual(arm.collisions(solution.q), solution.reached ? [] : arm.collisions(solution.q));
-    // Spheres of a file change no verdict, grown by what they leave uncovered.
+    // Spheres of a file, enlarged by their gaps, change no result.
     const spheres = "collision_spheres:\n" + shapes.links.map((link) => `  ${link}:\n    - {center: [0, 0, 0], radius: 0.01}\n`).join("");
     const covered = Arm.keepingClear(robot, "base", "flange", shapes.withSpheres(spheres, "small.yml"), world, 0.01);
     assert.equal(covered.solve(target).reached, solution.reached);
@@ -126,7 +126,7 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     world.move("shelf", [target[12], target[13], target[14]]);
     const blocked = arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]);
     assert.ok(blocked.some(({ second, distance }) => second.includes("shelf") && distance < 0.01), JSON.stringify(blocked));
-    // What each of a pair is stands beside its name.
+    // The kind of each member of a pair is given next to its name.
     for (const { firstKind, secondKind, second, onTheWay } of blocked) {
         assert.equal(firstKind, "link");
         assert.equal(secondKind, second.includes("shelf") ? "obstacle" : "link");

@@ -20,7 +20,7 @@ test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => 
         const next = solution.q;
         assert.ok(next.every((value, j) => lower[j] <= value && value <= upper[j]));
         assert.ok(next.every((value, j) => Math.abs(value - q[j]) <= 0.1500001));
-        // A frame is cut off at 40 steps; the next goes on.
+        // A frame ends after 40 steps; the next one continues.
         assert.ok(solution.reached || solution.positionError < 1e-5, `${k}: ${solution.explain()}`);
         q = next;
     }
@@ -84,7 +84,9 @@ test("a capture is played, and dragged from where it stands", () => {
     target.forEach((value, k) => assert.ok(Math.abs(reached[k] - value) < 1e-2, `${reached}`));
 });
 
-/** A strip of three vertices on two bones, the second of which turns by a quarter in a second: a file and its buffer. */
+/**
+ * A strip of three vertices on two bones; the second bone rotates by a quarter turn in a second. A file and its buffer.
+ */
 function strip() {
     const parts = [
         new Float32Array([0, 0, 0, 0, 1, 0, 0, 2, 0]),
@@ -112,7 +114,7 @@ function strip() {
         accessors,
         meshes: [{ primitives: [{ attributes: { POSITION: 0, NORMAL: 1, JOINTS_0: 2, WEIGHTS_0: 3 }, indices: 4 }] }],
         nodes: [{ name: "low", children: [1] }, { name: "high", translation: [0, 1, 0], children: [3] }, { mesh: 0, skin: 0 }, { name: "end", translation: [0, 1, 0] }],
-        // Bound where they are: the inverse bind matrices are the identity where none are given.
+        // Bound at rest: missing inverse bind matrices are identities.
         skins: [{ joints: [0, 1] }],
         scenes: [{ nodes: [0, 2] }],
         scene: 0,
@@ -167,7 +169,7 @@ test("what was solved is a clip, in the scene's own file and as a capture", () =
     const read = Scene.fromBytes(file.toBytes(), "more.gltf", open);
     assert.deepEqual(read.clips.map(({ name }) => name), file.clipNames);
     const placed = (of, name, seconds) => of.armature.localToModel(of.clips.find((one) => one.name === name).sample(seconds));
-    // Twice as fast as it was.
+    // Twice as fast as before.
     const before = placed(scene, own.name, 0.6);
     placed(read, "again", 0.3).forEach((value, k) => assert.ok(Math.abs(value - before[k]) < 1e-5));
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(recording.toBvh()), "again.bvh");

@@ -1,4 +1,4 @@
-// Over a clip a hand reaches for a place, and feet stand. The capture is in centimetres.
+// During a clip a hand reaches a target, and feet are planted. The capture is in centimetres.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { MotionCapture, World } from "kinopt";
@@ -6,7 +6,7 @@ import { text } from "./panda.js";
 
 const bytes = new TextEncoder().encode(text("captures/steps.bvh"));
 const { armature, clip } = MotionCapture.fromBytes(bytes, "steps.bvh");
-/** Where a bone begins at a moment of a clip. */
+/** Origin of a bone at a time of a clip. */
 const place = (of, bone, seconds) => {
     const k = armature.names.indexOf(bone);
     return [...armature.places(of.sample(seconds)).subarray(3 * k, 3 * k + 3)];

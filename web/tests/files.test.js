@@ -1,4 +1,4 @@
-// A bad file is an exception with the library's message: the file, the place in it, what is wrong.
+// An invalid file is an exception with the library's message: the file, the place in it, and the fault.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { MotionCapture, Rig, Robot, Scene, World } from "kinopt";

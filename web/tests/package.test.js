@@ -1,4 +1,5 @@
-// The package installs from a registry that has its archive, in an empty project; its README's lines run there, and its types check.
+// The package installs from a registry with its archive into an empty project; its README's code runs there, and its
+// types are valid.
 import assert from "node:assert/strict";
 import { execFile, execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -16,7 +17,7 @@ const run = (command, ...rest) => execFileSync(command, rest, { cwd: project, en
 const readme = readFileSync(join(own, "README.md"), "utf8");
 const blocks = [...readme.matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text);
 
-/** A registry that has one package, as npm asks one: what is known of it, and its archive. */
+/** A registry of one package, with the requests of npm: its metadata, and its archive. */
 async function registry({ filename, integrity, name, version }) {
     const archive = readFileSync(join(project, filename));
     const server = createServer(({ url }, answer) => {
@@ -47,7 +48,7 @@ test("the README's ten lines run", () => {
 });
 
 test("the README's drag runs", () => {
-    // What the reader has: where the files are, and what draws.
+    // Functions of the reader: file access and drawing.
     const readers = `
         import { readFileSync } from "node:fs";
         const folder = ${JSON.stringify(model("humanoid/").href)};
@@ -117,7 +118,7 @@ test("the types of its README check, and wrong ones do not", () => {
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
     try {
         run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "wrong.ts");
-        // Neither a browser's names are needed nor Node's.
+        // The types need no declarations of a browser or of Node.
         writeFileSync(join(project, "bare.ts"), `import { init, type Robot } from "kinopt/bare";
             export const begun = (module: ArrayBuffer) => init({ module_or_path: module });
             export const nameOf = (robot: Robot) => robot.name;`);

@@ -1,4 +1,4 @@
-// Robots of MJCF, what an SRDF says of one, and paths of arms with few reconfigurations.
+// Robots from MJCF, their SRDF, and paths of arms with few reconfigurations.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Arm, framePlacement, Robot, solvePath, Srdf } from "kinopt";
@@ -62,13 +62,13 @@ test("a path half a metre to the side is gone on one branch, and one that leaves
     const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
     assert.ok(!beyond.isWhole && beyond.missed.at(-1).index === 60 && /reach|found/.test(beyond.missed.at(-1).reason));
     assert.throws(() => solvePath(arm, path, { traversal: "back" }), /back.*cyclic/s);
-    // The second half is for a tool 5 cm further out.
+    // The second half is for a tool that is 5 cm longer.
     const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
     const toolOfPoints = Array.from({ length: 61 }, (_, k) => (k < 30 ? 0 : 1));
     const near = points(0.3);
     const two = solvePath(arm, near, { tools: longer, toolOfPoints });
     assert.deepEqual([two.missed, two.q.length], [[], 61 * 7]);
-    // The change of tools is the only long step, if it is one.
+    // The change of tools is the only long step, if there is one.
     assert.ok(two.reconfigurations.every(({ index }) => index === 30));
     const last = arm.baseFromTool(two.q.slice(-7));
     const off = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);

@@ -1,4 +1,4 @@
-// Every kind of task comes to what it says, by numbers that are not the solver's own.
+// Every kind of task is reached, according to numbers that are independent of the solver.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Drag, frameJacobian, framePlacement, Jacobian, placement, Problem, Robot, Solver, tasks } from "kinopt";
@@ -12,7 +12,7 @@ const axis = (frame, k, q) => framePlacement(model, frame, q).slice(4 * k, 4 * k
 const apart = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
 const dot = (a, b) => a.reduce((sum, value, k) => sum + value * b[k], 0);
 
-/** The answer to tasks, which are reached. */
+/** Solution of tasks that are reached. */
 function solved(list, targets, on = model, from = start) {
     const solution = new Solver().solve(new Problem(on, list), from, targets);
     assert.ok(solution.reached, solution.explain());
@@ -43,7 +43,7 @@ test("one frame in another's axes, and what a camera sees", () => {
     const off = at("flange", q).map((value, k) => value - base[12 + k]);
     const seen = [0, 1, 2].map((k) => dot(base.slice(4 * k, 4 * k + 3), off));
     assert.ok(apart(seen, place) < 1e-5, `${seen}`);
-    // A camera at (2, 0, 0.5) that looks along -x: u to the world's y, v downward.
+    // A camera at (2, 0, 0.5) that looks along -x: u along the world's y, v downward.
     const camera = [-320, 500, 0, 640, -240, 0, -500, 480 + 250, -1, 0, 0, 2];
     const pixel = solved([tasks.pixel("flange", camera, [400, 200])]);
     const [x, y, z] = at("flange", pixel);
@@ -75,7 +75,7 @@ test("balance: the centre of mass, and the ground that it stands on", () => {
     const feet = ["left_foot", "right_foot"].map((bone) => tasks.point(rig.skeleton.tip(bone), framePlacement(rig.model, rig.skeleton.tip(bone), rest).slice(12, 15)));
     const hand = tasks.point(rig.skeleton.tip("left_hand"), [0.35, 0.4, 1.1], { name: "hand" });
     solved([hand, ...feet, tasks.centerOfMass([0, 0], { tolerance: 0.05 })], {}, rig.model, rest);
-    // Two masses: their centre is between them, at a quarter of the way.
+    // Two masses: their centre is between them, at a quarter of the distance.
     const masses = { link4: 3, hand: [1, 0, 0, 0.2] };
     const q = solved([tasks.centerOfMass([0.2, 0.1, 0.4], { masses, name: "centre" })], { centre: [0.2, 0.15, 0.5] });
     const [elbow, grip] = [at("link4", q), framePlacement(model, "hand", q)];

@@ -1,4 +1,5 @@
-// What is no number, text or file is a TypeError that says what is wanted, however often, and the module goes on as before.
+// An argument of a wrong type is a TypeError that names the expected type, any number of times, and the module
+// continues to work.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Arm, CollisionModel, framePlacement, MotionCapture, placement, Problem, Rig, Robot, Scene, tasks, World } from "kinopt";

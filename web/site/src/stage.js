@@ -41,8 +41,8 @@ export class Stage {
     }
 
     /**
-     * Moves the camera to show all points, three numbers each, from a direction in front of the figure. `room` is a
-     * factor of the distance; it is smaller on an upright screen, which is narrow.
+     * Moves the camera to show all points, three numbers each, from a direction in front of the figure. A factor
+     * enlarges the distance; it is smaller on an upright screen, which is narrow.
      */
     frame(points, { up, from, room = this.camera.aspect < 1 ? 1.2 : 1.4 }) {
         const box = new THREE.Box3().setFromArray(points);
