@@ -52,7 +52,7 @@ def placement(
         many = np.broadcast_shapes(place.shape[:-1], rotation.shape[:-2])
     except ValueError:
         shapes = f"{place.shape[:-1]} positions, {rotation.shape[:-2]} rotations"
-        raise InvalidValueError(f"there must be one of each, or as many of both: {shapes}") from None
+        raise InvalidValueError(f"expected equal numbers, or one of either: {shapes}") from None
     placed = np.zeros((*many, 4, 4))
     placed[..., :3, :3] = rotation
     placed[..., :3, 3] = place

@@ -124,7 +124,7 @@ class Task:
             self._check_name("a frame of masses", frame, optional=False)
             mass, at = given if isinstance(given, Sequence) and len(given) == 2 else (given, (0.0, 0.0, 0.0))
             _check_number(f"the mass of {frame}", mass)
-            kept[frame] = (float(mass), _compiled.numbers(at, f"where the mass of {frame} is", 3))
+            kept[frame] = (float(mass), _compiled.numbers(at, f"the position of the mass of {frame}", 3))
         self._keep("masses", kept)
 
     def __repr__(self) -> str:
@@ -690,13 +690,13 @@ class Residual(Task):
         if self.joints != "all":
             self._keep("joints", _names("joints", self.joints))
         if not self.frames and not self.joints:
-            raise InvalidValueError("the residual reads neither frames nor joints: name what its function takes")
+            raise InvalidValueError("the residual reads neither frames nor joints: set frames or joints")
         rows = self.rows if isinstance(self.rows, Mapping) else {"metres": self.rows}
         for quantity, count in rows.items():
             if not isinstance(count, (int, np.integer)) or isinstance(count, bool) or not 0 < count < 1 << 20:
                 raise InvalidValueError(f"rows has {count!r} in {quantity}, which is no whole number of at least 1")
         if not rows:
-            raise InvalidValueError("rows is empty: say how many numbers the function returns")
+            raise InvalidValueError("rows is empty: set the number of rows by quantity")
         self._keep("rows", {quantity: int(count) for quantity, count in rows.items()})
 
     def check_jacobian(self, model: Model | HasModel, q: ArrayLike, *, tolerance: float = 1e-5) -> None:

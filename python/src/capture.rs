@@ -135,7 +135,7 @@ impl MotionCapture {
         let armature = &armature.get().inner;
         let channels = channels_of(&channels)?;
         if channels.len() != armature.bones() {
-            return Err(invalid("there are not channels for each bone"));
+            return Err(invalid("channels must have one entry for each bone"));
         }
         let capture = bvh::MotionCapture {
             armature: kinopt::animation::Armature::clone(armature),

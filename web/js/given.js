@@ -7,7 +7,7 @@ const kind = (value) => {
     if (typeof value !== "object") return `is a ${typeof value}`;
     return `is of ${value.constructor?.name ?? "no class"}`;
 };
-const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}: ${what} is wanted`);
+const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}, expected ${what}`);
 const isNumber = (value) => typeof value === "number";
 /** Objects whose length is set by the engine, not by a caller. */
 const isList = (value) => Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
@@ -29,7 +29,7 @@ export function number(value, name) {
 }
 
 export function whole(value, name) {
-    if (!Number.isInteger(value) || value < 0 || value > 0xffffffff) throw new TypeError(`${name} is ${value}: a whole number of at least 0 is wanted`);
+    if (!Number.isInteger(value) || value < 0 || value > 0xffffffff) throw new TypeError(`${name} is ${value}, expected a whole number of at least 0`);
     return value;
 }
 
@@ -63,7 +63,7 @@ const MOST_BYTES = 0x7fffffff;
  */
 export const allocating = (allocate, sizeAt) => (...sizes) => {
     const bytes = sizes[sizeAt];
-    const full = () => new RangeError(`${bytes} bytes are more than the module has room for`);
+    const full = () => new RangeError(`${bytes} bytes exceed the memory of the module`);
     if (bytes > MOST_BYTES) throw full();
     try {
         return allocate(...sizes);

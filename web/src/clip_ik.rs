@@ -124,7 +124,7 @@ impl Clip {
                 Some("feet") => ground_speed(armature, motion, &feet, up, rate).map_err(raise)?,
                 Some(word) => {
                     let message =
-                        format!("travel is \"{word}\": \"feet\" or three numbers a second");
+                        format!("travel is \"{word}\", expected \"feet\" or three numbers");
                     return Err(JsError::new(&message));
                 }
                 None => vector(&travel, "travel")?.as_vec3(),
@@ -168,7 +168,7 @@ fn reach(
     let target = given::numbers(&asked.required("target")?, "target")?;
     let count = target.len();
     if count == 0 || count % 3 != 0 {
-        let message = format!("target has {count} numbers: three a point are wanted");
+        let message = format!("target has {count} numbers, expected three for each point");
         return Err(JsError::new(&message));
     }
     let points: Vec<DVec3> = target.chunks_exact(3).map(DVec3::from_slice).collect();

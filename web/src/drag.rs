@@ -138,7 +138,7 @@ impl Drag {
 
 fn at_least_one(frames: Option<u32>) -> Result<usize, JsError> {
     match frames.unwrap_or(1000) {
-        0 => Err(JsError::new("frames is 0: at least 1")),
+        0 => Err(JsError::new("frames is 0, expected at least 1")),
         frames => Ok(frames as usize),
     }
 }

@@ -65,7 +65,7 @@ test("joints: postures of some, weights, couplings, slowness, room", () => {
     assert.throws(() => new Problem(model, [tasks.posture({ elbow: 1 })]), /elbow.*joint/s);
     assert.throws(() => new Problem(model, [tasks.posture(start, { jointWeights: "upright-ish" })]), /by range.*upright/s);
     assert.throws(() => new Problem(model, [{ kind: "hover" }]), /kind of task.*hover.*point/s);
-    assert.throws(() => new Problem(model, [tasks.within(tasks.within(tasks.limitCentring()))]), /room within room/);
+    assert.throws(() => new Problem(model, [tasks.within(tasks.within(tasks.limitCentring()))]), /nested `within`/);
     assert.throws(() => new Problem(model, [tasks.gaze("flange", [0, 0, 1], 0.1)]), /target or a direction/);
 });
 

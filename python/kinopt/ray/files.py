@@ -106,7 +106,7 @@ class _Job:
         # Compared as text, which is exact and treats NaN as equal.
         if repr(again.to_pydict()) != repr(before.to_pydict()):
             raise InvalidValueError(
-                f"{name} in {self.into.name} answers another question: give another folder, or delete it"
+                f"{name} in {self.into.name} belongs to another query: use another folder, or delete it"
             )
 
     def solve(self, name: str) -> str | None:

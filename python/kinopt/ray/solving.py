@@ -45,7 +45,7 @@ class SolveArm:
         threads: int | None = 1,
     ) -> None:
         if start is not None and starts is not None:
-            raise InvalidValueError("there is one start for all, or a column of starts, not both")
+            raise InvalidValueError("give start or starts, not both")
         # An empty batch validates the start, before it reaches a worker.
         arm.solve_batch(np.empty((0, 4, 4)), start, threads)
         self.arm = arm
@@ -93,7 +93,7 @@ class SolveProblem:
         threads: int | None = 1,
     ) -> None:
         if (start is None) == (starts is None):
-            raise InvalidValueError("there is one start for all, or a column of starts: one of them")
+            raise InvalidValueError("give either start or starts")
         self.problem = problem
         self.start = None if start is None else np.asarray(start, dtype=np.float64)
         self.targets = dict(targets or {})
@@ -148,7 +148,7 @@ def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]
     if missing:
         raise InvalidValueError(f"there is no column {missing[0]!r} among {table.column_names}")
     if hidden:
-        raise InvalidValueError(f"column {hidden[0]!r} would be hidden by the answers': rename or drop it")
+        raise InvalidValueError(f"column {hidden[0]!r} has the name of a result: rename or drop it")
     return table.select(keep)
 
 

@@ -151,7 +151,7 @@ def retarget_folder(
         margin=margin,
     )
     if threads is not None and threads < 1:
-        raise InvalidValueError(f"threads is {threads}: at least 1, or None for all cores")
+        raise InvalidValueError(f"threads is {threads}, expected at least 1, or None for all cores")
     begun = job.begin(overwrite)
     report = bars.bar() if progress is True else progress or (lambda done, total: None)
     pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)

@@ -135,7 +135,7 @@ def retarget(
     mean_error, slip, ground_penetration, stride = measured
     notes = list(own.notes)
     if stands_along is not None:
-        notes.append("the target stands along another axis than the one that is taken for upward")
+        notes.append("the target is upright along another axis than its upward axis")
     if has_fixed_base:
         notes.append('the target has legs but a fixed base, so it stays in place: read the robot with base_joint="free"')
     return Retargeted(

@@ -82,7 +82,7 @@ class MeshFiles:
 
         path = self.find(file)
         if path is None:
-            self.missing.append(f"{file}: not at hand")
+            self.missing.append(f"{file}: not found")
             return None
         try:
             # Materials and buffers of the mesh are opened only below its own folder.
@@ -100,7 +100,7 @@ class MeshFiles:
             solid = Solid(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.uint32))
             pieces.append((solid, _color(mesh)))
         if not pieces:
-            self.missing.append(f"{path}: holds no triangles")
+            self.missing.append(f"{path}: contains no triangles")
             return None
         return pieces
 

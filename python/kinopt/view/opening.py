@@ -50,7 +50,7 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
     """
     path = Path(path)
     if base_joint is not None and path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
-        raise kinopt.InvalidValueError(f"{path}: a base joint is for robots (.urdf, .xml)")
+        raise kinopt.InvalidValueError(f"{path}: a base joint applies to robots only (.urdf, .xml)")
     match path.suffix.lower():
         case ".urdf":
             try:
@@ -71,7 +71,7 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
             return Opened(
                 capture, "+y", tolerance=_below(_extent(capture.armature)), notes=list(capture.notes)
             )
-    raise kinopt.InvalidValueError(f"{path}: there are pages for {SUPPORTED}")
+    raise kinopt.InvalidValueError(f"{path}: unsupported file, expected {SUPPORTED}")
 
 
 def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
@@ -173,7 +173,7 @@ def open_page(
         )
         opened.notes += movement.notes
         if movement.touching:
-            opened.notes.append(f"something touches in {len(movement.touching)} of {len(movement)} frames")
+            opened.notes.append(f"collisions in {len(movement.touching)} of {len(movement)} frames")
     if world is not None:
         # Checks the world with the model before a page opens.
         kinopt.Problem(opened.thing, world=world, margin=margin)

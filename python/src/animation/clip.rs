@@ -200,7 +200,7 @@ impl Clip {
                 Channel::Euler(inner) => {
                     ("rotation", Bound::new(py, EulerCurve { inner })?.into_any())
                 }
-                _ => return Err(invalid("a channel of a kind that is not known here")),
+                _ => return Err(invalid("a channel of an unknown kind")),
             };
             Ok((name, property.to_owned(), curve))
         };

@@ -202,7 +202,9 @@ impl EulerClip {
         let skeleton = Arc::clone(&skeleton.get().inner);
         let last = inner.tracks().last().map(|track| track.bone.index());
         if last.is_some_and(|bone| bone >= skeleton.bones().len()) {
-            return Err(invalid("the clip moves bones that the skeleton has not"));
+            return Err(invalid(
+                "the clip moves bones that the skeleton does not have",
+            ));
         }
         let inner = Arc::new(inner);
         Ok(Self { inner, skeleton })

@@ -181,7 +181,7 @@ impl LimbGoal {
         let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
         let end = match (hold, rotation) {
             (Some(_), Some(_)) => {
-                return Err(invalid("the bone at the end is held or turned, not both"));
+                return Err(invalid("hold and a rotation are given: use one of them"));
             }
             (Some(weight), None) => EndRotation::Hold { weight },
             (None, Some((q, order))) => EndRotation::Goal {

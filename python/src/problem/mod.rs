@@ -343,7 +343,7 @@ impl Problem {
         let q = arrays::copied(q, "q")?;
         let Some(checker) = &self.checker else {
             return Err(invalid(
-                "what touches is not known: the problem was made without a world or a margin to keep clear of",
+                "the problem has no collision avoidance: create it with world, margin or collision_model",
             ));
         };
         let found = py.detach(|| checker.collisions(&q)).or_raise()?;

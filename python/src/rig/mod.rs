@@ -47,7 +47,7 @@ impl Rig {
         let rig = &self.inner;
         let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
             return Err(invalid(
-                "world and margin need a rig with a mesh and weights, or take a collision_model",
+                "world and margin need a rig with a mesh and weights, or a collision_model",
             ));
         };
         let shapes = CollisionModel::of_skin(&rig.skeleton, mesh, weights).or_raise()?;

@@ -161,7 +161,9 @@ impl BallSkeleton {
         };
         let names = skeleton.bones().iter().map(|bone| bone.name.as_str());
         if !names.eq(armature.names().iter().map(String::as_str)) {
-            return Err(invalid("the armature's bones are not the skeleton's"));
+            return Err(invalid(
+                "the armature and the skeleton have different bones",
+            ));
         }
         let skeleton = kinopt::Skeleton::clone(skeleton);
         Self::make(skeleton, armature, cones_of(cones)?, Root::new(root, room)?)

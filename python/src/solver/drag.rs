@@ -299,7 +299,7 @@ impl DragJump {
 
 fn at_least_one(frames: usize) -> PyResult<()> {
     match frames {
-        0 => Err(invalid("frames is 0: at least 1")),
+        0 => Err(invalid("frames is 0, expected at least 1")),
         _ => Ok(()),
     }
 }

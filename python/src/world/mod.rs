@@ -372,7 +372,7 @@ impl World {
             if let Some(frame) = &obstacle.attached {
                 let name = &obstacle.name;
                 return Err(invalid(format!(
-                    "obstacle {name:?} is attached to {frame:?}, so its place in the world is not known"
+                    "obstacle {name:?} is attached to {frame:?}, so its pose in the world is unknown"
                 )));
             }
         }

@@ -20,7 +20,7 @@ export function checked(folder) {
     let links = 0;
     for (const [name, page] of pages) {
         from.set(name, new Set());
-        broken.push(...page.twice.map((id) => `${name}: id ${id} is there twice`));
+        broken.push(...page.twice.map((id) => `${name}: duplicate id ${id}`));
         for (const link of page.links) {
             links += 1;
             if (/^(data|mailto):/.test(link)) continue;

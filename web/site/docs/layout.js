@@ -23,7 +23,7 @@ function neighbours(page, groups) {
     const order = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
     const at = order.findIndex(({ address }) => address === page.address);
     const to = (own, rel, says) => own ? `<a rel="${rel}" href="${between(page.address, own.address)}"><small>${says}</small>${escape(own.title)}</a>` : "<span></span>";
-    return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Before")}${to(order[at + 1], "next", "Next")}</nav>`;
+    return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Previous")}${to(order[at + 1], "next", "Next")}</nav>`;
 }
 
 /** True if a table is too wide for the text column: many columns with long rows. */
@@ -56,10 +56,10 @@ export function laidOut({ page, html, headings, groups }) {
 <script type="module" src="${at("docs/page.js")}"></script>
 </head>
 <body>
-<a class="skip" href="#text">To the text</a>
+<a class="skip" href="#text">Skip to the text</a>
 <header>
 <a class="name" href="${at("index.html")}">kinopt</a>
-<nav aria-label="Site"><a href="${at("index.html")}">Drag a body</a> <a href="${at("docs/index.html")}">Documentation</a> <a href="${repository}">Source</a></nav>
+<nav aria-label="Site"><a href="${at("index.html")}">Demo</a> <a href="${at("docs/index.html")}">Documentation</a> <a href="${repository}">Source</a></nav>
 <a class="button" id="menu" href="#contents">Contents</a>
 </header>
 <div id="page"${hasWideTable(html) ? ' class="wide"' : ""}>
@@ -70,7 +70,7 @@ ${groups.map(group(page)).join("\n")}
 <main id="text">
 ${html}
 ${neighbours(page, groups)}
-<footer><a href="${repository}/blob/main/${page.path}">The source of this page</a></footer>
+<footer><a href="${repository}/blob/main/${page.path}">Source of this page</a></footer>
 </main>
 ${onThisPage(headings)}
 </div>

@@ -35,7 +35,7 @@ export class Links {
 
     #there(page, path) {
         const file = new URL(path, root);
-        if (!existsSync(file)) throw new Error(`${page.path} links to ${path}, which is not there`);
+        if (!existsSync(file)) throw new Error(`${page.path} links to ${path}, which does not exist`);
         return statSync(file);
     }
 

@@ -132,7 +132,7 @@ search.addEventListener("input", async () => {
         item.append(link);
         return item;
     }));
-    if (words.length && !scored.length) results.textContent = "Nothing has these words.";
+    if (words.length && !scored.length) results.textContent = "No results.";
     contents.classList.toggle("searching", words.length > 0);
 });
 search.addEventListener("keydown", (event) => {

@@ -135,7 +135,7 @@ const exported = (file) => new Set([...source(`python/kinopt/${file}`).split("__
 
 export function pythonReference() {
     const words = wordsOfRust();
-    const text = ["# Python reference", "", "The classes and functions of the package `kinopt`, in the words of their `help`. How they are used together: [the package's page](https://github.com/kinopt/kinopt/blob/main/python/README.md).", ""];
+    const text = ["# Python reference", "", "Classes and functions of the package `kinopt`, with their docstrings. Their use is shown on [the package's page](https://github.com/kinopt/kinopt/blob/main/python/README.md).", ""];
     for (const [module, exports, stub, files] of MODULES) {
         const names = exported(exports);
         const all = [...ofStub(stub, words), ...files.flatMap(ofFile)].filter(({ name }) => names.has(name));

@@ -35,7 +35,7 @@ function shortly(solution) {
     // The page offers no other starts.
     const heard = all.filter((line) => !/attempt|More time/.test(line));
     // Users know pinned frames, but no numbers of priority levels.
-    const lines = heard.map((line) => (/^Levels? \d/.test(line) ? "What is pinned, and the balance, leave it no more." : line.replace(PART, "`$1`")));
+    const lines = heard.map((line) => (/^Levels? \d/.test(line) ? "Pinned joints or the balance prevent it." : line.replace(PART, "`$1`")));
     const far = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
     return [...far, ...lines].slice(0, far.length || 3).join(" ");
 }

@@ -26,7 +26,7 @@ export class Library {
         };
         this.#worker.onerror = ({ message }) => {
             const unfetched = !message || /fetch/i.test(message);
-            this.#fail(new Error(unfetched ? "The library cannot be fetched: is the server still there? Then load the page again." : message));
+            this.#fail(new Error(unfetched ? "The library cannot be fetched. Check that the server is running, and reload the page." : message));
         };
     }
 

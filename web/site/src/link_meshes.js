@@ -49,7 +49,7 @@ export class LinkMeshes {
                 return object;
             }
             default:
-                throw new Error(`${name}: meshes are drawn of .stl, .dae and .obj files`);
+                throw new Error(`${name}: unsupported mesh format, expected .stl, .dae or .obj`);
         }
     }
 }

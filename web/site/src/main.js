@@ -17,7 +17,7 @@ function staged() {
     try {
         return new Stage(element("stage"));
     } catch (error) {
-        say("This page draws by WebGL, which this browser has not, or has switched off.", true);
+        say("This page needs WebGL, which this browser does not support or has disabled.", true);
         throw error;
     }
 }
@@ -97,7 +97,7 @@ async function open(wanted, name) {
         const { view } = page;
         view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(BETWEEN)));
     } catch (error) {
-        say(/not given/.test(error.message) ? `${error.message}. Drop it too.` : error.message, true);
+        say(/not given/.test(error.message) ? `${error.message}. Drop this file too.` : error.message, true);
         if (page.asked && error.message === STOPPED) await anew();
     } finally {
         page.opening = false;
@@ -122,12 +122,12 @@ async function anew() {
 function tools() {
     const { kind, triangles, seconds, clips } = page.opened ?? {};
     const [toDo, toDrop] = hints(page.opened, playback.running);
-    element("to-do").textContent = toDo && `${toDo} Drag beside it to turn the view.`;
+    element("to-do").textContent = toDo && `${toDo} Drag the background to rotate the view.`;
     element("to-drop").textContent = toDrop;
     element("pin").hidden = kind === "movement";
     element("skin").hidden = !(triangles?.length > 0);
     element("play").hidden = kind === "robot";
-    element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Free" : "Pin";
+    element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Unpin" : "Pin";
     element("skin").disabled = element("skin").hidden;
     element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
     element("play").disabled = !(seconds > 0);
@@ -226,7 +226,7 @@ hands({ page, grab, release, mark, tools, say, press: (id) => element(id).click(
 
 element("pin").onclick = () => {
     const { grabbed } = page;
-    if (!grabbed) return say("Grab a joint first.");
+    if (!grabbed) return say("Select a joint first.");
     if (playback.running) {
         if (!page.kept.delete(grabbed)) page.kept.set(grabbed, page.held || page.nudged ? page.target : page.view.place(grabbed));
         page.nudged = false;
@@ -248,7 +248,7 @@ element("play").onclick = () => {
     forget();
     page.limits = [];
     playback.toggle();
-    page.note = lost ? "The clip takes over: the pose from before is let go." : "";
+    page.note = lost ? "The clip replaces the dragged pose." : "";
     say(page.note);
     mark();
     tools();
@@ -288,13 +288,13 @@ element("whole").onclick = async () => {
     }
     element("stop").hidden = false;
     try {
-        const solving = whole.solve(page.asked.files, ({ done, total }) => say(`The whole movement: ${done} of ${total} frames`));
-        say("The whole movement…");
+        const solving = whole.solve(page.asked.files, ({ done, total }) => say(`Whole motion: ${done} of ${total} frames`));
+        say("Whole motion…");
         tools();
         const { movement, meanError, slip } = await solving;
         if (view !== page.view) return undefined;
         page.whole = { meanError, slip };
-        say(`The whole movement: ${(1000 * meanError).toFixed(0)} mm off in the mean, what stands slips by ${(1000 * slip).toFixed(1)} mm at most.`);
+        say(`Whole motion: mean error ${(1000 * meanError).toFixed(0)} mm, largest drift of a foot contact ${(1000 * slip).toFixed(1)} mm.`);
         return await shown("follow", { movement });
     } catch (error) {
         if (view === page.view) say(error.message, error.message !== STOPPED);

@@ -18,7 +18,7 @@ const BENT = [0, -0.4, 0, -2, 0, 1.6, 0.8];
 async function fetched(...names) {
     const files = names.map(async (name) => {
         const answer = await fetch(new URL(`./models/${name}`, import.meta.url)).catch(() => {
-            throw new Error(`${name} cannot be fetched: is the server still there?`);
+            throw new Error(`${name} cannot be fetched: check that the server is running`);
         });
         if (!answer.ok) throw new Error(`${name}: ${answer.status}`);
         return [name, new Uint8Array(await answer.arrayBuffer())];

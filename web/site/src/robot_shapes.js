@@ -24,9 +24,9 @@ export function shapesOf(robot, names) {
         return solid.length > 0 ? solid : plain(shown);
     });
     const some = [...missing].slice(0, 3).join(", ");
-    const note = `${missing.size} meshes were not dropped with it, or are none that can be drawn: ${some}${missing.size > 3 ? ", …" : ""}.`;
+    const note = `${missing.size} meshes are missing or have an unsupported format: ${some}${missing.size > 3 ? ", …" : ""}.`;
     if (missing.size > 0) return { shapes, notes: [note], sticks: parents(robot) };
-    if (shapes.every((own) => own.length === 0)) return { shapes, notes: ["It has no shapes, so sticks stand for its links."], sticks: parents(robot) };
+    if (shapes.every((own) => own.length === 0)) return { shapes, notes: ["The robot has no shapes: sticks represent its links."], sticks: parents(robot) };
     return { shapes, notes: [], gaps: shapes.flat().some(({ kind }) => kind === "mesh") ? undefined : tree(robot) };
 }
 

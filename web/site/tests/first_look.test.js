@@ -48,7 +48,7 @@ for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["
             return [positions.filter((_, k) => k % 3 === 2).reduce((least, z) => Math.min(least, z)), kinoptPage.view.grid.position.z];
         });
         assert.equal(lowest, ground, "it stands on the ground");
-        assert.match(await page.locator("#hint").innerText(), /Grab any joint/);
+        assert.match(await page.locator("#hint").innerText(), /Drag any joint/);
         await page.locator('[data-open="panda"]').click();
         await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
         assert.equal(await beyond(page), 0, "the arm and its boxes");

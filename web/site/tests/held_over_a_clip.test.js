@@ -70,7 +70,7 @@ test("a pose that a clip takes over is not let go without a word", { skip }, asy
     await settled(page);
     await page.locator("#play").click();
     await page.waitForFunction(() => kinoptPage.playback.seconds > 0.5);
-    assert.match(await status(page), /pose from before is let go/);
+    assert.match(await status(page), /replaces the dragged pose/);
     // Until a handle is grabbed, or playback stops.
     await page.locator("#play").click();
     assert.equal(await status(page), "");

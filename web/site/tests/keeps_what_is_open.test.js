@@ -66,7 +66,7 @@ test("a rig without the files that it names is told to bring them", { skip }, as
     const humanoid = await page.evaluate(async () => (await fetch("models/humanoid.json")).text());
     await page.locator("#file").setInputFiles([file("humanoid.json", humanoid)]);
     await page.waitForFunction(() => document.querySelector("#status.bad"));
-    assert.match(await status(page), /humanoid\.ply.*Drop it too/);
+    assert.match(await status(page), /humanoid\.ply.*Drop this file too/);
     await page.close();
 });
 

@@ -41,7 +41,7 @@ test("what leads nowhere is told", () => {
             "docs/a.html: ../../outside.html",
             "docs/a.html: ../index.html#gone",
             "docs/a.html: b.html",
-            "docs/a.html: id there is there twice",
+            "docs/a.html: duplicate id there",
             "docs/a.html: none.png",
         ]);
         assert.deepEqual([...elsewhere], ["https://example.org/"]);

@@ -39,7 +39,7 @@ test("a robot's meshes are drawn of the files beside it, a scene in its own colo
         assert.ok(Math.abs(part.scale - 0.1) < 1e-6);
     }
     assert.equal(drawn[3], undefined);
-    assert.match(await status(page), /1 meshes were not dropped.*lost\.stl/);
+    assert.match(await status(page), /1 meshes are missing.*lost\.stl/);
     assert.deepEqual(await page.evaluate(() => kinoptPage.view.limbs.pairs), [[0, 1], [1, 2], [2, 3]], "sticks stand for what is missing");
 
     const numbers = [new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]), new Float32Array([0, 0, 1, 0, 0, 1])];

@@ -39,7 +39,7 @@ test("a robot follows a captured person live, another one that is dropped, and a
 
     await page.locator("#whole").click();
     await page.waitForFunction(() => kinoptPage.whole !== undefined, undefined, { timeout: 120_000 });
-    assert.match(await status(page), /mm off in the mean/);
+    assert.match(await status(page), /mean error \d+ mm/);
     const { slip } = await page.evaluate(() => kinoptPage.whole);
     assert.ok(slip < 0.01);
     await page.locator("#whole").click();

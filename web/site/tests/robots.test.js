@@ -63,7 +63,7 @@ test("a robot with legs stands on its feet while any of it is pulled, and what i
     for (const name of red.filter((name) => name !== grabbed)) assert.equal(await colour(page, name), RED, name);
     for (const [k, foot] of feet.entries()) assert.ok(away(await placed(page, foot), stood[k]) < 1e-3, `${foot} stays though the hand is missed`);
     await pull(page, "left_sole", 200, -300);
-    assert.match(await status(page), /What is pinned, and the balance, leave it no more/);
+    assert.match(await status(page), /Pinned joints or the balance prevent it/);
     assert.doesNotMatch(await status(page), /[Ll]evels?\b/);
     assert.deepEqual(said, []);
     await page.close();
@@ -74,7 +74,7 @@ test("any part of a robot is pinned and freed", { skip }, async () => {
     const hand = await seen(page, "right_hand");
     await page.mouse.click(hand.x, hand.y);
     await page.locator("#pin").click();
-    assert.equal(await page.locator("#pin").textContent(), "Free");
+    assert.equal(await page.locator("#pin").textContent(), "Unpin");
     const before = await placed(page, "right_hand");
     await pull(page, "left_hand", 10, 60);
     assert.ok(away(await placed(page, "right_hand"), before) < 1e-3, "a pinned hand stays");

@@ -160,7 +160,7 @@ pub(crate) fn goal(value: &JsValue) -> Result<PoseBounds, JsError> {
             match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
                 None => Ok(PoseBounds::within(widths)),
                 Some(width) => Err(JsError::new(&format!(
-                    "goal holds {width}, which is no number of at least 0"
+                    "goal contains {width}, expected numbers of at least 0"
                 ))),
             }
         }

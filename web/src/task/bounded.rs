@@ -19,7 +19,7 @@ pub(super) fn add(
     let inner = around.get("task").unwrap_or(JsValue::UNDEFINED);
     let kind = super::kind(&inner)?;
     if kind == "within" {
-        let message = "room within room: give `within` one interval instead";
+        let message = "nested `within`: use one interval instead";
         return Err(JsError::new(message));
     }
     let given = residual::given(inner, &kind)?;
