@@ -159,7 +159,7 @@ fn rest_pose_can_be_replaced() {
 }
 
 #[test]
-fn skeleton_of_limits_that_are_no_interval_is_an_error() {
+fn skeleton_with_reversed_limits_is_an_error() {
     let backwards = |_| [Limits::new(1.0, -1.0); 3];
     let armature = armature(2, &mut Random::new(5));
     assert!(armature.skeleton("one", backwards).is_err());

@@ -432,7 +432,7 @@ fn confined_mjcf_opens_no_mesh_outside_its_folder() {
 }
 
 #[test]
-fn confined_robot_reads_no_manifest_outside_its_folder() {
+fn confined_robot_reads_no_manifest_outside() {
     let scenery = Scenery::new("refs-manifests");
     let manifest = |folder: PathBuf, name: &str| {
         std::fs::create_dir_all(&folder).unwrap();
