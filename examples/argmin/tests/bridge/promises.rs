@@ -452,7 +452,7 @@ fn the_hessian_is_exact_where_the_residual_vanishes() {
 
 /// ∂cost/∂x · d²x/dy² where it is not negative, and nothing else.
 #[test]
-fn hessian_with_error_includes_the_variables_curvature() {
+fn hessian_includes_the_curvature_of_the_variables() {
     let problem = held_by_limits();
     let unbounded = UnboundedProblem::new(&problem);
     let mut bends = 0;
