@@ -4,7 +4,7 @@ import test from "node:test";
 import { Drag, MotionCapture, Problem, Recording, Scene, SceneFile, Solver, tasks } from "kinopt";
 import { humanoid, pinned } from "./humanoid.js";
 
-test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => {
+test("a hand is dragged along 300 points without a jump", () => {
     const rig = humanoid();
     let q = rig.model.neutral();
     const pins = pinned(rig, q);
@@ -27,7 +27,7 @@ test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => 
     assert.deepEqual(drag.q, q);
 });
 
-test("a hand out of reach is told with its limits, and the other tips stay", () => {
+test("an unreachable hand is reported with its limits", () => {
     const rig = humanoid();
     const rest = rig.model.neutral();
     const problem = new Problem(rig.model, pinned(rig, rest));
@@ -39,7 +39,7 @@ test("a hand out of reach is told with its limits, and the other tips stay", () 
     assert.throws(() => new Solver().solve(problem, rest, { left_hand: [NaN, 0, 1] }), /the target of left_hand.*finite/s);
 });
 
-test("the skin at rest is the mesh, both ways, and moves with the body", () => {
+test("the skin equals the mesh at rest and moves along", () => {
     const rig = humanoid();
     const rest = rig.model.neutral();
     const all = ["lbs", "dqs"].map((method) => {
@@ -58,7 +58,7 @@ test("the skin at rest is the mesh, both ways, and moves with the body", () => {
     assert.throws(() => rig.posing("best"), /lbs.*dqs/);
 });
 
-test("a capture is played, and dragged from where it stands", () => {
+test("a capture is played, and dragged from its pose", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(
         "HIERARCHY\nROOT hips {\nOFFSET 0 100 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n" +
         "JOINT spine {\nOFFSET 0 40 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT neck {\nOFFSET 0 30 0\n" +
@@ -125,7 +125,7 @@ function strip() {
     return [new TextEncoder().encode(JSON.stringify(file)), buffer];
 }
 
-test("a scene is played with its skin, and dragged from where its clip has it", () => {
+test("a scene is played, and dragged from its clip's pose", () => {
     const [file, buffer] = strip();
     const asked = [];
     const scene = Scene.fromBytes(file, "strip.gltf", (name) => (asked.push(name), name === "strip.bin" ? buffer : undefined));
@@ -153,7 +153,7 @@ test("a scene is played with its skin, and dragged from where its clip has it", 
     assert.throws(() => Scene.fromBytes(file, "strip.gltf"), /strip\.gltf.*strip\.bin/s);
 });
 
-test("what was solved is a clip, in the scene's own file and as a capture", () => {
+test("solved poses become a clip of a scene or a capture", () => {
     const [gltf, buffer] = strip();
     const open = () => buffer;
     const file = SceneFile.fromBytes(gltf, "strip.gltf", open);

@@ -26,7 +26,7 @@ for (const [section, name, besides = []] of [["Arms", "ArmOptions"], ["Problems"
     });
 }
 
-test("the page on choosing names what there is", () => {
+test("the page on choosing names existing classes", () => {
     const types = text("../dist/kinopt.d.ts");
     const options = keys("ArmOptions");
     let count = 0;

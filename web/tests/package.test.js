@@ -42,7 +42,7 @@ before(async () => {
 });
 after(() => rmSync(project, { recursive: true }));
 
-test("the README's ten lines run", () => {
+test("the README's first example runs", () => {
     writeFileSync(join(project, "ten.js"), blocks[0]);
     assert.match(run("node", "ten.js"), /^true Float64Array\(7\)/);
 });
@@ -60,7 +60,7 @@ test("the README's drag runs", () => {
     assert.equal(run("node", "drag.js"), "60\n");
 });
 
-test("the README's person is followed", () => {
+test("the README's retargeting runs", () => {
     const readers = `
         import { readFileSync } from "node:fs";
         const [captures, robots] = ${JSON.stringify([model("captures/").href, model("").href])};
@@ -72,7 +72,7 @@ test("the README's person is followed", () => {
     assert.equal(run("node", "follow.js"), "180\n");
 });
 
-test("it works in a worker, which has a module of its own", () => {
+test("the package works in a worker with its own module", () => {
     writeFileSync(join(project, "worker.js"), `import { parentPort } from "node:worker_threads";\n${blocks[0]}\nparentPort.postMessage(solution.reached);`);
     writeFileSync(join(project, "main.js"), `import { Worker } from "node:worker_threads";
         const worker = new Worker(new URL("./worker.js", import.meta.url), { stdout: true });
@@ -80,7 +80,7 @@ test("it works in a worker, which has a module of its own", () => {
     assert.equal(run("node", "main.js"), "true\n");
 });
 
-test("a module that others compiled is taken", () => {
+test("a compiled module is accepted", () => {
     writeFileSync(join(project, "bare.js"), `import { readFileSync } from "node:fs";
         import { init, placement, Robot } from "kinopt/bare";
         const url = new URL(import.meta.resolve("kinopt/kinopt.wasm"));
@@ -89,7 +89,7 @@ test("a module that others compiled is taken", () => {
     assert.equal(run("node", "bare.js"), "Robot 16\n");
 });
 
-test("the types of its README check, and wrong ones do not", () => {
+test("the README's types are valid, wrong types are not", () => {
     const reads = "import type { Robot as Shown } from \"kinopt\"; declare function bytes(file: string): Promise<Uint8Array>;\n" +
         "declare function text(file: string): Promise<string>; declare function move(robot: Shown, q: Float64Array): void;\n";
     const reader = "declare const parts: Record<string, Uint8Array>; declare function bytes(file: string): Promise<Uint8Array>;\n" +

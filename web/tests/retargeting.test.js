@@ -26,7 +26,7 @@ const person = () => {
         `MOTION\nFrames: 31\nFrame Time: 0.0333333\n${frames.join("\n")}\n`;
 };
 
-test("a person's movement on a NAO", () => {
+test("a captured motion is retargeted to a NAO", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const found = retarget(robot, capture.clip);
@@ -44,7 +44,7 @@ test("a person's movement on a NAO", () => {
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
 });
 
-test("a follower has the movement frame by frame, feet that stand stay, and a whole one tells how far it is", () => {
+test("a follower works by frame, a whole motion reports progress", () => {
     const capture = MotionCapture.fromBytes(readFileSync(model("captures/steps.bvh")), "steps.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const { armature, clip } = capture;
@@ -79,13 +79,13 @@ test("a follower has the movement frame by frame, feet that stand stay, and a wh
     assert.throws(() => new RetargetFollower(robot, clip, undefined, { whole: true }), /whole.*fps/s);
 });
 
-test("a map that is none is called the map", () => {
+test("the error of an invalid map names it", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     assert.throws(() => retarget(robot, capture.clip, "{"), /the map: EOF/);
 });
 
-test("a robot keeps clear of a world, whole and live, and what touches all the same is told", () => {
+test("retargeting avoids a world and reports collisions", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const shapes = CollisionModel.ofRobot(robot);

@@ -4,7 +4,7 @@ import test from "node:test";
 import { Arm, framePlacement, Robot, solvePath, Srdf } from "kinopt";
 import { panda, pandaArm } from "./panda.js";
 
-test("an MJCF has the kinematics that it says", () => {
+test("an MJCF robot has the file's kinematics", () => {
     const robot = Robot.fromMjcf(`<mujoco model="two"><compiler angle="degree"/><worldbody><body name="upper" pos="0 0 1">
         <joint name="shoulder" type="hinge" axis="0 1 0" range="-90 90"/><geom type="capsule" size="0.05 0.2"/>
         <body name="lower" pos="0.5 0 0"><joint name="elbow" type="hinge" axis="0 1 0" range="0 120"/><geom size="0.05"/>
@@ -20,7 +20,7 @@ test("an MJCF has the kinematics that it says", () => {
     assert.equal(free.model.configurationLen, 7);
 });
 
-test("groups, states, ends and pairs of an SRDF", () => {
+test("an SRDF has groups, states, effectors and pairs", () => {
     const robot = panda();
     const joints = robot.chain("base", "flange");
     const srdf = Srdf.parse(`<robot name="${robot.name}"><group name="arm"><chain base_link="base" tip_link="flange"/></group>
@@ -43,7 +43,7 @@ test("groups, states, ends and pairs of an SRDF", () => {
     assert.equal(arm.degreesOfFreedom, 7);
 });
 
-test("a path half a metre to the side is gone on one branch, and one that leaves the workspace tells where", () => {
+test("a path has one branch, and reports unreached points", () => {
     const arm = pandaArm();
     const begin = arm.baseFromTool([0, -0.4, 0, -2, 0, 1.6, 0.8]);
     const points = (length) => Float64Array.from({ length: 16 * 61 }, (_, k) => begin[k % 16] + (k % 16 === 13 ? (length * Math.floor(k / 16)) / 60 : 0));

@@ -19,7 +19,7 @@ function solved(list, targets, on = model, from = start) {
     return solution.q;
 }
 
-test("places, lines of sight and distances", () => {
+test("tasks: positions, lines of sight, distances", () => {
     const target = at("flange", start).map((value, k) => value + 0.02 * (k + 1));
     const q = solved([tasks.point("flange", target), tasks.gaze("flange", [0, 0, 1], 0.1, [0.6, 0, -2])]);
     assert.ok(apart(at("flange", q), target) < 1e-5);
@@ -32,7 +32,7 @@ test("places, lines of sight and distances", () => {
     assert.ok(Math.abs(apart(at(joint, far), at("flange", far)) - 0.45) < 1e-5);
 });
 
-test("one frame in another's axes, and what a camera sees", () => {
+test("tasks: relative poses and pixels of a camera", () => {
     const between = model.frameNames[2];
     const bent = start.map((value, k) => value + 0.1 * Math.sin(k));
     const [there, from] = [at("flange", bent), framePlacement(model, between, bent)];
@@ -51,7 +51,7 @@ test("one frame in another's axes, and what a camera sees", () => {
     assert.ok(Math.abs(320 + (500 * y) / depth - 400) < 1e-3 && Math.abs(240 - (500 * (z - 0.5)) / depth - 200) < 1e-3);
 });
 
-test("joints: postures of some, weights, couplings, slowness, room", () => {
+test("tasks: postures, weights, couplings, intervals", () => {
     const joints = model.jointNames;
     const free = solved([tasks.point("flange", at("flange", start)), tasks.posture({ [joints[0]]: 0.3 }, { weight: 1 })]);
     assert.ok(Math.abs(free[0] - 0.3) < 0.25);
@@ -69,7 +69,7 @@ test("joints: postures of some, weights, couplings, slowness, room", () => {
     assert.throws(() => new Problem(model, [tasks.gaze("flange", [0, 0, 1], 0.1)]), /target or a direction/);
 });
 
-test("balance: the centre of mass, and the ground that it stands on", () => {
+test("tasks: centre of mass and support polygon", () => {
     const rig = humanoid();
     const rest = rig.model.neutral();
     const feet = ["left_foot", "right_foot"].map((bone) => tasks.point(rig.skeleton.tip(bone), framePlacement(rig.model, rig.skeleton.tip(bone), rest).slice(12, 15)));
@@ -88,7 +88,7 @@ test("balance: the centre of mass, and the ground that it stands on", () => {
     assert.throws(() => new Problem(model, [tasks.centerOfMass([0, 0, 0])]), Error);
 });
 
-test("a robot's balance over the soles of its feet", () => {
+test("a robot balances over the soles of its feet", () => {
     const nao = Robot.fromUrdf(text("aldebaran_nao.urdf"), "aldebaran_nao.urdf", { baseJoint: "free" });
     const soles = Object.fromEntries(["left_sole", "right_sole"].map((foot) => [foot, nao.sole(foot)]));
     assert.deepEqual(Array.from(soles.left_sole[0]), [0, 0, 0]);
@@ -141,14 +141,14 @@ test("a drag follows a posture that moves", () => {
     assert.throws(() => drag.advance({ clip: [0, 1] }), /the target of clip has 2 numbers/);
 });
 
-test("a rig on a base that moves is a robot", () => {
+test("a rig with a base joint is a robot", () => {
     const rig = humanoid();
     const moving = Robot.ofModel(rig.model, { baseJoint: "free" });
     assert.equal(moving.model.configurationLen, rig.model.configurationLen + 7);
     assert.throws(() => Robot.ofModel(rig.model, { baseJoint: "flying" }), /flying.*free/s);
 });
 
-test("of a problem's joints some stay, some alone move, within narrower limits", () => {
+test("joints of a problem are locked, selected, narrowed", () => {
     const target = at("flange", start).map((value, k) => value + 0.02 * (k + 1));
     const point = tasks.point("flange", target);
     const [first, second, third] = model.jointNames;
@@ -169,7 +169,7 @@ test("of a problem's joints some stay, some alone move, within narrower limits",
     assert.throws(() => asked({ bounds: { [second]: [1] } }), /bounds.* has 1 numbers, expected 2/);
 });
 
-test("a solver gives up and stops as it is told", () => {
+test("solver options end a search", () => {
     const far = new Problem(model, [tasks.point("flange", [5, 0, 0])]);
     assert.equal(new Solver({ timeLimit: 0 }).solve(far, start).termination, "time_limit");
     const all = new Solver({ attempts: 20 }).solve(far, start);

@@ -47,7 +47,7 @@ const WRONG = {
 };
 
 for (const [what, [wrong, message]] of Object.entries(WRONG)) {
-    test(`${what}: told a thousand times, and nothing is broken`, () => {
+    test(`${what}: an error a thousand times`, () => {
         const answer = arm.solve(target, start).q;
         for (let k = 0; k < 1000; k += 1) assert.throws(wrong, (error) => error instanceof TypeError && message.test(error.message));
         assert.deepEqual(arm.solve(target, start).q, answer);
@@ -55,21 +55,21 @@ for (const [what, [wrong, message]] of Object.entries(WRONG)) {
     });
 }
 
-test("what the module has no room for is a RangeError, however often, and nothing is broken", () => {
+test("a too large array is a RangeError, any number of times", () => {
     const large = new Float64Array(2 ** 28);
     const answer = arm.solve(target, start).q;
     for (let k = 0; k < 1000; k += 1) assert.throws(() => arm.solve(large, start), (error) => error instanceof RangeError && /2147483648 bytes.*room/.test(error.message));
     assert.deepEqual(arm.solve(target, start).q, answer);
 });
 
-test("what a file's reader gives instead of bytes is told", () => {
+test("a wrong result of a file reader is an error", () => {
     const json = new TextEncoder().encode(text("humanoid/humanoid.json"));
     assert.throws(() => Rig.parse(json, "humanoid.json", () => "ply"), /humanoid\.ply.*Uint8Array/);
     assert.throws(() => Rig.parse(json, "humanoid.json", () => 1e10), /humanoid\.ply.*Uint8Array/);
     assert.throws(() => Rig.parse(json, "humanoid.json"), /humanoid\.ply.*not given with the file that refers to it/);
 });
 
-test("options are told under the names that they have here", () => {
+test("errors use the option names of JavaScript", () => {
     assert.throws(() => new Arm(robot, "base", "flange", { positionTolerance: -1 }), /option positionTolerance is -1/);
     assert.throws(() => new Arm(robot, "base", "flange", { jointWeights: [1] }), /jointWeights/);
     assert.throws(() => new Arm(robot, "base", "flange", { jointWeights: { length: 1e9 } }), /jointWeights must be a list of numbers/);

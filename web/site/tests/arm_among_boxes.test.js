@@ -8,7 +8,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("an arm's tool follows among boxes and touches none", { skip }, async () => {
+test("an arm's tool follows among boxes without contact", { skip }, async () => {
     const { page, said } = await opened();
     await page.locator('[data-open="panda"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "robot", undefined, { timeout: 60_000 });

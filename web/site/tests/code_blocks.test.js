@@ -49,7 +49,7 @@ export function blocks(text) {
     return found;
 }
 
-test("every block of code has a runner", () => {
+test("every code block is run by a test", () => {
     const unrun = [];
     let run = 0;
     for (const { path } of pages(contents()).values()) {

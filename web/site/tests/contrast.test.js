@@ -18,7 +18,7 @@ function contrast(one, other) {
 }
 
 for (const [name, own] of Object.entries({ light, dark })) {
-    test(`words on the page and in code, ${name}`, () => {
+    test(`contrast of text and code, ${name}`, () => {
         for (const back of ["back", "code"]) {
             for (const word of ["text", "mark", "bad", "soft", "key", "text-of", "number", "comment", "type"]) {
                 assert.ok(contrast(own[word], own[back]) >= 4.5, `${word} on ${back}: ${contrast(own[word], own[back]).toFixed(2)}`);

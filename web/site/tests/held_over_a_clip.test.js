@@ -9,7 +9,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("a hand is dragged while the clip goes on, is pinned there, and comes back to the clip when it is let go", { skip }, async () => {
+test("a hand is dragged and pinned during playback, then returns", { skip }, async () => {
     const { page, said } = await opened();
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
@@ -32,12 +32,12 @@ test("a hand is dragged while the clip goes on, is pinned there, and comes back 
         waving.push(await at("right_hand"));
         await page.waitForTimeout(150);
     }
-    assert.ok(Math.max(...waving.map((place) => away(place, waving[0]))) > 0.03, "the clip goes on");
+    assert.ok(Math.max(...waving.map((place) => away(place, waving[0]))) > 0.03, "the clip continues");
     await page.locator("#stage").focus();
     assert.equal(await colour(page, "left_hand"), ORANGE);
     await page.keyboard.press("p");
     await page.mouse.up();
-    assert.equal(await colour(page, "left_hand"), BLUE, "what is pinned is seen to be, while it is grabbed too");
+    assert.equal(await colour(page, "left_hand"), BLUE, "a pinned handle is blue, also while it is grabbed");
     await page.waitForTimeout(700);
     assert.ok(away(await at("left_hand"), target) < 0.01, "a pinned hand stays");
     await page.keyboard.press("p");
@@ -54,7 +54,7 @@ test("a hand is dragged while the clip goes on, is pinned there, and comes back 
     await page.close();
 });
 
-test("a pose that a clip takes over is not let go without a word", { skip }, async () => {
+test("playback reports the pose that it replaces", { skip }, async () => {
     const { page, said } = await opened();
     const hand = await seen(page, "left_hand");
     await page.mouse.click(hand.x, hand.y);

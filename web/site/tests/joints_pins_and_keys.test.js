@@ -8,7 +8,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("any joint, pins, keys, both skins, its clip", { skip }, async () => {
+test("joints, pins, keys, skinning and clip", { skip }, async () => {
     const { page, said } = await opened();
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const canvas = page.locator("#stage");

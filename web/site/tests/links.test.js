@@ -11,14 +11,14 @@ import { contents, pages, root } from "../docs/contents.js";
 
 const dist = fileURLToPath(new URL("../dist/", import.meta.url));
 
-test("every link of the site leads somewhere", () => {
+test("every link of the site has a target", () => {
     const { broken, elsewhere, links } = checked(dist);
     assert.deepEqual(broken, []);
     assert.ok(links > 1000, `${links} links`);
     console.log(`${links} links; ${elsewhere.size} addresses elsewhere, not asked:\n${[...elsewhere].sort().join("\n")}`);
 });
 
-test("the contents have every page of docs/, and the page to drag on leads there", () => {
+test("contents and demo page link to every page of docs/", () => {
     const all = pages(contents());
     const folders = ["docs", "docs/guide", "docs/reference"];
     const own = folders.flatMap((folder) => readdirSync(new URL(`${folder}/`, root)).filter((name) => name.endsWith(".md")).map((name) => `${folder}/${name}`));
@@ -27,7 +27,7 @@ test("the contents have every page of docs/, and the page to drag on leads there
     assert.ok(checked(dist).from.get("docs/index.html").has("index.html"));
 });
 
-test("what leads nowhere is told", () => {
+test("broken links are reported", () => {
     const site = mkdtempSync(join(tmpdir(), "site-"));
     try {
         mkdirSync(join(site, "docs"));

@@ -39,13 +39,13 @@ async function said(name, script, last) {
     return words;
 }
 
-test("the README's ten lines run in a page", { skip }, async () => {
+test("the README's first example runs in a page", { skip }, async () => {
     const [word, ...more] = await said("ten.html", block("js"), /./);
     assert.match(word, /^true Float64Array\(7\)/);
     assert.deepEqual(more, []);
 });
 
-test("a hundred humanoids are dragged, each with its own hand, five tips pinned", { skip }, async () => {
+test("a hundred humanoids are dragged with pinned tips", { skip }, async () => {
     const script = `
         import { Drag, ForwardKinematics, Problem, Rig, tasks } from "kinopt";
         const bytes = async (file) => new Uint8Array(await (await fetch("humanoid/" + file)).arrayBuffer());
@@ -80,7 +80,7 @@ test("a hundred humanoids are dragged, each with its own hand, five tips pinned"
     assert.ok(reached > 0.95 * 30_000, `${reached} of 30 000 frames reached`);
 });
 
-test("the project's README serves the site", async () => {
+test("the command of the project's README serves the site", async () => {
     const root = fileURLToPath(new URL("../", own));
     const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/```sh until its page answers\n(.*)\n```/);
     const [build, serve] = line.split(" && ");

@@ -10,7 +10,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("a robot follows a captured person live, another one that is dropped, and as a whole", { skip }, async () => {
+test("a robot follows a subject live and as a whole", { skip }, async () => {
     const { page, said } = await opened();
     await page.locator('[data-open="capture"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "movement" && kinoptPage.frames.length > 20, undefined, { timeout: 60_000 });
@@ -52,12 +52,12 @@ test("a robot follows a captured person live, another one that is dropped, and a
     const long = `${head.replace(/Frames: \d+/, `Frames: ${181 * 200}`)}Frame Time: 0.0333333\n${motion.repeat(200)}`;
     await page.locator("#file").setInputFiles([file("mine.bvh", long)]);
     await page.waitForFunction(() => kinoptPage.opened.seconds > 300, undefined, { timeout: 60_000 });
-    assert.equal(await page.evaluate(() => kinoptPage.opened.kind), "movement", "it is on the robot that was shown");
+    assert.equal(await page.evaluate(() => kinoptPage.opened.kind), "movement", "it is on the previous robot");
     await page.locator("#whole").click();
     await page.waitForFunction(() => /\d+ of 36200 frames/.test(document.querySelector("#status").textContent), undefined, { timeout: 120_000 });
     const [from, count] = [await state(), await page.evaluate(() => kinoptPage.frames.length)];
     await page.waitForFunction((count) => kinoptPage.frames.length > count + 5, count);
-    assert.ok(moved(from.robot, (await state()).robot) > 0.001, "live goes on");
+    assert.ok(moved(from.robot, (await state()).robot) > 0.001, "online retargeting continues");
     await page.locator("#stop").click();
     await page.waitForFunction(() => document.querySelector("#status").textContent === "Stopped.");
     assert.ok(await page.locator("#stop").isHidden());
@@ -70,7 +70,7 @@ test("a robot follows a captured person live, another one that is dropped, and a
     assert.match(told, /body/);
     const shown = await page.evaluate(() => kinoptPage.frames.length);
     await page.waitForFunction((shown) => kinoptPage.frames.length > shown + 5, shown);
-    assert.equal(await status(page), told, "the words stay to be read");
+    assert.equal(await status(page), told, "the error stays");
     assert.deepEqual(said, []);
     await page.close();
 });

@@ -15,7 +15,7 @@ function parts(page, sign) {
 /** The text of a part without signatures. */
 const words = (part) => part.replace(/```[\s\S]*?```/g, "").split("\n").filter((line) => line && !line.startsWith("- `") && !line.startsWith("  "));
 
-test("Python's has every class and function of the package, and says something of each", () => {
+test("the Python reference has a text for every export", () => {
     const all = parts(pythonReference(), "###");
     const exported = [...source("python/kinopt/__init__.py").split("__all__ = [")[1].matchAll(/"(\w+)"/g)].map(([, name]) => name);
     const modules = ["animation", "io", "methods", "retargeting", "skinning", "tasks"];
@@ -25,7 +25,7 @@ test("Python's has every class and function of the package, and says something o
     assert.ok(all.size > 150, `${all.size}`);
 });
 
-test("JavaScript's has every class of the package, and says something of each", () => {
+test("the JavaScript reference has a text for every class", () => {
     const all = parts(javascriptReference(), "##");
     const [, line] = readFileSync(new URL("../../dist/index.d.ts", import.meta.url), "utf8").match(/^export \{ (.*?) \}/m);
     const functions = all.get("Functions");

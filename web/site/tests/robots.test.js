@@ -41,7 +41,7 @@ const placed = (page, name) =>
 const away = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
 const [RED, BLUE] = [0xc8442f, 0x1f6fb2];
 
-test("a robot with legs stands on its feet while any of it is pulled, and what is out of reach moves no foot", { skip }, async () => {
+test("a legged robot keeps its feet during any drag", { skip }, async () => {
     const { page, said } = await robot(join(models, "aldebaran_nao.urdf"));
     const feet = ["left_sole", "right_sole"];
     assert.deepEqual(await page.evaluate(() => [...kinoptPage.pins]), feet);
@@ -69,7 +69,7 @@ test("a robot with legs stands on its feet while any of it is pulled, and what i
     await page.close();
 });
 
-test("any part of a robot is pinned and freed", { skip }, async () => {
+test("any frame of a robot is pinned and unpinned", { skip }, async () => {
     const { page, said } = await robot(join(models, "aldebaran_nao.urdf"));
     const hand = await seen(page, "right_hand");
     await page.mouse.click(hand.x, hand.y);
@@ -81,7 +81,7 @@ test("any part of a robot is pinned and freed", { skip }, async () => {
     await page.mouse.click(hand.x, hand.y);
     await page.locator("#pin").click();
     await pull(page, "right_hand", 10, 40);
-    assert.ok(away(await placed(page, "right_hand"), before) > 0.01, "a hand that was freed goes along");
+    assert.ok(away(await placed(page, "right_hand"), before) > 0.01, "an unpinned hand moves along");
     // A dragged foot keeps its sole level, and the other foot stays.
     const [left, right] = await Promise.all(["left_sole", "right_sole"].map((foot) => placed(page, foot)));
     await pull(page, "left_sole", 0, -30);
@@ -92,7 +92,7 @@ test("any part of a robot is pinned and freed", { skip }, async () => {
     await page.close();
 });
 
-test("an arm's elbow is pulled while its pinned tool stays where it is, and as it is turned", { skip }, async () => {
+test("an elbow is dragged while the pinned tool stays", { skip }, async () => {
     const { page, said } = await opened();
     await page.locator('[data-open="panda"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "robot", undefined, { timeout: 60_000 });
@@ -108,7 +108,7 @@ test("an arm's elbow is pulled while its pinned tool stays where it is, and as i
     await page.close();
 });
 
-test("the joint that holds an arm back is red", { skip }, async () => {
+test("a joint at an active limit is red", { skip }, async () => {
     const link = (name) => `<link name="${name}"><visual><origin xyz="0.25 0 0"/><geometry><box size="0.5 0.05 0.05"/></geometry></visual></link>`;
     const joint = (parent, child, x) => `<joint name="${child}_joint" type="revolute"><parent link="${parent}"/><child link="${child}"/><origin xyz="${x} 0 0"/>
         <axis xyz="0 1 0"/><limit lower="-0.4" upper="0.4" effort="1" velocity="1"/></joint>`;

@@ -111,7 +111,7 @@ test("Khronos' validator finds no error in the file", async () => {
     }
 });
 
-test("three.js draws the same picture, and another where the clip bends the strip", { skip }, async () => {
+test("three.js draws an equal picture, and a bent one", { skip }, async () => {
     const { bytes, amended } = bent();
     const pictures = [await three("picture", bytes), await three("picture", amended), await three("picture", amended, "bend", 1)];
     const drawn = (picture) => picture.filter((value, k) => k % 4 < 3 && value > 0).length;
@@ -121,7 +121,7 @@ test("three.js draws the same picture, and another where the clip bends the stri
     assert.deepEqual(said, []);
 });
 
-test("three.js plays the clip as kinopt does, and what it writes comes back", { skip }, async () => {
+test("three.js plays the clip equally and writes it back", { skip }, async () => {
     const { amended } = bent();
     const exported = Uint8Array.from(await three("written", amended));
     const { issues } = await validateBytes(exported);
