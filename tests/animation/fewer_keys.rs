@@ -1,4 +1,4 @@
-//! Promise: a clip with fewer keys is within the stated error of the original clip at all its key times, and has no
+//! Promise: a clip with fewer keys is within the stated error of the original clip at all its key times. It has no
 //! redundant keys on straight lines.
 #![allow(clippy::unwrap_used)]
 

@@ -32,8 +32,8 @@ fn square_rotates_without_shrinking() {
                 .abs_diff_eq(DMat2::from_angle(t * FRAC_PI_4), 1e-15)
         );
         assert!(((between.matrix2 * corner).length() - corner.length()).abs() < 1e-15);
-        // Linear interpolation of the entries keeps rows and columns orthogonal but shrinks: det = 1 + 2t (cos θ − 1) +
-        // 2t² (1 − cos θ), which is 1 at t = 0 and t = 1 only.
+        // Linear interpolation of the entries keeps rows and columns orthogonal but shrinks. The determinant is 1 + 2t
+        // (cos θ − 1) + 2t² (1 − cos θ). It is 1 at t = 0 and t = 1 only.
         let straight = start * (1.0 - t) + end * t;
         let shrunk = 1.0 - 2.0 * t * (1.0 - t) * (1.0 - FRAC_PI_4.cos());
         assert!((straight.determinant() - shrunk).abs() < 1e-15);

@@ -112,7 +112,7 @@ fn mean_ignores_order_signs_and_scale() {
     }
 }
 
-/// Three rotations about one axis, two of which are more than half a turn apart: each takes the shorter arc to that of
+/// Three rotations about one axis, two of which are more than half a turn apart. Each takes the shorter arc to that of
 /// the largest weight.
 #[test]
 fn mean_is_in_the_hemisphere_of_the_heaviest() {

@@ -91,8 +91,8 @@ fn clip_rotates_at_constant_speed() {
     }
 }
 
-/// A straight line between Euler angles zyx rotates at √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y), neither at constant speed nor
-/// along the shortest arc.
+/// A straight line between Euler angles zyx rotates at √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y). This is neither at constant speed
+/// nor along the shortest arc.
 #[test]
 fn euler_angle_lines_are_uneven_and_longer() {
     let order = EulerOrder::Zyx;

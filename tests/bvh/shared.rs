@@ -1,5 +1,5 @@
-//! Promise: a real capture of 2 752 frames is read according to its matrices: every joint and End Site in every frame,
-//! and a constant length of every bone. Written and read again, it is the same motion.
+//! Promise: a real capture of 2 752 frames is read according to its matrices. Every joint and End Site is checked in
+//! every frame, and every bone has a constant length. Written and read again, it is the same motion.
 //!
 //! The file is not shipped: set `KINOPT_SHARED` to a folder that contains it as `assets/bvh/01_01.bvh`.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]

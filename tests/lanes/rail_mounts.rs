@@ -1,5 +1,5 @@
 //! Promise: an arm whose mount is tilted from its vertical rail by rounding needs no more attempts than an exactly
-//! upright one, for any direction of the tilt.
+//! upright one. The tilt may have any direction.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};

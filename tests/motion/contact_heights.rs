@@ -67,8 +67,8 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
     }
 }
 
-/// The allowed speed of a foot in contact is proportional to the length of one leg, not of all legs: 0.25 m/s for legs
-/// of 0.9 m.
+/// The allowed speed of a foot in contact is proportional to the length of one leg, not of all legs. It is 0.25 m/s for
+/// legs of 0.9 m.
 #[test]
 fn slow_foot_is_in_contact_by_leg_length() {
     let robot = legs("");

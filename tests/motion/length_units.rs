@@ -197,7 +197,7 @@ fn clip_ik_is_alike_in_all_units() {
     for unit in UNITS {
         assert_alike(&metres, &edited(place, unit), &format!("{unit}"));
     }
-    // Too far for the arm, so that the root moves. Translations in this unit have the digits of those in metres: a
+    // Too far for the arm, so that the root moves. Translations in this unit have the digits of those in metres. A
     // stretched arm rotates by the square root of the rounding error of single precision.
     let place = Vec3A::new(1.2, 1.5, 1.5);
     let [metres, other] = [1.0, 64.0].map(|unit| edited(place, unit));

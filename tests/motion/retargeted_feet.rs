@@ -184,7 +184,7 @@ fn ankles_and_toes_are_in_contact_together() {
     }
 }
 
-/// An ankle frame that is on the foot already is the model's own: it is in contact and reported by its name, as the toe
+/// An ankle frame that is on the foot already is the model's own. It is in contact and reported by its name, as the toe
 /// is.
 #[test]
 fn ankle_frame_on_the_foot_is_in_contact() {

@@ -271,7 +271,7 @@ fn points_of_a_cloud_have_their_radius() {
 }
 
 /// A landing foot is levelled as firmly as it is locked in place. With five times the weight a foot on a leaning leg is
-/// much less off level at the start of its contact, and equally off level in the air.
+/// much less off level at the start of its contact. In the air it is equally off level.
 #[test]
 fn heavier_weight_lands_a_foot_flatter() {
     let robot = legs(SOLE);

@@ -1,4 +1,4 @@
-//! Promise: the capture in `models/` is retargeted to the NAO in `models/` by the known map, with feet flat in contact,
+//! Promise: the capture in `models/` is retargeted to the NAO in `models/` by the known map. Feet are flat in contact,
 //! frame by frame and as a whole. Solving as a whole reports its progress by window.
 
 use kinopt::kinematics::ForwardKinematics;

@@ -81,8 +81,8 @@ impl Body {
         super::kept_limits::broken(&self.rules, &self.roles, q)
     }
 
-    /// Configuration at the edges of all limits: numbers at an end of their range, balls on their cones and at an end
-    /// of their twist range.
+    /// Configuration at the edges of all limits. Numbers are at an end of their range, balls on their cones and at an
+    /// end of their twist range.
     pub fn on_edges(&self, random: &mut Random) -> Vec<f64> {
         let mut q = Vec::with_capacity(self.model.configuration_len());
         for rule in &self.rules {

@@ -159,7 +159,7 @@ impl Figure {
 
     /// First value of a configuration outside of its limits, if any.
     ///
-    /// Swing and twist are computed by another method than the library's: the twist axis is rotated to its direction,
+    /// Swing and twist are computed by another method than the library's. The twist axis is rotated to its direction,
     /// and the remaining rotation is about that direction.
     pub fn broken(&self, q: &[f64]) -> Option<String> {
         let mut at = 0;

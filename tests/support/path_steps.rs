@@ -12,7 +12,7 @@ pub fn longest(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// True if small steps along the tool's straight segment connect two configurations. No step may move a joint by more
-/// than half of a step of 0.2 rad; of a hundred parts, longer ones are divided into twenty. The null space motion is
+/// than half of a step of 0.2 rad. Of a hundred parts, longer ones are divided into twenty. The null space motion is
 /// distributed evenly.
 pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> bool {
     const PARTS: u32 = 100;

@@ -31,8 +31,8 @@ export const plane = (frame, point, normal, options) => ({ ...options, kind: "pl
 export const ray = (frame, eye, through, options) => ({ ...options, kind: "ray", frame, eye, through });
 
 /**
- * A frame's origin appears at a pixel (u, v) of a camera: P by rows, twelve numbers, with (u w, v w, w) = P (x, y, z,
- * 1).
+ * A frame's origin appears at a pixel (u, v) of a camera. The camera is P by rows, twelve numbers, with (u w, v w, w) =
+ * P (x, y, z, 1).
  */
 export const pixel = (frame, camera, target, options) => ({ ...options, kind: "pixel", frame, camera, target });
 

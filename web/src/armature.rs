@@ -39,7 +39,7 @@ impl Armature {
         Pose { inner }
     }
 
-    /// A line for each bone with children whose rest scale a skeleton cannot have: an uneven scale shears the bones
+    /// A line for each bone with children whose rest scale a skeleton cannot have. An uneven scale shears the bones
     /// that rotate below it, a negative one mirrors them.
     #[wasm_bindgen(getter, js_name = scaleNotes)]
     pub fn scale_notes(&self) -> Vec<String> {

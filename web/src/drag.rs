@@ -35,8 +35,8 @@ impl Drag {
         })
     }
 
-    /// Enables limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart: one number for each
-    /// number of a configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
+    /// Enables limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart. Each has one number
+    /// for each number of a configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
     #[wasm_bindgen(js_name = limitMotion)]
     pub fn limit_motion(
         &mut self,

@@ -244,8 +244,8 @@ impl PathSolution {
         self.inner.largest_deviation.radians
     }
 
-    /// Time of each row, seconds, starting at 0: time-optimal from rest to rest under acceleration and velocity limits,
-    /// one number for each joint or one for all. Velocity limits default to those of the robot.
+    /// Time of each row, seconds, starting at 0: time-optimal from rest to rest under acceleration and velocity limits.
+    /// Limits have one number for each joint or one for all. Velocity limits default to those of the robot.
     pub fn times(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,

@@ -55,8 +55,8 @@ export type Task = TaskOptions & (
 );
 
 /**
- * Weights of joints in a task: one number for each joint of the task, a number by name for some joints, or half of each
- * range.
+ * Weights of joints in a task: one number for each, or numbers by name. "by range" weights joints by half of their
+ * ranges.
  */
 export type JointWeights = Numbers | Readonly<Record<string, number>> | "by range";
 
@@ -190,8 +190,8 @@ impl Problem {
         asked.problem(None)
     }
 
-    /// Creates a problem of a skeleton without limits, in which the trunk does not rotate and the back hardly bends
-    /// while the tips of the bones `dragged` move, from the angles `q`.
+    /// Creates a problem of a skeleton without limits, for a drag of the tips of the bones `dragged` from the angles
+    /// `q`. The trunk does not rotate, and the back hardly bends.
     #[wasm_bindgen(js_name = holding)]
     pub fn holding(
         skeleton: &Skeleton,

@@ -181,8 +181,8 @@ impl Robot {
         Ok(list.unchecked_into())
     }
 
-    /// Crouched configuration: `q` with a free base lower by a fifteenth of its height, the frames `feet` at their
-    /// poses and the other joints near `q`. The slightly bent knees avoid the singularity of straight legs. z is up.
+    /// Crouched configuration: `q` with a free base lower by a fifteenth of its height. The frames `feet` are at their
+    /// poses, and all other joints near `q`. The slightly bent knees avoid the singularity of straight legs. z is up.
     /// Returns `q` for a robot without a free base, and if the feet cannot stay.
     #[wasm_bindgen(js_name = crouchedConfiguration)]
     pub fn crouched_configuration(
@@ -197,9 +197,9 @@ impl Robot {
         kinopt::ik::crouched_configuration(model, self.inner.map(), &feet, q, up).map_err(raise)
     }
 
-    /// Contact points of a foot, in its frame, metres: the origins of its link and of the links fixed to it, and the
-    /// corners of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })` balances
-    /// over it.
+    /// Contact points of a foot, in its frame, metres. They are the origins of its link and of the links fixed to it,
+    /// and the corners of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })`
+    /// balances over it.
     pub fn sole(&self, foot: &str) -> Result<Points, JsError> {
         let frame = self.inner.model().frame(foot).map_err(raise)?;
         let points = self.inner.sole(frame).into_iter();

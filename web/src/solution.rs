@@ -36,7 +36,7 @@ export interface Collision {
     /** Metres; negative for penetration. */
     distance: number;
     /**
-     * True if the pair blocks the motion to a configuration: a step, or a part of it, was not made, because it is not
+     * True if the pair blocks the motion to a configuration. A step, or a part of it, was not made, because it is not
      * proven collision-free. `distance` is that at the end of the motion, up to a micrometre more than the margin.
      */
     onTheWay: boolean;

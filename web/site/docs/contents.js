@@ -12,7 +12,7 @@ const LIST = "docs/README.md";
 export const REFERENCES = { "python/kinopt/_kinopt/__init__.pyi": "python/reference.html", "web/src": "web/reference.html" };
 
 /**
- * Address of a repository page on the site: a README is its folder's index page, except the main README, because the
+ * Address of a repository page on the site. A README is its folder's index page. The main README is not, because the
  * demo page is the index there.
  */
 export function addressOf(path) {

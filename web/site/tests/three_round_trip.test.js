@@ -1,5 +1,5 @@
 // Promise: a scene file with an added clip is the same scene for other programs. Khronos' validator finds no error,
-// three.js draws an equal picture and plays the clip as kinopt does, and a file written by three.js is read back.
+// three.js draws an equal picture and plays the clip as kinopt does. A file written by three.js is read back.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";

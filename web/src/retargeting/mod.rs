@@ -19,8 +19,8 @@ export interface FollowerOptions {
     /** Frames per second; default: 30. */
     fps?: number;
     /**
-     * Upward axis of the capture, "y" or "z", unless the map has it; default: the axis from the ankles to the pelvis of
-     * an upright subject.
+     * Upward axis of the capture, "y" or "z", unless the map has it. The default is the axis from the ankles to the
+     * pelvis of an upright subject.
      */
     up?: "y" | "z";
     /** Speed below which a foot is in contact, m/s. */

@@ -21,8 +21,8 @@ pub struct Retargeted {
     notes: Vec<String>,
 }
 
-/// Retargets a clip to a robot with a free base, by a map in JSON from joints of the clip to frames (see the library's
-/// page on motions), or one guessed from names. Position and speed limits hold exactly.
+/// Retargets a clip to a robot with a free base, by a map in JSON from joints of the clip to frames. Without a map it
+/// is guessed from names; see the library's page on motions. Position and speed limits hold exactly.
 #[wasm_bindgen]
 pub fn retarget(
     robot: &Robot,
