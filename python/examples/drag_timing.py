@@ -2,8 +2,8 @@
 
     python examples/drag_timing.py [MODEL] [MOVES]
 
-A hand of the model is moved back and forth as by a page: the shipped humanoid's left hand with four other tips pinned,
-or the first tip of another model. There is no browser, which would use the same processor.
+A hand of the model is moved back and forth as by a page. It is the shipped humanoid's left hand with four other tips
+pinned, or the first tip of another model. There is no browser, which would use the same processor.
 """
 
 from __future__ import annotations

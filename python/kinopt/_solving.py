@@ -266,8 +266,8 @@ def _cross(v: Floats) -> Floats:
 
 def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
     """Gradient with respect to the numbers of a posture, from that with respect to its velocity. For each quaternion p
-    it is G with <G, p ⊗ (0, v / 2)> = slope · v for every rotation v in the ball's own axes, and zero along p, because
-    its length has no effect."""
+    it is G with <G, p ⊗ (0, v / 2)> = slope · v for every rotation v in the ball's own axes. It is zero along p,
+    because the length of p has no effect."""
     while not isinstance(model, Model):
         model = model.model
     # Mimic joints share the coordinate of their source joint.
@@ -297,7 +297,7 @@ def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
 
 def _on_target(target: Floats, slope: Floats) -> Floats:
     """Gradient with respect to the numbers of a target, from that with respect to its motion. It is G with <G, T ξ> =
-    slope · ξ for every motion ξ of a pose T, so that the chain rule holds for any parametrisation of a pose."""
+    slope · ξ for every motion ξ of a pose T. So the chain rule holds for any parametrisation of a pose."""
     if target.shape == (4, 4):
         own = np.zeros((4, 4))
         own[:3, :3] = 0.5 * target[:3, :3] @ _cross(slope[3:])

@@ -422,7 +422,7 @@ class CenterOfMass(Task):
 
     A row in metres for each axis except those of ``free``, such as ``"z"`` or ``"xy"``. Target and axes are those of
     the world, or of the frame ``base``, which may move with the joints. Masses are those of the robot's file, without
-    links fixed in the world, or of a rig by the volume of its mesh; ``masses`` replaces them: ``{"frame": kg}``, or
+    links fixed in the world, or of a rig by the volume of its mesh. ``masses`` replaces them: ``{"frame": kg}``, or
     ``{"frame": (kg, (x, y, z))}`` with a position in the frame's coordinates.
 
     Raises ``InvalidValueError`` for other shapes and names that are not texts; when the problem is created, also for
@@ -455,7 +455,7 @@ class CenterOfMass(Task):
 class SupportPolygon(Task):
     """The vertical projection of the centre of mass is within the convex hull of support points.
 
-    ``points`` are in the world, shape (N, 3), ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in the
+    ``points`` are in the world, shape (N, 3). ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in the
     frame's coordinates: the corners of a foot's sole. One-sided: there is no cost within the polygon, reduced by
     ``margin`` metres from its edges. Two rows in metres across ``up``; their norm is the distance from the reduced
     polygon. ``masses`` are as for `CenterOfMass`.
@@ -492,7 +492,7 @@ class Gaze(Task):
     """Direction of ``axis`` of ``frame``, shape (3,), within a cone of ``half_angle``, radians within (0, pi).
 
     The cone is about the line of sight from the frame's origin to ``target``, metres, or about ``direction``, both in
-    the world, shape (3,); exactly one of the two is given. One-sided: one row in radians, the angle outside the cone.
+    the world, shape (3,). Exactly one of the two is given. One-sided: one row in radians, the angle outside the cone.
 
     Raises ``InvalidValueError`` for other shapes, names that are not texts, and both or none of target and direction.
     """
@@ -658,12 +658,12 @@ class Residual(Task):
     ``function`` is called with the inputs of the residual and returns ``rows`` numbers: ``function(placements)`` if it
     reads ``frames`` (their names; placements of shape (F, 4, 4), world from frame), ``function(q)`` if it reads
     ``joints`` (their names or ``"all"``; values of shape (J,), radians or metres), ``function(placements, q)`` if it
-    reads both. ``rows`` is the number of rows by quantity, such as ``{"metres": 3, "radians": 1}``, in that order; a
+    reads both. ``rows`` is the number of rows by quantity, such as ``{"metres": 3, "radians": 1}``, in that order. A
     plain number counts metres, and ``"chords"`` are rows whose norm is the chord 2 sin(angle / 2).
 
-    ``jacobian``, called with equal arguments, returns the derivatives, shape (rows, 6 F + J): for each frame those with
-    respect to its velocity and its angular velocity, in world axes at the frame's own origin, then those with respect
-    to the joints. The default is central differences.
+    ``jacobian``, called with equal arguments, returns the derivatives, shape (rows, 6 F + J). First come those with
+    respect to each frame's velocity and angular velocity, in world axes at the frame's own origin, then those with
+    respect to the joints. The default is central differences.
 
     It may be called from any thread, one call at a time in each. Its exceptions propagate out of the solve; numbers
     that are not finite end the search as "non_finite". It can be pickled if its functions can.
@@ -703,7 +703,7 @@ class Residual(Task):
         """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (nq,).
 
         Raises ``InvalidValueError`` if an entry differs by more than ``tolerance`` times the largest of its row (at
-        least 1); the message names the row, the motion and both numbers. A wrong Jacobian otherwise only makes searches
+        least 1). The message names the row, the motion and both numbers. A wrong Jacobian otherwise only makes searches
         slow or ends them too early. ``model`` is a model, a robot, a skeleton or a rig.
         """
         check(self, model, q, tolerance)

@@ -130,8 +130,9 @@ def retarget_folder(
     affect other files: its report has the error. ``progress`` shows a tqdm bar if True, or is called with (done,
     total). ``kinopt.ray.retarget_files`` runs on several machines.
 
-    Raises ``FileError`` for folders that cannot be read or written or contain no motion capture, ``InvalidValueError``
-    for an output folder of another job and for two inputs of one name, and the errors of the target.
+    Raises ``FileError`` for folders that cannot be read or written or contain no motion capture. Raises
+    ``InvalidValueError`` for an output folder of another job and for two inputs of one name, and the errors of the
+    target.
     """
     job = folder_job(
         source,

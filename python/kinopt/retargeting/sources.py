@@ -40,14 +40,14 @@ def read_capture(
     """Creates a ``Capture`` of a motion.
 
     ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or
-    "smpl") in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file. ``clip`` names
-    one of a file's clips (None: the first). ``fps``: the frame rate of an array (None: 120), or the sampling rate of
-    any other source (None: the file's own, of clips 60). ``up``: the upward axis. None selects the axis from the ankles
-    to the pelvis of an upright subject, else z for arrays and y for animation files.
+    "smpl") in its order. It may also be a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file.
+    ``clip`` names one of a file's clips (None: the first). ``fps``: the frame rate of an array (None: 120), or the
+    sampling rate of any other source (None: the file's own, of clips 60). ``up``: the upward axis. None selects the
+    axis from the ankles to the pelvis of an upright subject, else z for arrays and y for animation files.
 
-    Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton,
-    ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame and
-    joint.
+    Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton.
+    Raises ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame
+    and joint.
     """
     if isinstance(source, Capture):
         return source

@@ -75,8 +75,8 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
 
 
 def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
-    """Initial pose: an arm in the middle of its ranges, bent if it would be stretched; others at rest, a body on a free
-    base with its knees slightly bent over the held frames.
+    """Initial pose: an arm in the middle of its ranges, bent if it would be stretched. Others are at rest, a body on a
+    free base with its knees slightly bent over the held frames.
 
     At full stretch, where many files have all zeros, an arm cannot be pushed back.
     """
@@ -148,7 +148,7 @@ def open_page(
     whole: bool = False,
     keep_clear: float | None = None,
 ) -> Page:
-    """Opens the page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`,
+    """Opens the page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`. Raises
     `UnknownNameError` for an unknown frame to hold, `InvalidValueError` for a world with a model without shapes, and as
     `kinopt.retarget` for a motion."""
     path = Path(path)

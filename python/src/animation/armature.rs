@@ -156,7 +156,7 @@ impl Armature {
         Pose::of(&self.inner, self.inner.rest().clone())
     }
 
-    /// A line for each bone with children whose rest scale a skeleton cannot have: an uneven scale shears the bones
+    /// A line for each bone with children whose rest scale a skeleton cannot have. An uneven scale shears the bones
     /// that rotate below it, a negative one mirrors them.
     #[getter]
     fn scale_notes(&self) -> Vec<String> {
@@ -210,7 +210,7 @@ impl Armature {
     }
 
     /// Skinning matrices of `model_from_bone`, shape (bones, 4, 4) or (N, bones, 4, 4): from the model at rest to the
-    /// posed model; float32 of that shape. `out` receives the result.
+    /// posed model. The result is float32 of that shape. `out` receives the result.
     ///
     /// Raises `InvalidValueError` for another shape and for an `out` of another shape or type.
     #[pyo3(signature = (model_from_bone, *, out = None))]
@@ -304,8 +304,8 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// Sets the model-space rotation of a bone of `pose` by a quaternion of shape (4,), x, y, z, w as `xyzw` or w, x,
-    /// y, z as `wxyz`. Its local translation and scale stay.
+    /// Sets the model-space rotation of a bone of `pose` by a quaternion of shape (4,). It is x, y, z, w as `xyzw`, or
+    /// w, x, y, z as `wxyz`. Its local translation and scale stay.
     ///
     /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a quaternion of length 0, and as
     /// `set_model_from_bone`.

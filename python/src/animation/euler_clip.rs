@@ -23,8 +23,8 @@ const SAMPLES_AT_A_TIME: usize = 1024;
 /// A clip of `tracks`, {bone: (times, angles)}: times of shape (K,), seconds, ascending; angles of shape (K, 3),
 /// radians: first twist, bend, second twist.
 ///
-/// `interpolation` between keys is one value for all bones or {bone: value}: "linear", "catmull-rom" or an array of
-/// shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
+/// `interpolation` between keys is one value for all bones or {bone: value}. A value is "linear", "catmull-rom" or an
+/// array of shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
 ///
 /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for keys that do not ascend or are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]

@@ -214,7 +214,7 @@ impl CollisionModel {
 
     /// The model without the pairs that cannot be in contact, and without those in contact in at least 95 % of
     /// `samples` random configurations. For a pair without contact in all samples, a descent minimises the distance
-    /// from the nearest sample; the pair is omitted only if the descent finds no contact.
+    /// from the nearest sample. The pair is omitted only if the descent finds no contact.
     ///
     /// Raises `InvalidValueError` if the model has lengths that are not finite.
     #[pyo3(signature = (samples = 10_000, seed = 0))]

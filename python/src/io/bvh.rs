@@ -34,7 +34,7 @@ fn format_of(rate: f64, channels: Option<&[Vec<BvhChannel>]>) -> BvhFormat<'_> {
     }
 }
 
-/// A clip as BVH text, with `rate` frames a second from its start to its end; the rest after the last whole frame is
+/// A clip as BVH text, with `rate` frames a second from its start to its end. The rest after the last whole frame is
 /// not written. `channels` names the channels of each bone in their order, as `MotionCapture.channels` does. By default
 /// rotations are about z, x and y. `MotionCapture.to_text` writes a capture with its own channels.
 ///
@@ -102,8 +102,8 @@ pub(crate) fn bvh_write(
         .or_raise()
 }
 
-/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, `rate` of them a second, for example the results
-/// of blending, layers or inverse kinematics. The file is as from `bvh_write`.
+/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, `rate` of them a second. Poses may be results of
+/// blending, layers or inverse kinematics. The file is as from `bvh_write`.
 ///
 /// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]

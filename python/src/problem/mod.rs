@@ -44,13 +44,13 @@ pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 ///
 /// `parameters` defines the free, locked and coupled joints. By default all joints are free except a robot's mimic
 /// joints. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or metres. `tolerance` is that
-/// of all tasks that set none: a number for metres and radians, or a dict by quantity. Unset it is 1e-6 m (of a model
-/// in its own unit 1e-6 of its reach), 1e-6 rad and 1e-3 px, and infinite for joint units and ratios. `derivatives` is
-/// "analytic", "dual", "forward_difference" or "central_difference". `preferences` act "within_goals", at no cost to
-/// required tasks, or are "traded": weighted against them.
+/// of all tasks that set none: a number for metres and radians, or a dict by quantity. The default is 1e-6 m (of a
+/// model in its own unit 1e-6 of its reach), 1e-6 rad and 1e-3 px. It is infinite for joint units and ratios.
+/// `derivatives` is "analytic", "dual", "forward_difference" or "central_difference". `preferences` act "within_goals",
+/// at no cost to required tasks, or are "traded": weighted against them.
 ///
 /// A `world` (copied at this moment), a `margin` in metres or a `collision_model` enables collision avoidance with the
-/// world's obstacles and within the body, with a distance of at least the margin for each pair. A solution in collision
+/// world's obstacles and within the body. The distance of each pair is at least the margin. A solution in collision
 /// lists the pairs (`Solution.collisions`); a `Drag` slides along obstacles. A robot has shapes, and a rig with a skin
 /// gets capsules along its bones; any other model needs a `collision_model`.
 ///
@@ -58,9 +58,9 @@ pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 /// metres and the parent's axes, replace those of the model, for other link lengths. A solution is differentiable with
 /// respect to both.
 ///
-/// Raises `UnknownNameError` for unknown frames and joints, and `InvalidValueError`, with the task's name, for targets
-/// that are not finite, weights and tolerances below 0, and empty bounds. Solving a problem without tasks raises
-/// `InvalidValueError`.
+/// Raises `UnknownNameError` for unknown frames and joints. Raises `InvalidValueError`, with the task's name, for
+/// targets that are not finite, weights and tolerances below 0, and empty bounds. Solving a problem without tasks
+/// raises `InvalidValueError`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Problem {
     model: Py<PyAny>,

@@ -143,7 +143,7 @@ impl Skeleton {
     /// Names of the model's frames at the tips of bones without children: hands, feet, a head.
     ///
     /// These are frames, for tasks and kinematics ("hand/tip" at the end of the bone "hand", whose own frame, "hand",
-    /// is at its tail); `ends` are these bones by their own names.
+    /// is at its tail). `ends` are these bones by their own names.
     #[getter]
     fn tips(&self) -> Vec<String> {
         let tips = self.last().map(|id| self.frame_name(self.inner.tip(id)));
