@@ -67,10 +67,10 @@ class SolveProblem:
 
     ``targets`` names the column of each task's targets: {"hand": "hand_target"}; other tasks keep the problem's
     targets. A row holds the numbers of a target, row-major. These are 3 for a point, 16 for a pose, 9 for an
-    orientation, 6 for a plane (point, normal) or a ray (eye, through), 1 for a distance, nq for a posture. ``start`` is
-    a common start, shape (nq,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move``
-    the largest displacement of joints from their start, as in its ``solve_batch``; ``keep`` and ``threads`` are as for
-    ``SolveArm``.
+    orientation, 6 for a plane (point, normal) or a ray (eye, through). They are 1 for a distance and nq for a posture.
+    ``start`` is a common start, shape (nq,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``,
+    ``max_move`` the largest displacement of joints from their start, as in its ``solve_batch``; ``keep`` and
+    ``threads`` are as for ``SolveArm``.
 
     A call with a table returns a table with an equal number and order of rows, with the columns of ``SolveArm``,
     exactly as ``solver.solve_batch``. Errors are empty if no required task has their unit. It can be sent to workers if
