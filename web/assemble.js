@@ -1,4 +1,4 @@
-// Puts the package together in dist/, beside what wasm-bindgen wrote there: what is exported, its types, a robot to begin with.
+// Assembles the package in dist/, next to the output of wasm-bindgen: exports, types, and an example robot.
 import { copyFileSync, cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 
@@ -11,14 +11,15 @@ cpSync(here("js/"), here("dist/"), { recursive: true });
 for (const license of ["LICENSE-APACHE", "LICENSE-MIT"]) copyFileSync(here(`../${license}`), here(license));
 rmSync(here("dist/kinopt_bg.wasm.d.ts"));
 
-// All but what makes the module ready.
+// Exports except those that load the module.
 const classes = names("dist/kinopt.js", /^export (?:class|function) (\w+)/gm).join(", ");
 const types = names("dist/kinopt.d.ts", /^export (?:interface|type) (\w+)/gm).filter((name) => !/^(Sync)?Init/.test(name)).join(", ");
 const own = ['export { placement } from "./placement.js";', 'export * as tasks from "./tasks.js";'];
 write("all.js", [`export { ${classes} } from "./kinopt.js";`, ...own]);
 write("index.d.ts", [`export { ${classes} } from "./kinopt.js";`, `export type { ${types} } from "./kinopt.js";`, ...own]);
 write("bare.d.ts", ['export { default as init, initSync } from "./kinopt.js";', 'export * from "./index.js";']);
-// `using` is newer than the settings of most projects. What only browsers and Node have is nothing where a project's settings have not.
+// `using` is newer than the settings of most projects. Types that only browsers and Node define fall back to `never` in
+// projects without them.
 const known = (path) => path.split(".").reduceRight((inner, name) => `{ ${name}: ${inner} }`, "{ prototype: infer Type }");
 const global = (path) => `(typeof globalThis extends ${known(path)} ? Type : never)`;
 const everywhere = text("dist/kinopt.d.ts")
@@ -28,7 +29,7 @@ const everywhere = text("dist/kinopt.d.ts")
     .replace(/(?<=[|:<] ?)WebAssembly\.(?:Module|Memory|Table)/g, global);
 write("kinopt.d.ts", ['/// <reference lib="esnext.disposable" />', everywhere]);
 
-// What callers give is looked at by the types that their documentation says.
+// Arguments are checked by their documented types.
 const CHECKS = { Numbers: "numbers", Placement: "numbers", string: "string", "string[]": "strings", number: "number", "Uint8Array | number[]": "bytes", "readonly Task[]": "array" };
 function checks(comment, body) {
     return [...comment.matchAll(/@param \{(.*)\} (\[?)(\w+)/g)].map(([, type, optional, name]) => {
@@ -43,7 +44,7 @@ const checked = text("dist/kinopt.js").replace(
     /(^( *)\/\*\*\n(?: +\*.*\n)+?)(\2(?:static |export function )?\w+\(.*\) \{\n)([^]*?^\2\}$)/gm,
     (_, comment, indent, head, body) => comment + head + checks(comment, body) + body,
 );
-// Where the module has no room for what is given, that is an error and no trap.
+// A failed allocation in the module is a RangeError instead of a trap.
 const room = (name, sizeAt) => `const ${name} = given.allocating((...sizes) => wasm.__wbindgen_${name}(...sizes), ${sizeAt});`;
 const roomy = checked.replace(/, wasm\.__wbindgen_(malloc|realloc)\b/g, ", $1");
 write("kinopt.js", ['import * as given from "./given.js";', room("malloc", 0), room("realloc", 2), roomy]);

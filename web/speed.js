@@ -1,14 +1,15 @@
-// What the package takes in Node, asked as `benches/src/bin/web_questions.rs` asks natively; `web/speed` prints both.
+// Timings of the package in Node for the queries that `benches/src/bin/web_questions.rs` times natively; `web/speed`
+// prints both.
 import { Drag, Problem } from "kinopt";
 import { humanoid, pinned } from "./tests/humanoid.js";
 import { configuration, pandaArm, random } from "./tests/panda.js";
 
-/** How often each question is asked; the fastest counts. */
+/** Rounds of each query; the fastest counts. */
 const ROUNDS = 6;
 const POSES = 2000;
 const FRAMES = 300;
 
-/** Microseconds of the fastest of all rounds, question by question; `ask` ends its own answer. */
+/** Microseconds of the fastest round by query; `ask` frees its result. */
 function fastest(count, begin, ask) {
     const best = new Float64Array(count).fill(Infinity);
     for (let round = 0; round < ROUNDS; round += 1) {

@@ -1,9 +1,9 @@
-"""How long the viewer takes from a mouse's place to transforms on their way to the page.
+"""Latency of the viewer from a mouse position to transforms sent to the page.
 
     python examples/drag_timing.py [MODEL] [MOVES]
 
-A hand of the model (the shipped humanoid's left one, four other tips pinned), or else its first tip, is moved to and fro, as a page does
-it, without a browser, which would take the processor from it.
+A hand of the model is moved back and forth as by a page. It is the shipped humanoid's left hand with four other tips
+pinned, or the first tip of another model. There is no browser, which would use the same processor.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ HUMANOID = Path(__file__).parents[2] / "models" / "humanoid" / "humanoid.json"
 
 
 def main(model: str, moves: int) -> None:
-    """Prints the median, the 99th percentile and the longest of so many moves."""
+    """Prints the median, the 99th percentile and the maximum of a number of moves."""
     page = open_page(model, port=8400)
     frame = next((name for name in page.targets if "hand" in name), next(iter(page.targets)))
     target = page.targets[frame]

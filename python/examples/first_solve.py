@@ -1,4 +1,4 @@
-"""The first minute: a robot from its file, one pose, a thousand poses.
+"""First steps: a robot from its file, one pose, a thousand poses.
 
 Run it as ``python first_solve.py ROBOT.urdf [BASE TIP]``.
 """
@@ -13,7 +13,7 @@ path, base, tip = (sys.argv[1:] + ["base", "flange"])[:3]
 robot = kinopt.Robot.from_urdf(path)
 arm = kinopt.Arm(robot, base, tip)
 
-# Somewhere the arm can be, and the way there from somewhere else.
+# A reachable target, and a solve from another start.
 start = np.clip(0.5 * np.ones(arm.degrees_of_freedom), arm.lower, arm.upper)
 q = np.random.default_rng(1).uniform(np.maximum(arm.lower, -3), np.minimum(arm.upper, 3))
 target = arm.base_from_tool(q)
@@ -22,12 +22,12 @@ print(solution.explain())
 print(dict(zip(arm.joint_names, solution.q.round(6).tolist())))
 assert np.allclose(arm.base_from_tool(solution.q), target, atol=2e-6)
 
-# A thousand of them, as arrays.
+# A thousand targets, as arrays.
 many = np.random.default_rng(2).uniform(np.maximum(arm.lower, -3), np.minimum(arm.upper, 3), (1000, len(q)))
 batch = arm.solve_batch(arm.base_from_tool(many), start)
 print(batch, "worst error:", f"{batch.position_error.max():.1e} m")
 
-# Too far away: by how much it is missed, and why.
+# Out of reach: the size of the miss and its reason.
 far = target.copy()
 far[:3, 3] += 10.0
 print(arm.solve(far, start).explain())

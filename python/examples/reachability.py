@@ -1,10 +1,10 @@
-"""Where a robot's tool can be, how freely it can turn there, and how well it can move: a job for Ray, drawn.
+"""Reachability map of a robot's tool: reachable positions, share of orientations, and manipulability. A job for Ray.
 
     python reachability.py models/franka_panda.urdf --into reachability --picture reachability.png
 
-Positions on a grid around the base times orientations are targets in Parquet files; every worker holds the arm and answers
-a file at a time. A worker that is killed is started again with its file. If the whole job is killed, the same command
-goes on with the files that are left. It needs ``pip install 'kinopt[ray]' matplotlib``.
+Positions on a grid around the base times orientations are targets in Parquet files. Every worker holds the arm and
+solves one file at a time. A worker that is killed is started again with its file. If the whole job is killed, the same
+command continues with the remaining files. It needs ``pip install 'kinopt[ray]' matplotlib``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 class Reachability(kinopt.ray.SolveArm):
-    """Answers with a column more: the best manipulability of the solutions that some starts lead to."""
+    """Solutions with an additional column: the best manipulability of the solutions from several starts."""
 
     def __init__(self, robot: kinopt.Robot, arm: kinopt.Arm, tip: str, starts: int) -> None:
         super().__init__(arm)
@@ -45,7 +45,7 @@ class Reachability(kinopt.ray.SolveArm):
         return answers.append_column("manipulability", kinopt.ray.column(best))
 
     def manipulability(self, q: Floats) -> Floats:
-        """Yoshikawa's, sqrt(det(J J^T)), of arm configurations of shape (N, dof): shape (N,)."""
+        """Yoshikawa's measure, sqrt(det(J J^T)), of arm configurations of shape (N, dof): shape (N,)."""
         whole = np.tile(self.neutral, (len(q), 1))
         whole[:, self.columns] = q
         jacobian = self.jacobian.at(whole)[..., self.columns]
@@ -61,7 +61,7 @@ def grid(reach: float, step: float) -> Floats:
 
 
 def orientations(directions: int, turns: int) -> Floats:
-    """Rotations whose z axes are spread over the sphere, each turned about it: shape (directions * turns, 3, 3)."""
+    """Rotations with z axes distributed over the sphere, each rotated about z: shape (directions * turns, 3, 3)."""
     height = 1 - 2 * (np.arange(directions) + 0.5) / directions
     round_ = np.pi * (1 + 5**0.5) * np.arange(directions)
     flat = np.sqrt(1 - height**2)
@@ -84,7 +84,7 @@ def poses(points: Floats, turned: Floats) -> Floats:
 
 
 def draw(points: Floats, share: Floats, best: Floats, step: float, picture: Path) -> None:
-    """Draws slices through the map: across y = 0, and level where most is reached."""
+    """Draws sections of the map: at y = 0, and the horizontal one with the largest reach."""
     import matplotlib.pyplot as plt
 
     side = np.unique(points[:, 0])

@@ -92,7 +92,7 @@ class ProblemQuestion:
         task = self.problem.tasks[self.task(self.names[index])]
         kind = getattr(task, "task", task)._kind
         if kind in _NOT_BY:
-            raise InvalidValueError(f"a solution is not differentiated by the target of a {kind} task")
+            raise InvalidValueError(f"a solution has no derivative by the target of a {kind} task")
         return _AXES.get(kind, 1)
 
     def restated(self, others: Sequence[Floats]) -> Problem:
@@ -174,14 +174,14 @@ def question(
         raise InvalidValueError(f'missing is {missing!r}: "nan", "zero" or "raise"')
     if isinstance(asked, Arm):
         if solver is not None:
-            raise InvalidValueError("an arm is asked without a solver")
+            raise InvalidValueError("solver applies to problems only, not to arms")
         if weights is not None or joint_origins is not None:
-            raise InvalidValueError("an arm takes no weights and no joints' origins: ask a Problem with a Pose")
+            raise InvalidValueError("weights and joint_origins apply to problems only: use a Problem with a Pose")
         return ArmQuestion(asked, missing), [targets]
     if not isinstance(targets, Mapping):
-        raise InvalidValueError("the targets of a problem are a dict by task")
+        raise InvalidValueError("targets of a problem must be a dict by task")
     if not isinstance(joint_origins or {}, Mapping):
-        raise InvalidValueError("joint_origins is a dict by joint")
+        raise InvalidValueError("joint_origins must be a dict by joint")
     origins = dict(joint_origins or {})
     is_weighed = weights is not None
     own = ProblemQuestion(asked, solver or _SOLVER, tuple(targets), missing, is_weighed, tuple(origins))
@@ -266,8 +266,8 @@ def _cross(v: Floats) -> Floats:
 
 def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
     """Gradient with respect to the numbers of a posture, from that with respect to its velocity. For each quaternion p
-    it is G with <G, p ⊗ (0, v / 2)> = slope · v for every rotation v in the ball's own axes, and zero along p, because
-    its length has no effect."""
+    it is G with <G, p ⊗ (0, v / 2)> = slope · v for every rotation v in the ball's own axes. It is zero along p,
+    because the length of p has no effect."""
     while not isinstance(model, Model):
         model = model.model
     # Mimic joints share the coordinate of their source joint.
@@ -297,7 +297,7 @@ def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
 
 def _on_target(target: Floats, slope: Floats) -> Floats:
     """Gradient with respect to the numbers of a target, from that with respect to its motion. It is G with <G, T ξ> =
-    slope · ξ for every motion ξ of a pose T, so that the chain rule holds for any parametrisation of a pose."""
+    slope · ξ for every motion ξ of a pose T. So the chain rule holds for any parametrisation of a pose."""
     if target.shape == (4, 4):
         own = np.zeros((4, 4))
         own[:3, :3] = 0.5 * target[:3, :3] @ _cross(slope[3:])

@@ -85,10 +85,10 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Reach:
-    """A bone whose origin (for a rig, its tip) goes to a point over a span of a clip: for `Clip.with_ik`.
+    """A bone whose origin (for a rig, its tip) reaches a point over a span of a clip: for `Clip.with_ik`.
 
     `target` is a point in the model, shape (3,), or a curve through points, shape (N, 3), at `times` in seconds of the
-    clip; by default the points are uniform over the span. `span` is (from, to) in seconds, by default the whole clip.
+    clip. By default the points are uniform over the span. `span` is (from, to) in seconds, by default the whole clip.
     `fade` is the duration of the blend at either end, in seconds: by default 0.2, or half of a shorter span.
     """
 

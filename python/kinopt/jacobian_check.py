@@ -22,7 +22,7 @@ STEP = 1e-5
 def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float) -> None:
     """Implements ``tasks.Residual.check_jacobian`` for a ``tasks.Residual``."""
     if residual.jacobian is None:
-        raise InvalidValueError("the residual has no Jacobian of its own: differences stand in for it")
+        raise InvalidValueError("the residual has no jacobian: finite differences replace it")
     own = model if isinstance(model, Model) else model.model
     places = ForwardKinematics(own, residual.frames).place(q) if residual.frames else np.zeros((0, 4, 4))
     joints = own.joint_names if residual.joints == "all" else residual.joints
@@ -56,8 +56,8 @@ def check(residual: Any, model: Model | HasModel, q: ArrayLike, tolerance: float
         row, column = wrong[np.argmax(np.nan_to_num(off, nan=np.inf)[tuple(wrong.T)])]
         raise InvalidValueError(
             f"the jacobian of {residual.name or 'the residual'} is wrong in {len(wrong)} of {said.size} "
-            f"entries, most in row {row} by {motions[column].name(residual.frames)}: it says "
-            f"{said[row, column]:.6g}, differences say {true[row, column]:.6g}"
+            f"entries, most in row {row} by {motions[column].name(residual.frames)}: it returns "
+            f"{said[row, column]:.6g}, differences give {true[row, column]:.6g}"
         )
 
 
@@ -110,7 +110,7 @@ class _Motion:
     def name(self, frames: Sequence[str]) -> str:
         """Text for the variable of a derivative."""
         if self.joint and self.at.stop - self.at.start == 4:
-            return f"the turn about {'xyz'[self.way]} of the joint {self.joint!r}"
+            return f"the rotation about {'xyz'[self.way]} of the joint {self.joint!r}"
         if self.joint:
             return f"the joint {self.joint!r}"
         kind = "velocity along" if self.way < 3 else "angular velocity about"

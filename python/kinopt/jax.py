@@ -1,6 +1,6 @@
 """Inverse kinematics as a function of JAX: ``pip install 'kinopt[jax]'``.
 
-``solve`` works under ``jit``, ``vmap`` and ``grad``: the solver runs on the host, and the gradient follows from the
+``solve`` works under ``jit``, ``vmap`` and ``grad``. The solver runs on the host, and the gradient follows from the
 implicit function theorem at the solution (``custom_vjp``). With JAX's default 32-bit numbers, targets are rounded;
 ``jax.config.update("jax_enable_x64", True)`` avoids it.
 """
@@ -40,13 +40,13 @@ def solve(
     """Solves for the configurations of ``targets``, with gradients: shape (..., nq).
 
     For an arm ``targets`` is an array of shape (..., 4, 4), base_from_tool, metres. For a problem it is a dict of
-    arrays by task: (..., 4, 4) for a pose, (..., 3) for a position, (..., 3, 3) for an orientation, (..., n) for a
-    posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient of a pose is
-    that of its motions, so any parametrisation of a pose gives correct gradients.
+    arrays by task. Their shapes are (..., 4, 4) for a pose, (..., 3) for a position, (..., 3, 3) for an orientation,
+    (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The
+    gradient of a pose is that of its motions, so any parametrisation of a pose gives correct gradients.
 
-    Further parameters of a problem are differentiable: ``weights``, an array of shape (..., rows of ``Solution.rows``),
-    which replaces ``problem.weights``, and ``joint_origins``, a dict by joint of arrays of shape (..., 3), metres in
-    the parent's axes: the lengths of links.
+    Further parameters of a problem are differentiable. ``weights``, an array of shape (..., rows of ``Solution.rows``),
+    replaces ``problem.weights``. ``joint_origins`` is a dict by joint of arrays of shape (..., 3), metres in the
+    parent's axes: the lengths of links.
 
     ``missing`` selects the gradient of a solution without a derivative: "nan", "zero", or "raise" for an error. If
     solutions are not isolated, the gradient is that of the shortest change.

@@ -19,9 +19,9 @@ class LevenbergMarquardt:
     """Damped least squares with hard bounds.
 
     ``damping`` is ``"gain_ratio"`` (Nielsen 1999) or ``"error_proportional"`` (Chan & Lawrence 1988).
-    ``initial_damping`` is its first value, positive: relative to the largest diagonal entry for the gain ratio (default
-    1e-3), a multiple of the cost otherwise (default 0.1). ``kinopt.Solver`` raises ``InvalidValueError`` for settings
-    out of range.
+    ``initial_damping`` is its first value, positive. For the gain ratio it is relative to the largest diagonal entry
+    (default 1e-3), otherwise a multiple of the cost (default 0.1). ``kinopt.Solver`` raises ``InvalidValueError`` for
+    settings out of range.
     """
 
     damping: Literal["gain_ratio", "error_proportional"] = "gain_ratio"

@@ -21,10 +21,10 @@ def placement(
 ) -> Floats:
     """A placement of shape (4, 4), or N placements of shape (N, 4, 4): targets for arms, tools, poses.
 
-    ``position`` has shape (3,) or (N, 3), metres. The rotation is one of: a quaternion ``wxyz`` (scalar first) or
-    ``xyzw`` (scalar last), shape (4,) or (N, 4), of any length but 0; or a ``matrix``, shape (3, 3) or (N, 3, 3), which
-    is projected to the nearest rotation, so rounded numbers are accepted (a (4, 4) is accepted too, with its position).
-    The default is the identity.
+    ``position`` has shape (3,) or (N, 3), metres. The rotation is a quaternion ``wxyz`` (scalar first) or ``xyzw``
+    (scalar last), shape (4,) or (N, 4), of any length but 0. Or it is a ``matrix``, shape (3, 3) or (N, 3, 3), which is
+    projected to the nearest rotation, so rounded numbers are accepted. A (4, 4) matrix is accepted too, with its
+    position. The default is the identity.
 
     Raises ``InvalidValueError``: wrong shapes, numbers that are not finite, quaternions of length 0, matrices that
     mirror or deviate by more than 0.02 from a rotation, more than one rotation.
@@ -52,7 +52,7 @@ def placement(
         many = np.broadcast_shapes(place.shape[:-1], rotation.shape[:-2])
     except ValueError:
         shapes = f"{place.shape[:-1]} positions, {rotation.shape[:-2]} rotations"
-        raise InvalidValueError(f"there must be one of each, or as many of both: {shapes}") from None
+        raise InvalidValueError(f"expected equal numbers, or one of either: {shapes}") from None
     placed = np.zeros((*many, 4, 4))
     placed[..., :3, :3] = rotation
     placed[..., :3, 3] = place

@@ -124,7 +124,7 @@ class Task:
             self._check_name("a frame of masses", frame, optional=False)
             mass, at = given if isinstance(given, Sequence) and len(given) == 2 else (given, (0.0, 0.0, 0.0))
             _check_number(f"the mass of {frame}", mass)
-            kept[frame] = (float(mass), _compiled.numbers(at, f"where the mass of {frame} is", 3))
+            kept[frame] = (float(mass), _compiled.numbers(at, f"the position of the mass of {frame}", 3))
         self._keep("masses", kept)
 
     def __repr__(self) -> str:
@@ -167,9 +167,9 @@ class Point(Task):
 class Pose(Task):
     """Pose of ``frame`` at ``target``, a placement of shape (4, 4): three rows in metres, three in radians.
 
-    ``tool``, shape (4, 4), is the placement in the frame that goes to the target; by default the frame itself.
-    ``goal``, a ``kinopt.PoseBounds``, sets the goal bounds. The target is in the world, or in the frame ``base``, which may
-    move with the joints.
+    ``tool``, shape (4, 4), is the placement in the frame that reaches the target; by default the frame itself.
+    ``goal``, a ``kinopt.PoseBounds``, sets the goal bounds. The target is in the world, or in the frame ``base``, which
+    may move with the joints.
 
     Raises ``InvalidValueError`` for other shapes and for names that are not texts.
     """
@@ -422,7 +422,7 @@ class CenterOfMass(Task):
 
     A row in metres for each axis except those of ``free``, such as ``"z"`` or ``"xy"``. Target and axes are those of
     the world, or of the frame ``base``, which may move with the joints. Masses are those of the robot's file, without
-    links fixed in the world, or of a rig by the volume of its mesh; ``masses`` replaces them: ``{"frame": kg}``, or
+    links fixed in the world, or of a rig by the volume of its mesh. ``masses`` replaces them: ``{"frame": kg}``, or
     ``{"frame": (kg, (x, y, z))}`` with a position in the frame's coordinates.
 
     Raises ``InvalidValueError`` for other shapes and names that are not texts; when the problem is created, also for
@@ -455,7 +455,7 @@ class CenterOfMass(Task):
 class SupportPolygon(Task):
     """The vertical projection of the centre of mass is within the convex hull of support points.
 
-    ``points`` are in the world, shape (N, 3), ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in the
+    ``points`` are in the world, shape (N, 3). ``on`` has those of frames, ``{"frame": points}`` of shape (N, 3) in the
     frame's coordinates: the corners of a foot's sole. One-sided: there is no cost within the polygon, reduced by
     ``margin`` metres from its edges. Two rows in metres across ``up``; their norm is the distance from the reduced
     polygon. ``masses`` are as for `CenterOfMass`.
@@ -492,7 +492,7 @@ class Gaze(Task):
     """Direction of ``axis`` of ``frame``, shape (3,), within a cone of ``half_angle``, radians within (0, pi).
 
     The cone is about the line of sight from the frame's origin to ``target``, metres, or about ``direction``, both in
-    the world, shape (3,); exactly one of the two is given. One-sided: one row in radians, the angle outside the cone.
+    the world, shape (3,). Exactly one of the two is given. One-sided: one row in radians, the angle outside the cone.
 
     Raises ``InvalidValueError`` for other shapes, names that are not texts, and both or none of target and direction.
     """
@@ -596,7 +596,7 @@ class Manipulability(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounded(Task):
-    """Interval of another task: its rows cost only the part outside it, as for a workspace, a floor, a least distance.
+    """Interval of another task: its rows cost only the part outside it, as for a floor or a smallest distance.
 
     ``half_width`` is the interval from -half_width to half_width; otherwise it is from ``lower`` to ``upper``, either
     of which may be infinite. It applies to every row, in its own unit. Name, weights, tolerance, role and level are by
@@ -658,12 +658,12 @@ class Residual(Task):
     ``function`` is called with the inputs of the residual and returns ``rows`` numbers: ``function(placements)`` if it
     reads ``frames`` (their names; placements of shape (F, 4, 4), world from frame), ``function(q)`` if it reads
     ``joints`` (their names or ``"all"``; values of shape (J,), radians or metres), ``function(placements, q)`` if it
-    reads both. ``rows`` is the number of rows by quantity, such as ``{"metres": 3, "radians": 1}``, in that order; a
+    reads both. ``rows`` is the number of rows by quantity, such as ``{"metres": 3, "radians": 1}``, in that order. A
     plain number counts metres, and ``"chords"`` are rows whose norm is the chord 2 sin(angle / 2).
 
-    ``jacobian``, called with equal arguments, returns the derivatives, shape (rows, 6 F + J): for each frame those with
-    respect to its velocity and its angular velocity, in world axes at the frame's own origin, then those with respect
-    to the joints. The default is central differences.
+    ``jacobian``, called with equal arguments, returns the derivatives, shape (rows, 6 F + J). First come those with
+    respect to each frame's velocity and angular velocity, in world axes at the frame's own origin, then those with
+    respect to the joints. The default is central differences.
 
     It may be called from any thread, one call at a time in each. Its exceptions propagate out of the solve; numbers
     that are not finite end the search as "non_finite". It can be pickled if its functions can.
@@ -690,20 +690,20 @@ class Residual(Task):
         if self.joints != "all":
             self._keep("joints", _names("joints", self.joints))
         if not self.frames and not self.joints:
-            raise InvalidValueError("the residual reads neither frames nor joints: name what its function takes")
+            raise InvalidValueError("the residual reads neither frames nor joints: set frames or joints")
         rows = self.rows if isinstance(self.rows, Mapping) else {"metres": self.rows}
         for quantity, count in rows.items():
             if not isinstance(count, (int, np.integer)) or isinstance(count, bool) or not 0 < count < 1 << 20:
                 raise InvalidValueError(f"rows has {count!r} in {quantity}, which is no whole number of at least 1")
         if not rows:
-            raise InvalidValueError("rows is empty: say how many numbers the function returns")
+            raise InvalidValueError("rows is empty: set the number of rows by quantity")
         self._keep("rows", {quantity: int(count) for quantity, count in rows.items()})
 
     def check_jacobian(self, model: Model | HasModel, q: ArrayLike, *, tolerance: float = 1e-5) -> None:
         """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (nq,).
 
         Raises ``InvalidValueError`` if an entry differs by more than ``tolerance`` times the largest of its row (at
-        least 1); the message names the row, the motion and both numbers. A wrong Jacobian otherwise only makes searches
+        least 1). The message names the row, the motion and both numbers. A wrong Jacobian otherwise only makes searches
         slow or ends them too early. ``model`` is a model, a robot, a skeleton or a rig.
         """
         check(self, model, q, tolerance)

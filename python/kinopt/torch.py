@@ -38,13 +38,13 @@ def solve(
     """Solves for the configurations of ``targets``, with gradients: shape (..., nq).
 
     For an arm ``targets`` is a tensor of shape (..., 4, 4), base_from_tool, metres. For a problem it is a dict of
-    tensors by task (or an empty dict): (..., 4, 4) for a pose, (..., 3) for a position, (..., 3, 3) for an orientation,
-    (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The
-    gradient of a pose is that of its motions, so any parametrisation of a pose gives correct gradients.
+    tensors by task, or an empty dict. Their shapes are (..., 4, 4) for a pose, (..., 3) for a position, (..., 3, 3) for
+    an orientation, (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and
+    broadcast. The gradient of a pose is that of its motions, so any parametrisation of a pose gives correct gradients.
 
-    Further parameters of a problem are differentiable: ``weights``, a tensor of shape (..., rows of ``Solution.rows``),
-    which replaces ``problem.weights``, and ``joint_origins``, a dict by joint of tensors of shape (..., 3), metres in
-    the parent's axes: the lengths of links.
+    Further parameters of a problem are differentiable. ``weights``, a tensor of shape (..., rows of ``Solution.rows``),
+    replaces ``problem.weights``. ``joint_origins`` is a dict by joint of tensors of shape (..., 3), metres in the
+    parent's axes: the lengths of links.
 
     ``missing`` selects the gradient of a solution without a derivative: "nan", "zero", or "raise" for an error. If
     solutions are not isolated, the gradient is that of the shortest change. ``solver`` is that of a problem; tight

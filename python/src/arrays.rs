@@ -122,8 +122,8 @@ impl<'py> Questions<'py> {
         self.count.iter().chain(each).copied().collect()
     }
 
-    /// Calls `work` with each query and its part of `room`, without the GIL. Checks for signals after every `at_a_time`
-    /// queries.
+    /// Calls `work` with each query and its part of the results, without the GIL. Checks for signals after every
+    /// `at_a_time` queries.
     pub(crate) fn each<T: Send>(
         &self,
         py: Python<'py>,

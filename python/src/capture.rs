@@ -90,7 +90,8 @@ impl MotionCapture {
         self.inner.channels.iter().map(names).collect()
     }
 
-    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not UTF-8.
+    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not
+    /// UTF-8.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
@@ -134,7 +135,7 @@ impl MotionCapture {
         let armature = &armature.get().inner;
         let channels = channels_of(&channels)?;
         if channels.len() != armature.bones() {
-            return Err(invalid("there are not channels for each bone"));
+            return Err(invalid("channels must have one entry for each bone"));
         }
         let capture = bvh::MotionCapture {
             armature: kinopt::animation::Armature::clone(armature),

@@ -33,7 +33,7 @@ pub(crate) fn of_two<'py>(
     let [one, other] = both.map(Questions::count);
     if one != other && one != 1 && other != 1 {
         return Err(invalid(format!(
-            "{first_is} has {one} rows and {second_is} {other}: they go together one by one, or one with all"
+            "{first_is} has {one} rows and {second_is} {other}: expected equal numbers, or one row of either"
         )));
     }
     let table = both.iter().any(|rows| rows.is_table());

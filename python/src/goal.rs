@@ -11,8 +11,8 @@ use crate::pickling;
 /// Allowed offset of a frame's pose from its target, for each component, along the target's axes. Tolerances are added
 /// to it.
 ///
-/// Created by `PoseBounds.pose()`, `PoseBounds.position()`, `PoseBounds.free_about("z")`, `PoseBounds.free_along("x")` or
-/// `PoseBounds.within(half_widths)`.
+/// Created by `PoseBounds.pose()`, `PoseBounds.position()`, `PoseBounds.free_about("z")`, `PoseBounds.free_along("x")`
+/// or `PoseBounds.within(half_widths)`.
 #[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct PoseBounds {
@@ -39,8 +39,8 @@ impl PoseBounds {
         kinopt::task::PoseBounds::position().into()
     }
 
-    /// The full pose except for rotations about one axis of the frame, "x", "y" or "z", which are free: for a drill, a
-    /// pen, a suction cup.
+    /// The full pose except for rotations about one axis of the frame, "x", "y" or "z", which are free. Examples are a
+    /// drill, a pen and a suction cup.
     ///
     /// Raises `UnknownNameError` for another axis.
     #[classmethod]
@@ -56,9 +56,9 @@ impl PoseBounds {
         Ok(kinopt::task::PoseBounds::free_along(self::axis(axis)?).into())
     }
 
-    /// An interval of plus and minus a half width for each component: shape (6,), three in metres along the axes x, y,
-    /// z, three in radians about them. 0 is exact; inf is free, and so are angles of pi or more. Negative numbers and
-    /// NaN raise `InvalidValueError`.
+    /// An interval of plus and minus a half width for each component. `half_widths` has shape (6,), three in metres
+    /// along the axes x, y, z, three in radians about them. 0 is exact; inf is free, and so are angles of pi or more.
+    /// Negative numbers and NaN raise `InvalidValueError`.
     #[classmethod]
     fn within(_class: &Bound<'_, PyType>, half_widths: &Bound<'_, PyAny>) -> PyResult<Self> {
         let half_widths = arrays::array(half_widths, "half_widths")?;

@@ -240,8 +240,8 @@ pub(crate) fn frame_placement<'py>(
     without_frames(&kinematics.place(q)?, 3)
 }
 
-/// Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin; shape (6, dof) for `q`
-/// of shape (nq,), (N, 6, dof) for (N, nq).
+/// Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin. It has shape (6, dof)
+/// for `q` of shape (nq,), (N, 6, dof) for (N, nq).
 ///
 /// `Jacobian` compiles once, and takes several frames. Raises `UnknownNameError` for the frame, `InvalidValueError` for
 /// a `q` of another shape or one that is not finite.

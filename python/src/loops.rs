@@ -156,8 +156,8 @@ impl LoopClosure {
     /// follow. The other joints keep their values. Shape (nq,), or (N, nq). If a loop closes at several values, the
     /// values of the dependent joints in `q` select one.
     ///
-    /// Raises `InvalidValueError`, which names the loop and its closure error, if a loop does not close; for other
-    /// shapes, numbers that are not finite, and given joints outside their limits.
+    /// Raises `InvalidValueError`, which names the loop and its closure error, if a loop does not close. Raises it also
+    /// for other shapes, numbers that are not finite, and given joints outside their limits.
     fn close<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = q.py();
         let width = self.model.configuration_len();

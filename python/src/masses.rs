@@ -65,7 +65,7 @@ pub(crate) fn masses_of(value: &Bound<'_, PyAny>) -> PyResult<Masses> {
         return value.py().detach(|| rig.masses(DENSITY)).or_raise();
     }
     Err(invalid(format!(
-        "a {} has no masses of its own: give the task masses=",
+        "a {} has no masses: set masses= of the task",
         value.get_type().name()?
     )))
 }

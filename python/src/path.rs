@@ -487,7 +487,7 @@ fn tell(
             MissReason::BeyondReach { distance, reach } => {
                 format!("beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long")
             }
-            MissReason::Touches(pair) => format!("{pair} touch there"),
+            MissReason::Touches(pair) => format!("collision of {pair}"),
             _ => "no configuration within the limits was found".to_owned(),
         },
     });

@@ -46,7 +46,9 @@ pub(crate) fn pool(threads: Option<usize>, jobs: usize) -> PyResult<Option<Arc<T
 pub(crate) fn count(threads: Option<usize>, jobs: usize) -> PyResult<usize> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     match threads {
-        Some(0) => Err(invalid("threads is 0: at least 1, or None for all cores")),
+        Some(0) => Err(invalid(
+            "threads is 0, expected at least 1, or None for all cores",
+        )),
         threads => Ok(threads.unwrap_or(cores).min(cores).min(jobs)),
     }
 }

@@ -1,7 +1,7 @@
 """For any input the library returns a result or raises a named exception, and never ends the interpreter.
 
-Every public class, function, method and property is called with arguments of all kinds, including valid ones, so that
-calls with a single invalid argument occur as often as others.
+Every public class, function, method and property is called with arguments of all kinds, including valid ones. So calls
+with a single invalid argument occur as often as others.
 """
 
 import gc

@@ -73,7 +73,7 @@ def test_the_world_is_as_it_was_when_it_was_given(panda: kinopt.Robot) -> None:
     again: kinopt.Problem
     for again in (copy.deepcopy(stated), pickle.loads(pickle.dumps(stated))):
         assert len(again.collisions(q)) == len(before)
-    with pytest.raises(InvalidValueError, match="without a world"):
+    with pytest.raises(InvalidValueError, match="no collision avoidance"):
         kinopt.Problem(panda).collisions(q)
 
 

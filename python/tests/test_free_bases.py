@@ -229,7 +229,7 @@ def test_one_configuration_goes_with_all_of_a_table(heavy: kinopt.Robot) -> None
         assert np.allclose(heavy.center_of_mass(there), heavy.center_of_mass(many), atol=1e-12)
         assert heavy.interpolate(other, many, 0.5).shape == (5, 8)
     assert heavy.difference(one[None], one).shape == (1, 7)
-    with pytest.raises(InvalidValueError, match="one with all"):
+    with pytest.raises(InvalidValueError, match="one row of either"):
         heavy.difference(many[:2], many[:3])
 
 

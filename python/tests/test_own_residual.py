@@ -262,7 +262,7 @@ def test_a_wrong_jacobian_is_found_and_its_entry_named(robot):
 
         with pytest.raises(kinopt.InvalidValueError, match=f"of lean is wrong in 1 .* row {row} by .*{words}"):
             residual(wrong).check_jacobian(robot, q)
-    with pytest.raises(kinopt.InvalidValueError, match="no Jacobian of its own"):
+    with pytest.raises(kinopt.InvalidValueError, match="has no jacobian"):
         residual(None).check_jacobian(robot, q)
     with pytest.raises(kinopt.InvalidValueError, match="expected \\(2, 14\\)"):
         residual(lambda frames, joints: np.zeros((2, 13))).check_jacobian(robot, q)
@@ -291,5 +291,5 @@ def test_a_jacobian_by_a_ball_is_checked_along_its_turns():
     residual(slope).check_jacobian(model, model.neutral(), tolerance=1e-8)
     # A derivative along q is irrelevant, because it only leaves the unit sphere.
     residual(lambda joints: slope(joints) + np.outer([1.0, 2.0], [0.0, *joints[1:]])).check_jacobian(model, q)
-    with pytest.raises(kinopt.InvalidValueError, match="turn about . of the joint 'wrist'"):
+    with pytest.raises(kinopt.InvalidValueError, match="rotation about . of the joint 'wrist'"):
         residual(lambda joints: slope(joints) * [1, 1, 1.5, 1, 1]).check_jacobian(model, q)

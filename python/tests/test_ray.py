@@ -118,8 +118,8 @@ def test_targets_of_any_arrow_kind_are_read(targets, kind):
 @pytest.mark.parametrize(
     ("column", "says"),
     [
-        ([[1.0] * 16, None], "'target' has empty places"),
-        ([[1.0] * 15 + [None]], "'target' has empty places"),
+        ([[1.0] * 16, None], "'target' has empty entries"),
+        ([[1.0] * 15 + [None]], "'target' has empty entries"),
         ([[1.0] * 15], "15 numbers a row, not 16"),
         ([[1.0] * 16, [1.0] * 15], "rows of different lengths"),
         (["here"], "string for numbers"),
@@ -301,7 +301,7 @@ def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
     assert sorted(path.name for path in into.iterdir()) == names
 
     # Results of another query are not reused.
-    with pytest.raises(kinopt.InvalidValueError, match="answers another question"):
+    with pytest.raises(kinopt.InvalidValueError, match="belongs to another query"):
         kr.solve_files(folder / "targets", into, kr.SolveArm(arm, -start))
 
     # Changed files are solved again; an invalid one is reported after the others are solved.

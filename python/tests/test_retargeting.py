@@ -187,7 +187,7 @@ def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
     by_name = kinopt.retarget(places, nao, "smpl", fps=30)
     assert by_name.map == guess.map and by_name.notes == guess.notes
     lying = kinopt.guess_map(Capture(places, names, 30, "y"), nao)
-    assert "the body stands along z, but y is taken for upward" in lying.notes
+    assert "the body is upright along z, but the upward axis is y" in lying.notes
     guess.save(tmp_path / "map.json")
     again = kinopt.retarget(places, nao, tmp_path / "map.json", joints=names, fps=30)
     assert np.array_equal(again.q, by_name.q)
@@ -304,7 +304,7 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
     half = (tmp_path / "nan.npy").read_bytes()[:200]
     for name, data in [("none.npy", b""), ("text.npy", b"no array"), ("half.npy", half)]:
         (tmp_path / name).write_bytes(data)
-        with pytest.raises(InvalidFileError, match=f"{name}: no NumPy array, or a damaged one"):
+        with pytest.raises(InvalidFileError, match=f"{name}: not a valid NumPy array"):
             kinopt.retarget(tmp_path / name, nao, MAP)
 
 
@@ -485,12 +485,12 @@ def test_axis_upward_is_detected(tmp_path: Path) -> None:
     places[:, 1, 1], places[:, 2, 1] = 0.1, -0.1
     upright = kinopt.retarget(places, nao, joints=joints, fps=30)
     assert upright.capture.up == "z" and not any("upward" in note for note in upright.notes)
-    # The same movement with y upward.
+    # The same motion with y upward.
     turned = np.stack([places[..., 0], places[..., 2], -places[..., 1]], axis=-1)
     detected = kinopt.retarget(turned, nao, joints=joints, fps=30)
     assert detected.capture.up == "y"
-    assert "the body stands along y, which is taken for upward: up= sets it" in detected.notes
+    assert "the body is upright along y, which is used as the upward axis: up= sets it" in detected.notes
     assert np.abs(detected.q - upright.q).max() < 1e-9
     given = kinopt.retarget(turned, nao, joints=joints, fps=30, up="z")
     assert given.capture.up == "z" and np.abs(given.q - upright.q).max() > 1e-3
-    assert "the body stands along y, but z is taken for upward" in given.notes
+    assert "the body is upright along y, but the upward axis is z" in given.notes

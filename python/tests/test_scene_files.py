@@ -49,7 +49,7 @@ def json_of(data: bytes) -> str:
 def test_a_skeleton_with_its_skin_is_a_scene(rig: kinopt.Rig, scene: kinopt.Scene) -> None:
     assert scene.armature.names == [*animation.Armature.of_skeleton(rig.skeleton).names, "mesh"]
     assert scene.meshes[0].skin is not None
-    with pytest.raises(kinopt.InvalidValueError, match="go together"):
+    with pytest.raises(kinopt.InvalidValueError, match="given together"):
         kinopt.Scene.of_skeleton(rig.skeleton, rig.mesh)
 
 

@@ -402,7 +402,7 @@ class TestJax:
             ]
             np.testing.assert_allclose(slopes, shown, atol=2e-5)
             assert abs(slopes).min() > 1e-6
-        with pytest.raises(kinopt.InvalidValueError, match="an arm takes no weights"):
+        with pytest.raises(kinopt.InvalidValueError, match="weights and joint_origins apply to problems only"):
             kinopt.jax.solve(arm, targets[0], START, weights=at[0, :3])
 
     def test_solve_outside_jit_compiles_once(self, digits, arm, robot, targets):

@@ -98,7 +98,7 @@ def test_bones_that_scale_send_the_vertices_of_their_mesh(tmp_path, opened):
     mesh = kinopt.SceneMesh(armature, "body", "tip", kinopt.TriangleMesh(corners, faces))
     kinopt.Scene(armature, [mesh], [clip.build()]).write(tmp_path / "grow.glb")
     page = opened("grow.glb")
-    assert any("its vertices travel" in note for note in page.notes)
+    assert any("its vertices are sent" in note for note in page.notes)
     page.call(lambda: page.time.show(1.0))
     (piece,) = page.body.pieces()
     assert piece.solid.vertices.max(axis=0) == pytest.approx([1.0, 4.0, 1.0])

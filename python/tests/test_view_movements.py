@@ -35,7 +35,7 @@ def test_a_robot_and_a_person_move_together():
         clip.show(99.0)
         assert np.array_equal(body.q, movement.q[-1])
         other = scene.add(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf"))
-        with pytest.raises(kinopt.InvalidValueError, match="is not of"):
+        with pytest.raises(kinopt.InvalidValueError, match="numbers for each frame"):
             scene.add_movement(movement, other)
 
 

@@ -107,7 +107,7 @@ def test_a_robot_on_a_free_base_is_dragged_as_a_whole(opened):
     assert np.linalg.norm(page.body.q[:3] - before[:3]) > 0.5
     sliders = [page.body.model.coordinate_names[index] for index in page.joints._sliders]
     assert "root_joint/x" in sliders and not any(name.endswith(" w") for name in sliders)
-    with pytest.raises(kinopt.InvalidValueError, match="for robots"):
+    with pytest.raises(kinopt.InvalidValueError, match="robots only"):
         open_page(HUMANOID, base_joint="free")
 
 
@@ -160,7 +160,7 @@ def test_what_a_solver_has_no_answer_for_is_told(opened, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(page.posing, "solve", refuse)
         drag(page, "tool", [0.0, 0.0, 0.01])
-        assert page.status.text == "No answer\nthere is no answer for this"
+        assert page.status.text == "No solution\nthere is no answer for this"
     drag(page, "tool", [0.0, 0.0, 0.01])
     assert page.status.text.startswith("Reached")
 

@@ -99,7 +99,7 @@ mod tests {
     use crate::spatial::Placement;
 
     #[test]
-    fn the_nearest_rows_come_first_and_of_equal_ones_the_lower() {
+    fn nearest_rows_come_first_and_ties_by_index() {
         let at = |x: f64| Placement::translation([x, 0.0, 0.0].into());
         let places: Vec<_> = (0..50_u32).map(|k| at(f64::from(k * 37 % 50))).collect();
         let table = SeedTable {

@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_leaves_the_large_tree_until_there_are_many() {
+    fn few_changes_keep_the_large_tree() {
         let all = (0..1000).map(|number| (number, "old", around(number as f64)));
         let first = ChangingTree::new(all);
         assert_eq!(met(&first, 10.2), [(10, "old")]);

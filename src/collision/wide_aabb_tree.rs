@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn all_boxes_that_are_near_are_asked_about_and_few_others() {
+    fn all_near_boxes_and_few_others_are_visited() {
         let numbers = &mut Numbers(7);
         for (scale, far) in [
             (1.0, 0.0),
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_large_or_no_number_is_asked_about_exactly() {
+    fn huge_and_nan_boxes_are_visited_exactly() {
         let boxes = [1e39, -1e39, 3.0, 1e300].map(|x| {
             let at = Vector3::new(x, 0.0, 0.0);
             BoundingBox::around([at, at * 1.5])

@@ -23,10 +23,10 @@ impl ModelBuilder {
 
     /// Adds a free joint: three prismatic joints and a ball joint.
     ///
-    /// The prismatic joints `NAME/x`, `NAME/y` and `NAME/z` move along the joint's x, y and z within `room` (metres).
-    /// The ball joint `NAME/rotation` follows; its id is returned, and children attach to it. Coordinates: x, y, z and
-    /// the quaternion w, x, y, z. A velocity, in [`Model::integrate`](super::Model::integrate) and in Jacobians, is
-    /// linear and then angular. Both are in the axes of the moved frame, as for Pinocchio's free flyer.
+    /// The prismatic joints `NAME/x`, `NAME/y` and `NAME/z` move along the joint's x, y and z within the given limits
+    /// (metres). The ball joint `NAME/rotation` follows; its id is returned, and children attach to it. Coordinates: x,
+    /// y, z and the quaternion w, x, y, z. A velocity, in [`Model::integrate`](super::Model::integrate) and in
+    /// Jacobians, is linear and then angular. Both are in the axes of the moved frame, as for Pinocchio's free flyer.
     pub fn free(
         &mut self,
         name: impl Into<String>,
@@ -50,9 +50,9 @@ impl ModelBuilder {
 
     /// Adds a planar joint: two prismatic joints and a rotation about the plane's normal.
     ///
-    /// The prismatic joints `NAME/x` and `NAME/y` move within `room` (metres), perpendicular to `normal` (joint frame).
-    /// The rotation `NAME/yaw` about `normal` follows, within `yaw` (radians); its id is returned. For a normal along z
-    /// the prismatic joints move along x and y.
+    /// The prismatic joints `NAME/x` and `NAME/y` move within the given limits (metres), perpendicular to `normal`
+    /// (joint frame). The rotation `NAME/yaw` about `normal` follows, within `yaw` (radians); its id is returned. For a
+    /// normal along z the prismatic joints move along x and y.
     pub fn planar(
         &mut self,
         name: impl Into<String>,

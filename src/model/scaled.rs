@@ -4,7 +4,8 @@ use super::Model;
 use crate::spatial::Placement;
 
 impl Model {
-    /// The same model with all lengths times a factor: positions of joints, frames and loops, and limits of slides.
+    /// The same model with all lengths times a factor: positions of joints, frames and loops, and limits of prismatic
+    /// joints.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let scale = |placement: &mut Placement<f64>| {
             placement.translation = placement.translation * factor;
@@ -26,7 +27,7 @@ impl Model {
         own
     }
 
-    /// Multiplies the numbers of slides in configurations, one after the other.
+    /// Multiplies the values of prismatic joints in consecutive configurations.
     pub(crate) fn scale_slides(&self, factor: f64, q: &mut [f64]) {
         let slides: Vec<usize> = self.slides().collect();
         for q in q.chunks_exact_mut(self.moving.len().max(1)) {
@@ -36,7 +37,7 @@ impl Model {
         }
     }
 
-    /// The numbers of a configuration that are lengths.
+    /// Indices of the coordinates of a configuration that are lengths.
     pub(crate) fn slides(&self) -> impl Iterator<Item = usize> + '_ {
         let moving = self.moving.iter().enumerate();
         let slides = moving.filter(|(_, id)| self.joints[id.index()].kind.slides());

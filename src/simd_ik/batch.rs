@@ -23,7 +23,8 @@ pub(crate) struct Work<'a> {
     pub(crate) starts: &'a [f64],
     pub(crate) search: Prefer,
     pub(crate) attempts: Attempts,
-    /// Past this time attempts end where they are. Those not begun are misses with infinite errors, whose q stays as it is.
+    /// After this time attempts end at their current point. Those not begun are misses with infinite errors and
+    /// unchanged q.
     pub(crate) deadline: Option<Instant>,
     pub(crate) q: &'a mut [f64],
     pub(crate) outcomes: &'a mut [PoseOutcome],
@@ -103,7 +104,7 @@ struct Batch<'a, V, const L: usize, const N: usize> {
     seeds: [QuerySeeds; L],
     /// Bit mask of the lanes that have a job.
     active: u32,
-    /// Whether the deadline is past.
+    /// True after the deadline.
     is_late: bool,
     /// A configuration on its way into or out of a lane.
     q: [f64; MAX_JOINTS],

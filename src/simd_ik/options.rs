@@ -141,7 +141,7 @@ impl PoseOutcome {
     };
 }
 
-/// What is wrong with a call.
+/// Error of a call with invalid arguments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LaneError {

@@ -1,4 +1,4 @@
-//! What allocates memory, and how much.
+//! Memory allocations of solvers and arms.
 
 mod arm;
 mod counting_allocator;

@@ -1,5 +1,5 @@
-//! Promise: affine maps are interpolated by their parts, so halfway between two rotations is a
-//! rotation; mirrored and singular maps are taken apart as well.
+//! Promise: affine maps are interpolated by their parts, so the middle of two rotations is a rotation. Mirrored and
+//! singular maps are decomposed as well.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -26,7 +26,7 @@ fn square_rotates_without_shrinking() {
         let between = interpolate_affine(&start, &quarter, t).unwrap();
         let expected = DMat3::from_rotation_z(t * std::f64::consts::FRAC_PI_4);
         assert!(between.matrix3.abs_diff_eq(expected, 1e-14));
-        // The straight line between the entries is no rotation.
+        // Linear interpolation of the entries does not give a rotation.
         let straight = start.matrix3 * (1.0 - t) + quarter.matrix3 * t;
         let cos = std::f64::consts::FRAC_PI_4.cos();
         let determinant = 1.0 + 2.0 * t * (cos - 1.0) + 2.0 * t * t * (1.0 - cos);
@@ -84,7 +84,7 @@ fn decomposition_reproduces_any_map() {
         );
         assert!((parts.rotation.length() - 1.0).abs() < 1e-14);
         assert_eq!(parts.translation, DVec3::new(1.0, 2.0, 3.0));
-        // Definite: positive, or negative where the map mirrors.
+        // Positive definite, or negative definite for maps that mirror.
         if size < 1e100 && size > 1e-100 {
             let sign = if m.determinant() < -1e-9 { -1.0 } else { 1.0 };
             for axis in 0..20 {

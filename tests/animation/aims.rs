@@ -1,4 +1,4 @@
-//! Promise: a bone that aims points where it was asked, upright where it can be, by its weight.
+//! Promise: an aimed bone points at its target, upright if possible, by its weight.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3A};
@@ -8,7 +8,7 @@ use support::armatures::{apart, difference, model_by_ancestors, rotation, vector
 use support::limbs::{arm, bent};
 use support::random::Random;
 
-/// The hand of a bent arm, and where it is in the model.
+/// Hand of a bent arm, and its placement in the model.
 fn cases(count: usize) -> impl Iterator<Item = (Armature, BoneId, Pose, Affine3A, Random)> {
     (0..count).map(|case| {
         let mut random = Random::new(400 + case as u64);
@@ -20,7 +20,7 @@ fn cases(count: usize) -> impl Iterator<Item = (Armature, BoneId, Pose, Affine3A
     })
 }
 
-/// A direction, never one of the axes.
+/// Direction that is never a coordinate axis.
 fn direction(random: &mut Random) -> Vec3A {
     rotation(random, 2.0) * Vec3A::new(0.8, 0.6, 0.0)
 }
@@ -52,7 +52,7 @@ fn aim_takes_the_shortest_arc_to_the_target() {
         let angle = before.transform_vector3a(forward).angle_between(way);
         let [was, is] = [before, after].map(|m| Quat::from_mat3a(&m.matrix3));
         assert!((apart(was, is) - angle).abs() < 1e-3);
-        // Half the weight is half the turn, and nothing else moves.
+        // Half the weight gives half the rotation, and no other bone moves.
         let goal = AimGoal {
             weight: 0.5,
             ..goal
@@ -128,7 +128,7 @@ fn line_from_an_offset_passes_the_target() {
 #[test]
 fn scaled_bone_aims_from_its_offset() {
     for (armature, hand, mut pose, _, mut random) in cases(100) {
-        // One scale above the bone and one of its own.
+        // One scale above the bone and one on the bone itself.
         for bone in [armature.bone("hips").unwrap(), hand] {
             let mut local = pose.local(bone).unwrap();
             local.scale = Vec3A::splat(random.within(0.3, 3.0) as f32);
@@ -174,7 +174,7 @@ fn zero_weight_and_nan_change_nothing() {
         let upright = aim.with_up(Vec3A::Z).unwrap();
         let posed = turned(&upright, &armature, &pose, &goal).unwrap().0;
         assert!(difference(&posed, &plain) < 1e-6);
-        // Opposite directions have no shortest arc, but a turn.
+        // Opposite directions have no unique shortest arc, but a rotation is found.
         let behind = before.translation - before.transform_vector3a(Vec3A::X);
         let (_, after) = turned(&aim, &armature, &pose, &AimGoal::at(behind)).unwrap();
         assert!((after.matrix3.x_axis + before.matrix3.x_axis).length() < 1e-3);

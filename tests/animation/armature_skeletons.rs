@@ -1,5 +1,5 @@
-//! Promise: the skeleton of an armature stands where the armature stands, moves as it moves, and lets
-//! the optimiser drag its bones.
+//! Promise: the skeleton of an armature has the armature's placements in every pose, and the optimiser can drag its
+//! bones.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, EulerRot, Quat, Vec3A};
@@ -22,7 +22,7 @@ fn armature(bones: usize, random: &mut Random) -> Armature {
             rest: LocalTransform {
                 translation: Vec3A::from_array([1.0; 3].map(&mut number)),
                 rotation: Quat::from_euler(EulerRot::ZYX, turn[0], turn[1], turn[2]),
-                // Even along the axes, as files in other units have it.
+                // Uniform scales, as in files with other units.
                 scale: Vec3A::splat(1.0 + number(0.5)),
             },
         });
@@ -61,7 +61,7 @@ fn skeleton_and_armature_poses_agree() {
                 );
             }
         }
-        // Scales and translations are left alone.
+        // Scales and translations are unchanged.
         assert_eq!(pose.scales(), armature.rest().scales());
         assert_eq!(pose.translations(), armature.rest().translations());
     }
@@ -75,7 +75,7 @@ fn hand_of_an_armature_reaches_its_target() {
         let skeleton = armature.skeleton("one", |_| FREE).unwrap();
         let hand = skeleton.bone_at(7).unwrap();
         let mut layer = ReachLayer::new(&skeleton, &[hand], Solver::default()).unwrap();
-        // Where another pose has it, so it can be reached.
+        // Targets from another pose, so they are reachable.
         let q: Vec<f64> = (0..skeleton.angles())
             .map(|_| random.within(-1.0, 1.0))
             .collect();
@@ -93,7 +93,7 @@ fn hand_of_an_armature_reaches_its_target() {
 
 #[test]
 fn bone_may_have_the_name_of_a_tip() {
-    // As the End Sites of motion capture are: the joint's own tip takes another name.
+    // Named like the End Sites of motion capture: the joint's own tip takes another name.
     let bone = |name: &str, parent, x: f32| ArmatureBone {
         name: name.into(),
         parent,
@@ -159,13 +159,13 @@ fn rest_pose_can_be_replaced() {
 }
 
 #[test]
-fn skeleton_of_limits_that_are_no_interval_is_an_error() {
+fn skeleton_with_reversed_limits_is_an_error() {
     let backwards = |_| [Limits::new(1.0, -1.0); 3];
     let armature = armature(2, &mut Random::new(5));
     assert!(armature.skeleton("one", backwards).is_err());
 }
 
-/// Bones that turn may turn any way, and the others not at all.
+/// Bones that rotate may rotate freely; all others are locked.
 #[test]
 fn bones_rotate_freely_or_are_locked() {
     use std::collections::BTreeSet;

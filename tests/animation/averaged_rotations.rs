@@ -1,5 +1,5 @@
-//! Promise: the mean of rotations as matrices is no rotation, and linear blend skinning shows it; by
-//! dual quaternions it is one.
+//! Promise: the mean of rotation matrices is no rotation, which linear blend skinning shows. Dual quaternions give a
+//! rotation.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f32::consts::FRAC_PI_2;
@@ -7,7 +7,7 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use kinopt::skinning::{Deformation, DualQuaternionBlend, LinearBlend, SkinWeights};
 
-/// What two bones that share everything make of the three axes.
+/// The three axes under two bones of equal weight.
 fn blended(deformation: &impl Deformation) -> Mat3 {
     let mut posed = [Vec3::ZERO; 3];
     deformation.positions(&Vec3::AXES, &mut posed).unwrap();
@@ -37,7 +37,7 @@ fn mean_of_opposite_quarter_turns_is_singular() {
     let turned = blended(&DualQuaternionBlend::new(&weights, &turns).unwrap());
     assert!((turned.determinant() - 1.0).abs() < 1e-5);
     assert!((turned.transpose() * turned).abs_diff_eq(Mat3::IDENTITY, 1e-5));
-    // A hair less than half a turn apart there is one shorter way, through no turn at all.
+    // Slightly less than half a turn apart, the shortest rotation is unique, and its middle is the identity.
     let less = [1.5, -1.5].map(|a| Affine3A::from_quat(Quat::from_rotation_x(a)));
     let between = blended(&DualQuaternionBlend::new(&weights, &less).unwrap());
     assert!(between.abs_diff_eq(Mat3::IDENTITY, 1e-5), "{between}");
@@ -45,7 +45,7 @@ fn mean_of_opposite_quarter_turns_is_singular() {
 
 #[test]
 fn matrix_blend_has_the_linear_determinant() {
-    // det((1 − t) I + t R) = 1 + 2t (cos θ − 1) + 2t² (1 − cos θ): 1 at the ends only.
+    // det((1 − t) I + t R) = 1 + 2t (cos θ − 1) + 2t² (1 − cos θ): 1 only at t = 0 and t = 1.
     for angle in [0.5_f64, 1.5, 3.0] {
         let turn = Affine3A::from_quat(Quat::from_rotation_z(angle as f32));
         let transforms = [Affine3A::IDENTITY, turn];

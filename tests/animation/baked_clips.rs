@@ -1,4 +1,5 @@
-//! Promise: a clip through poses passes through them; a baked clip is its clip at its samples; what does not move takes no keys.
+//! Promise: a clip of given poses passes through them. A baked clip equals its source at its samples, and motionless
+//! channels need no keys.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
@@ -59,7 +60,7 @@ fn constant_channels_have_one_key_or_none() {
         let clip = Clip::through_poses("same", &armature, &[0.0, 1.0], poses).unwrap();
         clip.channels(&armature).unwrap().len()
     };
-    // One translation that moves, everything else by single keys: 5 × 3 in all.
+    // One moving translation, single keys for everything else: 5 × 3 channels in all.
     assert_eq!(clip.channels(&armature).unwrap().len(), 15);
     assert_eq!(keys(&[still.clone(), still]), 15);
     assert_eq!(keys(&[armature.rest().clone(), armature.rest().clone()]), 0);
@@ -86,7 +87,7 @@ fn baked_clip_equals_the_clip_at_samples() {
     assert!(apart < 1e-5, "{apart} at the end");
 }
 
-/// A clip that does not come back to where it began ends where it ended.
+/// A clip that does not return to its start ends at its end.
 #[test]
 fn last_sample_is_the_end_of_the_clip() {
     let random = &mut Random::new(34);
@@ -144,7 +145,7 @@ fn invalid_poses_and_rates_are_named() {
     ));
 }
 
-/// A clip whose length is a whole number of steps but for rounding is sampled at so many, and not once more by its end.
+/// If a clip's duration is a whole number of steps up to rounding, its end is not sampled twice.
 #[test]
 fn rounding_adds_no_extra_sample() {
     let random = &mut Random::new(35);

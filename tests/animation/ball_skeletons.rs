@@ -1,5 +1,5 @@
-//! Promise: the bones of an armature on ball joints stand where the armature's own matrices put them, rest where it
-//! rests, go back to its poses, and stay within their cones.
+//! Promise: the bones of an armature on ball joints have the placements of the armature's own matrices. They rest in
+//! its rest pose, reproduce its poses, and stay within their cones.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ use kinopt::task::Point;
 use kinopt::{Problem, Solver, Workspace};
 use support::random::Random;
 
-/// The first stands still, as a scene's node above its hips does, and so do some further out.
+/// Number of bones. The first one is motionless, like a scene's node above the hips, and so are some further ones.
 const BONES: usize = 14;
 const STILL: [usize; 3] = [0, 6, 13];
 
@@ -22,7 +22,7 @@ fn turn(random: &mut Random, most: f64) -> Quat {
     Quat::from_euler(EulerRot::ZYX, x, y, z)
 }
 
-/// A tree whose bones are of many sizes, even along their axes.
+/// Tree with bones of many sizes; some are scaled uniformly.
 fn armature(random: &mut Random) -> Armature {
     let bones = (0..BONES).map(|index| ArmatureBone {
         name: format!("bone {index}"),
@@ -45,7 +45,7 @@ fn figure(armature: &Armature, cones: &Cones, root: SkeletonRoot) -> BallSkeleto
     BallSkeleton::new(skeleton.unwrap(), cones, root).unwrap()
 }
 
-/// Where a pose's bones are, by products of matrices in double precision.
+/// Placements of a pose's bones, as products of matrices in double precision.
 fn placed(armature: &Armature, pose: &Pose) -> Vec<(DAffine3, DQuat)> {
     let mut placed: Vec<(DAffine3, DQuat)> = Vec::new();
     for bone in armature.bone_ids() {
@@ -60,13 +60,13 @@ fn placed(armature: &Armature, pose: &Pose) -> Vec<(DAffine3, DQuat)> {
     placed
 }
 
-/// The axes of a frame.
+/// Axes of a frame.
 fn axes(placed: &Placement<f64>) -> [DVec3; 3] {
     let Matrix3 { x, y, z } = placed.rotation;
     [x, y, z].map(|axis| DVec3::from(axis.to_array()))
 }
 
-/// The armature turned at random where it turns, and its root moved.
+/// Random rotations of the rotating bones, and a displacement of the root if `moved`.
 fn any_pose(armature: &Armature, moved: bool, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature
@@ -113,7 +113,7 @@ fn kinematics_equal_the_armatures_matrices() {
                     assert!((rotation * axis - ours).length() < 1e-12, "{bone:?}");
                 }
             }
-            // And back, to the rounding of single precision.
+            // The inverse, to the rounding of single precision.
             let mut back = armature.rest().clone();
             bridge.pose_of(&q, &mut back).unwrap();
             for bone in armature.bone_ids() {
@@ -145,7 +145,7 @@ fn neutral_configuration_is_the_rest_pose() {
         let joints: BTreeSet<_> = turning.flat_map(|bone| figure.joints(bone)).collect();
         let moving: BTreeSet<_> = model.moving_joints().iter().copied().collect();
         assert_eq!(joints, moving);
-        // Frames are those of the skeleton on hinges, by their ids.
+        // Frames are those of the skeleton on revolute joints, with equal ids.
         let names = |frames: &[kinopt::model::Frame]| -> Vec<String> {
             frames.iter().map(|frame| frame.name.clone()).collect()
         };
@@ -154,7 +154,7 @@ fn neutral_configuration_is_the_rest_pose() {
     }
 }
 
-/// A straight arm of three bones along x, which an armature says by where its bones begin.
+/// Straight arm of three bones along x, given by the origins of its bones.
 fn arm() -> Armature {
     let bone = |name: &str, parent, x: f32| ArmatureBone {
         name: name.into(),
@@ -178,7 +178,7 @@ fn solutions_stay_within_cones() {
     let skeleton = armature
         .skeleton("arm", |_| [Limits::UNBOUNDED; 3])
         .unwrap();
-    // The upper arm swings by 40 degrees and twists by 20, the elbow is a hinge about z that bends one way.
+    // The upper arm swings by 40 degrees and twists by 20. The elbow is a hinge about z that bends in one direction.
     let (swing, twist) = (40f64.to_radians(), 20f64.to_radians());
     let upper = BoneCone::new(BallLimits::cone(swing, Limits::new(-twist, twist)));
     let hinge = BallLimits::cone(1e-3, Limits::new(0.0, 2.0));
@@ -208,13 +208,13 @@ fn solutions_stay_within_cones() {
         let pose = figure.pose(&solution.q).unwrap();
         let columns = |bone: usize| axes(&pose.model_from_bone[bone]);
         let ([along, across, _], fore) = (columns(0), columns(1));
-        // How far x tips, and how far y turns about it beyond what the shortest arc does.
+        // Swing of x, and the twist about it beyond the shortest arc.
         let tipped = along.dot(DVec3::X).clamp(-1.0, 1.0).acos();
         assert!(tipped <= swing + 1e-9, "{tipped}");
         on_the_edge += usize::from(tipped > swing - 1e-9);
         let carried = DQuat::from_rotation_arc(DVec3::X, along) * DVec3::Y;
         assert!(carried.angle_between(across) <= twist + 1e-7);
-        // The elbow's x stays where a turn about the upper arm's z has it, on one side.
+        // The elbow keeps x on one side in the plane of rotation about the upper arm's z.
         let bent = along.cross(fore[0]).dot(columns(0)[2]);
         assert!(bent > -2e-3 && fore[0].dot(columns(0)[2]).abs() < 2e-3);
         let length: f64 = solution.q[..4].iter().map(|part| part * part).sum();
@@ -233,11 +233,11 @@ fn cone_axis_is_the_bone_by_default() {
         let joint = figure.joint(figure.bone(name).unwrap()).unwrap();
         figure.model().joints()[joint.index()].axis
     };
-    // To the child; where there is none, on from the parent.
+    // Towards the child; without a child, in the direction from the parent.
     for bone in ["upper", "fore", "hand"] {
         assert!((axis_of(&arm(), bone) - Vector3::UNITS[0]).norm() < 1e-12);
     }
-    // Between two children, in axes of its own.
+    // Between two children, in its own axes.
     let bone = |name: &str, parent, at: [f32; 3]| ArmatureBone {
         name: name.into(),
         parent,

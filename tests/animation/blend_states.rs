@@ -1,4 +1,4 @@
-//! Promise: a state that blends clips by a number shows their mean and keeps them in step.
+//! Promise: a state that blends clips by a number shows their weighted mean and keeps them in phase.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -43,7 +43,7 @@ fn near([ax, ay]: [f32; 2], [bx, by]: [f32; 2]) {
     );
 }
 
-/// What the state shows at a phase: clip x runs from 0 to its length.
+/// Expected hips of the state at a phase: x of a clip runs from 0 to its duration.
 fn expected(speed: f32, phase: f32) -> [f32; 2] {
     let [low, high, share] = match speed {
         s if s <= -1.0 => [0.0; 3],
@@ -60,7 +60,7 @@ fn expected(speed: f32, phase: f32) -> [f32; 2] {
 #[test]
 fn clips_between_numbers_blend_at_one_phase() {
     for speed in [-5.0, -1.0, -0.25, 0.5, 1.0, 1.5, 2.0, 2.75, 3.0, 9.0] {
-        // Once through takes the mean of the lengths, which is where x ends.
+        // One cycle takes the mean of the durations, which is the final x.
         let [length, _] = expected(speed, 1.0);
         for phase in [0.2, 0.7, 0.95] {
             let mut run = moving(speed);
@@ -69,7 +69,7 @@ fn clips_between_numbers_blend_at_one_phase() {
                 expected(speed, phase),
             );
             assert!((run.played() - f64::from(phase)).abs() < 1e-6);
-            // One more time around is the same.
+            // Another full cycle gives the same pose.
             near(step(&mut run, f64::from(length)), expected(speed, phase));
         }
     }
@@ -86,7 +86,7 @@ fn phase_continues_as_the_number_changes() {
         phase += 0.013 / f64::from(length);
         let shown = step(&mut run, 0.013);
         let place = phase.fract();
-        // Where the loop closes, rounding decides on which side.
+        // At the seam of the loop, rounding decides between end and start.
         if (0.001..0.999).contains(&place) {
             near(shown, expected(speed, place as f32));
         }
@@ -119,18 +119,18 @@ fn playing_clips_and_event_weights_are_reported() {
 
 #[test]
 fn exit_time_uses_the_mean_clip_length() {
-    // Halfway between walk and run once through takes 1.5 s.
+    // Halfway between walk and run, one cycle takes 1.5 s.
     let mut run = run_of(MACHINE);
     let [_, y] = step(&mut run, 1.4999);
     assert!(run.state() == "move" && (y - 15.0).abs() < 1e-4);
-    // A quarter of a second into a fade of half one, from 15 to 30.
+    // A quarter of a second into a fade of half a second, from 15 to 30.
     let [_, y] = step(&mut run, 0.2501);
     assert!(run.state() == "jump" && (y - 22.5).abs() < 1e-3, "{y}");
     // From one blend to another.
     let two = MACHINE.replace(r#""to": "jump""#, r#""to": "back""#);
     let mut run = run_of(&two);
     let [x, y] = step(&mut run, 1.75);
-    // Forwards a sixth of the way through, backwards five sixths.
+    // A sixth of the cycle forwards, five sixths backwards.
     assert!(
         (x - 0.5 * 1.5).abs() < 1e-4 && (y - 15.0).abs() < 1e-4,
         "{x} {y}"
@@ -155,8 +155,8 @@ fn synchronised_state_starts_at_the_same_phase() {
         }}"#
         )
     };
-    // After 3.25 s a walk of 2 s is 1.25 s into its second time; there and back 0.75 s before its
-    // start; held, at its end.
+    // After 3.25 s a walk of 2 s is 1.25 s into its second cycle. In ping-pong playback it is 0.75 s before its start,
+    // and held it is at its end.
     for (playback, place) in [("loop", 0.625), ("ping_pong", 0.375), ("hold", 1.0)] {
         for speed in [1.0, -1.0] {
             let mut run = run_of(&text(playback, speed));
@@ -165,12 +165,12 @@ fn synchronised_state_starts_at_the_same_phase() {
             step(&mut run, 0.0);
             assert_eq!(run.state(), "run");
             let [x, y] = step(&mut run, 0.25);
-            // Over the ends of its loop the clip starts again.
+            // The clip starts again at the ends of its loop.
             let shown = place + 0.25 * speed;
             if (0.0..1.0).contains(&shown) {
                 assert!((x - shown as f32).abs() < 1e-6 && y == 20.0, "{x} {y}");
             }
-            // Its own way out is once through from there.
+            // Its own transition is one cycle later.
             assert_eq!(run.played(), 0.25);
             step(&mut run, 0.7);
             assert_eq!(run.state(), "run");
@@ -180,8 +180,8 @@ fn synchronised_state_starts_at_the_same_phase() {
     }
 }
 
-/// A fade from walking to a jump is broken off by walking's own transition to a run: the feet of the run
-/// keep step with the walk that it leads from, not with the jump.
+/// A fade from walking to a jump is interrupted by walking's own transition to a run. The run keeps phase with the walk
+/// that it follows, not with the jump.
 #[test]
 fn interrupted_fade_keeps_phase_with_its_source() {
     for (interruption, from, place) in [
@@ -189,7 +189,7 @@ fn interrupted_fade_keeps_phase_with_its_source() {
         ("either", "\"from\": \"walk\", ", 0.75),
         ("target", "\"from\": \"jump\", ", 0.5),
         ("either", "\"from\": \"jump\", ", 0.5),
-        // Without a state of its own it leads from the one that is heard first.
+        // Without a state of its own, it follows the one that is checked first.
         ("source", "", 0.75),
         ("target", "", 0.5),
         ("either", "", 0.75),
@@ -207,7 +207,7 @@ fn interrupted_fade_keeps_phase_with_its_source() {
               ]
             }}"#
         ));
-        // The walk of 2 s is at 1.25 s, then at 1.5 s; the jump of half a second at 0.25 s.
+        // The walk of 2 s is at 1.25 s, then at 1.5 s; the jump of half a second is at 0.25 s.
         step(&mut run, 1.25);
         run.trigger("leap").unwrap();
         step(&mut run, 0.25);
@@ -230,7 +230,7 @@ fn poses_do_not_count_in_the_mean_length() {
     let definition: StateMachineDefinition = serde_json::from_str(&text).unwrap();
     let machine = Arc::new(StateMachine::new(&definition, &all).unwrap());
     let mut run = StateMachineRun::new(machine, armature.rest()).unwrap();
-    // A tenth walking: 0.4 s are a fifth of the walk's two seconds.
+    // A tenth of walking: 0.4 s are a fifth of the walk's two seconds.
     run.set_number("speed", -0.8).unwrap();
     near(step(&mut run, 0.4), [0.1 * 0.4, 1.0]);
     run.set_number("speed", -3.0).unwrap();

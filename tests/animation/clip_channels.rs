@@ -1,5 +1,6 @@
-//! Promise: a clip tells its channels by the rest of any armature of its size: what moves as it moves, what stands elsewhere
-//! by one key, and nothing twice, so that on that armature they are the same clip.
+//! Promise: a clip lists its channels relative to the rest pose of any armature of its size. Moving channels keep their
+//! motion, constant ones that differ from the rest pose get one key, and none is listed twice. On that armature the
+//! channels give the same clip.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3A};
@@ -38,7 +39,7 @@ fn channels_round_trip_for_any_rest() {
     let clip = builder.build();
 
     let channels = clip.channels(&other).unwrap();
-    // Each of five bones has three properties, all of which are elsewhere at the other's rest.
+    // Each of five bones has three properties, all of which differ from the other armature's rest pose.
     assert_eq!(channels.len(), 15);
     for channel in moving {
         assert!(channels.contains(&(bone, channel)));

@@ -4,7 +4,7 @@
 use kinopt::animation::{Armature, Clip, Playback, Playhead};
 use support::random::Random;
 
-/// Two seconds from 1 s to 3 s, with events at both ends, between, and outside.
+/// Clip from 1 s to 3 s, with events at both ends, between them, and outside.
 fn clip() -> Clip {
     let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
     let mut builder = Clip::builder("steps", &armature);
@@ -58,7 +58,7 @@ fn backward_playback_reverses_the_events() {
     let mut head = Playhead::starting_at(2.0);
     head.speed = -1.0;
     let mut step = |seconds| names(&clip, Playback::Loop, &mut head, seconds);
-    // The start of the next cycle is at this moment as well, but is not played.
+    // The start of the next cycle is at this time as well, but is not played.
     assert_eq!(step(1.875), "dcb");
     let ends = step(0.125);
     assert!(ends == "da" || ends == "ad", "{ends}");
@@ -79,7 +79,7 @@ fn short_steps_fire_the_events_of_a_long_one() {
             let step = [0.0, 0.1, 1.0 / 60.0, random.unit(), 2.0][random.below(5)];
             fired += &names(&clip, playback, &mut small, step);
         }
-        // The same two moments, in one passage.
+        // The same two times in one step.
         let mut whole = Playhead::starting_at(start);
         let once = whole.advance(0.0);
         let mut long = once;
@@ -100,7 +100,7 @@ fn reversed_playback_fires_events_twice() {
     head.speed = -1.0;
     let backwards = names(&clip, Playback::Hold, &mut head, 1.25);
     assert_eq!((forwards.as_str(), backwards.as_str()), ("bc", "cb"));
-    // Stopping exactly on one does not fire it again on the way back.
+    // A stop exactly at an event does not fire it again in the reverse direction.
     let mut head = Playhead::starting_at(0.0);
     names(&clip, Playback::Loop, &mut head, 2.0);
     head.speed = -1.0;

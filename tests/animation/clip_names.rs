@@ -1,5 +1,4 @@
-//! Promise: a clip goes by its whole name, or by the end of it after a sign where that means one
-//! clip alone.
+//! Promise: a clip is found by its full name, or by the part after a separator if exactly one clip has it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -34,7 +33,7 @@ fn unique_suffix_of_a_name_is_accepted() {
     ] {
         assert_eq!(Clip::named(&clips, asked).unwrap().name(), meant, "{asked}");
     }
-    // A whole name goes before an end of one, and of equal names the first is meant.
+    // A full name has precedence over a last part, and of equal names the first clip is found.
     let same = self::clips(&["a|b", "b", "b", "c|d", "c|d"]);
     assert!(std::ptr::eq(Clip::named(&same, "b").unwrap(), &same[1]));
     assert!(std::ptr::eq(Clip::named(&same, "d").unwrap(), &same[3]));

@@ -1,4 +1,4 @@
-//! Promise: a clip's pose is each channel's own curve at that time, however playback got there.
+//! Promise: a clip's pose is the value of each channel's curve at that time, whatever was played before.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A, Vec4};
@@ -45,7 +45,7 @@ fn vectors(random: &mut Random, times: &[f32], mean: Vec3A) -> KeyedCurve<Vec3A>
 }
 
 fn rotations(random: &mut Random, times: &[f32]) -> RotationCurve {
-    // Some on the other side, which is the same rotation.
+    // Some with the opposite sign, which is the same rotation.
     let keys = times
         .iter()
         .map(|_| rotation(random, 2.0) * [1.0, -1.0][random.below(2)]);
@@ -65,7 +65,7 @@ fn rotations(random: &mut Random, times: &[f32]) -> RotationCurve {
     .unwrap()
 }
 
-/// A clip and its channels by themselves.
+/// Clip, and its channels separately.
 fn random_clip(armature: &Armature, random: &mut Random) -> (Clip, Vec<(usize, Channel)>) {
     let mut builder = Clip::builder("random", armature);
     let mut channels = Vec::new();
@@ -108,7 +108,7 @@ fn random_clip(armature: &Armature, random: &mut Random) -> (Clip, Vec<(usize, C
     (builder.build(), channels)
 }
 
-/// The pose by each curve's own evaluation, which searches.
+/// Pose by each curve's own evaluation, which uses a binary search.
 fn expected(armature: &Armature, channels: &[(usize, Channel)], time: f32) -> Pose {
     let mut pose = armature.rest().clone();
     for (index, channel) in channels {
@@ -138,7 +138,7 @@ fn sampled_pose_equals_the_curves_in_any_order() {
         let [start, end] = clip.span();
         let (mut cursor, mut pose) = (Cursor::new(), armature.rest().clone());
         for step in 0..60 {
-            // Forwards in small steps, then anywhere; key times among them.
+            // Forwards in small steps, then at random; key times included.
             let elapsed = match step {
                 0..30 => f64::from(step) * 0.11 - 0.2,
                 30..40 => clip.duration() * [0.0, 1.0][random.below(2)],
@@ -194,7 +194,7 @@ fn loops_and_ping_pong_repeat() {
     }
 }
 
-/// Straight channels on every bone, each keyed at times of its own, some of them the same.
+/// Linear channels on every bone, each with its own key times, some of them equal.
 fn captured_clip(armature: &Armature, random: &mut Random) -> Clip {
     let mut builder = Clip::builder("captured", armature);
     let mut keys = || -> Vec<f32> {
@@ -226,7 +226,7 @@ fn captured_clip(armature: &Armature, random: &mut Random) -> Clip {
     builder.build()
 }
 
-/// A span that is set counts, not the keys': beyond them the ends are held until it loops.
+/// An explicit span counts, not that of the keys. Outside of the keys the end values are held until the clip loops.
 #[test]
 fn explicit_span_overrides_the_keys() {
     let armature = armature(1, &mut Random::new(70));
@@ -295,7 +295,7 @@ fn stepped_playback_equals_a_search_exactly() {
             let (mut cursor, mut pose) = (Cursor::new(), armature.rest().clone());
             let mut fresh = pose.clone();
             for frame in 0..400 {
-                // Back and forth over a clip's seam as well.
+                // Back and forth across the seam of a clip as well.
                 let elapsed = step * f64::from(if frame < 300 { frame } else { 600 - frame });
                 for playback in [Playback::Loop, Playback::PingPong] {
                     clip.sample(elapsed, playback, &mut cursor, &mut pose)
@@ -467,12 +467,12 @@ fn bad_channels_are_named_errors() {
             targets: 2
         }
     );
-    // Keys that the builder makes curves of are named by what they move.
+    // Errors of keys that the builder makes curves of name the moved channel.
     let mut keyed = Clip::builder("keyed", &armature);
     let nan = keyed.morph_weights(&[0.0, 1.0], &[0.0, 0.0, 0.5, f32::NAN]);
     let nan = nan.unwrap_err().to_string();
     assert!(nan.contains("`frown`") && nan.contains("key 1"), "{nan}");
-    // Two times that single precision cannot tell apart.
+    // Two times that are equal in single precision.
     let key = |time| EulerKey {
         time,
         angles: [0.0; 3],
@@ -503,7 +503,7 @@ fn bad_channels_are_named_errors() {
         "{zero}"
     );
     assert!(rotation(Quat::from_xyzw(0.0, f32::NAN, 0.0, 1.0)).is_err());
-    // Any other length is made one.
+    // Quaternions of any other length are normalised.
     for scale in [1e-30, 2.0, 1e30] {
         let curve = rotation(Quat::from_rotation_x(0.4) * scale).unwrap();
         assert!(apart(curve.at(1.0), Quat::from_rotation_x(0.4)) < 1e-6);
@@ -523,7 +523,7 @@ fn bad_channels_are_named_errors() {
     );
 }
 
-/// By hand, for a span from 2 s to 5 s.
+/// Computed by hand, for a span from 2 s to 5 s.
 #[test]
 fn times_outside_an_offset_span_are_wrapped() {
     let span = [2.0, 5.0];
@@ -546,7 +546,7 @@ fn times_outside_an_offset_span_are_wrapped() {
     }
 }
 
-/// Channels come bone by bone, whether they move or hold still, and whichever was added first.
+/// Channels are sorted by bone, moving or constant, in any order of addition.
 #[test]
 fn channels_are_sorted_by_bone() {
     for seed in 0..40 {

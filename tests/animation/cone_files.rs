@@ -1,4 +1,4 @@
-//! Promise: a file of cones says in degrees what bones may do, and one that is wrong is refused by the place in it.
+//! Promise: a file of cones gives the limits of bones in degrees, and the error of an invalid file names the place.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::io::cones;

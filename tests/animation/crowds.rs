@@ -1,5 +1,5 @@
-//! Promise: a crowd's frame is, character by character, the frame of its parts, and over the threads
-//! of a rayon pool it has the same bits.
+//! Promise: a frame of a crowd equals the frames of its characters by their parts. It is bitwise equal over the threads
+//! of a rayon pool.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -126,7 +126,7 @@ fn clips_of_other_armatures_are_rejected() {
     assert_eq!(crowd.characters().len(), CHARACTERS);
 }
 
-/// A character without clips reaches from rest in every frame.
+/// A character without clips reaches from the rest pose in every frame.
 #[test]
 fn character_without_clips_reaches_from_rest() {
     let mut random = Random::new(34);
@@ -136,7 +136,7 @@ fn character_without_clips_reaches_from_rest() {
     for _ in 0..3 {
         crowd.advance(0.1).unwrap();
     }
-    // In part, and no more: not from where it was.
+    // By a weight, and not from the previous frame.
     for weight in [1.0, 0.5, 0.0] {
         let wanted = LimbGoal { weight, ..wanted };
         crowd.characters_mut()[CHARACTERS].goals_mut()[0] = wanted;
@@ -149,7 +149,7 @@ fn character_without_clips_reaches_from_rest() {
     }
 }
 
-/// A second clip is all that is seen until its share says otherwise.
+/// A second clip is played at full weight until another weight is set.
 #[test]
 fn clip_plays_at_full_weight_by_default() {
     let random = &mut Random::new(8);

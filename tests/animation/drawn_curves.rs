@@ -1,5 +1,4 @@
-//! Promise: between keys a curve runs at the pace of its easing, or as its Bézier handles draw it,
-//! by itself and in a clip.
+//! Promise: between keys a curve follows its easing or its Bézier handles, alone and in a clip.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DVec3, Quat, Vec3A};
@@ -14,7 +13,7 @@ fn handle(time: f64, value: f64) -> BezierHandle<f64> {
     BezierHandle { time, value }
 }
 
-/// Start, peak and end of a jump, as the animator sets them: in between at constant speed.
+/// Start, peak and end of a jump as set by an animator: constant speed between keys.
 #[test]
 fn linear_keys_of_a_jump_have_constant_speed() {
     let keys = [[0.0, 0.0, 0.0], [0.0, 3.0, 0.0], [5.0, 0.0, 0.0]].map(DVec3::from_array);
@@ -28,12 +27,12 @@ fn linear_keys_of_a_jump_have_constant_speed() {
     ] {
         assert_eq!(curve.at(time), DVec3::from_array(place), "{time} s");
     }
-    // Eased, it passes the same places at other times.
+    // With easings, it passes the same positions at other times.
     let easings = vec![Easing::QuadraticOut, Easing::QuadraticIn, Easing::Linear];
     let eased = KeyedCurve::eased(vec![0.0, 1.0, 2.0], keys.to_vec(), easings).unwrap();
     assert_eq!(eased.at(0.5), DVec3::new(0.0, 2.25, 0.0));
     assert_eq!(eased.at(1.5), DVec3::new(1.25, 2.25, 0.0));
-    // It hangs still at the peak, where the straight one turns sharply.
+    // Its velocity at the peak is zero, where the linear curve has a kink.
     assert_eq!(eased.rate(1.0), DVec3::ZERO);
     assert!(eased.rate(1.0 - 1e-9).length() < 1e-7);
     assert_eq!(curve.rate(1.0), DVec3::new(5.0, -3.0, 0.0));
@@ -60,8 +59,7 @@ fn each_segment_uses_its_easing() {
     }
 }
 
-/// Handles a third of the way in time leave time as it is, and the values are a plain cubic, whose
-/// Bernstein coefficients are known.
+/// Handles at thirds of the time leave time linear, and the values are a plain cubic with known Bernstein coefficients.
 #[test]
 fn handles_at_thirds_give_plain_cubics() {
     let curve = |values: [f64; 2]| {
@@ -123,7 +121,7 @@ fn bezier_curve_passes_points_of_its_segments() {
                     .zip(basis)
                     .map(|(p, share)| p * share)
                     .sum();
-                // Steep ones move far in the rounding of a time.
+                // Steep curves move far within the rounding error of a time.
                 let steep = 1.0 + curve.rate(time).length();
                 assert!((curve.at(time) - value).length() < 1e-9 * steep);
                 let h = 1e-6;
@@ -140,7 +138,7 @@ fn point(random: &mut Random) -> DVec3 {
     <[f64; 3]>::from(random.vector(1.0)).into()
 }
 
-/// Handles in one line through a key: the curve has one rate there from both sides.
+/// With handles collinear through a key, the curve has one rate there from both sides.
 #[test]
 fn collinear_handles_give_one_rate() {
     let handles = vec![
@@ -209,7 +207,7 @@ fn invalid_curves_are_rejected_by_name() {
         KeyedCurve::bezier(vec![0.0, 2.0], vec![0.0, 1.0], handles.to_vec())
     };
     let still = handle(0.0, 0.0);
-    // What stands outside the keys does not matter.
+    // Values outside of the keys have no effect.
     assert!(two([[handle(5.0, 1.0), still], [still, handle(-5.0, 1.0)]]).is_ok());
     assert!(two([[still, handle(2.0, 9.0)], [handle(-2.0, 9.0), still]]).is_ok());
     for (leaving, arriving, side, key) in [

@@ -1,5 +1,5 @@
-//! Promise: easings start at 0, end at 1, pass the middle where their formulas say, and a drawn
-//! easing is solved for its time.
+//! Promise: easings start at 0, end at 1, and have the value of their formula in the middle. A Bézier easing is solved
+//! for its time.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::animation::{BezierEasing, Easing};
@@ -70,7 +70,7 @@ fn bezier_easing_passes_points_of_its_curve() {
                 let (b, c) = (f64::from(first[axis]), f64::from(second[axis]));
                 3.0 * (1.0 - u).powi(2) * u * b + 3.0 * (1.0 - u) * u * u * c + u.powi(3)
             };
-            // Rounding the time to single precision moves the value by the slope times it.
+            // The rounding of time to single precision changes the value by the slope times it.
             let slope_in_time = 3.0 * (1.0 - u).powi(2) * f64::from(first[0])
                 + 6.0 * (1.0 - u) * u * f64::from(second[0] - first[0])
                 + 3.0 * u * u * f64::from(1.0 - second[0]);
@@ -108,7 +108,7 @@ fn bezier_easings_match_css() {
         let easing = Easing::Bezier(BezierEasing::new(first, second).unwrap());
         for (k, value) in (1..).zip(values) {
             let got = easing.at(0.25 * f64::from(k));
-            // Handles are kept in single precision.
+            // Handles are stored in single precision.
             assert!(
                 (got - value).abs() < 1e-7,
                 "{handles:?}: {got}, not {value}"
@@ -129,11 +129,11 @@ fn rate_is_the_derivative() {
         for k in 1..50 {
             let (t, h) = (f64::from(k) / 50.0, 1e-5);
             let slope = (easing.at(t + h) - easing.at(t - h)) / (2.0 * h);
-            // Where the two halves of in-out meet, the second derivative jumps.
+            // The second derivative of in-out easings jumps in the middle.
             assert!((easing.rate(t) - slope).abs() < 1e-4, "{easing:?} at {t}");
         }
     }
-    // One-sided at the ends: a drawn one leaves along its first handle.
+    // One-sided at the ends: a Bézier easing starts along its first handle.
     let easing = Easing::from(BezierEasing::new([0.5, 0.25], [0.5, 1.0]).unwrap());
     let [leaving, arriving] = [0.0, 1.0].map(|t: f64| easing.rate(t));
     assert!((leaving - 0.5).abs() < 1e-4 && arriving.abs() < 1e-4);
@@ -168,7 +168,7 @@ fn handles_running_backwards_are_rejected() {
     }
 }
 
-/// With both handles on the ends the curve is a straight line whose parameter stands still there.
+/// With both handles on the ends the curve is a straight line whose parameter has rate zero there.
 #[test]
 fn handles_on_the_ends_give_constant_speed() {
     let line = Easing::from(BezierEasing::new([0.0, 0.0], [1.0, 1.0]).unwrap());

@@ -1,5 +1,5 @@
-//! Promise: the angles of bones run between their keys as asked, straight, by Catmull-Rom or by
-//! Kochanek-Bartels splines, and a rig's file says which.
+//! Promise: the angles of bones follow the requested interpolation between keys: linear, Catmull-Rom or
+//! Kochanek-Bartels. A rig's file selects it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::DVec3;
@@ -41,7 +41,7 @@ fn controls(tension: f32, continuity: f32, bias: f32) -> TensionContinuityBias {
     }
 }
 
-/// One angle at 0, 1, 3, 2 a second apart.
+/// One angle at 0, 1, 3 and 2, at intervals of one second.
 const EVEN: [(f64, [f64; 3]); 4] = [
     (0.0, [0.0, 0.0, 0.0]),
     (1.0, [1.0, 0.0, -1.0]),
@@ -77,16 +77,16 @@ fn linear_interpolation_has_kinks_at_keys() {
 
 #[test]
 fn kochanek_bartels_segment_matches_hand_values() {
-    // At key 1 t = c = ½, b = −½; it leaves with
-    //   (1−t)(1+b)(1+c)/2 · 1 + (1−t)(1−b)(1−c)/2 · 2 = 0.1875 + 0.375,
-    // and key 2, without controls, is reached with ½·2 − ½·1. In the middle of the segment:
-    //   ½·1 + ½·3 + ⅛ (0.5625 − 0.5).
+    // At key 1 t = c = ½, b = −½. The outgoing tangent is
+    //     (1−t)(1+b)(1+c)/2 · 1 + (1−t)(1−b)(1−c)/2 · 2 = 0.1875 + 0.375,
+    // and the incoming tangent of key 2, without controls, is ½·2 − ½·1. In the middle of the segment:
+    //     ½·1 + ½·3 + ⅛ (0.5625 − 0.5).
     let mut passed = vec![TensionContinuityBias::default(); 4];
     passed[1] = controls(0.5, 0.5, -0.5);
     let clip = clip(&EVEN, &EulerInterpolation::KochanekBartels(passed));
     assert_eq!(at(&clip, 1.5), [2.007_812_5, 0.0, -2.007_812_5]);
-    // It arrives there with (1−t)(1+b)(1−c)/2 · 1 + (1−t)(1−b)(1+c)/2 · 2 = 0.0625 + 1.125, and
-    // leaves key 0 with the one-sided 1: ½·0 + ½·1 + ⅛ (1 − 1.1875).
+    // The incoming tangent is (1−t)(1+b)(1−c)/2 · 1 + (1−t)(1−b)(1+c)/2 · 2 = 0.0625 + 1.125. The outgoing tangent of
+    // key 0 is the one-sided 1: ½·0 + ½·1 + ⅛ (1 − 1.1875).
     assert_eq!(at(&clip, 0.5)[0], 0.476_562_5);
 }
 
@@ -106,7 +106,7 @@ fn kochanek_bartels_contains_the_other_splines() {
                 assert!((a - b).abs() < 1e-12 * (1.0 + a.abs()), "{a} {b} at {time}");
             }
         }
-        // A tension of 1 stops at every key: slow in and slow out, whatever the rest says.
+        // With a tension of 1 the curve stops at every key, for any continuity and bias.
         let stopping = clip(&keys, &alike(controls(1.0, 0.4, -0.7)));
         for pair in keys.windows(2) {
             let middle = at(&stopping, 0.5 * (pair[0].0 + pair[1].0));
@@ -116,7 +116,7 @@ fn kochanek_bartels_contains_the_other_splines() {
             }
         }
     }
-    // A continuity of −1 goes straight where times are even.
+    // With a continuity of −1 the curve is straight between evenly spaced keys.
     let corners = EulerInterpolation::kochanek_bartels(&track(&EVEN), controls(0.0, -1.0, 0.0));
     let (corners, straight) = (
         clip(&EVEN, &corners),
@@ -182,7 +182,7 @@ fn mismatched_controls_are_named() {
     assert_eq!(EulerClip::default().interpolation(other), &default);
 }
 
-/// The small rig with something else in place of its keyframes.
+/// The small rig with other text in place of its keyframes.
 fn with_track(keyframes: &str) -> Result<Rig, String> {
     let (before, rest) = support::small_rig::JSON
         .split_once("\"fk_animation\": ")
@@ -262,7 +262,7 @@ fn invalid_interpolations_are_named_with_path() {
     }
 }
 
-/// A clip lasts from the first key of any bone to the last of any.
+/// A clip lasts from the first key of any bone to the last key of any bone.
 #[test]
 fn clip_spans_the_keys_of_all_bones() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();

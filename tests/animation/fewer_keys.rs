@@ -1,5 +1,5 @@
-//! Promise: a clip with fewer keys is within the stated error of what it was at all times of its keys, and has no keys on straight
-//! lines.
+//! Promise: a clip with fewer keys is within the stated error of the original clip at all its key times. It has no
+//! redundant keys on straight lines.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3A};
@@ -111,11 +111,11 @@ fn straight_lines_keep_only_their_ends() {
     let clip = builder.build();
     let tolerance = KeyTolerance::EXACT.with_rotation(1e-6);
     let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
-    // Two of the line, two of the turn, one of what stands still.
+    // Two keys of the line, two of the rotation, one of the constant channel.
     assert_eq!(keys(&fewer, &armature), 5);
 }
 
-/// Weights of morph targets are shares like scales, and have their tolerance.
+/// Weights of morph targets are ratios like scales, and use their tolerance.
 #[test]
 fn morph_weights_use_the_scale_tolerance() {
     let random = &mut Random::new(46);
@@ -157,7 +157,8 @@ fn jump_keeps_its_keys() {
     assert_eq!(fewer, clip);
 }
 
-/// After a whole turn a quaternion has the other sign: it is the same rotation, and what stands still there needs no more keys.
+/// After a full turn a quaternion has the opposite sign, which is the same rotation. A constant part after it needs no
+/// more keys.
 #[test]
 fn whole_turn_needs_no_keys_after_it() {
     let random = &mut Random::new(44);
@@ -177,7 +178,8 @@ fn whole_turn_needs_no_keys_after_it() {
     assert_eq!(keys(&fewer, &armature), 5);
 }
 
-/// A clip may begin before its first key and end after its last: with fewer keys, at another rest or with another seam it lasts as long.
+/// A clip may begin before its first key and end after its last. Fewer keys, another rest pose or another seam do not
+/// change its duration.
 #[test]
 fn changed_clips_keep_their_duration() {
     let random = &mut Random::new(45);

@@ -1,5 +1,5 @@
-//! Promise: keyframes are interpolated by Catmull-Rom segments over their own times: through every
-//! key to the bit, without a kink, and as the classic matrix says where times are even.
+//! Promise: keyframes are interpolated by Catmull-Rom segments over their own times. The curve passes every key
+//! exactly, has no kink, and equals the classic matrix at even times.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback, SampleError};
@@ -7,7 +7,7 @@ use kinopt::model::Limits;
 use kinopt::skeleton::{Bone, Skeleton};
 use kinopt::spatial::{Placement, Vector3};
 
-/// A chain of bones, for their ids.
+/// Chain of bones, for their ids.
 fn chain(bones: usize) -> Skeleton {
     let mut list: Vec<Bone> = Vec::new();
     let mut skeleton = Skeleton::new("chain", Vec::new());
@@ -27,7 +27,7 @@ fn chain(bones: usize) -> Skeleton {
     skeleton.unwrap()
 }
 
-/// Times and angles.
+/// Times (s) and angles (rad).
 type Keys<'a> = &'a [(f64, [f64; 3])];
 
 fn clip(bones: usize, tracks: &[(usize, Keys)]) -> EulerClip {
@@ -43,7 +43,7 @@ fn clip(bones: usize, tracks: &[(usize, Keys)]) -> EulerClip {
 }
 
 fn sample(clip: &EulerClip, bones: usize, time: f64, playback: Playback) -> Vec<f64> {
-    // Filled with rubbish, because angles without keys must be reset.
+    // Filled with other values, because angles without keys must be reset.
     let mut q = vec![99.0; 3 * bones];
     clip.sample(time, playback, &mut q).unwrap();
     q
@@ -131,7 +131,7 @@ fn uneven_segment_matches_hand_values() {
     let clip = clip(1, &[(0, &keys)]);
     let q = sample(&clip, 1, 2.0, Playback::Hold);
     assert!((q[0] - (2.0 + 1.0 / 6.0)).abs() < 1e-15, "{}", q[0]);
-    // The first segment: one-sided m₀ = 1, m₁ = 1, so a straight line.
+    // The first segment: one-sided m₀ = 1, m₁ = 1, so it is a straight line.
     let q = sample(&clip, 1, 0.3, Playback::Hold);
     assert!((q[0] - 0.3).abs() < 1e-15, "{}", q[0]);
     // The last one: m₂ = 1/3, one-sided m₃ = −1, length 1; at u = ½: 2.5 + ⅛ (1/3 + 1).
@@ -168,7 +168,7 @@ fn speed_is_continuous_at_keys() {
         let after = sample(&clip, 1, time + h, Playback::Hold);
         for k in 0..3 {
             let (arriving, leaving) = ((at[k] - before[k]) / h, (after[k] - at[k]) / h);
-            // One-sided differences are off by h/2 times the second derivative, here below 1e4.
+            // One-sided differences have an error of h/2 times the second derivative, here below 1e4.
             assert!(
                 (arriving - leaving).abs() < 2e-2,
                 "speed jumps from {arriving} to {leaving} at {time} s"
@@ -187,7 +187,7 @@ fn values_are_held_outside_the_keys() {
 
 #[test]
 fn loop_repeats_with_the_clips_span() {
-    // The second track is shorter than the clip and holds its ends within each round.
+    // The second track is shorter than the clip and holds its end values within each cycle.
     let short = [(1.0, [1.0, 2.0, 3.0]), (2.0, [2.0, 0.0, 1.0])];
     let clip = clip(2, &[(0, &UNEVEN), (1, &short)]);
     let period = 9.5 + 0.3;

@@ -1,6 +1,5 @@
-//! Promise: the whole way from keys to skin (keys around a time, slerp and lerp, down the hierarchy,
-//! skinning matrices, shapes, weighted sums) is what each step's formula gives in double precision, to
-//! 1e-5 of the model's size.
+//! Promise: the whole computation from keys to skin equals the formula of each step in double precision, to 1e-5 of the
+//! model's size. Its steps: keys around a time, slerp and lerp, hierarchy, skinning matrices, shapes, weighted sums.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Quat, Vec3, Vec3A};
@@ -16,12 +15,12 @@ use support::skins::{Vertices, weights};
 const BONES: usize = 17;
 const VERTICES: usize = 300;
 
-/// The keys as they were set.
+/// Keys as they were set.
 struct Keys {
     times: Vec<f32>,
     translations: Vec<Vec<Vec3A>>,
     rotations: Vec<Vec<Quat>>,
-    /// By target.
+    /// Weights by morph target.
     morphs: Vec<Vec<f32>>,
 }
 
@@ -35,7 +34,7 @@ impl Keys {
         let morphs = morphs.collect();
         let translations = (0..BONES).map(|_| times.iter().map(|_| vector(random, 0.5)).collect());
         let translations = translations.collect();
-        // Signs as they come: q and −q are the same rotation.
+        // Random signs: q and −q are the same rotation.
         let mut some = |_| rotation(random, 1.7) * [1.0, -1.0][random.below(2)];
         let rotations = (0..BONES).map(|_| times.iter().map(&mut some).collect());
         let rotations = rotations.collect();
@@ -66,7 +65,7 @@ impl Keys {
         builder.build()
     }
 
-    /// The key before a time and α = (t − t_prev) / (t_next − t_prev).
+    /// Key before a time, and α = (t − t_prev) / (t_next − t_prev).
     fn around(&self, time: f64) -> (usize, f64) {
         let times: Vec<f64> = self.times.iter().map(|&t| t.into()).collect();
         let next = times.iter().position(|&t| t > time).unwrap();
@@ -74,14 +73,14 @@ impl Keys {
         (next - 1, alpha)
     }
 
-    /// Bones in the model, L by glam's own slerp, W_j = W_parent L_j.
+    /// Bone placements in the model, W_j = W_parent L_j, with L interpolated by glam's slerp.
     fn model_from_bone(&self, armature: &Armature, time: f64) -> Vec<DAffine3> {
         let (key, alpha) = self.around(time);
         let mut world: Vec<DAffine3> = Vec::new();
         for index in 0..BONES {
             let bone = armature.bone_at(index).unwrap();
             let [from, to] = [key, key + 1].map(|k| self.rotations[index][k].as_dquat());
-            // glam takes the shorter way as well.
+            // glam takes the shorter arc as well.
             let turned = from.normalize().slerp(to.normalize(), alpha);
             let [from, to] = [key, key + 1].map(|k| self.translations[index][k].as_dvec3());
             let scale = armature.rest().local(bone).unwrap().scale.as_dvec3();

@@ -17,7 +17,7 @@ fn elbow_never_flips_at_the_upper_bone() {
         let before = places(&armature, &pose);
         let radius = (before.end - before.root).length();
         let way = (before.end - before.root) / radius;
-        // A circle through the end and the line of the upper bone, and a little off that line.
+        // Circle through the end and the line of the upper bone, and slightly off that line.
         let aside = (before.mid - before.root).reject_from(way).normalize();
         let aside = (aside + vector(&mut random, 0.05))
             .reject_from(way)
@@ -46,7 +46,7 @@ fn straight_limb_without_a_pole_does_not_roll() {
             .unwrap();
         let before = places(&armature, &pose);
         let way = (before.end - before.root).normalize();
-        // Next to the end, as far from the root: the shortest way there is a turn by 0.02.
+        // Next to the end, at equal distance from the root: the shortest rotation to it is 0.02 rad.
         let across = vector(&mut random, 1.0).reject_from(way).normalize();
         let goal =
             LimbGoal::at(before.root + (way * 0.02f32.cos() + across * 0.02f32.sin()) * 0.55);
@@ -56,7 +56,7 @@ fn straight_limb_without_a_pole_does_not_roll() {
     }
 }
 
-/// The arm stretched along x, where its end is 0.55 from its root.
+/// Arm stretched along x, with its end 0.55 m from its root.
 fn stretched(random: &mut Random) -> (Armature, kinopt::animation::Pose) {
     let armature = arm();
     let mut pose = bent(&armature, random);
@@ -71,7 +71,7 @@ fn stretched_limb_bends_about_its_hinge() {
     let mut random = Random::new(98);
     for case in 0..200 {
         let (armature, mut pose) = stretched(&mut random);
-        // Noise of animation that bends the elbow a little the wrong way must not decide.
+        // Noise of the animation that bends the elbow slightly backwards must not decide.
         let noise = [0.0, -0.02][case % 2];
         turn(&armature, &mut pose, "lower", Quat::from_rotation_z(noise));
         let limb = limb(&armature).with_hinge(Vec3A::Z * 3.0).unwrap();
@@ -86,7 +86,7 @@ fn stretched_limb_bends_about_its_hinge() {
         let elbow = (elbow * elbow.w.signum()).to_scaled_axis();
         assert!(elbow.truncate().length() < 4e-3, "{elbow}");
         assert!(elbow.z > 0.0, "{elbow}");
-        // Next to nothing of the way is next to no change.
+        // A target at a tiny distance gives a tiny change.
         let goal = LimbGoal {
             weight: 1e-4,
             ..goal
@@ -97,7 +97,7 @@ fn stretched_limb_bends_about_its_hinge() {
     }
 }
 
-/// Its end is at its root, so that there is no way to it.
+/// The end is at the root, so it has no direction.
 #[test]
 fn folded_limb_moves_like_a_nearly_folded_one() {
     let bones = vec![
@@ -150,7 +150,7 @@ fn twist_rotates_the_limb_about_its_target_line() {
         let elbow = before.root + about * (untwisted.mid - before.root);
         assert!((twisted.mid - elbow).length() < 1e-4);
         assert!((twisted.end - plain.target).length() < 2e-5);
-        // Half the weight is half the twist, about the way to where the end is then.
+        // Half the weight gives half the twist, about the direction to the end at that weight.
         let half = LimbGoal {
             weight: 0.5,
             ..plain
@@ -187,9 +187,9 @@ fn softened_limb_never_gets_straight() {
     };
     let hard = limb(&armature);
     let soft = hard.with_softening(0.9).unwrap();
-    // Up to nine tenths of its length it is the same.
+    // Up to nine tenths of the length nothing changes.
     assert!((distance(&soft, 0.89 * length) - 0.89 * length).abs() < 1e-5);
-    // There the speed is 1 on both sides; one tenth later e^-1 of the last tenth is left.
+    // The speed is 1 on both sides of that distance; one tenth later e^-1 of the last tenth is left.
     let speed = (distance(&soft, 0.902 * length) - distance(&soft, 0.9 * length)) / 0.002 / length;
     assert!((speed - 1.0).abs() < 0.05, "{speed}");
     let left = length * (1.0 - 0.1 * (-1.0f32).exp());

@@ -1,4 +1,4 @@
-//! Promise: the bone at the end of a limb is turned as its goal says, by its own weight.
+//! Promise: the bone at the end of a limb has the goal's rotation, by its own weight.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
@@ -12,7 +12,7 @@ fn to_hand(armature: &Armature) -> Limb {
     Limb::to_bone(armature, upper, lower, hand).unwrap()
 }
 
-/// How the hand is turned in the model, from the matrices along its ancestors.
+/// Rotation of the hand in the model, from the matrices along its ancestors.
 fn hand(armature: &Armature, pose: &Pose) -> Quat {
     let model = model_by_ancestors(armature, pose);
     let hand = armature.bone("hand").unwrap();
@@ -25,7 +25,7 @@ fn reached(armature: &Armature, pose: &Pose, goal: &LimbGoal) -> Pose {
     posed
 }
 
-/// The arm in a pose, its hand turned as well, and a goal for it.
+/// The arm in a pose with a rotated hand, and a goal for it.
 fn cases() -> impl Iterator<Item = (Armature, Pose, LimbGoal, Quat)> {
     let mut random = Random::new(71);
     (0..100).map(move |_| {
@@ -54,7 +54,7 @@ fn limb_to_a_bone_brings_it_to_the_target() {
             .reach(&armature, &mut by_point, &goal)
             .unwrap();
         assert_eq!(same, by_point);
-        // A hand that the clip has moved in the forearm is where it is, not where it rests.
+        // A hand that the clip moved relative to the forearm keeps that position, not its rest position.
         let bone = armature.bone("hand").unwrap();
         let mut local = pose.local(bone).unwrap();
         local.translation += Vec3A::new(0.02, 0.01, -0.03);
@@ -71,7 +71,7 @@ fn held_end_keeps_its_rotation() {
         let end = EndRotation::Hold { weight: 1.0 };
         let posed = reached(&armature, &pose, &LimbGoal { end, ..goal });
         assert!(apart(hand(&armature, &posed), hand(&armature, &pose)) < 2e-5);
-        // The rest of the arm does what it does without.
+        // The rest of the arm moves as without the rotation goal.
         let followed = reached(&armature, &pose, &goal);
         let same = |name: &str| {
             let bone = armature.bone(name).unwrap();
@@ -87,14 +87,14 @@ fn end_goal_rotates_by_its_weight() {
         let followed = hand(&armature, &reached(&armature, &pose, &goal));
         let way = apart(followed, wanted);
         for weight in [0.25, 0.5, 1.0] {
-            // Minus the quaternion, or one of another length, is the same rotation.
+            // The negative quaternion, or one of another length, is the same rotation.
             let rotation = wanted * if weight == 0.5 { -3.0 } else { 1.0 };
             let end = EndRotation::Goal { rotation, weight };
             let posed = reached(&armature, &pose, &LimbGoal { end, ..goal });
             let turned = hand(&armature, &posed);
             assert!((apart(followed, turned) - weight * way).abs() < 1e-4);
             assert!((apart(turned, wanted) - (1.0 - weight) * way).abs() < 1e-4);
-            // Without a weight for the position, the hand turns and the arm stays.
+            // With a position weight of zero, the hand rotates and the arm does not move.
             let still = LimbGoal {
                 end: EndRotation::Goal {
                     rotation,

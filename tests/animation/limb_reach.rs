@@ -1,5 +1,4 @@
-//! Promise: a limb over an animated pose brings its end where it was asked, by its weight, and leaves
-//! everything else alone.
+//! Promise: a limb over an animated pose brings its end to its target by its weight, and changes nothing else.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
@@ -26,13 +25,13 @@ fn end_moves_by_its_weight_and_hinge_is_kept() {
             limb.reach(&armature, &mut posed, &goal).unwrap();
             let after = places(&armature, &posed);
             let mut share = before.end + (target - before.end) * weight;
-            // On the straight way the share may come nearer to the root than the bones fold.
+            // On the straight segment the weighted target may be nearer to the root than the bones can fold.
             let distance = (share - before.root).length();
             if distance < 0.05 {
                 share = before.root + (share - before.root) * (0.05 / distance);
             }
             assert!((after.end - share).length() < 2e-5, "{weight}");
-            // The elbow turned about its hinge only, and every other bone is as it was.
+            // The elbow rotates about its hinge only, and every other bone is unchanged.
             for (index, name) in armature.names().iter().enumerate() {
                 let (was, is) = (pose.rotations()[index], posed.rotations()[index]);
                 match name.as_str() {
@@ -67,13 +66,13 @@ fn zero_weight_and_nan_change_nothing() {
         limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
         assert_eq!(posed, pose);
     }
-    // A target where the end is moves nothing but by rounding.
+    // A target at the current end moves nothing but by rounding.
     let target = places(&armature, &pose).end;
     let mut posed = pose.clone();
     let goal = LimbGoal::at(target);
     limb(&armature).reach(&armature, &mut posed, &goal).unwrap();
     assert!(difference(&posed, &pose) < 2e-3);
-    // A small weight is a small change, with a pole far from the elbow as well.
+    // A small weight gives a small change, also with a pole far from the elbow.
     let pole = Some(Vec3A::new(-3.0, -1.0, 2.0));
     let goal = LimbGoal {
         pole,
@@ -150,7 +149,7 @@ fn invalid_limb_bones_are_named() {
     assert_eq!(error, LimbError::UnknownBone { bone: 29, bones: 7 });
 }
 
-/// Where no pole says otherwise, the bend goes along with the way to the end, by the shortest turn.
+/// Without a pole, the bend follows the direction to the end by the shortest rotation.
 #[test]
 fn bend_follows_by_the_shortest_rotation() {
     let armature = arm();

@@ -1,4 +1,4 @@
-//! Promise: a clip whose seam is closed ends as it starts, is what it was before its last seconds, and jumps nowhere.
+//! Promise: a clip with a closed seam ends as it starts, is unchanged before its last seconds, and has no jumps.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{ChannelError, Clip};
@@ -25,7 +25,8 @@ fn closed_seam_ends_at_the_start() {
         if time < 3.5 {
             assert!(difference(&now, &at(&open, &armature, time)) < 1e-5);
         }
-        // All that is missing comes in half a second, at most half again as fast as evenly, besides the clip's own pace.
+        // The correction is distributed over half a second, at most 1.5 times as fast as evenly, in addition to the
+        // clip's speed.
         let most = whole * (1.5 / 60.0 + 1.0 / 360.0);
         assert!(difference(&now, &before) < 1.5 * most);
         before = now;

@@ -1,4 +1,4 @@
-//! Curves, clips, poses, state machines and IK over poses.
+//! Curves, clips, poses, state machines and IK on poses.
 
 mod affine_interpolation;
 mod aims;

@@ -1,5 +1,5 @@
-//! Promise: a bone that is placed, turned or moved in the model is there afterwards, the bones above
-//! it have not moved, and those below moved along.
+//! Promise: a bone that is placed, rotated or moved in model coordinates is there afterwards. The bones above it do not
+//! move, and those below it move along.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
@@ -8,7 +8,7 @@ use kinopt::skeleton::BoneId;
 use support::armatures::{apart, armature, pose, rotation, vector};
 use support::random::Random;
 
-/// Every bone's place in the model.
+/// Every bone's placement in the model.
 fn placed(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     let mut model_from_bone = Vec::new();
     armature.local_to_model(pose, &mut model_from_bone).unwrap();
@@ -19,7 +19,7 @@ fn near(a: &Affine3A, b: &Affine3A, within: f32) -> bool {
     a.abs_diff_eq(*b, within)
 }
 
-/// Bones that turn and move, but do not scale.
+/// Bones that rotate and move, but do not scale.
 fn unscaled(armature: &Armature, random: &mut Random) -> Pose {
     let mut pose = pose(armature, random);
     for index in 0..armature.bones() {
@@ -29,7 +29,7 @@ fn unscaled(armature: &Armature, random: &mut Random) -> Pose {
     pose
 }
 
-/// What is not at or below a bone must have stayed; what is below must have kept its local place.
+/// Asserts that bones outside a subtree are unchanged, and bones below its root keep their local transforms.
 fn only_below(armature: &Armature, before: &Pose, after: &Pose, bone: BoneId) {
     for index in 0..armature.bones() {
         let other = armature.bone_at(index).unwrap();
@@ -65,7 +65,7 @@ fn placed_bone_has_the_given_placement() {
         ));
         only_below(&armature, &before, &after, bone);
 
-        // Putting it where it is changes nothing.
+        // A bone placed at its current placement is unchanged.
         let mut again = before.clone();
         let there = armature.model_from_bone(&before, bone).unwrap();
         assert!(near(
@@ -94,7 +94,7 @@ fn bone_rotates_in_model_space() {
         let bone = armature.bone_at(random.below(12)).unwrap();
         let wanted = rotation(&mut random, 3.0);
         let mut after = before.clone();
-        // Any length will do.
+        // A direction of any length is valid.
         armature
             .set_model_rotation(&mut after, bone, wanted * 3.0)
             .unwrap();
@@ -150,7 +150,7 @@ fn local_transform_is_read_from_a_matrix() {
     assert!(near(&read.to_affine(), &mirror, 1e-5));
 }
 
-/// Whichever two axes lean, and to whichever side: a translation, a rotation and a scale do not say so.
+/// Sheared axes, for any two axes and either sign: no translation, rotation and scale give such a matrix.
 #[test]
 fn sheared_matrix_is_no_local_transform() {
     let turned = glam::Mat3A::from_quat(Quat::from_rotation_y(0.4));
@@ -212,7 +212,7 @@ fn invalid_edits_change_nothing() {
     assert_eq!(said, Err(LocalError::UnknownBone { bone: 3, bones: 1 }));
 }
 
-/// What bones flatten is told by their proportions: tiny ones place what they carry as large ones do.
+/// Flattening is judged by proportions: tiny bones place their children as large ones do.
 #[test]
 fn flattening_is_judged_by_proportions() {
     for size in [1e-4, 1.0, 1e4] {

@@ -1,5 +1,5 @@
-//! Promise: affine maps of the plane are interpolated by their parts, so a square that turns keeps its
-//! size, and any map is its parts.
+//! Promise: affine maps of the plane are interpolated by their parts, so a rotating square keeps its size. Any map is
+//! the product of its parts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -32,8 +32,8 @@ fn square_rotates_without_shrinking() {
                 .abs_diff_eq(DMat2::from_angle(t * FRAC_PI_4), 1e-15)
         );
         assert!(((between.matrix2 * corner).length() - corner.length()).abs() < 1e-15);
-        // The straight line between the entries keeps rows and columns orthogonal but shrinks:
-        // det = 1 + 2t (cos θ − 1) + 2t² (1 − cos θ), which is 1 at t = 0 and t = 1 only.
+        // Linear interpolation of the entries keeps rows and columns orthogonal but shrinks. The determinant is 1 + 2t
+        // (cos θ − 1) + 2t² (1 − cos θ). It is 1 at t = 0 and t = 1 only.
         let straight = start * (1.0 - t) + end * t;
         let shrunk = 1.0 - 2.0 * t * (1.0 - t) * (1.0 - FRAC_PI_4.cos());
         assert!((straight.determinant() - shrunk).abs() < 1e-15);
@@ -77,14 +77,14 @@ fn decomposition_agrees_with_that_of_space() {
         assert!((b - c).abs() <= 1e-15 * 4.0 * size, "{case}: not symmetric");
         if m.determinant() > 1e-3 && size < 1e100 {
             assert!(a + d > 0.0 && a * d - b * c > 0.0, "{case}: not positive");
-            // The same map in space, where z stays.
+            // The same map in space with z unchanged.
             let other = DMat2::from_angle(0.4) * DMat2::from_diagonal(DVec2::new(2.0, 0.5));
             let wide = |m: DMat2| DAffine3::from_mat3(DMat3::from_mat2(m));
             let flat = interpolate_plane_affine(&linear(m), &linear(other), 0.3).unwrap();
             let space = interpolate_affine(&wide(m), &wide(other), 0.3).unwrap();
             for k in 0..2 {
                 let off = space.matrix3.col(k).truncate() - flat.matrix2.col(k);
-                // Where they differ by half a turn either way round is as short.
+                // If the angles differ by half a turn, both directions are equally short.
                 let turn = (parts.angle - 0.4).rem_euclid(2.0 * PI) - PI;
                 assert!(off.length() < 1e-12 || turn.abs() < 1e-9, "{case}");
             }

@@ -1,5 +1,5 @@
-//! Promise: poses blend as their rotations do (slerp, shortest way), masks leave bones alone, and
-//! additive layers add exactly their difference.
+//! Promise: poses blend by their rotations (slerp, shortest arc), masks exclude bones, and additive layers add exactly
+//! their difference.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Quat;
@@ -10,7 +10,7 @@ use kinopt::animation::{
 use support::armatures::{apart, armature, difference, pose};
 use support::random::Random;
 
-/// An armature of more than two groups of eight bones, and poses of it.
+/// Armature of more than two groups of eight bones, and poses of it.
 fn poses<const N: usize>(random: &mut Random) -> (Armature, [Pose; N]) {
     let armature = armature(21, random);
     let poses = std::array::from_fn(|_| pose(&armature, random));
@@ -22,7 +22,7 @@ fn cross_fade_is_slerp_of_each_bone() {
     let mut random = Random::new(81);
     for _ in 0..60 {
         let (armature, [from, mut to]) = poses::<2>(&mut random);
-        // The same rotation, written the other way.
+        // The same rotation with the opposite sign.
         let bone = armature.bone_at(9).unwrap();
         let mut local = to.local(bone).unwrap();
         local.rotation = -local.rotation;
@@ -104,7 +104,7 @@ fn mean_ignores_order_signs_and_scale() {
         assert!(difference(&out, &other) < 2e-6);
         blend_poses(&[(&a, 0.0), (&b, 4.0), (&c, 0.0)], &mut out).unwrap();
         assert!(difference(&out, &b) < 2e-6);
-        // Half of each of two is the middle of the arc.
+        // Half of each of two poses is the middle of the arc.
         blend_poses(&[(&a, 1.0), (&b, 1.0)], &mut out).unwrap();
         let mut middle = a.clone();
         middle.cross_fade(&b, 0.5).unwrap();
@@ -112,8 +112,8 @@ fn mean_ignores_order_signs_and_scale() {
     }
 }
 
-/// Three turns about one axis, two of which lie more than half a turn apart: each is taken the way round
-/// that is shorter to the heaviest.
+/// Three rotations about one axis, two of which are more than half a turn apart. Each takes the shorter arc to that of
+/// the largest weight.
 #[test]
 fn mean_is_in_the_hemisphere_of_the_heaviest() {
     let mut random = Random::new(85);
@@ -174,11 +174,11 @@ fn additive_layer_adds_its_difference() {
             mask,
         };
         let all = || BoneMask::all(&armature);
-        // On its own reference, the whole difference is the layer itself.
+        // On its own reference, the full difference is the layer itself.
         let mut onto = reference.clone();
         additive(1.0, all()).apply(&mut onto, &layer).unwrap();
         assert!(difference(&onto, &layer) < 1e-5);
-        // Nothing of it, or the reference itself, changes nothing.
+        // With weight zero, or with the reference itself, nothing changes.
         for (weight, pose) in [(0.0, &layer), (f32::NAN, &layer), (1.0, &reference)] {
             let mut onto = base.clone();
             additive(weight, all()).apply(&mut onto, pose).unwrap();
@@ -193,7 +193,7 @@ fn additive_layer_adds_its_difference() {
         additive(1.0, all()).apply(&mut whole, &layer).unwrap();
         let turned = halves.rotations().iter().zip(whole.rotations());
         assert!(turned.map(|(a, b)| apart(*a, *b)).fold(0.0, f32::max) < 1e-5);
-        // Masked out it does nothing.
+        // A layer with a mask of zero has no effect.
         let mut masked = base.clone();
         additive(1.0, BoneMask::none(&armature))
             .apply(&mut masked, &layer)
@@ -240,7 +240,7 @@ fn lean_is_added_to_a_walk() {
     );
 }
 
-/// A scale of nothing has no ratio to another: the layer leaves such an axis alone.
+/// A scale of zero has no ratio to another: the layer leaves such an axis unchanged.
 #[test]
 fn zero_scale_reference_leaves_the_base() {
     let mut random = Random::new(87);
@@ -269,7 +269,7 @@ fn zero_scale_reference_leaves_the_base() {
     }
 }
 
-/// A share is within 0 and 1, of a bone, of all that hang on it and of a morph target.
+/// A weight is within 0 and 1, for a bone, a subtree and a morph target.
 #[test]
 fn mask_rejects_weights_outside_0_to_1() {
     let armature = armature(5, &mut Random::new(86));

@@ -1,5 +1,5 @@
-//! Promise: a pose is carried from bone to bone as its matrices say, and skeletons animated by
-//! local transforms stand where their angles put them.
+//! Promise: placements of a pose follow from its matrices, and skeletons animated by local transforms have the
+//! placements of their angles.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3A};
@@ -41,7 +41,7 @@ fn rest_pose_does_not_move_the_skin() {
     }
 }
 
-/// The sources' arm: shoulder without length, then 2.0, 1.5 and 1.0, turned by 45°, −30° and 10°.
+/// Arm of the sources: shoulder without length, then 2.0, 1.5 and 1.0, rotated by 45°, −30° and 10°.
 #[test]
 fn documented_planar_arm_is_reproduced() {
     let turns = [0.0, 45.0, -30.0, 10.0_f32].map(f32::to_radians);
@@ -68,7 +68,7 @@ fn documented_planar_arm_is_reproduced() {
     }
     let mut model = vec![Affine3A::IDENTITY; 4];
     armature.local_to_model(&pose, &mut model).unwrap();
-    // By hand: 2 (cos 45°, sin 45°), + 1.5 (cos 15°, sin 15°), + 1 (cos 25°, sin 25°).
+    // Computed by hand: 2 (cos 45°, sin 45°), + 1.5 (cos 15°, sin 15°), + 1 (cos 25°, sin 25°).
     let ends = [
         (0.0, 0.0),
         (2_f32.sqrt(), 2_f32.sqrt()),
@@ -92,8 +92,8 @@ fn documented_planar_arm_is_reproduced() {
     }
 }
 
-/// Four bones whose joints swing at frequencies of their own: the hand is where the sums of the angles
-/// put it, Σ Lᵢ (cos, sin)(θ₀ + … + θᵢ), all along its way, which closes after a period.
+/// Four bones whose joints swing at different frequencies. The hand follows the sums of the angles, Σ Lᵢ (cos, sin)(θ₀
+/// + … + θᵢ), along its whole curve, which closes after a period.
 #[test]
 fn hand_of_a_swinging_arm_follows_its_formula() {
     let lengths = [2.0, 1.5, 1.0, 0.5_f64];
@@ -130,7 +130,7 @@ fn hand_of_a_swinging_arm_follows_its_formula() {
         path.push(hand);
     }
     assert!((path[0] - path[200]).length() < 1e-5);
-    // Sines are odd: the second half of the period is the first one mirrored and backwards.
+    // Sines are odd: the second half of the period is the first one mirrored and reversed.
     for k in 0..=100 {
         let mirrored = path[200 - k] * Vec3A::new(1.0, -1.0, 1.0);
         assert!((path[k] - mirrored).length() < 1e-5);
@@ -160,7 +160,7 @@ fn armature_of_a_skeleton_keeps_its_rest() {
     }
 }
 
-/// A rig's keyframes turn its bones while its face smiles.
+/// A rig's keyframes rotate its bones while morph targets change its face.
 #[test]
 fn armature_of_a_skeleton_accepts_morph_targets() {
     let skeleton = RandomRig::new(61).skeleton;
@@ -179,14 +179,14 @@ fn armature_of_a_skeleton_accepts_morph_targets() {
     clip.sample(0.5, Playback::Hold, &mut Cursor::new(), &mut pose)
         .unwrap();
     assert_eq!(pose.morph_weights(), [0.0, 0.25]);
-    // Poses of the armature without them are another size.
+    // Poses of the armature without morph targets have another size.
     assert!(pose.cross_fade(bare.rest(), 0.5).is_err());
-    // None again, and no two of a name.
+    // Not without weights again, and no two of one name.
     assert_eq!(
         armature.clone().with_morph_targets(Vec::new()).unwrap(),
         bare
     );
-    // Others rest at zero, whatever those before rested at.
+    // Other targets rest at zero, independent of earlier rest weights.
     let smiling = armature.with_rest_morph_weights(&[0.7, 0.2]).unwrap();
     let others = smiling.with_morph_targets(names()).unwrap();
     assert_eq!(others.rest().morph_weights(), [0.0, 0.0]);
@@ -194,7 +194,7 @@ fn armature_of_a_skeleton_accepts_morph_targets() {
     assert!(twice.unwrap_err().to_string().contains("`smile`"));
 }
 
-/// B_j⁻¹ takes a point of the skin at rest to its bone, W_j from there to where it is now.
+/// B_j⁻¹ maps a point of the skin at rest to its bone, and W_j maps it from there to its current position.
 #[test]
 fn points_fixed_to_a_bone_move_with_it() {
     let mut random = Random::new(54);
@@ -294,7 +294,7 @@ fn invalid_armatures_and_sizes_are_named() {
         .local_to_model(armature.rest(), model.as_mut_slice())
         .unwrap_err();
     assert_eq!((error.given, error.expected), (3, 2));
-    // A vector is made as long as it must be, and keeps its memory.
+    // A vector is resized as needed, and keeps its memory.
     let memory = model.as_ptr();
     armature
         .local_to_model(armature.rest(), &mut model)
@@ -317,7 +317,7 @@ fn invalid_armatures_and_sizes_are_named() {
     );
 }
 
-/// A pose that is copied into another is that pose, in memory that is there.
+/// A copied pose equals its source and reuses existing memory.
 #[test]
 fn copied_pose_equals_its_source() {
     let bones = ["a", "b"].map(|name| kinopt::animation::ArmatureBone {

@@ -1,4 +1,4 @@
-//! Promise: quaternions multiply by Hamilton's rules, and q X q̄ turns by twice the angle in q.
+//! Promise: quaternions multiply by Hamilton's rules, and q X q̄ rotates by twice the angle in q.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::spatial::{Quaternion, Vector3};
@@ -23,7 +23,7 @@ fn unit(random: &mut Random) -> Q {
     Quaternion::exp(Vector3::from(random.vector(3.0)))
 }
 
-/// √(q q̄), whose imaginary part must vanish.
+/// Norm √(q q̄), whose imaginary part must vanish.
 fn norm(a: Q) -> f64 {
     let square = a * a.conjugate();
     assert!(square.v.norm() < 1e-14 * square.w.max(1.0));
@@ -57,7 +57,7 @@ fn product_equals_that_of_the_components() {
     let mut random = Random::new(1);
     for _ in 0..100 {
         let (a, b) = (any(&mut random), any(&mut random));
-        // By the table of i, j and k, term by term: row · column gives sign and place.
+        // By the table of i, j and k, term by term: row · column gives sign and index.
         let table = [
             [(1.0, 0), (1.0, 1), (1.0, 2), (1.0, 3)],
             [(1.0, 1), (-1.0, 0), (1.0, 3), (-1.0, 2)],
@@ -114,7 +114,7 @@ fn sandwich_product_rotates_by_twice_the_angle() {
         let expected = na::Rotation3::from_axis_angle(&axis, 2.0 * psi) * point;
         assert!(turned.w.abs() < 1e-14);
         assert!((na::Vector3::from(turned.v) - expected).amax() < 1e-14);
-        // The opposite quaternion turns alike, and so does the matrix.
+        // The negative quaternion gives the same rotation and the same matrix.
         let opposite = Quaternion {
             w: -turn.w,
             v: -turn.v,

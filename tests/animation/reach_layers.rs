@@ -1,5 +1,5 @@
-//! Promise: the optimiser as a layer over animated poses brings tips and held bones where they were
-//! asked, by their weights, and leaves every other bone as it is to the bit.
+//! Promise: a reach layer over animated poses brings tips and pinned bones to their targets by their weights, and
+//! leaves every other bone exactly unchanged.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
@@ -50,8 +50,8 @@ fn angles_and_local_rotations_agree() {
         let mut again = armature.rest().clone();
         bridge.pose_of(&back, &mut again).unwrap();
         assert!(difference(&pose, &again) < 1e-5);
-        // Of the ways to write a rotation, one within the limits. Where a bend is lost in single precision
-        // only the sum of both twists is known.
+        // Of the angles that give a rotation, those within the limits are chosen. Where single precision loses a bend,
+        // only the sum of both twists is defined.
         for (angles, limits) in back.chunks(3).zip(limits.chunks(3)) {
             let lower: Vec<f64> = limits.iter().map(|l| l.lower).collect();
             let upper: Vec<f64> = limits.iter().map(|l| l.upper).collect();
@@ -73,7 +73,7 @@ fn angles_and_local_rotations_agree() {
     }
 }
 
-/// Also where 0 is no angle that a bone may have, of either end of its ranges.
+/// Also if 0 is outside of a bone's range, on either side.
 #[test]
 fn angles_are_chosen_within_limits() {
     let mut random = Random::new(44);
@@ -157,7 +157,7 @@ fn reach_layer_moves_tips_by_their_weights() {
                 assert!((tip(&armature, &rig, &posed, tips[k]) - wanted).length() < 1e-4);
             }
         }
-        // Bones that no tip hangs on stay as the clip has them.
+        // Bones without a tip below them stay as in the clip.
         let moves = |index: usize| {
             tips.iter().any(|&tip| {
                 let mut next = Some(tip);
@@ -208,7 +208,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
             let target = tip(&armature, &rig, &there, moves);
             let from = tip(&armature, &rig, &pose, moves);
             let near = (from + (target - from) * weight).to_array().map(f64::from);
-            // With weight 0 a small way, and held.
+            // With weight 0 a small displacement, and pinned.
             let near = if case == 0 {
                 near.map(|x| x + 0.005)
             } else {
@@ -227,7 +227,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
             let way = apart(was, wanted);
             assert!((apart(was, is) - weight * way).abs() < 1e-4);
             assert!((apart(is, wanted) - (1.0 - weight) * way).abs() < 1e-4);
-            // The other end is held where it was.
+            // The other end is pinned at its placement.
             assert!(apart(turned(&pose, still), turned(&posed, still)) < 1e-4);
         }
         let stranger = rig.tips[4];
@@ -235,7 +235,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
             .set_rotation(stranger, Quat::IDENTITY, 1.0)
             .unwrap_err();
         assert!(matches!(error, ReachError::NoEffector(own) if own.effectors.len() == 2));
-        // No rotation at all is refused.
+        // A zero quaternion is an error.
         let applied = |layer: &mut ReachLayer, rotation: Quat, weight: f64| {
             layer.set_rotation(moves, rotation, weight).unwrap();
             let mut posed = pose.clone();
@@ -253,7 +253,7 @@ fn reach_layer_pins_and_rotates_bones_by_weight() {
     assert!(reached.iter().all(|&count| count >= 6), "{reached:?} of 8");
 }
 
-/// A weight is a share of the way: above 1 it is 1, below 0 and where it is no number there is none.
+/// A weight is clamped: above 1 it is 1; below 0 and NaN it is 0.
 #[test]
 fn weights_are_clamped_to_0_and_1() {
     let rig = RandomRig::new(301);
@@ -309,7 +309,7 @@ fn invalid_reach_goals_fail_or_change_nothing() {
     assert!(matches!(error, ReachError::Size(_)), "{error}");
     assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
 
-    // A target that is not finite is refused, and the last one stays.
+    // A target that is not finite is an error, and the previous one stays.
     for bad in [f64::NAN, f64::INFINITY] {
         let error = layer.set_goal(bone, [bad, 0.0, 0.0], 0.0).unwrap_err();
         assert!(error.to_string().contains("not finite"), "{error}");
@@ -330,7 +330,7 @@ fn invalid_reach_goals_fail_or_change_nothing() {
     let [twice, once] = poses;
     assert_eq!(twice, once);
 
-    // A bone of another skeleton is said to be one.
+    // The error for a bone of another skeleton says so.
     let stranger = Armature::new(
         (0..skeleton.bones().len() + 1)
             .map(|index| ArmatureBone {
@@ -348,7 +348,7 @@ fn invalid_reach_goals_fail_or_change_nothing() {
     }
 }
 
-/// A bone on which nothing hangs may be scaled unevenly: its tip is as far out as its own x is scaled.
+/// A bone without children may be scaled unevenly: the distance of its tip is scaled by its x scale.
 #[test]
 fn tip_distance_includes_the_bones_scale() {
     for seed in 0..6 {
@@ -378,7 +378,8 @@ fn tip_distance_includes_the_bones_scale() {
     }
 }
 
-/// Bones that a pose has longer reach further than their rig: that a limit keeps a tip from its target says nothing of its reach.
+/// Longer bones of a pose reach further than their rig. A tip that a limit keeps from its target is not proven
+/// unreachable.
 #[test]
 fn longer_bones_extend_the_reported_reach() {
     let mut told = 0;
@@ -393,7 +394,7 @@ fn longer_bones_extend_the_reported_reach() {
         pose.set_local(root, local).unwrap();
         let from = tip(&armature, &rig, &pose, bone);
         let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
-        // As far from the root on its other side, where joints' limits hardly let it go.
+        // At the same distance from the root on its other side, where joint limits hardly allow motion.
         let behind = (pose.local(root).unwrap().translation * 2.0 - from).to_array();
         layer.set_goal(bone, behind.map(f64::from), 1.0).unwrap();
         let solution = layer.apply(&mut pose).unwrap().unwrap();
@@ -406,7 +407,7 @@ fn longer_bones_extend_the_reported_reach() {
     assert!(told > 0);
 }
 
-/// A pose whose bones are longer is not the one before, though its bones are turned alike.
+/// A pose with longer bones is another problem, although its rotations are equal.
 #[test]
 fn reused_layer_notices_longer_bones() {
     for seed in 0..4 {

@@ -1,7 +1,7 @@
-//! Promise: what a reach layer says of its tips is what the posed bones show, also where the pose
-//! moves or scales bones that stand still at rest.
+//! Promise: a reach layer reports the placements of the posed bones, also if the pose moves or scales bones that are
+//! motionless at rest.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-#![allow(clippy::print_stderr)] // To say that nothing was tested.
+#![allow(clippy::print_stderr)] // Reports that nothing was tested.
 
 use glam::{Quat, Vec3A};
 use kinopt::Solver;
@@ -22,7 +22,7 @@ fn target(of: Vec3A) -> kinopt::spatial::Vector3<f64> {
     of.to_array().map(f64::from).into()
 }
 
-/// Moves every bone in its parent and scales it, each evenly.
+/// Moves every bone in its parent and scales it uniformly.
 fn move_and_scale(pose: &mut Pose, armature: &Armature, random: &mut Random) {
     for index in 0..armature.bones() {
         let bone = armature.bone_at(index).unwrap();
@@ -73,7 +73,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
                 "seed {seed}: {told} {shown}"
             );
         }
-        // A held hand stays turned as it was.
+        // A pinned hand keeps its rotation.
         let turned = |pose: &Pose| {
             let own = model_by_ancestors(&armature, pose)[tips[1].index()];
             Quat::from_mat3a(&glam::Mat3A::from_cols(
@@ -91,7 +91,7 @@ fn moved_and_scaled_bones_are_used_in_reaches() {
     assert!(reached >= 6, "{reached} of 8");
 }
 
-/// The same angles and targets in a frame in which only the hips have moved ask another question.
+/// Equal angles and targets in a frame in which only the hips have moved are another problem.
 #[test]
 fn moving_hips_alone_change_the_problem() {
     let rig = RandomRig::new(420);
@@ -115,7 +115,7 @@ fn moving_hips_alone_change_the_problem() {
     assert!((told - f64::from(shown)).abs() < 1e-5, "{told} {shown}");
 }
 
-/// Walks that people captured, whose hips go across the room.
+/// Captured walks whose hips travel several metres.
 #[test]
 fn captured_walk_is_reached_in_place() {
     let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
@@ -124,7 +124,7 @@ fn captured_walk_is_reached_in_place() {
     };
     let path = std::path::Path::new(&shared).join("assets/bvh/01_01.bvh");
     let capture = bvh::read(&path).unwrap();
-    // The tips of bones have frames of such names already.
+    // The tips of bones have frames with such names already.
     let bones = (0..capture.armature.bones()).map(|index| {
         let bone = capture.armature.bone_at(index).unwrap();
         ArmatureBone {

@@ -1,5 +1,5 @@
-//! Promise: a clip and its root motion are the clip that they came from; the clip in place stays where it started, and motion goes on
-//! over the ends of loops.
+//! Promise: an in-place clip and its root motion together are the original clip. The in-place clip keeps its start
+//! position, and the root motion continues across the ends of loops.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
@@ -11,8 +11,8 @@ use super::baked_clips::at;
 
 const RATE: f64 = 30.0;
 
-/// A walk of two seconds on a circle, so many times round: `bone 2` goes and turns about `up`, sways and leans; its parents stand as they
-/// like, scaled evenly.
+/// Walk of two seconds on a circle, `rounds` times: `bone 2` moves and rotates about `up`, sways and leans. Its parents
+/// are placed at random and scaled uniformly.
 fn walk(up: Vec3, rounds: f32, random: &mut Random) -> (Armature, Clip) {
     let armature = armature(6, random);
     let rest = pose(&armature, random);
@@ -44,7 +44,7 @@ fn place(armature: &Armature, pose: &Pose) -> Affine3A {
     places[2]
 }
 
-/// The pose with `bone 2` turned and at a place of the model.
+/// Pose with `bone 2` rotated and at a position of the model.
 fn placed(armature: &Armature, pose: &Pose, turn: Quat, to: Vec3) -> Pose {
     let bone = armature.bone("bone 2").unwrap();
     let mut places = Vec::new();
@@ -82,12 +82,12 @@ fn extracted_and_applied_motion_gives_the_clip() {
             assert!(near(place(&armature, &at(&again, &armature, time)), was));
             let stays = place(&armature, &at(&in_place, &armature, time));
             assert!(near(motion.at(time) * stays, was));
-            // It stays above the place where it started, as high as it was.
+            // It stays above its start position, at its height.
             let moved = stays.translation - start.translation;
             let height = (was.translation - start.translation).dot(up.into());
             assert!((moved - Vec3A::from(up) * height).length() < 1e-4);
         }
-        // One and a half times round, as it was made.
+        // One and a half rounds, as constructed.
         let turned = motion.heading().at(2.0);
         assert!(
             (turned - 3.0 * std::f32::consts::PI).abs() < 1e-3,

@@ -1,5 +1,5 @@
-//! Promise: Euler angles of all twelve orders, axis and angle, quaternion and matrix go round
-//! without loss, in gimbal lock and near it too.
+//! Promise: conversions between Euler angles of all twelve orders, axis and angle, quaternion and matrix are lossless,
+//! also in and near gimbal lock.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -41,7 +41,7 @@ fn euler_angles_round_trip_in_gimbal_lock() {
                 let allowed = if got.gimbal_lock { 2e-9 } else { 1e-14 };
                 assert!(apart(q, again) < allowed, "{order:?} {angles:?}: {got:?}");
                 assert!(got.angles.iter().all(|angle| angle.abs() <= PI));
-                // The other quaternion of the same rotation.
+                // The negative quaternion of the same rotation.
                 let other = order.from_quaternion(-q);
                 assert!(other.angles.iter().all(|angle| angle.abs() <= PI));
                 assert!(apart(q, order.to_quaternion(other.angles)) < allowed);
@@ -114,14 +114,14 @@ fn axis_angle_round_trips_at_all_angles() {
             let turn = AxisAngle { axis, angle };
             let back = AxisAngle::from_quaternion(turn.to_quaternion());
             assert!((back.to_rotation_vector() - axis * angle).length() < 2e-15 * (1.0 + angle));
-            // A matrix near the identity holds the sine to rounding only.
+            // A matrix near the identity contains the sine to rounding only.
             let back = AxisAngle::from_matrix(&turn.to_matrix());
             assert!((back.to_rotation_vector() - axis * angle).length() < 1e-14);
             assert!((back.axis.length() - 1.0).abs() < 1e-15);
             assert!(apart(turn.to_quaternion(), DQuat::from_mat3(&turn.to_matrix())) < 1e-15);
         }
     }
-    // An axis of any length, as the lecture's function takes it.
+    // An axis of any length, as in the lecture's function.
     let third = AxisAngle::about(DVec3::new(0.0, 7.0, 0.0), 2.0 * PI / 3.0).unwrap();
     let expected = DQuat::from_xyzw(0.0, 0.75_f64.sqrt(), 0.0, 0.5);
     assert!(third.to_quaternion().abs_diff_eq(expected, 1e-15));
@@ -154,8 +154,8 @@ fn rotation_vector_is_unique_and_shortest() {
         assert!(again.to_matrix().abs_diff_eq(turn.to_matrix(), 1e-15));
         let back = AxisAngle::from_matrix(&again.to_matrix()).to_rotation_vector();
         assert!((back - a).length() < 1e-12);
-        // A little more than half a turn is a little less than half a turn the other way: the
-        // rotations are next to each other, and their vectors are a whole turn apart.
+        // Slightly more than half a turn equals slightly less than half a turn in the other direction. The rotations
+        // are close, and their vectors are a whole turn apart.
         let [less, more] = [PI - 1e-6, PI + 1e-6].map(|angle| AxisAngle { axis, angle });
         assert!(apart(less.to_quaternion(), more.to_quaternion()) < 2.1e-6);
         let [less, more] =
@@ -171,13 +171,13 @@ fn x_then_y_then_z_equals_zyx_order() {
     let mut random = Random::new(14);
     for _ in 0..50 {
         let [alpha, beta, gamma] = <[f64; 3]>::from(random.vector(3.0));
-        // f(α, β, γ) = R_z(γ) R_y(β) R_x(α): a vector is turned about the fixed x, y and z in turn.
+        // f(α, β, γ) = R_z(γ) R_y(β) R_x(α): a vector is rotated about the fixed x, y and z in this order.
         let product = DMat3::from_rotation_z(gamma)
             * DMat3::from_rotation_y(beta)
             * DMat3::from_rotation_x(alpha);
         let ours = EulerOrder::Zyx.to_matrix([gamma, beta, alpha]);
         assert!(ours.abs_diff_eq(product, 1e-15));
-        // In the object's own axes the same product reads z, then the turned y, then the turned x.
+        // About the object's own axes the same product reads z, then the rotated y, then the rotated x.
         let about = |axis: DVec3, angle| DMat3::from_axis_angle(axis, angle);
         let after_z = about(DVec3::Z, gamma);
         let after_y = about(after_z * DVec3::Y, beta) * after_z;
@@ -188,7 +188,7 @@ fn x_then_y_then_z_equals_zyx_order() {
 
 #[test]
 fn gimbal_lock_merges_two_angles() {
-    // With β = 90° only α − γ counts; the third freedom is lost.
+    // With β = 90° only α − γ counts; the third degree of freedom is lost.
     let locked = |alpha: f64, gamma: f64| EulerOrder::Zyx.to_matrix([gamma, FRAC_PI_2, alpha]);
     for by in [0.1, -0.9, 2.0] {
         assert!(locked(0.3, 0.7).abs_diff_eq(locked(0.3 + by, 0.7 + by), 1e-15));

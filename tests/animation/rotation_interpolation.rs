@@ -1,5 +1,5 @@
-//! Promise: rotations are interpolated along the shortest arc at constant angular speed, safely
-//! also where the two are nearly equal or opposite; curves through rotations have no kink.
+//! Promise: rotations are interpolated along the shortest arc at constant angular speed, also if the two are nearly
+//! equal or opposite. Curves through rotations have no kink.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3, Vec4};
@@ -15,7 +15,7 @@ fn rotation(random: &mut Random) -> Quat {
     Quat::from_xyzw(part(), part(), part(), part() + 1e-3).normalize()
 }
 
-/// The angle between two rotations, in radians, by the half angle's sine.
+/// Angle between two rotations, radians, by the sine of the half angle.
 fn apart(a: Quat, b: Quat) -> f32 {
     let (a, b) = (a.as_dquat().normalize(), b.as_dquat().normalize());
     (2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()) as f32
@@ -58,7 +58,7 @@ fn slerp_has_constant_speed_and_nlerp_has_not() {
     assert!((quarter - 0.75).abs() > 0.05, "{quarter}");
 }
 
-/// Frame by frame as a clip plays, from turns of nothing to half a turn.
+/// Frame by frame as a clip plays, for rotations from zero to half a turn.
 #[test]
 fn clip_rotates_at_constant_speed() {
     let mut random = Random::new(7);
@@ -91,8 +91,8 @@ fn clip_rotates_at_constant_speed() {
     }
 }
 
-/// A straight line between Euler angles zyx turns by √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y): neither at constant
-/// speed nor the shortest way.
+/// A straight line between Euler angles zyx rotates at √(ż² + ẏ² + ẋ² − 2 ż ẋ sin y). This is neither at constant speed
+/// nor along the shortest arc.
 #[test]
 fn euler_angle_lines_are_uneven_and_longer() {
     let order = EulerOrder::Zyx;
@@ -146,7 +146,7 @@ fn nearly_equal_and_opposite_rotations_are_safe() {
                 assert!((apart(from, got) - t * angle).abs() < 4e-6, "{angle} {t}");
             }
         }
-        // A rotation and its own negative are the same one.
+        // A rotation and its negative are the same one.
         assert!(apart(slerp(from, -from, 0.5), from) < 1e-6);
     }
 }
@@ -172,8 +172,8 @@ fn directions_rotate_in_their_plane_evenly() {
 
 #[test]
 fn both_slerp_formulas_agree() {
-    // (sin((1−t)ψ) v₀ + sin(tψ) v₁)/sin ψ is cos(tψ) v₀ + sin(tψ) ŵ, with w = v₁ − (v₀·v₁) v₀ at a
-    // right angle to v₀; with a plus in its place it would be at none.
+    // (sin((1−t)ψ) v₀ + sin(tψ) v₁)/sin ψ is cos(tψ) v₀ + sin(tψ) ŵ, with w = v₁ − (v₀·v₁) v₀ perpendicular to v₀. With
+    // a plus sign it would not be perpendicular.
     let mut random = Random::new(7);
     for _ in 0..200 {
         let (from, to) = (rotation(&mut random), rotation(&mut random));
@@ -189,7 +189,7 @@ fn both_slerp_formulas_agree() {
             let turned = v0 * (t * psi).cos() + w.normalize() * (t * psi).sin();
             let ours = slerp(from, to, t as f32).as_dquat();
             assert!((both - turned).length() < 1e-6 && (both - ours).length() < 2e-6);
-            // Opposite quaternions are one rotation: from the far side it turns round first.
+            // Opposite quaternions are one rotation: the sign is changed first.
             let far = slerp(from, -to, t as f32).as_dquat();
             assert!((both - far).length() < 2e-6);
         }
@@ -208,7 +208,7 @@ fn kink(before: impl Fn(f32) -> Quat, after: impl Fn(f32) -> Quat) -> f32 {
     (arriving - leaving).length() / arriving.length().max(1.0)
 }
 
-/// Also where keys are nearly half a turn apart and the curve swings wide.
+/// Also if keys are nearly half a turn apart and the curve deviates far.
 #[test]
 fn squad_is_continuous() {
     let mut random = Random::new(15);
@@ -222,7 +222,7 @@ fn squad_is_continuous() {
             let steps = (0..each).map(move |k| apart(curve.at(at(k)), curve.at(at(k + 1))));
             steps.fold(0.0, f32::max)
         };
-        // A tenth of the step goes about a tenth of the way; a jump would stay as long.
+        // A tenth of the step rotates by about a tenth; a jump would keep its size.
         let [coarse, fine] = [steps(400), steps(4000)];
         assert!(fine < 0.3 * coarse, "{fine} after {coarse}");
     }
@@ -291,7 +291,7 @@ fn rotation_hermite_has_no_kink_at_uneven_times() {
     }
 }
 
-/// Tangents go with the quaternions they belong to, also where those are made of unit length.
+/// Tangents are scaled with their quaternions, also if these are normalised.
 #[test]
 fn cubic_normalises_long_quaternions() {
     let keys = [0.0, 0.9, 0.3].map(Quat::from_rotation_y);
@@ -314,8 +314,8 @@ fn cubic_normalises_long_quaternions() {
     }
 }
 
-/// Turns about one axis are angles: 170° from key to key, bowed by controls at 0° and 200°. The second
-/// control lies more than a quarter turn of the sphere from the first key, and belongs to the other.
+/// Rotations about one axis are angles: 170° from key to key, bent by controls at 0° and 200°. The second control is
+/// more than a quarter turn of the sphere from the first key, and belongs to the other key.
 #[test]
 fn squad_control_keeps_its_keys_hemisphere() {
     let about_z = |degrees: f32| Quat::from_rotation_z(degrees.to_radians());
@@ -330,8 +330,7 @@ fn squad_control_keeps_its_keys_hemisphere() {
     }
 }
 
-/// About one axis rotations are angles, and a segment is the cubic Hermite of its angle, however far it
-/// swings out on the way.
+/// Rotations about one axis are angles, and a segment is the cubic Hermite of its angle, however far it deviates.
 #[test]
 fn rotation_hermite_about_one_axis_is_cubic() {
     for [angle, leaving, arriving] in [
@@ -355,7 +354,7 @@ fn rotation_hermite_about_one_axis_is_cubic() {
     }
 }
 
-/// A cubic leaves a key by that key's second tangent and arrives by the next one's first.
+/// A cubic starts with a key's outgoing tangent and ends with the next key's incoming tangent.
 #[test]
 fn cubic_rotation_uses_its_tangents() {
     let keys = [0.2, 0.9].map(Quat::from_rotation_y);
@@ -379,7 +378,7 @@ fn cubic_rotation_uses_its_tangents() {
     }
 }
 
-/// A steady turn has its own rate at every key, at whatever times, and whichever of q and −q a key is.
+/// A steady rotation has its own rate at every key, at any times, and for either sign of a key.
 #[test]
 fn mean_rates_of_a_steady_rotation_are_its_rate() {
     let rate = Vec3::new(0.3, -0.5, 0.4);
@@ -392,7 +391,7 @@ fn mean_rates_of_a_steady_rotation_are_its_rate() {
     }
 }
 
-/// A turn at an even speed stays one, however unevenly its keys are spaced: rates are per second, not per key.
+/// A rotation at constant speed keeps it with unevenly spaced keys: rates are per second, not per key.
 #[test]
 fn steady_rotation_stays_even_at_uneven_keys() {
     let times = vec![0.0_f32, 0.05, 0.8, 0.9, 2.3];
@@ -407,7 +406,7 @@ fn steady_rotation_stays_even_at_uneven_keys() {
     }
 }
 
-/// A rotation and its negative are one: keys on the other side of the sphere make no other curve.
+/// A rotation and its negative are one: the signs of keys do not change the curve.
 #[test]
 fn key_signs_do_not_change_the_curve() {
     let [start, end] = [

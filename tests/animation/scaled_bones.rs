@@ -1,5 +1,5 @@
-//! Promise: below unevenly scaled and mirrored bones, inverse kinematics brings the bones of the armature itself to their
-//! targets, as its own forward kinematics places them.
+//! Promise: below unevenly scaled and mirrored bones, inverse kinematics brings the bones of the armature itself to
+//! their targets, according to its own forward kinematics.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3A};
@@ -28,7 +28,7 @@ const SCALES: [[[f32; 3]; 2]; 8] = [
     [[-2.0, 2.0, 2.0], [0.5, 0.7, 0.5]],
 ];
 
-/// A root and two arms of four bones each, turned any way at rest.
+/// Root with two arms of four bones each, rotated at random in the rest pose.
 fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
     let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
     let bones = (0..9).map(|index| ArmatureBone {
@@ -57,7 +57,7 @@ fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     model_from_bone
 }
 
-/// The armature in another pose: each bone turned by up to `most` radians about each axis.
+/// The armature in another pose: each bone is rotated by up to `most` radians about each axis.
 fn turned(armature: &Armature, most: f64, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for bone in armature.bone_ids() {
@@ -102,7 +102,7 @@ fn skeleton_at_rest_has_the_joints_of_the_armature() {
     });
 }
 
-/// Even scales and mirrors turn rigidly, so the skeleton's joints are the armature's in all poses.
+/// Uniform scales and mirrors rotate rigidly, so the skeleton's joints are the armature's in all poses.
 #[test]
 fn mirrored_skeleton_turns_as_its_armature() {
     for scales in [SCALES[3], SCALES[4], [[-1.0, 1.0, 1.0], [2.0, -2.0, -2.0]]] {
@@ -164,7 +164,7 @@ fn reach_layer_brings_the_scaled_armature_there() {
     });
 }
 
-/// A drag whose joints go where the pose of each frame has them.
+/// Drag whose targets are the joints' positions in the pose of each frame.
 #[test]
 fn drag_brings_the_scaled_armature_there() {
     each_scale(25, |armature, random, case| {
@@ -193,7 +193,7 @@ fn drag_brings_the_scaled_armature_there() {
     });
 }
 
-/// A solution of a target out of reach is that of the armature, too.
+/// A solution of an unreachable target is that of the armature as well.
 #[test]
 fn reach_layer_that_misses_reports_the_armature() {
     each_scale(30, |armature, _, case| {

@@ -1,5 +1,5 @@
-//! Promise: splines pass their points, join without a kink, and are the classic ones where those
-//! are defined.
+//! Promise: splines pass through their points, join without a kink, and equal the classic splines where those are
+//! defined.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::DVec3;
@@ -35,7 +35,7 @@ fn uniform_segment_equals_the_documented_matrix() {
     }
 }
 
-/// Barry and Goldman's pyramid as the paper draws it.
+/// Barry and Goldman's pyramid as in their paper.
 fn pyramid(p: [DVec3; 4], t: [f64; 4], u: f64) -> DVec3 {
     let at = t[1] + u * (t[2] - t[1]);
     let between = |a: DVec3, b: DVec3, from: f64, to: f64| {
@@ -84,7 +84,7 @@ fn path_through_points_equals_its_segments() {
                 assert!((got - expected).length() < 1e-12, "{knots:?} {i} {u}");
             }
         }
-        // The first segment is the one whose neighbour is its end mirrored at its start.
+        // The first segment uses the mirror image of its end at its start as its neighbour.
         let mirrored = [p[0] * 2.0 - p[1], p[0], p[1], p[2]];
         let at = [-t[1], 0.0, t[1], t[2]];
         for u in [0.1, 0.5, 0.8] {
@@ -101,7 +101,7 @@ fn path_through_points_equals_its_segments() {
     assert_eq!(none, Err(KeyError::Empty));
     let one = KeyedCurve::through(vec![DVec3::X], Knots::Chordal).unwrap();
     assert_eq!(one.at(4.0), DVec3::X);
-    // The point is named, not the knots that it spoils.
+    // The error names the point, not the invalid knots.
     for knots in [Knots::Uniform, Knots::Chordal] {
         let error = KeyedCurve::through(vec![DVec3::NAN, DVec3::X], knots).unwrap_err();
         let what = "point";
@@ -111,7 +111,7 @@ fn path_through_points_equals_its_segments() {
 
 #[test]
 fn centripetal_segment_does_not_overshoot() {
-    // Two near points between two far ones: the uniform spline loops there.
+    // Two near points between two distant ones: the uniform spline loops there.
     let p = [(-10.0, 5.0), (0.0, 0.0), (0.1, 0.0), (10.0, 5.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
     let lowest = |knots: Knots| {
         let t = knots.of(&p);
@@ -154,7 +154,7 @@ fn split_bezier_is_the_same_curve() {
     }
 }
 
-/// No point of a Bézier curve is further out in any direction than the furthest of its control points.
+/// No point of a Bézier curve is further in any direction than the furthest of its control points.
 #[test]
 fn bezier_stays_within_its_hull() {
     let mut random = Random::new(36);
@@ -250,7 +250,7 @@ fn tension_continuity_and_bias_have_effect() {
             key,
         );
         assert!((doubled - expected * 2.0).length() < 1e-12);
-        // Fully biased, only one side counts; with a broken continuity each side runs straight.
+        // With full bias, only one side counts; with a broken continuity each side is straight.
         let [_, post] = rates(&with(TensionContinuityBias { bias: 1.0, ..plain }), key);
         assert!(post.cross(slope(key - 1)).length() < 1e-12 && post.dot(slope(key - 1)) > 0.0);
         let corner = rates(
@@ -327,7 +327,7 @@ fn invalid_keys_are_named_or_repaired() {
     assert!(repair_keys(&mut keys, |_| true).is_clean());
 }
 
-/// Knots lie apart by the distance of their points to the power of 0, a half, and 1.
+/// Knot intervals are the distances of their points to the power of 0, a half, and 1.
 #[test]
 fn knots_are_powers_of_distances() {
     let points = [DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::X + 9.0 * DVec3::Y];

@@ -1,4 +1,4 @@
-//! Promise: a state machine says where it is and what it goes by, and its data survives a round trip.
+//! Promise: a state machine reports its state and parameters, and its data survives a round trip.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -31,13 +31,13 @@ fn current_state_and_fade_are_reported() {
     assert_eq!((run.seconds(), run.played()), (0.25, 0.25));
     run.trigger("go").unwrap();
     run.update(0.5, |_| {}).unwrap();
-    // Of two seconds half of one is a quarter.
+    // Half a second of two is a quarter.
     assert_eq!((run.state(), run.leaving()), ("walk", Some("idle")));
     assert_eq!(
         (run.seconds(), run.played(), run.fading()),
         (0.5, 0.25, Some(0.5))
     );
-    // Broken off, a fade comes from a pose that is no state's.
+    // An interrupted fade starts from a pose that belongs to no state.
     run.trigger("stop").unwrap();
     run.update(0.25, |_| {}).unwrap();
     assert_eq!((run.state(), run.leaving()), ("pause", None));
@@ -72,7 +72,7 @@ fn parameters_are_reported() {
     assert_eq!(values(&run), expected(false));
 }
 
-/// A clip of 80 ns that loops has 200 000 events in a frame of 16 ms.
+/// A looping clip of 80 ns has 200 000 events in a frame of 16 ms.
 #[test]
 fn bounded_events_are_reported() {
     let armature = armature();
@@ -97,7 +97,7 @@ fn bounded_events_are_reported() {
     assert_eq!(heard(&mut run, 0.0), (0, false));
 }
 
-/// Also where the state that passed too many was left within the update.
+/// Also if the state that passed too many events was left within the update.
 #[test]
 fn dropped_events_are_reported_after_a_transition() {
     let armature = armature();
@@ -120,7 +120,7 @@ fn dropped_events_are_reported_after_a_transition() {
 
 #[test]
 fn event_weight_is_that_of_its_state() {
-    // The event of `idle` is half a second after the start: 0.3 s into the fade, or a second's 0.3.
+    // The event of `idle` is half a second after the start: 0.3 s into the fade, with a weight of 0.3.
     let mut run = run_of(MACHINE);
     run.update(0.2, |_| {}).unwrap();
     run.trigger("go").unwrap();
@@ -146,7 +146,7 @@ fn time_never_decreases() {
     }
 }
 
-/// What plays backwards starts at its clips' end and comes to their start.
+/// Reversed playback begins at the end of its clips and runs to their start.
 #[test]
 fn backward_state_plays_from_the_end() {
     let definition = r#"{"parameters": {"go": "trigger"}, "initial": "back",
@@ -165,7 +165,7 @@ fn backward_state_plays_from_the_end() {
         assert_eq!((hips(&run), run.played()), ([1.5, 10.0], 0.25));
         run.update(0.5, |_| {}).unwrap();
         assert_eq!((run.state(), hips(&run)), ("back", [0.5, 10.0]));
-        // Once through takes the two seconds of the clip at twice the speed.
+        // One cycle takes the two seconds of the clip at twice the speed.
         run.update(0.5, |_| {}).unwrap();
         assert_eq!((run.state(), run.seconds()), ("rest", 0.25));
         run.trigger("go").unwrap();
@@ -201,7 +201,7 @@ fn fade_reports_events_of_both_states() {
     })
     .unwrap();
     let expected = [
-        // Half a second into a fade of one.
+        // Half a second into a fade of one second.
         ("idle", "stand half", 0.5),
         ("walk", "walk half", 1.0),
         ("walk", "walk half", 1.0),

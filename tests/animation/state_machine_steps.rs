@@ -1,5 +1,4 @@
-//! Promise: however long a step is, a state machine ends where many short steps lead, and no step is
-//! endless.
+//! Promise: a long step of a state machine ends where many short steps end, and no step is endless.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -8,7 +7,7 @@ use kinopt::animation::{StateMachine, StateMachineRun};
 use support::random::Random;
 use support::state_machines::{hips, machine, run_of};
 
-/// A combo of blows that follow each other by their clips' ends, and a way back.
+/// Combo of blows that follow each other at the ends of their clips, and a transition back.
 const COMBO: &str = r#"{
   "parameters": {"speed": 0.0, "hit": "trigger", "dead": false},
   "initial": "idle",
@@ -60,7 +59,7 @@ fn long_step_equals_short_steps() {
         for _ in 0..steps {
             step(&mut short, seconds / steps as f64, &mut heard[1]);
         }
-        // What time opens at the end of a step is taken as the next one begins.
+        // A transition that time opens at the end of a step is taken at the start of the next one.
         step(&mut long, 1e-7, &mut heard[0]);
         step(&mut short, 1e-7, &mut heard[1]);
         same(&long, &short);
@@ -71,7 +70,7 @@ fn long_step_equals_short_steps() {
     }
 }
 
-/// Any machine whose transitions all take time, so that no moment has two of them but by chance.
+/// Random machine whose transitions all take time, so that no two of them coincide except by chance.
 fn any_machine(random: &mut Random) -> String {
     let mut pick = |words: &[&str]| words[random.below(words.len())].to_owned();
     let names = ["a", "b", "c", "d"];
@@ -94,7 +93,7 @@ fn any_machine(random: &mut Random) -> String {
             let (from, to) = (names[k as usize % 4], pick(&names));
             let number: u32 = pick(&["0", "1", "2", "3", "4", "5", "6"]).parse().unwrap();
             let after = pick(&["after", "after_seconds"]);
-            // No two alike, so that no two moments are one but for rounding.
+            // All different, so that no two times are equal up to rounding.
             let share = 0.2 + 0.0917 * f64::from(number) + 0.003 * f64::from(k);
             let seconds = pick(&["0.0", "0.17", "0.61"]);
             let interruption = pick(&["never", "source", "target", "either"]);
@@ -134,7 +133,7 @@ fn random_machines_are_step_invariant() {
         assert!((long.seconds() - short.seconds()).abs() < 1e-6, "{text}");
         assert!((long.played() - short.played()).abs() < 1e-6, "{text}");
         let ([ax, ay], [bx, by]) = (hips(&long), hips(&short));
-        // Where a loop closes, rounding decides on which side a pose is.
+        // At the seam of a loop, rounding decides between end and start.
         let closing = |x: f32| (x - x.round()).abs() < 1e-3;
         assert!((ay - by).abs() < 1e-3, "{ay} {by}: {text}");
         assert!((ax - bx).abs() < 1e-3 || closing(ax), "{ax} {bx}: {text}");
@@ -143,15 +142,15 @@ fn random_machines_are_step_invariant() {
 
 #[test]
 fn step_passes_through_a_chain_of_states() {
-    // 0.8 of the half second of the first blow, 0.9 of 0.8 s of the second, then 0.7 s of fading,
-    // which the third's own way out (0.6 s) may break off: idle since 1.72 s, all faded by 1.97 s.
+    // 0.8 of the half second of the first blow, 0.9 of the 0.8 s of the second, then a fade of 0.7 s. The transition of
+    // the third (0.6 s) may interrupt it: idle since 1.72 s, completely faded by 1.97 s.
     let mut run = run_of(COMBO);
     run.trigger("hit").unwrap();
     step(&mut run, 2.22, &mut Heard::new());
     assert_eq!((run.state(), run.fading()), ("idle", None));
     let [x, y] = hips(&run);
     assert!((x - 0.5).abs() < 1e-5 && y == 0.0, "{x} {y}");
-    // The trigger was taken once: nothing happens again.
+    // The trigger was used once: nothing happens again.
     step(&mut run, 10.0, &mut Heard::new());
     assert_eq!(run.state(), "idle");
 }
@@ -160,7 +159,7 @@ fn step_passes_through_a_chain_of_states() {
 fn rest_of_a_step_is_spent_in_the_new_state() {
     let mut run = run_of(COMBO);
     run.set_flag("dead", true).unwrap();
-    // Past the end of the fade of 0.3 s the pose is the new state's alone.
+    // After the fade of 0.3 s the pose is that of the new state.
     step(&mut run, 0.75, &mut Heard::new());
     assert_eq!((run.state(), run.fading()), ("down", None));
     assert_eq!(hips(&run), [0.75, 0.0]);
@@ -196,17 +195,17 @@ fn cycle_of_transitions_ends() {
         }}"#
         )
     };
-    // In no time: once around, and the time is spent where it started.
+    // Without durations: one round, and the time is spent at the start.
     let mut run = run_of(&ring(""));
     step(&mut run, 0.25, &mut Heard::new());
     assert_eq!((run.state(), hips(&run)), ("a", [0.25, 0.0]));
-    // In time: 1 + 2 + 0.5 s a round, so after 9 s it is 2 s into the third round.
+    // With durations: 1 + 2 + 0.5 s a round, so after 9 s it is 2 s into the third round.
     let mut run = run_of(&ring(r#", "after": 1.0"#));
     step(&mut run, 9.0, &mut Heard::new());
     let [x, y] = hips(&run);
     assert_eq!((run.state(), y), ("b", 10.0));
     assert!((x - 1.0).abs() < 1e-6, "{x}");
-    // Longer than the most transitions: the last state entered keeps the rest.
+    // Beyond the maximum number of transitions the last state entered keeps the remaining time.
     let mut run = run_of(&ring(r#", "after": 1.0"#));
     step(&mut run, 1000.0, &mut Heard::new());
     let most = StateMachineRun::MOST_TRANSITIONS;
@@ -226,7 +225,7 @@ fn invalid_steps_take_no_time() {
     }
 }
 
-/// A transition that asks for a number of rounds and a time waits for both.
+/// A transition that requires a number of cycles and a time waits for both.
 #[test]
 fn longer_of_two_waits_applies() {
     for (after, seconds, wanted) in [(2.0, 1.0, 4.0), (0.5, 3.0, 3.0)] {

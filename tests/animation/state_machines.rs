@@ -1,5 +1,4 @@
-//! Promise: a state machine does what its data says, and data that makes no sense is refused with
-//! the place and the valid names.
+//! Promise: a state machine acts according to its data. The error for invalid data names the place and the valid names.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -49,19 +48,19 @@ fn machine_walks_runs_and_stands() {
     assert_eq!(step(&mut run, 0.25), [0.5, 10.0]);
     assert_eq!(run.fading(), None);
     run.set_number("speed", 3.0).unwrap();
-    // The eased share at a quarter is 4/64.
+    // The eased weight at a quarter is 4/64.
     let [_, y] = step(&mut run, 0.25);
     assert!((y - 10.625).abs() < 1e-5);
-    // The running clip goes at twice its speed.
+    // The running clip is played at twice its speed.
     step(&mut run, 0.5);
     let [x, y] = step(&mut run, 0.375);
     assert_eq!((run.state(), x, y), ("run", 0.25, 20.0));
-    // Without seconds the change is at once.
+    // Without seconds the change is immediate.
     run.set_number("speed", 1.0).unwrap();
     assert_eq!((step(&mut run, 0.0), run.fading()), ([0.0, 10.0], None));
 }
 
-/// A fade may be drawn by two handles; here they make t², which is ¼ halfway.
+/// An easing of a fade may be given by two handles; here they give t², which is ¼ halfway.
 #[test]
 fn fade_follows_its_easing() {
     let drawn = r#""easing": {"bezier": [[0.33333333, 0], [0.66666667, 0.33333333]]}"#;
@@ -96,7 +95,7 @@ fn trigger_fires_once_and_clip_must_end() {
 
 #[test]
 fn fade_is_interrupted_only_if_allowed() {
-    // From standing to walking nothing interrupts: the jump comes when the fade is over.
+    // From standing to walking nothing interrupts: the jump starts at the end of the fade.
     let mut first = run();
     first.set_number("speed", 1.0).unwrap();
     step(&mut first, 0.1);
@@ -107,7 +106,7 @@ fn fade_is_interrupted_only_if_allowed() {
     step(&mut first, 0.1);
     assert_eq!(first.state(), "jump");
 
-    // From walking to running anything does, and the next fade starts from the pose as shown.
+    // From walking to running anything interrupts, and the next fade starts from the displayed pose.
     let mut second = run();
     second.set_number("speed", 1.0).unwrap();
     step(&mut second, 0.5);
@@ -122,8 +121,7 @@ fn fade_is_interrupted_only_if_allowed() {
     assert!((y - (shown + 30.0) / 2.0).abs() < 1e-3, "{y}");
 }
 
-/// Halfway from standing to walking, something leads from the one and from the other: which of them is
-/// heard is what the fade says.
+/// Halfway from standing to walking, both states have a transition. The fade decides which of them is allowed.
 #[test]
 fn fade_is_interrupted_by_the_allowed_states() {
     let after = |interruption: &str, trigger: &str| {
@@ -158,8 +156,7 @@ fn fade_is_interrupted_by_the_allowed_states() {
     }
 }
 
-/// While one state fades into another, an event counts as much as its state at that moment, however
-/// long the step is.
+/// During a fade, an event has the weight of its state at that time, however long the step is.
 #[test]
 fn events_have_their_states_weight() {
     for steps in [1_u8, 7, 50] {
@@ -229,7 +226,7 @@ fn unknown_parameters_are_named() {
     assert!(error.contains("`speed`"), "{error}");
 }
 
-/// Reads the machine with one piece of text replaced; the error must say all of `words`.
+/// Reads the machine with one piece of text replaced; the error must contain all of `words`.
 fn refused(from: &str, to: &str, words: &[&str]) {
     assert!(MACHINE.contains(from), "{from}");
     let error = machine(&MACHINE.replacen(from, to, 1))
@@ -349,7 +346,7 @@ fn invalid_data_is_rejected_with_its_path() {
         r#""when": []"#,
         &["transitions[0].when"],
     );
-    // Which of two clips is meant is not guessed; one given twice is one, and others do not matter.
+    // An ambiguous clip name is an error. A clip given twice counts once, and other clips have no effect.
     let armature = Armature::new(Vec::new(), Vec::new()).unwrap();
     let clip = |name: &str| Arc::new(Clip::builder(name, &armature).build());
     let named = |clips: &[Arc<Clip>]| {

@@ -186,8 +186,8 @@ fn source_joints_make_no_whole_turns() {
     }
 }
 
-/// Of equivalent values of a joint with more than one turn, the nearest to the start within limits is returned, also if
-/// the nearest of all is outside them.
+/// Of equivalent values of a joint with more than one turn, the nearest to the start within limits is returned. The
+/// nearest of all may be outside them.
 #[test]
 fn wide_joints_return_nearest_turn_within_limits() {
     let joint = |name: &str, at: usize, end: f64, more: &str| {

@@ -171,7 +171,7 @@ fn solve_all_and_track_are_reproducible() {
     }
 }
 
-/// A reused solution keeps nothing of the previous problem, whichever arm solved it.
+/// A reused solution keeps nothing of the previous problem, of the same arm or another.
 #[test]
 fn reused_solution_keeps_nothing() {
     let (robot, base, tip) = panda();

@@ -125,7 +125,7 @@ fn interrupted_comparison_is_reported() {
         for case in 0..cases {
             let at_goal = random.configuration(&patient);
             let goal = patient.base_from_tool(&at_goal).unwrap();
-            // Without time only what starts at the goal reaches it.
+            // Without time only a search that starts at the goal reaches it.
             let start = match case % 2 {
                 0 => at_goal,
                 _ => random.configuration(&patient),

@@ -1,5 +1,5 @@
-//! Promise: along straight lines of 0.3 mm steps out of the workspace and back, an arm settles at the closest pose of
-//! its branch and never jumps.
+//! Promise: along straight lines of 0.3 mm steps out of the workspace and back, an arm never jumps. It settles at the
+//! closest pose of its branch.
 //!
 //! A debug build follows a few lines; `KINOPT_CASES` sets their number for each robot.
 #![allow(clippy::unwrap_used)]

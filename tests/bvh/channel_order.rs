@@ -1,4 +1,5 @@
-//! Promise: a capture that was read is written with its own channels, frames and frame time, and is read back as the same motion.
+//! Promise: a capture is written with the channels, frames and frame time of its file, and is read back as the same
+//! motion.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write;
@@ -14,7 +15,7 @@ fn read(text: &str) -> MotionCapture {
     bvh::from_bytes(text.as_bytes(), "order.bvh").unwrap()
 }
 
-/// A chain of joints with the given channels, with random frames of angles within ±170°.
+/// Chain of joints with the given channels, and random frames with angles within ±170°.
 fn chain(channels: &[Vec<&str>], frames: usize) -> String {
     let mut random = Random::new(3);
     let mut text = String::from("HIERARCHY\n");
@@ -67,7 +68,7 @@ fn assert_equal(a: &MotionCapture, b: &MotionCapture) {
     }
 }
 
-/// All orders of one to three axes whose neighbours differ.
+/// All orders of one to three axes in which neighbours differ.
 fn orders() -> Vec<Vec<&'static str>> {
     let mut all: Vec<Vec<&str>> = ROTATIONS.iter().map(|axis| vec![*axis]).collect();
     let mut start = 0;

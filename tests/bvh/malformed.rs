@@ -1,5 +1,5 @@
-//! Promise: a damaged motion capture file is an error that names the file, the line and the problem,
-//! or it is read as what it says; never a panic, and nothing is allocated for what is only announced.
+//! Promise: a damaged motion capture file gives an error with its name, the line and the fault, or a valid capture. It
+//! never causes a panic, and no memory is allocated for counts without data.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::ops::Range;
@@ -39,8 +39,8 @@ Frame Time: 0.04
 1.25 9 3 11 21 31 41 51 61 71
 ";
 
-/// Reads damaged text: an error opens with the file's name and a line of it; a capture can be played
-/// and holds finite numbers only.
+/// Reads damaged text. An error begins with the file's name and one of its lines; a capture can be played and contains
+/// finite numbers only.
 fn read(text: &str) -> Result<MotionCapture, String> {
     match bvh::from_bytes(text.as_bytes(), "damaged.bvh") {
         Ok(capture) => {
@@ -73,7 +73,7 @@ fn refused(text: &str, parts: &[&str]) {
     }
 }
 
-/// Where each word is.
+/// Byte range of each word.
 fn words() -> Vec<Range<usize>> {
     let start = |word: &str| word.as_ptr() as usize - GOOD.as_ptr() as usize;
     let words = GOOD.split_whitespace();
@@ -90,7 +90,7 @@ fn line_of(range: &Range<usize>) -> usize {
     1 + GOOD[..range.start].matches('\n').count()
 }
 
-/// Names may be anything, and a number of `OFFSET` or of a frame any other.
+/// True for names, which may be anything, and numbers of an `OFFSET` or a frame, which may have any value.
 fn is_name(range: &Range<usize>) -> bool {
     matches!(&GOOD[range.clone()], "Hips" | "Chest" | "Leg")
 }
@@ -115,7 +115,7 @@ fn valid_file_is_read() {
 fn deleted_words_are_errors() {
     for word in words() {
         let damaged = read(&with(&word, ""));
-        // Without a frame time the first number is taken for it.
+        // Without a frame time the first number is used as the frame time.
         let may_lack = is_value(&word) || GOOD[word.clone()] == *"0.04";
         let lacks_frame = damaged
             .as_ref()
@@ -167,12 +167,12 @@ fn replaced_words_are_errors_with_their_line() {
             );
             match read(&text) {
                 Ok(_) if is_name(&word) && !is_brace => (),
-                // Angles may be any number, lengths only such as single precision holds.
+                // Angles may be any number, lengths only numbers within single precision.
                 Ok(capture) if is_value(&word) && matches!(new, "-1" | "1e39") => {
                     assert_ne!(capture, good, "{case}");
                 }
                 Ok(_) => assert_eq!(new, &GOOD[word.clone()], "{case}"),
-                // One too many or too few may only show on a later line.
+                // A surplus or missing brace may only be noticed on a later line.
                 Err(message) if !is_brace => {
                     let line = format!("line {}: ", line_of(&word));
                     assert!(message.contains(&line), "{case}: {message}");
@@ -185,7 +185,7 @@ fn replaced_words_are_errors_with_their_line() {
 
 #[test]
 fn each_end_is_cut_off() {
-    // Within the last number of a frame the rest of it is a number as well.
+    // Within the last number of a frame the rest is a valid number as well.
     let frame_ends = ["70\n", "71\n"].map(|last| GOOD.find(last).unwrap() + 1);
     let whole = read(GOOD).unwrap();
     let start = |capture: &MotionCapture| {
@@ -330,7 +330,7 @@ fn errors_name_what_was_expected_and_where() {
     assert!(read(&long).unwrap_err().len() < 200);
 }
 
-/// Frames beyond those announced are nothing of the motion, as to three.js and Assimp.
+/// Frames beyond the announced number are ignored, as in three.js and Assimp.
 #[test]
 fn surplus_frames_are_omitted_with_a_note() {
     let good = read(GOOD).unwrap();
@@ -350,7 +350,7 @@ fn surplus_frames_are_omitted_with_a_note() {
     assert_eq!(surplus.notes, [note]);
     let one = GOOD.replace("Frames: 2", "Frames: 1");
     assert_eq!(read(&one).unwrap().notes.len(), 1);
-    // Numbers that are none are no frames.
+    // Invalid numbers are no frames.
     refused(
         &more.replace("1e1", "nan"),
         &["line 31: expected the end of the file"],
@@ -424,7 +424,7 @@ fn duplicate_names_get_a_suffix_with_note() {
 
 #[test]
 fn announced_frames_are_not_allocated() {
-    // Without channels there is nothing to announce.
+    // Without channels frames need no numbers.
     let still = "HIERARCHY ROOT a\n{OFFSET 0 0 0} MOTION Frames: 1000000000000 Frame Time: 0.5";
     let capture = read(still).unwrap();
     assert_eq!(
@@ -435,7 +435,7 @@ fn announced_frames_are_not_allocated() {
 
 #[test]
 fn frame_times_equal_in_f32_are_rejected() {
-    // The smallest number is 1.4e-45, and 1e-45 and 2e-45 both round to it.
+    // The smallest number is 1.4e-45, and both 1e-45 and 2e-45 round to it.
     let text = GOOD
         .replace("0.04", "1e-45")
         .replace("Frames: 2", "Frames: 3");
@@ -469,7 +469,7 @@ fn bytes_not_utf8_are_latin1_with_note() {
         capture.notes[0].to_string(),
         "line 15: bytes that are not UTF-8 are read as Latin-1"
     );
-    // A name in UTF-8 of the same file stays.
+    // A name in UTF-8 in the same file is unchanged.
     let mut mixed = bytes[..GOOD.find("Hips").unwrap()].to_vec();
     mixed.extend("Hüfte".as_bytes());
     mixed.extend(&bytes[GOOD.find("Hips").unwrap() + 4..]);
@@ -490,7 +490,7 @@ fn missing_file_is_named() {
     assert!(error.starts_with("no such.bvh: "), "{error}");
 }
 
-/// Places are bounded, so that no sum overflows; angles repeat, and a sensor that spins counts turns.
+/// Positions are bounded, so that no sum overflows. Angles are periodic, and a rotating sensor counts full turns.
 #[test]
 fn positions_are_bounded_and_angles_are_not() {
     let far = GOOD.replace("1.25 9 3 11", "1.25 9 3 1e32");
@@ -501,7 +501,7 @@ fn positions_are_bounded_and_angles_are_not() {
     }
 }
 
-/// Lines are counted alike however they end.
+/// Line numbers are independent of the line endings.
 #[test]
 fn line_numbers_are_independent_of_line_endings() {
     for word in words().into_iter().filter(is_value).step_by(3) {

@@ -1,4 +1,4 @@
-//! What a BVH file says, by 3 × 3 matrices in double precision: nothing of the library's is used.
+//! Reference evaluation of BVH files by 3 × 3 matrices in double precision, independent of the library.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write;
@@ -8,7 +8,7 @@ pub(crate) type Matrix = [[f64; 3]; 3];
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// A joint, or with `is_end` an End Site.
+/// Joint, or End Site if `is_end` is true.
 #[derive(Clone, Debug)]
 pub(crate) struct Joint {
     pub(crate) name: String,
@@ -20,7 +20,7 @@ pub(crate) struct Joint {
 
 #[derive(Clone, Debug)]
 pub(crate) struct File {
-    /// Depth first.
+    /// Joints in depth-first order.
     pub(crate) joints: Vec<Joint>,
     pub(crate) frame_time: f64,
     pub(crate) frames: Vec<Vec<f64>>,
@@ -45,7 +45,7 @@ impl Joint {
 }
 
 impl File {
-    /// One line for each keyword and for each frame.
+    /// Text with one line for each keyword and each frame.
     pub(crate) fn text(&self) -> String {
         let mut text = "HIERARCHY\n".to_owned();
         let mut open: Vec<usize> = Vec::new();
@@ -77,7 +77,7 @@ impl File {
         text
     }
 
-    /// Reads text of one line for each keyword and for each frame, as the common writers make it.
+    /// Reads text with one line for each keyword and each frame, as common programs write it.
     pub(crate) fn parse(text: &str) -> Self {
         let mut joints: Vec<Joint> = Vec::new();
         let mut open: Vec<usize> = Vec::new();
@@ -123,7 +123,7 @@ impl File {
         }
     }
 
-    /// Where every joint and End Site is in a frame, and how it is turned.
+    /// Position and rotation of every joint and End Site in a frame.
     pub(crate) fn placed(&self, frame: usize) -> Vec<(Vector, Matrix)> {
         let mut values = self.frames[frame].iter().copied();
         let mut placed: Vec<(Vector, Matrix)> = Vec::new();
@@ -153,7 +153,7 @@ impl File {
     }
 }
 
-/// The rotation about a coordinate axis, written out.
+/// Rotation matrix about a coordinate axis.
 pub(crate) fn about(axis: usize, degrees: f64) -> Matrix {
     let (s, c) = (degrees * std::f64::consts::PI / 180.0).sin_cos();
     match axis {

@@ -1,5 +1,5 @@
-//! Promise: joints of a motion capture file are where the product of its matrices puts them, for
-//! every order of channels, at every frame.
+//! Promise: joints of a motion capture file have the positions of the product of its matrices, for every order of
+//! channels and every frame.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::matrices::{File, Joint, distance};
@@ -26,7 +26,7 @@ fn placed(capture: &MotionCapture, seconds: f64) -> Vec<Affine3A> {
     placed
 }
 
-/// Every joint of every frame, against the matrices.
+/// Compares every joint of every frame with the matrices.
 fn check(file: &File, case: &str) {
     let capture = read(file);
     let names = file.joints.iter().map(|joint| &joint.name);
@@ -61,7 +61,7 @@ fn frames(joints: &[Joint], count: usize, seed: u64) -> Vec<Vec<f64>> {
             .iter()
             .map(|channel| match channel.contains("pos") {
                 true => random.within(-3.0, 3.0),
-                // Beyond whole turns as well.
+                // Also beyond full turns.
                 false => random.within(-500.0, 500.0),
             });
         values.collect()
@@ -69,7 +69,7 @@ fn frames(joints: &[Joint], count: usize, seed: u64) -> Vec<Vec<f64>> {
     (0..count).map(|_| frame()).collect()
 }
 
-/// A chain of two joints, and a branch, with these channels on the joints that are not roots.
+/// Chain of two joints, and a branch, with these channels on the joints that are not roots.
 fn body(root: &str, joint: &str) -> File {
     let joints = vec![
         Joint::new("Hips", None, [0.5, 9.0, -0.25], root),
@@ -179,7 +179,7 @@ fn file_properties_are_reported() {
     let (root, joint, end) = (vec![x, y, z], vec![turn], vec![]);
     let channels = [&root, &joint, &joint, &end, &joint, &end].map(Clone::clone);
     assert_eq!(capture.channels, channels);
-    // At rest all is unturned, at the offsets.
+    // The rest pose has no rotations, and the offsets as positions.
     let rest = capture.armature.rest();
     assert!(rest.rotations().iter().all(|turn| *turn == Quat::IDENTITY));
     assert_eq!(

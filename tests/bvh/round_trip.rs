@@ -1,5 +1,5 @@
-//! Promise: motion that is written as BVH is read back as the same motion, to single precision, also
-//! where it was changed or its bones are turned at rest; what the format cannot say is an error.
+//! Promise: motion written as BVH is read back as the same motion, to single precision. This includes changed captures
+//! and bones that are rotated at rest. Motion that the format cannot represent is an error.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f32::consts::PI;
@@ -35,7 +35,7 @@ fn vector(random: &mut Random) -> Vec3A {
     }))
 }
 
-/// Six bones in two trees; not in the order of a file, as a branch goes on after its sibling.
+/// Six bones in two trees, not in file order: a branch continues after its sibling.
 fn armature(turned: bool) -> Armature {
     let mut random = Random::new(5);
     let mut bones = Vec::new();
@@ -59,7 +59,7 @@ fn armature(turned: bool) -> Armature {
     Armature::new(bones, Vec::new()).unwrap()
 }
 
-/// Poses with every bone turned, the roots and the foot moved.
+/// Poses with rotations of every bone and displacements of the roots and the foot.
 fn poses(armature: &Armature, count: usize) -> Vec<Pose> {
     let mut random = Random::new(6);
     let poses = (0..count).map(|_| {
@@ -97,7 +97,7 @@ fn read(text: &str) -> MotionCapture {
     bvh::from_bytes(text.as_bytes(), "back.bvh").unwrap()
 }
 
-/// The read bone of each written one.
+/// Pairs of the written and the read bone.
 fn pairs(from: &Armature, to: &Armature) -> Vec<[usize; 2]> {
     let names = from.names().iter().enumerate();
     let pairs = names.map(|(index, name)| [index, to.bone(name).unwrap().index()]);
@@ -116,7 +116,7 @@ fn modified_poses_survive_a_round_trip() {
             assert!(own[a].abs_diff_eq(back[b], 2e-6), "frame {index}, bone {a}");
         }
     }
-    // Only what moves has positions, and the foot's end is one that was not there.
+    // Only moving bones have position channels, and the end of the foot is new.
     let names = [
         "hips",
         "left leg",
@@ -152,7 +152,7 @@ fn bones_rotated_at_rest_survive_a_round_trip() {
         assert_eq!(back.matrix3, glam::Mat3A::IDENTITY);
         for (index, pose) in poses.iter().enumerate() {
             let (own, back) = (placed(&armature, pose)[a], frame(&capture, index)[b]);
-            // What moves a mesh: from the model at rest to the posed one.
+            // Skinning transform of a mesh: from the model at rest to the posed model.
             let own = own * rests[0][a].inverse();
             let back = back * rests[1][b].inverse();
             assert!(own.abs_diff_eq(back, 1e-5), "frame {index}, bone {a}");
@@ -199,7 +199,7 @@ fn file_survives_a_round_trip() {
             "frame {index}"
         );
     }
-    // The lengths of the second writing are those of the first to the last bit.
+    // The lengths of the second file equal those of the first exactly.
     assert!(text.contains("OFFSET 0.1 9.3 -0.2") && text.contains("OFFSET 1.7 0 0"));
 }
 
@@ -238,7 +238,7 @@ fn written_angles_are_continuous() {
     );
     let armature = armature.unwrap();
     let times: Vec<f32> = (0..91).map(|k| k as f32 / 30.0).collect();
-    // Three whole turns, twelve degrees a frame: about each axis, and about one between them.
+    // Three full turns at twelve degrees per frame, about each axis and about an oblique axis.
     let axes = [
         [1.0, 0.0, 0.0],
         [0.0, 1.0, 0.0],
@@ -321,7 +321,7 @@ fn moving_tips_are_written_as_joints() {
     assert!(own.abs_diff_eq(back, 2e-6));
 }
 
-/// All tips of a joint that stand still are End Sites, whose names are not written: the second as the first.
+/// All motionless tips of a joint are End Sites, whose names are not written.
 #[test]
 fn motionless_tips_are_written_as_end_sites() {
     let names = ["hand", "hand/tip", "hand/tip/2", "hand/tip/3"];
@@ -335,7 +335,7 @@ fn motionless_tips_are_written_as_end_sites() {
     assert_eq!(read(&text).armature.names(), names);
 }
 
-/// An End Site has no joints on it.
+/// An End Site has no child joints.
 #[test]
 fn tip_with_children_is_written_as_a_joint() {
     let still = |name, parent| bone(name, parent, Vec3A::Y, Quat::IDENTITY);
@@ -413,7 +413,7 @@ fn unrepresentable_motion_is_rejected() {
     );
 }
 
-/// As many frames are written as were read: a length in seconds hides in which of them it ends.
+/// The number of frames is kept, although a duration in seconds does not define it.
 #[test]
 fn number_of_frames_survives_a_round_trip() {
     for rate in [24.0, 29.97, 30.0, 60.0, 120.0] {
@@ -431,7 +431,7 @@ fn number_of_frames_survives_a_round_trip() {
     }
 }
 
-/// What has no frames has none in another armature either: its rest is still nobody's pose.
+/// A clip without frames has none in another armature either: the rest pose is not a frame.
 #[test]
 fn clip_without_frames_keeps_none() {
     let text = "HIERARCHY ROOT a\n{OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation\n\
@@ -444,7 +444,7 @@ fn clip_without_frames_keeps_none() {
     assert_eq!(moved.span(), [0.0; 2]);
 }
 
-/// What is written to a file is the text that is told.
+/// The written file equals the returned text.
 #[test]
 fn written_file_equals_the_returned_text() {
     let text = "HIERARCHY ROOT a\n{OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation\n\
@@ -471,7 +471,7 @@ fn written_file_equals_the_returned_text() {
     assert_eq!((again.frames, again.frame_time), (3, 0.05));
 }
 
-/// In single precision 0.7 s are a hair less than seven frames of a tenth.
+/// In single precision 0.7 s are slightly less than seven frames of a tenth of a second.
 #[test]
 fn last_frame_of_a_clip_is_written() {
     let armature = armature(false);

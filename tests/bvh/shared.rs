@@ -1,7 +1,7 @@
-//! Promise: a real capture of 2 752 frames is read as its matrices say: every joint and End Site of
-//! every frame in its place, every bone of one length, and back again when it is written.
+//! Promise: a real capture of 2 752 frames is read according to its matrices. Every joint and End Site is checked in
+//! every frame, and every bone has a constant length. Written and read again, it is the same motion.
 //!
-//! The file is not shipped: set `KINOPT_SHARED` to the folder that has it as `assets/bvh/01_01.bvh`.
+//! The file is not shipped: set `KINOPT_SHARED` to a folder that contains it as `assets/bvh/01_01.bvh`.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use crate::matrices::{File, distance};
@@ -18,7 +18,7 @@ fn text() -> Option<String> {
     Some(std::fs::read_to_string(path).unwrap())
 }
 
-/// Where each bone is in each frame of the file.
+/// Positions of the bones in each frame of the file.
 fn frames(capture: &MotionCapture, frame_time: f64) -> Vec<Vec<[f64; 3]>> {
     let mut cursor = Cursor::new();
     let mut pose = capture.armature.rest().clone();

@@ -1,4 +1,4 @@
-//! Promise: distances and depths equal those of Coal wherever Coal's result is certified (notebooks-ref/distances.py).
+//! Promise: distances and depths equal those of Coal if Coal's result is certified (notebooks-ref/distances.py).
 
 use kinopt::collision::{Shape, separation};
 use kinopt::spatial::{Matrix3, Placement, Vector3};

@@ -20,8 +20,8 @@ fn names(model: &CollisionModel) -> Vec<String> {
         .collect()
 }
 
-/// Links along x: a and b are rigidly connected, c swings slightly on them, d without shape is on c, e rotates on d, f
-/// on e and g on f.
+/// Links along x. The links a and b are rigidly connected, c swings slightly on them, and d without shape is on c. The
+/// link e rotates on d, f on e, and g on f.
 const ROW: &str = r#"<robot name="row">
   <link name="a"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
   <link name="b"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>

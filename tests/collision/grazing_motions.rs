@@ -103,8 +103,9 @@ fn polar(paddle: bool) -> Checker {
     Checker::new(CollisionModel::new(&model, vec![object]).unwrap())
 }
 
-/// While the prismatic joint extends, the rotation lowers its end to the ground and raises it again: 0.5 mm above at
-/// both ends, as much below in between. The curvature comes from the prismatic motion on the rotation.
+/// While the prismatic joint extends, the rotation lowers its end to the ground and raises it again. The end is 0.5 mm
+/// above the ground at both ends, and as much below in between. The curvature comes from the prismatic motion on the
+/// rotation.
 #[test]
 fn motion_dipping_into_the_ground_is_stopped() {
     let plain = polar(false);

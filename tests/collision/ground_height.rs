@@ -48,7 +48,7 @@ fn heights_of_steps_sphere_and_slope_are_exact() {
     assert_eq!(World::new().height_at(Vector3::zero(), up), None);
 }
 
-/// Attached objects are no ground, wherever their files place them; detached ones are.
+/// Attached objects are no ground, at any placement in their files; detached ones are.
 #[test]
 fn attached_objects_are_no_ground() {
     let mut world = World::new();

@@ -1,5 +1,5 @@
-//! Promise: distances and depths of hulls with hundreds of vertices equal the result over all vertices, also for faces
-//! that are flat to rounding and for needles.
+//! Promise: distances and depths of hulls with hundreds of vertices equal the result over all vertices. This includes
+//! faces that are flat to rounding, and needles.
 
 use kinopt::collision::{separation, separation_within};
 use kinopt::spatial::{Placement, Vector3};

@@ -164,7 +164,7 @@ fn drag_onto_a_table_slides_along_it() {
     }
 }
 
-/// A floor exactly at the soles or slightly below: the robot stands on it and moves.
+/// A floor exactly at the soles or slightly below: the robot is in contact with it and moves.
 #[test]
 fn robot_stands_and_moves_on_a_floor() {
     let nao = Nao::standing();
@@ -395,7 +395,7 @@ fn clearance_derivative_matches_differences() {
         ]
         .map(jacobian);
         assert!((&exact - &dual).amax() < 1e-12);
-        // Where the nearest pair changes, differences straddle a kink: few rows do.
+        // Differences straddle a kink if the nearest pair changes: few rows do.
         for row in 0..rows {
             let off = (exact.row(row) - differences.row(row)).amax();
             checked += usize::from(exact.row(row).amax() > 0.0 && off < 1e-6);

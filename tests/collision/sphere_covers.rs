@@ -217,8 +217,8 @@ fn bar_cover_is_nearly_minimal() {
     assert!((8..=20).contains(&spheres.count()), "{}", spheres.count());
 }
 
-/// Nine spheres protrude by e from a capsule of radius 0.1 and length 1, with (0.1 + e)² = 0.1² + ((1 − 2e) / 16)², at
-/// its poles as far as between them. One around a capsule of length 0.01 protrudes by 0.005.
+/// Nine spheres protrude by e from a capsule of radius 0.1 and length 1, with (0.1 + e)² = 0.1² + ((1 − 2e) / 16)². At
+/// its poles they protrude as far as between them. One around a capsule of length 0.01 protrudes by 0.005.
 #[test]
 fn protrusion_of_capsules_is_the_maximum() {
     let half = 0.5 * (0.2 + 1.0 / 64.0);

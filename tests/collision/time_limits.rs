@@ -1,5 +1,5 @@
 //! Promise: with obstacles a time limit ends a search at the next check of the clock, at most a group of attempts
-//! later, and an observer at once. The tests do not measure time.
+//! later. An observer ends it at once. The tests do not measure time.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

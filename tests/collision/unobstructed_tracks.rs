@@ -1,5 +1,5 @@
-//! Promise: with unobstructed paths a track with a world equals one without in quality, also if a branch ends at a
-//! limit and a detour exists. A far first target is solved without contact.
+//! Promise: with unobstructed paths a track with a world equals one without in quality. This includes branches that end
+//! at a limit with a detour. A far first target is solved without contact.
 
 use kinopt::arm::{Arm, Track};
 use kinopt::collision::{Checker, CollisionModel, World};

@@ -41,7 +41,7 @@ fn rotation_follows_the_sign_of_the_angle() {
     }
 }
 
-/// Two links on x, target (0, 2): the outer joint rotates by 90° + 26.57° (from (1, 0) to (−1, 2)), then the inner one
+/// Two links on x, target (0, 2). The outer joint rotates by 90° + 26.57° (from (1, 0) to (−1, 2)). Then the inner one
 /// rotates the resulting tip onto the y axis.
 #[test]
 fn sweep_runs_from_tip_to_root() {
@@ -137,7 +137,7 @@ fn rig(name: &str) -> Rig {
     Rig::read(format!("{models}/{name}/{name}.json")).unwrap()
 }
 
-/// One tip of each shipped rig with a target from a random pose within limits: the method alone reaches at least nine
+/// One tip of each shipped rig with a target from a random pose within limits. The method alone reaches at least nine
 /// of ten, and reports the tip's error correctly.
 #[test]
 fn tips_of_shipped_rigs_are_reached() {
@@ -253,7 +253,7 @@ fn non_finite_targets_end_as_non_finite() {
     assert!(Ccd::default().solve(&problem, &[f64::NAN, 0.0]).is_err());
 }
 
-/// A joint with a range above one turn near the end of its range: the short rotation to the target leaves the range,
+/// A joint with a range above one turn near the end of its range. The short rotation to the target leaves the range,
 /// the long one does not.
 #[test]
 fn long_rotation_is_taken_if_the_short_is_blocked() {
@@ -297,8 +297,8 @@ fn overflowing_start_is_not_the_last_attempt() {
     assert!(solution.reached && solution.attempts > 1, "{solution:?}");
 }
 
-/// One joint between conflicting position and direction: rotated about z, the sum Σ w² |chord|² is minimal at the angle
-/// of Σ w² r² (cos, sin), with the lever r, which is 1 for the direction.
+/// One joint between conflicting position and direction. For a rotation about z the sum Σ w² |chord|² is minimal at the
+/// angle of Σ w² r² (cos, sin). The lever r is 1 for the direction.
 #[test]
 fn positions_and_directions_are_weighted() {
     let (lever, weight) = (0.7, 0.4);

@@ -1,6 +1,6 @@
-//! Promise: files that other programs wrote are read, posed and written again.
+//! Promise: files written by other programs are read, posed and written again.
 //!
-//! They are not shipped: set `KINOPT_SHARED` to a folder that has them under `assets/gltf/`.
+//! They are not shipped: set `KINOPT_SHARED` to a folder that contains them in `assets/gltf/`.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ fn posed(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
     posing.mesh(pose).unwrap().positions().to_vec()
 }
 
-/// What is written is read again: the same armature, meshes and clips.
+/// Asserts that a written scene is read back with the same armature, meshes and clips.
 fn assert_round_trip(scene: &Scene) {
     let options = WriteOptions::default();
     let bytes = gltf::to_bytes(scene, &options).unwrap();
@@ -46,14 +46,13 @@ fn assert_round_trip(scene: &Scene) {
     assert_eq!(again.clips, scene.clips);
 }
 
-/// The numbers are those of another program, which reads the file and multiplies 4×4 matrices in
-/// double precision.
+/// The reference numbers are from another program that reads the file and multiplies 4×4 matrices in double precision.
 #[test]
 fn fox_with_three_clips_equals_the_reference() {
     let Some(fox) = read("Fox.glb") else { return };
     assert_eq!(fox.armature.bones(), 26);
     let mesh = &fox.meshes[0].mesh;
-    // Not indexed.
+    // Without indices.
     assert_eq!(
         (mesh.positions().len(), mesh.triangles().len()),
         (1728, 576)
@@ -118,8 +117,8 @@ fn simple_skin_bends_as_specified() {
     let Some(scene) = read("SimpleSkin.gltf") else {
         return;
     };
-    // Both joints stand at (0, 1, 0) and were bound at (0.5, 1, 0); after a second the upper one has
-    // turned by a quarter about z.
+    // Both joints are at (0, 1, 0) and were bound at (0.5, 1, 0). After a second the upper one has rotated by a quarter
+    // turn about z.
     let positions = posed(&scene, &at(&scene, 0, 1.0));
     for (vertex, wanted) in [
         (0, [-0.5, 0.0, 0.0]),
@@ -153,7 +152,7 @@ fn step_linear_and_cubic_clips_are_sampled() {
     assert_eq!([step(0.8), step(0.85), step(1.3)], [10.0, 6.0, 10.0]);
     let line = height("Linear Translation", "Cube.009", 0.9375);
     assert!((line - 7.0).abs() < 1e-4, "{line}");
-    // Tangents of zero: 3u² − 2u³ of the way.
+    // Tangents of zero: the interpolation factor is 3u² − 2u³.
     let spline = height("CubicSpline Translation", "Cube.008", 0.9375);
     let u: f32 = 0.25;
     assert!(
@@ -170,7 +169,7 @@ fn cube_with_two_morph_targets_is_posed() {
     };
     let mut pose = scene.armature.rest().clone();
     let rest = posed(&scene, &pose);
-    // The largest deltas that the file announces, along y; the node takes y to −z and scales by 100.
+    // The largest deltas in the file's accessors, along y; the node rotates y to −z and scales by 100.
     for (target, most) in [0.018_932_53, 0.019_890_836].into_iter().enumerate() {
         pose.morph_weights_mut().copy_from_slice(&[0.0; 2]);
         pose.morph_weights_mut()[target] = 0.5;

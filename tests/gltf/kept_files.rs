@@ -1,5 +1,4 @@
-//! Promise: a file to which a clip is added, or whose nodes are posed, keeps everything else to the byte: what is understood and
-//! what is not.
+//! Promise: a file with an added clip or posed nodes keeps everything else byte for byte, known to the reader or not.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3A};
@@ -13,14 +12,14 @@ use serde_json::Value;
 use support::folders::Folder;
 use support::gltf_text::{Numbers, at, glb, small};
 
-/// What no reader here looks at, with odd spacing and numbers whose text says more than a double holds.
+/// JSON that no reader here uses, with unusual spacing and numbers with more digits than a double.
 const UNKNOWN: &str = r#""materials":[{"name":"fur" , "pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1},"roughnessFactor":0.300000000000000044},"extensions":{"ACME_fur":{"hairs":[1,2e0,3]}}}],
  "textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":10497}],"cameras":[{"type":"perspective","perspective":{"yfov":0.80,"znear":1e-2}}],
  "extensionsUsed":["ACME_fur"],"extensions":{"ACME_fur":{"wind" :[ 0,0 , 1.50 ]}},"extras":{"author":"\u00e4","count":12345678901234567890}"#;
-/// The bytes of no image in particular.
+/// Arbitrary bytes as image data.
 const IMAGE: [u8; 7] = [0x89, b'P', b'N', b'G', 0, 255, 7];
 
-/// The small file of all tests with an image in its buffer and things that are not understood.
+/// The small file of all tests with an image in its buffer and keys unknown to the reader.
 fn file() -> (Numbers, String, usize) {
     let (mut numbers, rest) = small();
     let view = numbers.view(&IMAGE);
@@ -40,7 +39,7 @@ fn scene(bytes: &[u8]) -> Scene {
     gltf::from_bytes(bytes, "again", nobody).unwrap()
 }
 
-/// A clip that moves each bone, one of which the file has as a matrix.
+/// Clip that moves each bone; one of them has a matrix in the file.
 fn wave(scene: &Scene) -> Clip {
     let mut builder = Clip::builder("wave", &scene.armature);
     for (index, bone) in scene.armature.bone_ids().enumerate() {
@@ -64,7 +63,7 @@ fn sampled(scene: &Scene, clip: usize) -> Vec<Pose> {
         .collect()
 }
 
-/// The JSON text of either kind of file.
+/// JSON text of a .gltf or .glb file.
 fn text(bytes: &[u8]) -> String {
     let json = match bytes.strip_prefix(b"glTF") {
         Some(_) => {
@@ -104,7 +103,7 @@ fn unknown_content_keeps_its_text() {
         for (key, value) in old.as_object().unwrap() {
             let now = &new[key];
             match key.as_str() {
-                // Those that are there stay the first ones.
+                // Existing entries stay first.
                 "accessors" | "bufferViews" | "animations" => {
                     let old = value.as_array().unwrap();
                     assert_eq!(
@@ -115,7 +114,7 @@ fn unknown_content_keeps_its_text() {
                     assert!(now.as_array().unwrap().len() > old.len());
                 }
                 "buffers" => assert_eq!(now[0]["uri"], value[0]["uri"]),
-                // The node that has a matrix is animated now, which no matrix may be.
+                // The node with a matrix is animated now, so the matrix is replaced by separate properties.
                 "nodes" => assert_eq!(now.as_array().unwrap()[..3], value.as_array().unwrap()[..3]),
                 _ => assert_eq!(now, value, "{key}"),
             }
@@ -179,7 +178,7 @@ fn unchanged_document_stays_the_same() {
 #[test]
 fn chunks_of_other_kinds_are_kept() {
     let (numbers, rest, _) = file();
-    // The last is filled up with zeros, as chunks end at multiples of four.
+    // The last chunk is padded with zeros, because chunks end at multiples of four.
     for (length, chunk, kept) in [(4_u32, "ACMEfurs", "ACMEfurs"), (3, "ACMEfur", "ACMEfur\0")] {
         let mut before = numbers.glb(&rest);
         before.extend(length.to_le_bytes());
@@ -191,7 +190,7 @@ fn chunks_of_other_kinds_are_kept() {
     }
 }
 
-/// Other programs write chunks whose length is no multiple of four.
+/// Other programs write chunks whose length is not a multiple of four.
 #[test]
 fn clip_after_a_buffer_of_any_length_is_aligned() {
     let (numbers, rest, _) = file();
@@ -209,12 +208,12 @@ fn clip_after_a_buffer_of_any_length_is_aligned() {
         ..old
     };
     assert_eq!(sampled(&new, 1), sampled(&expected, 0));
-    // Without a clip more the chunk is filled up as the format has it.
+    // Without a new clip the chunk is padded as the format requires.
     let same = opened(&before).to_bytes().unwrap();
     assert_eq!(binary(&same), [&odd[..], &[0; 3]].concat());
 }
 
-/// Where a clip leaves a node alone, its matrix is as good as ever.
+/// A node without animation keeps its matrix.
 #[test]
 fn node_without_animation_keeps_its_matrix() {
     let (numbers, rest) = small();
@@ -234,7 +233,7 @@ fn node_without_animation_keeps_its_matrix() {
     assert!(after.contains(matrix), "{after}");
 }
 
-/// Only the one that grows is written anew.
+/// Only the buffer that grows is encoded again.
 #[test]
 fn second_buffer_keeps_its_text() {
     let (numbers, rest, _) = file();
@@ -301,7 +300,7 @@ fn referenced_files_are_copied_to_another_folder() {
     let before = numbers.document(&format!("{rest},{images}"));
     std::fs::write(path("fox.gltf"), &before).unwrap();
     let file = SceneFile::read(path("fox.gltf")).unwrap();
-    // An image that is not there cannot go along; its name stays.
+    // A missing image cannot be copied; its name is kept.
     file.write(path("elsewhere/bare.gltf")).unwrap();
     std::fs::write(path("a coat.png"), b"\x89PNG\r\n\x1a\n\x00\xff\x07").unwrap();
     file.write(path("same.gltf")).unwrap();
@@ -313,12 +312,12 @@ fn referenced_files_are_copied_to_another_folder() {
     };
     assert_eq!(uri("same.gltf"), "a%20coat.png");
     assert_eq!(uri("elsewhere/bare.gltf"), "a%20coat.png");
-    // Eleven bytes in base64, by hand.
+    // Eleven bytes in base64, encoded by hand.
     assert_eq!(
         uri("elsewhere/fox.gltf"),
         "data:image/png;base64,iVBORw0KGgoA/wc="
     );
-    // What does not go along stays as it was written.
+    // References to files that are not copied are unchanged.
     let text = std::fs::read_to_string(path("elsewhere/fox.gltf")).unwrap();
     for (_, kept) in images.split_once("},").into_iter() {
         let kept = kept.strip_suffix(']').unwrap();
@@ -328,7 +327,7 @@ fn referenced_files_are_copied_to_another_folder() {
     assert!(wrong.contains(".gltf"), "{wrong}");
 }
 
-/// Were it left out without a word, the new file would name what is not there.
+/// If it were omitted silently, the new file would refer to a missing file.
 #[test]
 fn unreadable_referenced_file_is_named() {
     let folder = Folder::new("unread");
@@ -347,7 +346,7 @@ fn unreadable_referenced_file_is_named() {
     assert!(!elsewhere.exists());
 }
 
-/// A binary file may have its buffer in its text all the same.
+/// A binary file may have a buffer in its JSON text.
 #[test]
 fn text_buffer_in_a_binary_file_keeps_its_text() {
     let folder = Folder::new("text-in-binary");

@@ -1,5 +1,5 @@
-//! Promise: what a glTF file says is what is posed. The answers are worked out here, by 4×4 matrices
-//! and by the formulas of the specification, not by the library.
+//! Promise: a posed scene agrees with its glTF file. The expected values are computed here by 4×4 matrices and the
+//! formulas of the specification, independent of the library.
 #![allow(clippy::unwrap_used)]
 
 use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
@@ -23,8 +23,8 @@ fn close(ours: &[Vec3], wanted: &[DVec3], within: f64) {
     }
 }
 
-/// Two joints, the upper one bound elsewhere than it is at rest, and a root that is scaled. The
-/// children come before their parents.
+/// Two joints, the upper one bound at another position than at rest, and a scaled root. The children precede their
+/// parents in the file.
 struct TwoJoints {
     vertices: Vec<[f32; 3]>,
     weights: Vec<[f32; 4]>,
@@ -80,7 +80,7 @@ impl TwoJoints {
         (numbers, rest)
     }
 
-    /// Σ_j w_j W_j B_j⁻¹ v, with the upper joint turned about z by an angle in radians.
+    /// Skinned vertices Σ_j w_j W_j B_j⁻¹ v, with the upper joint rotated about z by an angle in radians.
     fn expected(&self, angle: f64) -> Vec<DVec3> {
         let root = DMat4::from_scale_rotation_translation(
             DVec3::splat(2.0),
@@ -107,7 +107,7 @@ fn skin_follows_joints_from_the_bind_pose() {
     let from_text = numbers.read(&rest);
     let from_glb = support::gltf_text::read(&numbers.glb(&rest)).unwrap();
     for scene in [&from_text, &from_glb] {
-        // Parents first, though the file has them last.
+        // Parents come first, although the file lists them last.
         assert_eq!(scene.armature.names(), ["root", "lower", "upper", "body"]);
         assert_eq!(scene.clip("bend").unwrap().span(), [0.5, 1.5]);
         for (time, share) in [
@@ -153,7 +153,7 @@ fn skinning_methods_agree_for_single_joint_vertices() {
         [0.0, 1.0, 0.0, 0.0],
     ];
     let (numbers, rest) = two.file();
-    // The root scales by two: each joint stretches about where it was bound, then turns.
+    // The root scales by two: each joint scales about its bind position, then rotates.
     let scene = numbers.read(&rest);
     let mut posing = ScenePosing::new(&scene, SkinningMethod::DualQuaternion).unwrap();
     let mesh = posing.mesh(&at(&scene, 0, 1.0)).unwrap();
@@ -164,7 +164,7 @@ fn skinning_methods_agree_for_single_joint_vertices() {
     );
 }
 
-/// Appendix C.5 of the specification, written out: the value at `time` between two keys.
+/// Appendix C.5 of the specification: the value at `time` between two keys.
 fn cubic_spline<const N: usize>(
     time: f64,
     [start, end]: [f64; 2],
@@ -187,7 +187,7 @@ fn cubic_spline<const N: usize>(
 fn cubic_splines_equal_the_specification() {
     let mut numbers = Numbers::default();
     let times = numbers.floats(&[[1.0], [3.0]]);
-    // Arriving tangent, value, leaving tangent; the first and the last are not used.
+    // Incoming tangent, value, outgoing tangent; the first and the last are not used.
     let moves = [
         [9.0; 3],
         [1.0, 2.0, 3.0],
@@ -217,7 +217,7 @@ fn cubic_splines_equal_the_specification() {
         numbers.floats(&turns),
         numbers.floats(&scales),
     ];
-    // Two morph targets: for each key their arriving tangents, their values, their leaving tangents.
+    // Two morph targets: each key has their incoming tangents, values and outgoing tangents.
     let weights = [
         [9.0],
         [9.0],
@@ -314,7 +314,7 @@ fn step_and_linear_curves_equal_the_specification() {
     let mut numbers = Numbers::default();
     let times = numbers.floats(&[[0.0], [1.0], [4.0]]);
     let values = numbers.floats(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0]]);
-    // Rotations as normalised shorts: 32767 stands for 1.
+    // Rotations as normalised shorts: 32767 represents 1.
     let shorts: Vec<u8> = [[0i16, 0, 0, 32767], [0, 0, 32767, 0], [0, 0, 32767, 0]]
         .as_flattened()
         .iter()

@@ -1,4 +1,4 @@
-//! Promise: what the specification allows is read; what nothing here is for is left out, with a note.
+//! Promise: files that the specification allows are read. Unsupported content is omitted with a note.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::io::gltf::{Note, Scene};
@@ -8,7 +8,7 @@ fn notes(scene: &Scene) -> Vec<String> {
     scene.notes.iter().map(Note::to_string).collect()
 }
 
-/// Changes one piece of the small file, which must be there once, and reads it.
+/// Replaces a text that occurs once in the small file, and reads the file.
 fn changed(from: &str, to: &str) -> Scene {
     let (numbers, rest) = small();
     let text = numbers.document(&rest);
@@ -41,7 +41,7 @@ fn channel_without_a_node_is_omitted() {
                 .any(|note| note.contains(own) && note.contains("node")),
             "{noted:?}"
         );
-        // The channels beside it are read.
+        // All other channels are read.
         assert_eq!(scene.clips[0].span(), [0.0, 0.5]);
     }
     let (numbers, rest) = small();
@@ -61,7 +61,7 @@ fn channel_without_a_node_is_omitted() {
 fn channel_with_an_unknown_node_is_rejected() {
     for nobody in ["4", "4294967295"] {
         let (numbers, rest) = small();
-        // Also beside one that has none.
+        // Also next to one that has none.
         for first in [r#""node":0,"#, ""] {
             let rest = rest
                 .replace(
@@ -97,7 +97,7 @@ fn line_and_point_primitives_are_omitted() {
             {{"attributes":{{"POSITION":{positions}}},"targets":[{{"POSITION":{positions}}}]}}]}},
             {{"name":"wire","primitives":[{{"mode":{mode},"attributes":{{"POSITION":{others}}}}}]}}]"#
         ));
-        // Neither their vertices nor a mesh of nothing.
+        // Neither their vertices nor an empty mesh are read.
         assert_eq!(scene.meshes.len(), 1, "{word}");
         let mesh = &scene.meshes[0];
         assert_eq!(
@@ -139,7 +139,7 @@ fn applied_extension_is_not_noted_as_omitted() {
 #[test]
 fn repeated_name_is_kept_by_joint_then_animated_node() {
     let (numbers, rest) = small();
-    // The mesh's node before the joint, and both called so; of the other two the animated one keeps it.
+    // The mesh's node precedes the joint, and both have one name. Of the other two nodes the animated one keeps it.
     let rest = rest
         .replace(r#""name":"upper""#, r#""name":"arm""#)
         .replace(r#""name":"lower""#, r#""name":"arm""#)
@@ -164,13 +164,13 @@ fn repeated_name_is_kept_by_joint_then_animated_node() {
             .replace(r#","skin":0"#, ""),
     );
     let names = |wanted: &str| scene.armature.bone(wanted).map(|bone| bone.index());
-    // By the file's nodes: 0 the mesh's, 1 the joint, 2 still, 3 animated and its parent.
+    // Nodes of the file: 0 the mesh's, 1 the joint, 2 motionless, 3 animated and its parent.
     let bone_of = |node: usize| [1, 3, 2, 0][node];
     assert_eq!(names("arm").unwrap(), bone_of(1));
     assert_eq!(names("arm/0").unwrap(), bone_of(0));
     assert_eq!(names("lower").unwrap(), bone_of(3));
     assert_eq!(names("lower/2").unwrap(), bone_of(2));
-    // Joints among themselves: the first one.
+    // Of joints with one name, the first keeps it.
     let scene = numbers.read(&rest);
     let skin = scene.meshes[0].skin.as_ref().unwrap();
     let joints = skin
@@ -203,7 +203,7 @@ fn inverse_bind_matrices_not_finite_are_rejected() {
             let error = numbers.refused(&own(second));
             let words = ["skins[0].inverseBindMatrices", "skin 0", "joint 1"];
             assert!(words.iter().all(|word| error.contains(word)), "{error}");
-            // Also of a skin that no mesh has.
+            // Also for a skin that no mesh uses.
             let unused = own(second).replace(r#","skin":0"#, "");
             let error = numbers.refused(&unused);
             assert!(error.contains("joint 1"), "{error}");

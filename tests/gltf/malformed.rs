@@ -1,10 +1,10 @@
-//! Promise: a glTF file that is wrong is refused with its name, the place and what is wrong there.
+//! Promise: the error for an invalid glTF file names the file, the place and the fault.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::io::gltf;
 use support::gltf_text::{Numbers, read, small};
 
-/// Changes one piece of the small file, which must be there once; what is said.
+/// Replaces a text that occurs once in the small file, and returns the error.
 fn changed(from: &str, to: &str) -> String {
     let (numbers, rest) = small();
     let text = numbers.document(&rest);
@@ -76,7 +76,7 @@ fn container_errors_are_named() {
     says(&with(8, u32::MAX), &["byte 8", "4294967295"]);
     says(&with(12, u32::MAX), &["byte 12", "4294967295"]);
     says(&with(16, 7), &["no JSON chunk"]);
-    // A chunk of another kind is skipped, wherever it is.
+    // A chunk of another kind is skipped, at any position.
     let mut longer = good.clone();
     longer.extend([4, 0, 0, 0, b'A', b'B', b'C', b'D', 1, 2, 3, 4]);
     let length = longer.len() as u32;
@@ -275,7 +275,7 @@ fn accessor_errors_are_named() {
         &["accessors[0].count", "0"],
     );
     says(&vec3(r#""bufferView":4,"count":1"#), &["view 4 of 1"]);
-    // Zeros without a buffer, more than the file is worth.
+    // More zeros without a buffer than the file's size justifies.
     says(
         &vec3(r#""count":4000000000"#),
         &["accessors[0]", "out of proportion"],
@@ -297,7 +297,7 @@ fn accessor_errors_are_named() {
         ))
     };
     says(&sparse(""), &["accessors[0].sparse.indices", "increase"]);
-    // The places 1 and 2 are there, 1 and 3 are not.
+    // Entries 1 and 2 exist; 3 does not.
     for (last, there) in [(2, true), (3, false)] {
         let mut own = Numbers::default();
         let places = own.view(&[1, last]);
@@ -389,7 +389,7 @@ fn animation_errors_are_named() {
     says(&keys(&[[0.0], [1.0]], &[zero]), &["1 values for 2 keys"]);
 }
 
-/// What a mesh without morph targets cannot follow.
+/// Weights for a mesh without morph targets are an error.
 #[test]
 fn weights_without_morph_targets_are_rejected() {
     let mut numbers = Numbers::default();

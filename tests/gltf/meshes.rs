@@ -1,5 +1,5 @@
-//! Promise: meshes come out of a glTF file as it draws them: strips and fans, sparse morph targets,
-//! mirrored nodes, and weights put right.
+//! Promise: meshes of a glTF file are read as it draws them: strips and fans, sparse morph targets, mirrored nodes, and
+//! normalised weights.
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
@@ -32,7 +32,7 @@ fn sparse_morph_targets_and_weights_are_read() {
     let sparse = numbers.accessor(format!(
         r#"{{"componentType":5126,"type":"VEC3","count":4,"sparse":{{"count":2,"indices":{{"bufferView":{places},"componentType":5123}},"values":{{"bufferView":{deltas}}}}}}}"#
     ));
-    // The whole accessor's values, two of them replaced.
+    // The complete accessor's values, with two of them replaced.
     let base = numbers.view(
         &[[0.0f32, 1.0, 0.0]; 4]
             .as_flattened()
@@ -98,7 +98,7 @@ fn sparse_morph_targets_and_weights_are_read() {
     );
 
     assert_eq!(joined.normals().len(), 8);
-    // Where one mesh has no normals the whole has none, and is the same otherwise.
+    // If one mesh has no normals, the scene has none, and is otherwise equal.
     let mut plain = scene.clone();
     let bare = &plain.meshes[1].mesh;
     let bare = TriangleMesh::new(
@@ -113,7 +113,7 @@ fn sparse_morph_targets_and_weights_are_read() {
     assert!(whole.normals().is_empty());
     assert_eq!(whole.triangles(), joined.triangles());
 
-    // Into memory of the caller's, by what owns the scene.
+    // Into the caller's memory, from an object that owns the scene.
     let mut owned = ScenePosing::new(Arc::new(scene.clone()), SkinningMethod::LinearBlend).unwrap();
     let all: Vec<Vec3> = meshes
         .iter()
@@ -155,19 +155,19 @@ fn triangles_without_indices_and_fans_are_read() {
         {{"attributes":{{"POSITION":{five}}},"mode":6,"indices":{fan}}}]}}]"#
     ));
     let mesh = &scene.meshes[0].mesh;
-    // Five vertices once, though two primitives share them.
+    // Five vertices once, although two primitives share them.
     assert_eq!(mesh.positions().len(), 8);
     let fans = [[4, 5, 3], [5, 6, 3], [6, 7, 3], [3, 4, 7], [4, 5, 7]];
     assert_eq!(mesh.triangles()[0], [0, 1, 2]);
     assert_eq!(mesh.triangles()[1..], fans);
-    // The node mirrors: triangles turn round, so that the outside stays outside.
+    // The node mirrors: the winding of triangles is reversed, so that the outside stays outside.
     let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
     let posed = posing.mesh(scene.armature.rest()).unwrap();
     assert_eq!(posed.positions()[1], Vec3::NEG_X);
     assert_eq!(posed.triangles()[0], [0, 2, 1]);
 }
 
-/// A corner that comes back after one or two others makes no triangle, and turns the ones behind it round.
+/// A vertex that is repeated after one or two others gives no triangle, and reverses the winding of those that follow.
 #[test]
 fn degenerate_triangles_stitch_strips() {
     let mut numbers = Numbers::default();
@@ -182,7 +182,7 @@ fn degenerate_triangles_stitch_strips() {
     assert_eq!(scene.meshes[0].mesh.triangles(), expected);
 }
 
-/// Nothing of it is left over.
+/// A mesh without primitives leaves nothing behind.
 #[test]
 fn mesh_without_primitives_has_no_joints() {
     let scene = Numbers::default()
@@ -288,8 +288,8 @@ fn weights_with_half_the_sum_are_noted() {
     assert_eq!(told, Some((3, 0)));
 }
 
-/// Bytes as fractions: of the signed ones the lowest stands for −1 as well (section 3.6.2.2). And the last
-/// entry of an interleaved view need not be followed by the room that is between the others.
+/// Bytes as fractions: the lowest signed byte represents −1 as well (section 3.6.2.2). The last entry of an interleaved
+/// view may end without the stride's padding.
 #[test]
 fn normalised_and_interleaved_accessors_are_read() {
     let mut numbers = Numbers::default();
@@ -331,7 +331,7 @@ fn normalised_and_interleaved_accessors_are_read() {
     assert_eq!(scene.meshes[1].mesh.positions(), third.map(Vec3::from));
 }
 
-/// The values of a sparse accessor are read as the accessor's own are: whole numbers that stand for shares.
+/// Values of a sparse accessor are read with the accessor's normalisation: integers represent fractions.
 #[test]
 fn sparse_normalised_values_are_read() {
     let mut numbers = Numbers::default();
@@ -357,7 +357,7 @@ fn sparse_normalised_values_are_read() {
     assert!((weights[0] - 0.2).abs() < 1e-9 && (weights[1] - 0.8).abs() < 1e-9);
 }
 
-/// Targets of a mesh of several primitives move each one's own vertices.
+/// Morph targets of a mesh of several primitives move the vertices of their own primitive.
 #[test]
 fn morph_targets_move_their_primitive_only() {
     let mut numbers = Numbers::default();
@@ -384,7 +384,7 @@ fn morph_targets_move_their_primitive_only() {
     assert_eq!(posed.positions(), expected.map(Vec3::from));
 }
 
-/// Weights of a mesh of several primitives are those of each one's own vertices.
+/// Weights of a mesh of several primitives belong to the vertices of their own primitive.
 #[test]
 fn weights_belong_to_their_primitive() {
     let mut numbers = Numbers::default();

@@ -1,4 +1,4 @@
-//! Promise: a rig written as a scene is one animated file: read again, its skin goes where the rig's does.
+//! Promise: a rig written as a scene is one animated file. Read again, its skin has the rig's positions.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{Clip, Cursor, Playback};
@@ -11,9 +11,9 @@ fn skin_of_the_scene_moves_as_that_of_the_rig() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
-    // Targets that it is given later have the armature's first weights.
+    // Morph targets that are added later use the armature's first weights.
     assert_eq!(scene.meshes[0].first_morph_weight, 0);
-    // The mesh has a bone of its own, which stands at rest as any does.
+    // The mesh has its own bone, which is at rest like every other bone.
     let bones = scene.armature.bones();
     assert_eq!(bones, rig.skeleton.bones().len() + 1);
     assert_eq!(scene.armature.rest_from_model().len(), bones);
@@ -30,7 +30,7 @@ fn skin_of_the_scene_moves_as_that_of_the_rig() {
     let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
     let mut pose = scene.armature.rest().clone();
     let mut q = vec![0.0; rig.skeleton.angles()];
-    // At samples of 30 a second, where the curves are the rig's own.
+    // At 30 samples per second, where the curves equal the rig's own.
     for frame in [0, 7, 22, 40] {
         let time = (start + f64::from(frame) / 30.0).min(end);
         rig.clip.sample(time, Playback::Hold, &mut q).unwrap();

@@ -1,10 +1,11 @@
-//! Promise: numbers of a glTF file that are off by rounding, or missing where other readers have a rule, are read with a note.
+//! Promise: numbers of a glTF file with rounding errors, or missing ones that other readers supply, are read with a
+//! note.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use kinopt::io::gltf::{Note, Scene};
 use support::gltf_text::Numbers;
 
-/// A triangle on two joints; `weights` of its vertices, and one number of the second inverse bind matrix's last row.
+/// Triangle on two joints; `weights` of its vertices, and one number in the last row of the second inverse bind matrix.
 fn skinned(weights: [[f32; 4]; 3], joints: [[u8; 4]; 3], last: f32) -> Scene {
     let mut numbers = Numbers::default();
     let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);

@@ -1,5 +1,5 @@
-//! Promise: a scene that is written as .glb is read again as it was, to the bits of single precision
-//! where the format has what it holds, and sampled where it does not.
+//! Promise: a scene written as .glb is read back exactly in single precision if the format can represent it, and
+//! sampled otherwise.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, EulerRot, Quat, Vec3, Vec3A, Vec4};
@@ -65,7 +65,7 @@ fn targets(random: &mut Random) -> MorphTargets {
     MorphTargets::new(VERTICES, made.map(Result::unwrap).to_vec()).unwrap()
 }
 
-/// Weights whose sum is 1 also in single precision: multiples of 2⁻¹⁰. Some vertices have six.
+/// Weights whose sum is 1 in single precision as well: multiples of 2⁻¹⁰. Some vertices have six.
 fn weights(joints: usize, random: &mut Random) -> SkinWeights {
     let mut builder = SkinWeights::builder(VERTICES, joints);
     for vertex in 0..VERTICES {
@@ -102,7 +102,7 @@ fn skin(armature: &Armature, bones: &[usize], random: &mut Random) -> Skin {
     }
 }
 
-/// A scene whose every part glTF has.
+/// Scene that glTF can represent completely.
 fn scene() -> Scene {
     let random = &mut Random::new(7);
     let armature = armature(random);
@@ -173,7 +173,7 @@ fn times(count: usize, random: &mut Random) -> Vec<f32> {
     (0..count).map(|_| next()).collect()
 }
 
-/// Every kind of curve that glTF has.
+/// Every kind of curve in glTF.
 fn walk(armature: &Armature, random: &mut Random) -> Clip {
     let mut builder = Clip::builder("walk", armature);
     let bone = |index| armature.bone_at(index).unwrap();
@@ -278,7 +278,7 @@ fn walk(armature: &Armature, random: &mut Random) -> Clip {
     builder.build()
 }
 
-/// A clip that does not move but is not the rest either, over a span without keys.
+/// Constant clip that differs from the rest pose, over a span without keys.
 fn still(armature: &Armature) -> Clip {
     let mut builder = Clip::builder("still", armature);
     let bone = armature.bone_at(3).unwrap();
@@ -293,7 +293,7 @@ fn still(armature: &Armature) -> Clip {
 fn again(scene: &Scene, options: &WriteOptions) -> Scene {
     let bytes = gltf::to_bytes(scene, options).unwrap();
     let read = support::gltf_text::read(&bytes).unwrap();
-    // The scales of its bones differ along their axes.
+    // The scales of its bones differ by axis.
     let scales = read.armature.scale_notes();
     for note in &read.notes {
         assert!(
@@ -315,7 +315,7 @@ fn representable_content_survives_bitwise() {
         assert_eq!(read, own, "{}", own.name());
     }
     assert_eq!(read.clips.len(), 3);
-    // And so do the bytes of a second time.
+    // The bytes of a second write are equal as well.
     let bytes = |scene| gltf::to_bytes(scene, &WriteOptions::default()).unwrap();
     assert_eq!(bytes(&read), bytes(&scene));
     // Meshes that share a skin share it in the file.
@@ -356,7 +356,7 @@ fn posed_mesh_survives_a_round_trip() {
     );
 }
 
-/// Whatever its bones are called.
+/// For any names of its bones.
 #[test]
 fn scene_with_another_up_axis_gets_an_extra_bone() {
     let bones = vec![
@@ -462,8 +462,8 @@ fn at_rate(keys_per_second: f32) -> WriteOptions {
     options
 }
 
-/// A glTF animation begins at 0 and ends with its last key: keys before a clip's start move all times, and where every bone
-/// turns one of them keeps its place to the clip's end.
+/// A glTF animation begins at 0 and ends with its last key. Keys before a clip's start shift all times. A translation
+/// key at the clip's end keeps its duration if every bone rotates and all keys end earlier.
 #[test]
 fn clip_duration_is_kept_wherever_its_keys_are() {
     let mut scene = scene();

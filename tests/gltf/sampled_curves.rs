@@ -1,5 +1,5 @@
-//! Promise: curves that glTF does not have are written as lines through samples, and clips last as long
-//! as they did.
+//! Promise: curves that glTF cannot represent are written as linear keys through samples, and clips keep their
+//! duration.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Quat, Vec3, Vec3A, Vec4};
@@ -20,12 +20,12 @@ fn again(scene: &Scene, options: &WriteOptions) -> Scene {
     read
 }
 
-/// One bone, and one channel or curve at a time.
+/// Scene of one bone with the added channels or curves.
 fn moving(add: impl FnOnce(&mut ClipBuilder<'_>)) -> Scene {
     moving_from([0.0; 2], add)
 }
 
-/// The same with weights at rest.
+/// Scene of one bone with these weights at rest and the added channels or curves.
 fn moving_from(rest: [f32; 2], add: impl FnOnce(&mut ClipBuilder<'_>)) -> Scene {
     let bone = ArmatureBone {
         name: "bone".into(),
@@ -62,7 +62,7 @@ fn moving_from(rest: [f32; 2], add: impl FnOnce(&mut ClipBuilder<'_>)) -> Scene 
     }
 }
 
-/// The furthest that the two clips are apart: in translation, in quaternions, in weights.
+/// Largest differences of two clips: in translation, in quaternions, in weights.
 fn apart(one: &Scene, other: &Scene) -> [f32; 3] {
     let (a, b) = (&one.clips[0], &other.clips[0]);
     assert!((a.duration() - b.duration()).abs() < 1e-6);
@@ -137,19 +137,19 @@ fn unsupported_curves_are_sampled_at_the_rate() {
         let scene = scene(rotation);
         let sampled = |rate| apart(&scene, &again(&scene, &at_rate(rate)));
         let [coarse, fine] = [25.0, 100.0].map(sampled);
-        // Between samples a line misses a curve by an eighth of its curvature times h².
+        // Between samples a line deviates from a curve by an eighth of its curvature times h².
         for (coarse, fine) in coarse.iter().zip(fine).take(2) {
             assert!(
                 *coarse < 0.05 && fine < 0.003 && fine < coarse / 4.0,
                 "{coarse} {fine}"
             );
         }
-        // Lines with keys of their own need no sampling.
+        // Linear curves with their own keys need no sampling.
         assert!(coarse[2] < 1e-6, "{}", coarse[2]);
     }
 }
 
-/// A weight that stands still goes along with one that steps: it leaps where it leapt, at once.
+/// A constant weight next to one that steps keeps the steps: the other weight jumps at its original times.
 #[test]
 fn steps_beside_a_constant_weight_stay_steps() {
     for constant in [0, 1] {
@@ -200,8 +200,7 @@ fn clip_duration_is_kept() {
     assert_eq!(at(&early, 0, 1.5).morph_weights(), [0.0, 0.5]);
 }
 
-/// Samples of turning angles are written on one side, for programs that take the way between quaternions as
-/// it is given.
+/// Samples of a rotation have consistent signs, for programs that interpolate quaternions without checking the sign.
 #[test]
 fn sampled_quaternions_keep_one_sign() {
     let angles = [0.0, 4.0, -3.0, 9.0].map(|turn| Vec3A::new(turn, 0.3 * turn, 0.1));
@@ -226,7 +225,7 @@ fn sampled_quaternions_keep_one_sign() {
     let quaternions = numbers[numbers.len() / 5..].chunks_exact(4);
     let quaternions: Vec<Vec4> = quaternions.map(Vec4::from_slice).collect();
     assert!(quaternions.len() > 10);
-    // A sample that all but falls on a key is left to the key.
+    // A sample that almost coincides with a key is omitted.
     let times = &numbers[..numbers.len() / 5];
     assert!(times.windows(2).all(|t| t[1] - t[0] > 1e-5), "{times:?}");
     assert!(quaternions.iter().all(|q| (q.length() - 1.0).abs() < 1e-5));
@@ -239,7 +238,7 @@ fn at_rate(keys_per_second: f32) -> WriteOptions {
     options
 }
 
-/// What no curve moves stays as it is at rest while a weight beside it moves, whatever runs between that one's keys.
+/// A weight without a curve stays at its rest value while another weight moves, for any interpolation of the latter.
 #[test]
 fn weight_without_curve_stays_at_rest() {
     let (times, values) = (vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 0.25]);

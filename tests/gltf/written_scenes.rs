@@ -1,5 +1,5 @@
-//! Promise: of a scene that is written each mesh comes back with its own skin, though skins that are alike are written once, and
-//! in its place; what the format cannot hold is refused or left out.
+//! Promise: each mesh of a written scene is read back with its own skin, in order, although equal skins are written
+//! once. Content that the format cannot represent is an error or omitted.
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Vec3, Vec3A};
@@ -19,7 +19,7 @@ fn armature() -> Armature {
     Armature::new(bones, Vec::new()).unwrap()
 }
 
-/// A triangle that follows the first of the joints.
+/// Skin of a triangle on the first of these joints.
 fn skin(armature: &Armature, joints: &[usize]) -> Skin {
     let mut weights = SkinWeights::builder(3, joints.len());
     for vertex in 0..3 {
@@ -84,7 +84,7 @@ fn skins_with_any_difference_are_written_apart() {
     }
 }
 
-/// A mesh without morph targets need not say of how many vertices they would be.
+/// An empty mesh of morph targets may have any number of vertices.
 #[test]
 fn empty_morph_targets_may_have_any_size() {
     let armature = armature();
@@ -98,7 +98,7 @@ fn empty_morph_targets_may_have_any_size() {
     assert_eq!(support::gltf_text::read(&bytes).unwrap().meshes, [own]);
 }
 
-/// Sixteen bits tell joints apart.
+/// Joint indices have sixteen bits.
 #[test]
 fn more_joints_than_sixteen_bits_are_rejected() {
     let armature = armature();
@@ -110,7 +110,7 @@ fn more_joints_than_sixteen_bits_are_rejected() {
     assert_eq!(error, UnwritableScene::TooManyJoints { mesh, joints });
 }
 
-/// Also where a file names a child before its parent, so that what is written of it is read in its own order.
+/// Also if a file lists a child before its parent: the written file is read in the armature's order.
 #[test]
 fn meshes_are_ordered_by_their_bones() {
     let mut numbers = Numbers::default();

@@ -140,7 +140,7 @@ each! { value:
 each! { shared:
     ik::SolutionDerivative<'static>, problem::Evaluation<'static>, skinning::PosedVertices<'static>,
 }
-// Like those, and it also borrows a problem of any kind.
+// Borrows the caller's memory exclusively, and a problem of any kind.
 each! { shown: solver::Iterate<'static>, }
 
 each! { error:

@@ -1,9 +1,9 @@
 //! Promise: the centre of mass and its Jacobian equal Pinocchio's to 1e-12, and the Jacobian equals finite differences
 //! on the manifold. Models without a centre of mass are rejected by name.
 //!
-//! The numbers are of pin 4.1.0 from PyPI: `centerOfMass`, `jacobianCenterOfMass` and `computeTotalMass` of
-//! `buildModelFromUrdf("leaning.urdf")` at (0.3, -0.7, 1.9, 0.12), and of a JointModelFreeFlyer, a JointModelSpherical
-//! at 0.9 rad about z and a JointModelRY with the masses below (row-major).
+//! The numbers are of pin 4.1.0 from PyPI, by `centerOfMass`, `jacobianCenterOfMass` and `computeTotalMass` of
+//! `buildModelFromUrdf("leaning.urdf")` at (0.3, -0.7, 1.9, 0.12). The second model has a JointModelFreeFlyer, a
+//! JointModelSpherical at 0.9 rad about z and a JointModelRY with the masses below (row-major).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};

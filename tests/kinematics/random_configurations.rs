@@ -106,8 +106,8 @@ fn samples_respect_total_angles() {
     assert!(farthest > 0.5, "{farthest}");
 }
 
-/// A ball joint is within its limits if its swing is in the ellipse, its twist in the range and its total angle below
-/// the limit. The test composes rotations from these parts.
+/// A ball joint is within its limits if its swing, its twist and its total angle are. The test composes rotations from
+/// these parts.
 #[test]
 fn ball_limits_match_their_parts() {
     use kinopt::model::{BallLimits, Model};

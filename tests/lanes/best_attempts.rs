@@ -1,5 +1,5 @@
-//! Promise: where no attempt reaches the target, the result is the best attempt, or the start's own attempt where the
-//! search prefers that.
+//! Promise: if no attempt reaches the target, the result is the best attempt, or the start's own attempt if the search
+//! prefers it.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
@@ -62,7 +62,7 @@ fn unreached_target_keeps_the_best_attempt() {
     assert!(not_last > 8, "{not_last}");
 }
 
-/// Where all attempts miss by the same amount, the first one counts. Here the square of the distance overflows.
+/// If all attempts miss by the same amount, the first one counts. Here the square of the distance overflows.
 #[test]
 fn equally_bad_attempts_keep_the_first() {
     let chain = panda();

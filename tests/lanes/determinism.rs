@@ -209,7 +209,7 @@ fn unbounded_prismatic_joints_start_nearby() {
 }
 
 /// A parallel search counts the iterations of all its attempts, none of which exceeds its limit. A batch makes at most
-/// the allowed number of attempts, and exactly so many where nothing is reached.
+/// the allowed number of attempts, and exactly that number if nothing is reached.
 #[test]
 fn iterations_and_attempts_are_counted() {
     let chain = panda();
@@ -240,7 +240,7 @@ fn iterations_and_attempts_are_counted() {
     }
 }
 
-/// Where any orientation is accepted, the target's orientation only affects rounding.
+/// If any orientation is accepted, the target's orientation only affects rounding.
 #[test]
 fn free_target_orientation_has_no_effect() {
     let chain = panda();

@@ -1,12 +1,12 @@
 //! Promise: an arm whose mount is tilted from its vertical rail by rounding needs no more attempts than an exactly
-//! upright one, for any direction of the tilt.
+//! upright one. The tilt may have any direction.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::simd_ik::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::lane_chains::{Random, panda, target};
 
-/// The Panda beside a short vertical rail, tilted about horizontal axes by angles in radians.
+/// The Panda next to a short vertical rail, tilted about horizontal axes by angles in radians.
 fn on_a_rail(tilt: [f64; 2]) -> Chain {
     let rail = ChainJoint {
         parent_from_joint: Placement::identity(),

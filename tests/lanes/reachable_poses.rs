@@ -60,8 +60,8 @@ fn known_arms_are_solved() {
     all_solved(&ur5(), LaneOptions::default(), 2, 200);
 }
 
-/// An arm that rotates about the axis of the lift beneath it, or beside it. The atlas's four seeds for a goal suffice
-/// in most cases, although the lift is too short to correct the height of a sample.
+/// Arm that rotates about the axis of the lift beneath it, or next to it. The atlas's four seeds for a goal suffice in
+/// most cases, although the lift is too short to correct the height of a sample.
 #[test]
 fn arm_on_a_lift_is_solved_from_the_atlas() {
     for aside in [0.0, 0.12] {

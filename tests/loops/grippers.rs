@@ -8,8 +8,8 @@ use kinopt::{Problem, Solver};
 
 use crate::mechanisms::Gripper;
 
-/// Checks that fingers are parallel to the palm, that tips are symmetric and at the position of the crank angle, and
-/// that rods keep their length.
+/// Checks that fingers are parallel to the palm and that rods keep their length. Tips must be symmetric and at the
+/// position of the crank angle.
 fn assert_gripper(model: &Model, q: &[f64]) {
     let [out, arm, _, hole, rod] = Gripper::SIZES;
     let mut kinematics = ForwardKinematics::new(model);

@@ -55,8 +55,8 @@ impl FourBar {
         builder.build().unwrap()
     }
 
-    /// K₁ cos θ₄ − K₂ cos θ₂ + K₃ − cos(θ₂ − θ₄), which is zero if the loop is closed with the crank at θ₂ and the
-    /// rocker at θ₄ (Freudenstein 1954).
+    /// K₁ cos θ₄ − K₂ cos θ₂ + K₃ − cos(θ₂ − θ₄). It is zero if the loop is closed with the crank at θ₂ and the rocker
+    /// at θ₄ (Freudenstein 1954).
     pub(crate) fn freudenstein(&self, crank: f64, rocker: f64) -> f64 {
         let Self {
             ground: g,
@@ -146,8 +146,8 @@ impl Stewart {
 pub(crate) struct Gripper;
 
 impl Gripper {
-    /// Distances of the arms' pivots from the middle, along the arms, between the arms of a side and to the rod's hole,
-    /// and the rods' length.
+    /// Distances: the arms' pivots from the middle, along the arms, between the arms of a side, to the rod's hole. Then
+    /// the rods' length.
     pub(crate) const SIZES: [f64; 5] = [0.03, 0.06, 0.02, 0.025, 0.055];
 
     pub(crate) fn model() -> Model {

@@ -1,5 +1,5 @@
-//! Promise: for unreachable targets loops stay closed, and the result is as close as the minimum that CasADi and IPOPT
-//! find with loops as equality constraints.
+//! Promise: for unreachable targets loops stay closed. The result is as close as the minimum of CasADi and IPOPT with
+//! loops as equality constraints.
 //!
 //! `notebooks-ref/loops.py` writes the file. Two arms of seven joints have about a dozen minima from random starts;
 //! from near the smallest one the solver ends there. Of the other mechanisms it finds the smallest from its own start.

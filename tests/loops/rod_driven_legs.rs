@@ -1,4 +1,4 @@
-//! Promise: in a leg with rod-driven knee and ankle, read from an MJCF file, passive joints follow the motors and every
+//! Promise: in a leg with rod-driven knee and ankle, read from an MJCF file, passive joints follow the motors. Every
 //! solution keeps the rods' lengths.
 
 use kinopt::ik::LoopClosure;

@@ -1,4 +1,4 @@
-//! Promise: two hands on one box are a loop: both keep their grips wherever the box moves.
+//! Promise: two hands on one box are a loop: both keep their grips for any motion of the box.
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;

@@ -3,7 +3,7 @@
 //! Thousands of valid files are damaged by a fixed pseudo-random sequence: bits are flipped, bytes removed, inserted or
 //! repeated, numbers replaced by extreme ones. Whatever can still be read fulfils the promises of its type.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-#![allow(unsafe_code)] // A counting allocator cannot be written without it.
+#![allow(unsafe_code)] // Required by the counting allocator.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -25,7 +25,7 @@ thread_local! {
 }
 
 fn count(change: isize) {
-    // A thread that is ending needs no count.
+    // A thread that ends needs no count.
     let _ = HELD.try_with(|held| {
         held.set(held.get() + change);
         let _ = MOST.try_with(|most| most.set(most.get().max(held.get())));
@@ -220,7 +220,7 @@ fn damaged_bvh_is_an_error_or_can_be_rewritten() {
         let Ok(capture) = bvh::from_bytes(bytes, "damaged.bvh") else {
             return false;
         };
-        // What was read can be written, and has the same bones when read again.
+        // A capture can be written, and has the same bones when read again.
         if (1..100).contains(&capture.frames) {
             let (armature, rate) = (&capture.armature, 1.0 / capture.frame_time);
             let text = bvh::to_text(armature, &capture.clip, rate).unwrap();
@@ -277,7 +277,7 @@ fn reads_rig(rig: &SmallRig) -> bool {
                 .all(|pair| pair[0].time < pair[1].time)
         );
     }
-    // What was read can be written and read again.
+    // A rig can be written and read again.
     let json = rig.to_json("small.ply", "small.dmat").into_bytes();
     let again = SmallRig {
         json,
@@ -336,7 +336,7 @@ fn reads_gltf(bytes: &[u8]) -> bool {
         check_mesh(&mesh.mesh);
         let _ = gltf::mesh_to_bytes(&mesh.mesh);
     }
-    // What was read can be written and read again, except for what the format does not allow.
+    // A scene can be written and read again, except for content that the format does not allow.
     if let Ok(bytes) = gltf::to_bytes(&scene, &WriteOptions::default()) {
         let again = support::gltf_text::read(&bytes).unwrap();
         assert_eq!(again.armature, scene.armature);
@@ -363,7 +363,7 @@ fn truncated_gltf_is_an_error() {
     }
 }
 
-/// What was read is consistent: placements are rigid and finite in every configuration.
+/// Asserts that a robot is consistent: placements are rigid and finite in every configuration.
 fn check_robot(robot: &Robot) {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);

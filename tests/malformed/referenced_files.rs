@@ -62,7 +62,7 @@ fn outside_files() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// A folder with files outside, and one beside it with links to them.
+/// Folder with files outside, and a folder next to it with links to them.
 struct Scenery {
     folder: Folder,
     names: Vec<String>,
@@ -127,7 +127,7 @@ impl Scenery {
             18 => format!("FILE://{whole}"),
             19 => format!("http://localhost{whole}"),
             20 => format!("../outside/{file}?{file}#{file}"),
-            // Other characters that look like dots and slashes, and the end of a text in C.
+            // Other characters that look like dots and slashes, and the end of a string in C.
             21 => format!("..\u{2215}outside\u{2215}{file}"),
             22 => format!("\u{ff0e}\u{ff0e}/outside/{file}"),
             23 => format!("\u{202e}../outside/{file}\u{feff}"),
@@ -359,7 +359,7 @@ fn confined_robot_opens_no_mesh_outside_its_folder() {
             };
             assert!(robot.is_confined());
             assert_refused(CollisionModel::of(&robot), &reference);
-            // Without its file it opens nothing.
+            // Without a path it opens nothing.
             let robot = Robot::reader().confined();
             let robot = robot.parse(&urdf(&reference), "robot.urdf").unwrap();
             assert_refused(CollisionModel::of(&robot), &reference);
@@ -419,7 +419,7 @@ fn confined_mjcf_opens_no_mesh_outside_its_folder() {
             std::fs::write(&path, &text).unwrap();
             let read = Robot::mjcf_reader().confined().read(&path);
             match read.map(|robot| CollisionModel::of(&robot)) {
-                // Meshes of other kinds are left out with a note.
+                // Meshes of other kinds are omitted with a note.
                 Ok(Ok(model)) => {
                     assert!(model.objects().is_empty(), "{folder} {reference}");
                     assert_silent(&format!("{model:?}"), reference);
@@ -432,14 +432,14 @@ fn confined_mjcf_opens_no_mesh_outside_its_folder() {
 }
 
 #[test]
-fn confined_robot_reads_no_manifest_outside_its_folder() {
+fn confined_robot_reads_no_manifest_outside() {
     let scenery = Scenery::new("refs-manifests");
     let manifest = |folder: PathBuf, name: &str| {
         std::fs::create_dir_all(&folder).unwrap();
         let text = format!("<package><name>{name}</name></package>");
         std::fs::write(folder.join("package.xml"), text).unwrap();
     };
-    // The package around the robot's folder, one beside, and one whose manifest is a link that leads outside.
+    // The package around the robot's folder, one next to it, and one whose manifest is a link that leads outside.
     manifest(scenery.folder.path(""), "around");
     manifest(scenery.folder.path("outside"), "outer");
     manifest(scenery.inside().join("own"), "inner");

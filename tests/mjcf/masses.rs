@@ -149,7 +149,7 @@ fn unknown_mesh_masses_are_noted() {
             Some(MissingInertia::Mass),
             mass,
         ),
-        // A known mass is scaled wherever it is.
+        // A known mass is scaled in any element.
         (
             r#"settotalmass="2.5""#,
             r#"<geom type="mesh" mesh="m" mass="16.7551608191456"/>"#,

@@ -1,4 +1,4 @@
-"""What MuJoCo makes of the files in this folder, for the tests.
+"""Placements, ranges, masses and loops of the files in this folder according to MuJoCo, for the tests.
 
     pip install mujoco==4.0.0 && python tests/mjcf/mujoco_placements.py > tests/mjcf/mujoco_placements.json
 """
@@ -22,7 +22,7 @@ def of_file(path, random):
     data = mujoco.MjData(model)
     configurations = []
     for _ in range(4):
-        # A step in the tangent from where the file has it: quaternions stay of unit length.
+        # A step in the tangent space from the file's configuration: quaternions keep unit length.
         q = model.qpos0.copy()
         mujoco.mj_integratePos(model, q, random.normal(size=model.nv), 1.0)
         data.qpos[:] = q
@@ -47,7 +47,7 @@ def of_file(path, random):
         }
         for i in range(model.njnt)
     ]
-    # Connect: the anchor in either body; weld: the anchor in the second, its pose in the first.
+    # Connect: the anchor in either body. Weld: the anchor in the second body, and its pose in the first.
     loops = [
         {
             "weld": bool(model.eq_type[i] == mujoco.mjtEq.mjEQ_WELD),
@@ -61,7 +61,7 @@ def of_file(path, random):
         {
             "mass": float(model.body_mass[i]),
             "centre": model.body_ipos[i].tolist(),
-            # Of the principal axes: the trace and the determinant are the same in any.
+            # The trace and the determinant are the same in any axes, principal or not.
             "moments": model.body_inertia[i].tolist(),
         }
         for i in range(model.nbody)

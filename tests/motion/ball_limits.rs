@@ -1,6 +1,6 @@
 //! Promise: ball joints and free joints keep their cones, twist limits, total angles and velocity limits in every frame
-//! of a motion, according to their quaternions. They reach the same minima as revolute and prismatic joints with equal
-//! limits.
+//! of a motion. The test checks their quaternions. The joints reach the same minima as revolute and prismatic joints
+//! with equal limits.
 
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder, ParameterMap};
 use kinopt::motion::trajectory::{

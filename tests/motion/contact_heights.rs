@@ -9,7 +9,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use crate::clip_ik::{HIPS, bend, figure, planted};
 use crate::retargeted_feet::{MAP, RATE, legs};
 
-/// A subject on the right foot, with the left foot held still at this height in metres for the middle second of three.
+/// Subject on the right foot, with the left foot held still at this height in metres for the middle second of three.
 fn crane(lifted: f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for frame in 0..300 {
@@ -67,8 +67,8 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
     }
 }
 
-/// The allowed speed of a foot in contact is proportional to the length of one leg, not of all legs: 0.25 m/s for legs
-/// of 0.9 m.
+/// The allowed speed of a foot in contact is proportional to the length of one leg, not of all legs. It is 0.25 m/s for
+/// legs of 0.9 m.
 #[test]
 fn slow_foot_is_in_contact_by_leg_length() {
     let robot = legs("");

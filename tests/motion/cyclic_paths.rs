@@ -1,5 +1,5 @@
-//! Promise: a closed path of a redundant arm has the same length from any starting point, also where a joint without
-//! limits makes a full turn along it.
+//! Promise: a closed path of a redundant arm has the same length from any starting point. This includes paths with a
+//! full turn of a joint without limits.
 
 use std::f64::consts::TAU;
 

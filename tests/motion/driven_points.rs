@@ -4,7 +4,7 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 
-/// Hips of the subject, at an offset from the joints of the model's thighs.
+/// Offset of the subject's hips from the joints of the model's thighs, metres.
 const BESIDE: [f64; 3] = [0.03, 0.02, 0.06];
 
 #[test]

@@ -1,4 +1,4 @@
-//! Promise: a figure is upright for retargeting, whichever axis is up in its file. Its clip has every bone at the
+//! Promise: a figure is upright for retargeting, for either up axis of its file. Its clip has every bone at the
 //! placement of the configurations, in the file's axes.
 
 use kinopt::animation::{Armature, Cursor, Playback};
@@ -63,7 +63,7 @@ fn figure_of_a_capture_with_y_up_is_upright() {
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 
-/// Where the root does not rotate, each of its children moves with the figure's base.
+/// If the root does not rotate, each of its children moves with the figure's base.
 #[test]
 fn figure_with_several_root_bones_is_placed() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();

@@ -1,5 +1,5 @@
-//! Promise: a task with weight zero in a frame is not reported as unreached there, wherever its target is. A weighted
-//! one is reported for its frame, and counts there by its weight.
+//! Promise: a task with weight zero in a frame is not reported as unreached there, for any target. A weighted task is
+//! reported for its frame, and counts there by its weight.
 
 use crate::slide::{rail, slide};
 use kinopt::ik::Side;

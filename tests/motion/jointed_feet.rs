@@ -1,5 +1,5 @@
-//! Promise: the sole of a foot whose toes have a joint includes the heel: no part of the foot is in the ground, and the depth that is
-//! reported is that of all parts.
+//! Promise: the sole of a foot with a toe joint includes the heel. No part of the foot is in the ground, and the
+//! reported depth is that of all parts.
 
 use std::fmt::Write as _;
 
@@ -19,13 +19,14 @@ const MAP: &str = r#"{
     }
 }"#;
 
-/// Box of the ankle's body, with the heel, and of the toe's body: middle and half sizes.
+/// Box of the ankle's link, with the heel, and of the toe's link: centre and half sizes, metres.
 const BOXES: [([f64; 3], [f64; 3]); 2] = [
     ([0.02, 0.0, -0.024], [0.085, 0.048, 0.046]),
     ([0.035, 0.0, 0.0055], [0.05, 0.048, 0.02]),
 ];
 
-/// The lower body of a humanoid as SMPL's are made: three hinges at each joint, a heel in the ankle's body and a toe's body.
+/// Lower body of a humanoid as in SMPL models: three revolute joints per joint, a heel in the ankle's link and a toe
+/// link.
 fn humanoid() -> Robot {
     let mut text = String::from(
         r#"<mujoco model="smpl"><worldbody><body name="Pelvis" pos="0 0 0.9"><freejoint/><geom type="sphere" size="0.1"/>"#,
@@ -62,7 +63,7 @@ fn geom(index: usize) -> String {
     format!(r#"<geom type="box" pos="{at}" size="{size}"/>"#)
 }
 
-/// The deepest corner of both feet in all frames, metres below the ground.
+/// Depth of the lowest corner of both feet in all frames, metres below the ground.
 fn deepest(robot: &Robot, found: &Retargeted) -> f64 {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
@@ -86,14 +87,14 @@ fn deepest(robot: &Robot, found: &Retargeted) -> f64 {
     -lowest
 }
 
-/// A person who rolls over the feet: toes down, then heels down, with the ankles lifted and set.
+/// Subject that rolls over the feet: toes down, then heels down, with the ankles lifted and lowered.
 fn rolling() -> Vec<f64> {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let lift = 0.1 * (0.08 * k as f64).sin();
         for ankle in [3, 7] {
             frame[3 * ankle + 2] += lift.max(0.0);
-            // The toe is up where the heel is down.
+            // The toe is up if the heel is down.
             frame[3 * (ankle + 1) + 2] += (-lift).max(0.0);
         }
     }

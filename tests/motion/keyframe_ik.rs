@@ -155,7 +155,7 @@ fn limits_hold_between_keys() {
             let [new, old] = [&edited.clip, &clip].map(|clip| angles(skeleton, clip, time));
             for (k, (new, old)) in new.iter().zip(&old).enumerate() {
                 let limits = skeleton.bones()[k / 3].limits[k % 3];
-                // Where the clip itself exceeds a limit, it is exceeded no further.
+                // If the clip itself exceeds a limit, it is exceeded no further.
                 let (lower, upper) = (limits.lower.min(*old), limits.upper.max(*old));
                 assert!(
                     lower - 1e-9 <= *new && *new <= upper + 1e-9,

@@ -1,4 +1,4 @@
-//! Promise: a character in centimetres or inches turns as it does in metres, whatever is solved.
+//! Promise: a character in centimetres or inches rotates as it does in metres, for every solver.
 
 use glam::Vec3A;
 use kinopt::animation::{Armature, Clip, Limb, LimbGoal, Pose};
@@ -16,9 +16,9 @@ use kinopt::task::Point;
 
 use crate::clip_ik::{figure, planted, walk};
 
-/// Centimetres and inches to a metre.
+/// Centimetres and inches per metre.
 const UNITS: [f64; 2] = [100.0, 39.37007874015748];
-/// Largest difference of an angle, radians, or of a component of a unit quaternion.
+/// Largest difference of an angle in radians, or of a component of a unit quaternion.
 const ALIKE: f64 = 1e-6;
 
 fn scaled(skeleton: &Skeleton, unit: f64) -> Skeleton {
@@ -31,7 +31,7 @@ fn scaled(skeleton: &Skeleton, unit: f64) -> Skeleton {
     Skeleton::new("scaled", bones.collect()).unwrap()
 }
 
-/// The same numbers with the first `lengths` of each configuration in metres.
+/// Configurations with the first `lengths` values of each in metres.
 fn in_metres(q: &[f64], width: usize, lengths: usize, unit: f64) -> Vec<f64> {
     let numbers = q.iter().enumerate();
     let numbers = numbers.map(|(k, x)| if k % width < lengths { x / unit } else { *x });
@@ -45,7 +45,7 @@ fn assert_alike(expected: &[f64], found: &[f64], what: &str) {
     assert!(off < ALIKE, "{what}: {off}");
 }
 
-/// Steps that people captured, on the humanoid in some unit.
+/// Captured steps, retargeted to the humanoid in a unit.
 fn retargeted(unit: f64, rate: f64, solve: impl Fn(&Retargeting<'_>) -> Retargeted) -> Vec<f64> {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, rate).unwrap();
@@ -56,7 +56,7 @@ fn retargeted(unit: f64, rate: f64, solve: impl Fn(&Retargeting<'_>) -> Retarget
     let options = RetargetOptions::default().with_up(UpAxis::Y);
     let fitted = Retargeting::new(figure.robot(), &map, &capture, options).unwrap();
     let found = solve(&fitted);
-    // Errors are those of the places that the movement itself shows, in the figure's unit.
+    // Errors refer to the positions of the capture, in the figure's unit.
     let errors = fitted.errors(&found).unwrap();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(
@@ -89,14 +89,14 @@ fn retargeted_movement_is_alike_in_all_units() {
     }
 }
 
-/// Frames of a drag of two tips, which go out of reach, on hinges.
+/// Frames of a drag of two tips out of reach, on revolute joints.
 fn dragged(unit: f64) -> Vec<f64> {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let skeleton = scaled(&rig.skeleton, unit);
     frames_of_drag(skeleton.model(), &skeleton, unit)
 }
 
-/// The same on balls and a root that moves freely.
+/// Frames of a drag of two tips out of reach, on ball joints and a free root.
 fn dragged_freely(unit: f64) -> Vec<f64> {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let skeleton = scaled(&rig.skeleton, unit);
@@ -144,7 +144,7 @@ fn drag_of_a_free_root_is_alike_in_all_units() {
     }
 }
 
-/// The figure and its walk in some unit.
+/// The figure and its walk in a unit.
 fn walking(unit: f64) -> (Armature, Clip) {
     let metres = figure();
     let scale = |pose: &Pose, armature: &Armature| {
@@ -173,7 +173,7 @@ fn rotations(pose: &Pose) -> impl Iterator<Item = f64> + '_ {
     rotations.flat_map(|q| q.to_array().map(f64::from))
 }
 
-/// Planted feet, and a hand that reaches for a place.
+/// Clip with planted feet, and a hand that reaches a target.
 fn edited(place: Vec3A, unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let hand = armature.bone("hand").unwrap();
@@ -197,14 +197,14 @@ fn clip_ik_is_alike_in_all_units() {
     for unit in UNITS {
         assert_alike(&metres, &edited(place, unit), &format!("{unit}"));
     }
-    // Too far for the arm, so that the root moves. Translations in this unit have the digits of those in metres: a stretched
-    // arm turns by the root of what single precision rounds.
+    // Too far for the arm, so that the root moves. Translations in this unit have the digits of those in metres. A
+    // stretched arm rotates by the square root of the rounding error of single precision.
     let place = Vec3A::new(1.2, 1.5, 1.5);
     let [metres, other] = [1.0, 64.0].map(|unit| edited(place, unit));
     assert_alike(&metres, &other, "far");
 }
 
-/// The frames at which feet stand.
+/// Frames at which feet are in contact.
 fn stances(unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let edited = planted(&armature).solve(&clip).unwrap();
@@ -226,7 +226,7 @@ fn planted_feet_are_alike_in_all_units() {
     }
 }
 
-/// A leg whose foot goes to a place, with a knee that is softened.
+/// Leg whose foot moves to a target, with a softened knee.
 fn stepped(unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let bones = ["thigh.l", "shin.l", "foot.l"].map(|name| armature.bone(name).unwrap());

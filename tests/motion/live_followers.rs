@@ -22,7 +22,7 @@ fn nao() -> Robot {
     nao.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// Hips that sway over two feet, further sideways from frame `leap` on.
+/// Hips that sway over two feet, and jump sideways at a frame.
 fn sway(frames: usize, leap: usize) -> Capture {
     let places = (0..frames).flat_map(|frame| {
         let leapt = if frame < leap { 0.0 } else { 0.3 };
@@ -181,8 +181,8 @@ fn limits_and_errors_are_reported_correctly() {
 fn slow_foot_is_in_contact_only_on_the_ground() {
     let (robot, frames) = (nao(), 40);
     let map = BodyMap::from_json(MAP, "").unwrap();
-    // Both feet move forward at about half the speed limit of contacts for legs of a third of a metre, the right one in
-    // the air.
+    // Both feet move forward at about half the speed limit of contacts for legs of a third of a metre. The right one is
+    // in the air.
     let places = (0..frames).flat_map(|frame| {
         let ahead = 0.005 * frame as f64;
         let hips = 0.3 * ahead;

@@ -26,8 +26,7 @@ fn lowered(by: f64, sliding: f64) -> Capture {
     Capture::new(joints, &numbers, RATE).unwrap()
 }
 
-/// The target of the hips is below the ground, where the legs cannot fold further. With a spring, feet in contact were
-/// 1.4 mm deep.
+/// The target of the hips is below the ground, where the legs cannot fold further.
 #[test]
 fn feet_in_contact_are_not_pressed_into_the_ground() {
     let robot = legs(SOLE);
@@ -46,8 +45,8 @@ fn feet_in_contact_are_not_pressed_into_the_ground() {
     }
 }
 
-/// Earlier a step that began with feet on the ground's surface led into the ground, because the ground was missing from
-/// it, and was rejected. The robot was motionless from the first frame on, with a mean error of 155 mm.
+/// A step that begins with feet on the ground's surface takes the ground into account. Without it the step is rejected,
+/// and the robot is motionless from the first frame on.
 #[test]
 fn sliding_feet_do_not_stop_the_robot() {
     let robot = legs(SOLE);
@@ -67,8 +66,7 @@ fn sliding_feet_do_not_stop_the_robot() {
     }
 }
 
-/// A motion solved as a whole begins with the result frame by frame. From the motionless robot its feet became 7.2 mm
-/// deep.
+/// A motion solved as a whole begins with the result frame by frame.
 #[test]
 fn sliding_feet_stay_above_ground_solved_as_a_whole() {
     let robot = legs(SOLE);

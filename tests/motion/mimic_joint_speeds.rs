@@ -6,8 +6,7 @@ use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 
-/// A prismatic joint whose tool should jump by a metre, and a mimic joint of it with a velocity limit of half a metre
-/// per second.
+/// A prismatic joint whose tool should jump by 1 m, and its mimic joint with a velocity limit of 0.5 m/s.
 #[test]
 fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
     let (at, room) = (Placement::identity(), Limits::new(-4.0, 4.0));

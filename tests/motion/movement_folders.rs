@@ -1,4 +1,4 @@
-//! Promise: an output folder holds the results of one request, whichever program began it. Finished files are kept,
+//! Promise: an output folder holds the results of one request, whatever program began it. Finished files are kept,
 //! unfinished ones are removed, and differences between requests are named.
 
 use std::fs;

@@ -38,7 +38,7 @@ fn prismatic_joint_stops_at_its_single_limit() {
                 let expected = (side * wanted(frame)).min(0.5);
                 assert!(at <= 0.5 && (at - expected).abs() < 1e-3, "{frame}: {at}");
                 let reported = solved.active_limits(frame).count();
-                // Where the limit is just reached, either report is accepted.
+                // If the limit is just reached, either report is accepted.
                 if (side * wanted(frame) - 0.5).abs() > 0.06 {
                     assert_eq!(reported, usize::from(side * wanted(frame) > 0.5), "{frame}");
                 }

@@ -28,7 +28,7 @@ fn sideways(arm: &Arm, steps: u32) -> Vec<Placement<f64>> {
     (0..=steps).map(point).collect()
 }
 
-/// Whether none of 11 samples between two configurations is in collision.
+/// True if none of 11 samples between two configurations is in collision.
 fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
     (0..=10).all(|k| {
         let share = f64::from(k) / 10.0;

@@ -79,8 +79,8 @@ fn same_path_has_bitwise_the_same_solution() {
     assert_eq!(solver.solve(&path).unwrap(), solver.solve(&path).unwrap());
 }
 
-/// The path of a redundant arm is no longer than that of a follower from the same start, and no longer than its own
-/// from there.
+/// The path of a redundant arm is no longer than that of a follower from the same start. It is also no longer than its
+/// own path from that start.
 #[test]
 fn path_is_shorter_than_that_of_a_follower() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();

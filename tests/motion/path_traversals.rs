@@ -165,7 +165,7 @@ fn shortest_of_equally_good_entries_is_taken() {
     assert_ne!(best.entry, 0);
 }
 
-/// The deviation of a curve from its chord belongs to its own step, wherever the path is entered.
+/// The deviation of a curve from its chord belongs to its own step, for any entry of the path.
 #[test]
 fn curve_deviation_belongs_to_its_own_step() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();

@@ -160,8 +160,8 @@ fn points_reachable_from_a_neighbour_are_reached() {
     assert!(bordering > 20, "{bordering}");
 }
 
-/// Where joints have narrow limits, not every segment between two configurations of a point is feasible. Points
-/// reported as reached are reached.
+/// If joints have narrow limits, not every segment between two configurations of a point is feasible. Points reported
+/// as reached are reached.
 #[test]
 fn shortened_path_still_reaches_its_points() {
     let whole = robot("franka_panda");

@@ -107,7 +107,7 @@ fn seven_joint_motions_need_no_reconfiguration() {
     assert!(jumps(["rethink_baxter", "torso", "left_tool"], 0..count, !few()) * 200 <= count);
 }
 
-/// Earlier this step was moved off the tool's path by the shortening, by more than the maximum step, without a report.
+/// The shortening must not move this step off the tool's path.
 #[test]
 fn subdivided_step_stays_on_the_tool_path() {
     let iiwa = ["kuka_iiwa14", "base", "flange"];

@@ -1,5 +1,5 @@
-//! Promise: a body that is to keep clear touches itself in no frame, however places pull, within its limits of position and
-//! speed to the bit; where nothing would touch it moves as it does without.
+//! Promise: a body with self-collision avoidance touches itself in no frame, whatever the targets are. Limits of
+//! position and velocity hold exactly. If nothing would touch, it moves as without avoidance.
 
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
@@ -23,7 +23,7 @@ fn nao() -> Robot {
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// Stands with its feet apart, and brings both hands to its middle by a share of the way, and back.
+/// Subject with its feet apart that brings both hands towards its centre by a fraction of the distance, and back.
 fn clasp(robot: &Robot, share: f64) -> Capture {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
@@ -80,7 +80,7 @@ fn checker(robot: &Robot) -> Checker {
         .unwrap()
 }
 
-/// Frames in which links are nearer than the margin.
+/// Number of frames in which links are nearer than the margin.
 fn touching(checker: &Checker, found: &Retargeted) -> usize {
     let touches = |q: &&[f64]| !checker.collisions(q).unwrap().is_empty();
     frames(found).filter(touches).count()
@@ -111,7 +111,7 @@ fn hands_pulled_into_the_chest_stay_collision_free() {
         assert!(clear.touching.is_empty());
         assert!(keeps_limits(&robot, clear));
         assert!(clear.slip < 1e-3, "{} m", clear.slip);
-        // Not by staying away: the hands come nearly as near.
+        // The avoidance does not keep the hands away: they come nearly as near.
         assert!(
             clear.mean_error < plain.mean_error + 0.02,
             "{}",
@@ -135,7 +135,7 @@ fn initial_contact_is_reported_or_resolved() {
     let robot = nao();
     let map = BodyMap::from_json(MAP, "").unwrap();
     let capture = clasp(&robot, 1.0);
-    // Half way through, where both hands are in the chest.
+    // The middle of the motion, where both hands would be in the chest.
     let middle: Vec<f64> = (FRAMES / 2..FRAMES)
         .filter_map(|frame| capture.frame(frame))
         .flatten()
@@ -149,8 +149,8 @@ fn initial_contact_is_reported_or_resolved() {
     assert_eq!(found.touching.len(), 0, "{:?}", found.touching.first());
 }
 
-/// A smooth movement keeps clear from the first in the frames around those that came near to something frame by frame, so that what it is
-/// found to touch then is mended at once.
+/// A motion solved as a whole avoids collisions from the first iteration in the frames around those that came near to
+/// contact frame by frame. Contacts found later are removed at once.
 #[test]
 fn smooth_motion_becomes_collision_free_quickly() {
     let robot = nao();

@@ -1,5 +1,5 @@
-//! Promise: limbs of another body fit a model's own lengths in whichever order a map names them, and feet of two points, ankle
-//! and toe, stand still while what hangs on them is pulled away.
+//! Promise: limbs of another body fit a model's own lengths in any order of a map's names. Feet with two points, ankle
+//! and toe, are motionless in contact while the joints above them are pulled away.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use kinopt::spatial::Vector3;
 
 pub(crate) const RATE: f64 = 100.0;
 const FRAMES: usize = 240;
-/// The ankle's name comes before the knee's, and both are of one joint.
+/// The ankle's name precedes the knee's, and both are points of one joint.
 pub(crate) const MAP: &str = r#"{
     "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
     "drives": {
@@ -20,7 +20,7 @@ pub(crate) const MAP: &str = r#"{
     }
 }"#;
 
-/// Two legs whose ankle point is on the shank, a little above the joint; what is in the feet's links besides.
+/// Two legs whose ankle point is on the shank, a little above the joint; `feet` is added to the links of the feet.
 pub(crate) fn legs(feet: &str) -> Robot {
     let mut text = String::from(r#"<robot name="legs"><link name="pelvis"/>"#);
     let mut joint = |name: &str, kind: &str, parent: &str, child: &str, at: &str, more: &str| {
@@ -108,7 +108,8 @@ pub(crate) fn legs(feet: &str) -> Robot {
         .unwrap()
 }
 
-/// A person with longer legs and larger feet who kneels, sways, and sets the left foot ahead; the chest is far above the hips.
+/// Subject with longer legs and larger feet that kneels, sways, and moves the left foot forward. The chest is far above
+/// the hips.
 pub(crate) fn person() -> Vec<f64> {
     let mut numbers = Vec::new();
     for frame in 0..FRAMES {
@@ -121,7 +122,7 @@ pub(crate) fn person() -> Vec<f64> {
             let hip = hips + Vector3::new(0.0, y, 0.0);
             let lift = 0.6 * step * (1.0 - step);
             let ankle = Vector3::new(0.3 * step, 1.2 * y, 0.09 + lift);
-            // The knee of two bones, ahead.
+            // Knee of two bones, forward.
             let way = ankle - hip;
             let half = 0.5 * way.norm();
             let (upper, lower) = (0.42, 0.45);
@@ -157,13 +158,13 @@ fn ankles_and_toes_are_in_contact_together() {
     let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
     let found = retargeting.per_frame().unwrap();
     check_limits(&robot, &found);
-    // The feet, of which the ankles' points on the shanks are none.
+    // The ankles' points are on the shanks, so they are not points of the feet.
     assert_eq!(found.contact_frames, ["left_toe", "right_toe"]);
     assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
     assert!(found.slip < 1e-3, "{} m", found.slip);
-    // Knees bend over feet that stand: held shins would leave it at twice that.
+    // Knees bend over feet in contact: with fixed shanks the error would be twice as large.
     assert!(found.mean_error < 0.045, "{} m", found.mean_error);
-    // Told anew from the configurations.
+    // Computed again from the configurations.
     let mut kinematics = ForwardKinematics::new(robot.model());
     for (k, name) in found.contact_frames.iter().enumerate() {
         let frame = robot.model().frame(name).unwrap();
@@ -183,7 +184,8 @@ fn ankles_and_toes_are_in_contact_together() {
     }
 }
 
-/// An ankle's frame that is of the foot already is the model's own: it stands and is told by its name, as the toe beside it.
+/// An ankle frame that is on the foot already is the model's own. It is in contact and reported by its name, as the toe
+/// is.
 #[test]
 fn ankle_frame_on_the_foot_is_in_contact() {
     let robot = legs("");
@@ -225,7 +227,7 @@ fn target_limbs_have_the_model_lengths() {
         let frame = robot.model().frame(name).unwrap();
         driven.iter().position(|own| *own == frame).unwrap()
     };
-    // Legs of 0.6 m for 0.87; feet do not count.
+    // Legs of 0.6 m instead of 0.87 m; feet do not count.
     assert!(
         (retargeting.stride() - 0.58 / 0.87).abs() < 0.03,
         "{}",
@@ -241,7 +243,7 @@ fn target_limbs_have_the_model_lengths() {
                 "{}",
                 length(&thigh, &shank)
             );
-            // However far the chest is above the hips: they are no higher than the legs reach.
+            // However far the chest is above the hips, they are no higher than the legs reach.
             let over_ground = targets[index(&thigh)].z;
             assert!(over_ground < 0.66, "{over_ground}");
         }
@@ -249,7 +251,7 @@ fn target_limbs_have_the_model_lengths() {
     }
 }
 
-/// A foot that was held while its target went on comes back to it smoothly, and does not leap.
+/// A foot that was locked while its target moved on returns to the target smoothly, without a jump.
 #[test]
 fn released_foot_returns_smoothly() {
     let robot = legs("");
@@ -257,13 +259,13 @@ fn released_foot_returns_smoothly() {
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let (stood, driven, model) = (fitted.targets(0).unwrap(), fitted.driven(), robot.model());
-    // The heel's is a point of the foot.
+    // The heel is a point of the foot.
     let is_foot = |k: usize| {
         let name = &model.frames()[driven[k].index()].name;
         ["left_foot", "left_heel_string", "left_toe"].contains(&name.as_str())
     };
     let toe = model.frame("left_toe").unwrap();
-    // How far ahead the toe is, frame by frame. It is held for half a second, while its target goes so far ahead.
+    // Forward position of the toe, frame by frame. The foot is locked for half a second while its target moves forward.
     let course = |far: f64| -> Vec<f64> {
         let mut follower = fitted.follower().unwrap();
         let mut kinematics = ForwardKinematics::new(model);
@@ -282,12 +284,12 @@ fn released_foot_returns_smoothly() {
         }
         course
     };
-    // What else moves as a foot is let go it does also where its target stayed.
+    // Motions at the release that happen for a motionless target as well are subtracted.
     let (gone, stayed) = (course(0.04), course(0.0));
     let apart: Vec<f64> = gone.iter().zip(&stayed).map(|(a, b)| a - b).collect();
     assert!(apart[59] < 0.01 && apart[119] > 0.03, "{apart:?}");
     let most = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
     let most = most.fold(0.0, f64::max);
-    // Over the 16 frames of a release one and a half times the mean at most.
+    // At most 1.7 times the mean over the 16 frames of a release.
     assert!(most < 1.7 * 0.04 / 16.0, "{most} m in a frame");
 }

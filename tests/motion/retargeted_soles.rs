@@ -1,5 +1,5 @@
-//! Promise: a foot whose shape is known stands flat on what it stands on, and no part of it is in the ground in any frame,
-//! frame by frame and as a whole.
+//! Promise: a foot with a known shape is flat on its support in contact. No part of it is in the ground in any frame,
+//! frame by frame and solved as a whole.
 
 use kinopt::collision::{CollisionModel, CollisionObject, Shape};
 use kinopt::kinematics::ForwardKinematics;
@@ -11,7 +11,7 @@ use kinopt::spatial::{Placement, Vector3};
 
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 
-/// A sole of 6 cm by 22 cm, which goes beyond the heel.
+/// Sole of 6 cm by 22 cm that extends beyond the heel.
 pub(crate) const SOLE: &str = r#"<collision><origin xyz="0.06 0 -0.035"/><geometry><box size="0.22 0.06 0.01"/></geometry></collision>"#;
 const CORNERS: [[f64; 3]; 4] = [
     [-0.05, -0.03, -0.04],
@@ -20,7 +20,7 @@ const CORNERS: [[f64; 3]; 4] = [
     [0.17, 0.03, -0.04],
 ];
 
-/// How high the corners of both feet are, frame after frame.
+/// Heights of the corners of both feet, frame by frame.
 fn heights(robot: &Robot, found: &Retargeted) -> Vec<[[f64; 4]; 2]> {
     let model = robot.model();
     let feet = ["left_foot", "right_foot"].map(|name| model.frame(name).unwrap().index());
@@ -38,7 +38,7 @@ fn deepest(heights: &[[[f64; 4]; 2]]) -> f64 {
     -all.fold(f64::INFINITY, |least, height| least.min(*height))
 }
 
-/// A person who leans, so that a foot of a line only would roll onto its edge.
+/// Leaning subject, so that a foot known by a line only would roll onto its edge.
 fn leaning() -> Vec<f64> {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
@@ -60,7 +60,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
         |robot| Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
     let without = fitted(&bare).per_frame().unwrap();
     assert_eq!(without.ground_penetration, 0.0);
-    // The ground was where the toes' point is, 1 cm over the sole; so much is no roll.
+    // Without a shape the ground was at the toes' point, 1 cm above the sole. That much is no roll.
     let ground_penetration = deepest(&heights(&bare, &without)) - 0.01;
     assert!(
         ground_penetration > 2e-3,
@@ -73,7 +73,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
         let heights = heights(&shaped, &found);
         let deepest = deepest(&heights);
         assert!(deepest < 1.5e-3, "{deepest} m");
-        // As it is told, of corners that are the sole's own.
+        // The reported depth is that of the sole's corners.
         assert!((deepest.max(0.0) - found.ground_penetration).abs() < 1e-12);
         assert!(found.slip < 1e-3, "{} m", found.slip);
         assert!(found.lost_contacts.is_empty(), "{:?}", found.lost_contacts);
@@ -93,7 +93,7 @@ fn foot_in_contact_is_flat_and_above_the_ground() {
     }
 }
 
-/// Legs that know their ankles alone, whose feet no toe keeps level.
+/// Legs known by their ankles only; no toe keeps the feet level.
 const ANKLES: &str = r#"{
     "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
     "drives": {
@@ -103,7 +103,8 @@ const ANKLES: &str = r#"{
     }
 }"#;
 
-/// A person who goes down further than the ankles bend: the heel would rise, and the toes go into the ground, as a whole by 9 mm.
+/// Subject that goes down further than the ankles bend. Otherwise the heel would rise and the toes go into the ground,
+/// by 9 mm solved as a whole.
 #[test]
 fn foot_at_its_ankle_limit_stays_above_the_ground() {
     let robot = legs(SOLE);
@@ -111,7 +112,7 @@ fn foot_at_its_ankle_limit_stays_above_the_ground() {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let down = 0.15 * (1.0 - (0.05 * k as f64).cos());
-        // The body goes down and ahead, the knees ahead; the feet stand.
+        // The body moves down and forward, the knees forward; the feet are in contact.
         for joint in [0, 1, 5] {
             frame[3 * joint] += down;
             frame[3 * joint + 2] -= down;
@@ -134,7 +135,7 @@ fn foot_at_its_ankle_limit_stays_above_the_ground() {
     }
 }
 
-/// A foot that had to be held firmly in one stance is held as any other where it lands next.
+/// A foot that had to be locked firmly in one contact is locked as any other in its next contact.
 #[test]
 fn contacts_of_a_foot_are_independent() {
     let robot = legs(SOLE);
@@ -145,7 +146,8 @@ fn contacts_of_a_foot_are_independent() {
     let stood = fitted.targets(0).unwrap();
     let driven = fitted.driven();
     let is = |k: usize, what: &str| model.frames()[driven[k].index()].name.ends_with(what);
-    // Frames on the ground, in the air and on the ground again, where the body leans; in the first it goes down by so much.
+    // Frames on the ground, in the air and on the ground again with a leaning body. During the first contact the body
+    // moves down by `down` metres.
     let second_stance = |down: f64| {
         let mut follower = fitted.follower().unwrap();
         let mut rows = Vec::new();
@@ -183,7 +185,7 @@ fn contacts_of_a_foot_are_independent() {
     assert!(most < 1e-5, "{most} rad");
 }
 
-/// Under each corner a small ball, and a little farther in a large one that comes 1.4 cm lower though its middle is higher.
+/// A small ball under each corner, and a larger one next to it that is 1.4 cm lower although its centre is higher.
 const PADS: [([f64; 3], f64); 8] = [
     ([-0.05, -0.03, -0.03], 0.002),
     ([-0.05, 0.03, -0.03], 0.002),
@@ -222,7 +224,7 @@ fn round_soles_are_in_contact_by_their_surface() {
     }
 }
 
-/// Balls under a foot are the same foot as balls about the points of a cloud.
+/// Balls under a foot give the same foot as a point cloud with radii.
 #[test]
 fn points_of_a_cloud_have_their_radius() {
     let robot = legs("");
@@ -268,14 +270,14 @@ fn points_of_a_cloud_have_their_radius() {
     assert_eq!(balls.q, cloud.q);
 }
 
-/// What lands is held flat as firmly as it is held in place: with five times the weight a foot on a leg that leans is off level by
-/// far less where it comes to stand, and in the air by as much.
+/// A landing foot is levelled as firmly as it is locked in place. With five times the weight a foot on a leaning leg is
+/// much less off level at the start of its contact. In the air it is equally off level.
 #[test]
 fn heavier_weight_lands_a_foot_flatter() {
     let robot = legs(SOLE);
     let model = robot.model();
     let mut map = BodyMap::from_json(MAP, "legs").unwrap();
-    // Feet of their ankles alone, which do not tell how they are turned.
+    // Feet known by their ankles only, which define no orientation.
     map.drives.retain(|drive| !drive.frame.ends_with("_toe"));
     for drive in &mut map.drives {
         drive.frame = drive.frame.replace("_heel_string", "_foot");
@@ -308,7 +310,7 @@ fn heavier_weight_lands_a_foot_flatter() {
     );
 }
 
-/// Two legs in MJCF, whose feet are ellipsoids.
+/// Two legs in MJCF with ellipsoids as feet.
 fn on_ellipsoids(geom: &str) -> Robot {
     let leg = |side: &str, y: f64| {
         format!(
@@ -327,7 +329,7 @@ fn on_ellipsoids(geom: &str) -> Robot {
     Robot::parse_mjcf(&text, "legs.xml").unwrap()
 }
 
-/// An ellipsoid is the same foot as one whose first two axes have changed places, turned by a quarter.
+/// An ellipsoid gives the same foot as one with its first two axes swapped and a rotation by a quarter turn.
 #[test]
 fn ellipsoid_is_equal_under_swapped_axes() {
     let mut map = BodyMap::from_json(MAP, "legs").unwrap();

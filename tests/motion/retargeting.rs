@@ -1,5 +1,5 @@
-//! Promise: a movement of other proportions comes onto a body within its limits of position and speed, to the bit, with feet
-//! that stand where they stand; solved as one it is smoother.
+//! Promise: a motion of other proportions is transferred to a body exactly within its limits of position and velocity,
+//! and feet in contact are motionless. Solved as a whole, it is smoother.
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::retarget::{
@@ -23,7 +23,7 @@ fn nao() -> Robot {
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// A giant, four times as large, that shifts its weight, lifts its left foot and sets it ahead, and trembles.
+/// Subject four times as large that shifts its weight, lifts its left foot, moves it forward, and trembles.
 fn steps(robot: &Robot, frames: usize) -> Vec<f64> {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
@@ -40,7 +40,7 @@ fn steps(robot: &Robot, frames: usize) -> Vec<f64> {
     let mut numbers = Vec::new();
     for frame in 0..frames {
         let phase = frame as f64 / frames as f64;
-        // The foot goes in the middle third.
+        // The foot moves in the middle third.
         let step = ((phase - 1.0 / 3.0) * 3.0).clamp(0.0, 1.0);
         let step = step * step * (3.0 - 2.0 * step);
         for (k, own) in stood.iter().enumerate() {
@@ -76,7 +76,7 @@ fn check_limits(robot: &Robot, found: &Retargeted) {
     }
 }
 
-/// The root mean square of third differences of all hinges.
+/// Root mean square of the third differences of all revolute joints.
 fn jerk(found: &Retargeted) -> f64 {
     let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
     let mut sum = 0.0;
@@ -109,7 +109,7 @@ fn large_subject_is_retargeted_to_a_small_humanoid() {
         assert_eq!(found.contact_frames, ["left_sole", "right_sole"]);
         assert!(found.slip < most, "{} m", found.slip);
         assert!(found.mean_error < 0.03, "{} m", found.mean_error);
-        // The right foot stands all the time, the left one before and after its step.
+        // The right foot is in contact all the time, the left one before and after its step.
         let stands = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
         assert!((0..90).all(|frame| stands(frame)[1]));
         assert_eq!(
@@ -214,7 +214,7 @@ fn single_frame_and_limbs_without_length_work() {
     }
 }
 
-/// Numbers with which places or costs would not stay finite are errors, as of a map that is made by hand.
+/// Numbers that would make positions or costs infinite are errors, also in a handwritten map.
 #[test]
 fn map_numbers_out_of_range_are_rejected() {
     for (number, word) in [

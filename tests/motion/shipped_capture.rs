@@ -1,4 +1,4 @@
-//! Promise: the capture in `models/` is retargeted to the NAO in `models/` by the known map, with feet flat in contact,
+//! Promise: the capture in `models/` is retargeted to the NAO in `models/` by the known map. Feet are flat in contact,
 //! frame by frame and as a whole. Solving as a whole reports its progress by window.
 
 use kinopt::kinematics::ForwardKinematics;
@@ -46,7 +46,7 @@ fn capture_of_steps_is_retargeted_to_the_nao() {
     }
 }
 
-/// At these rates the frames of 6 s exceed any memory. Earlier they ended the process.
+/// At these rates the frames of 6 s exceed any memory.
 #[test]
 fn more_frames_than_memory_holds_are_rejected() {
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();

@@ -102,7 +102,7 @@ fn euler_channel_keeps_its_curve() {
     }
 }
 
-/// Where a span ends within a fraction of a frame of the clip's end, the end of the clip is kept.
+/// If a span ends within a fraction of a frame of the clip's end, the end of the clip is kept.
 #[test]
 fn end_of_the_clip_is_kept() {
     let armature = figure();

@@ -241,8 +241,7 @@ fn missing_joints_and_frames_are_named() {
     assert_eq!(far.unwrap_err(), named);
 }
 
-/// Earlier a file without frames was taken for one frame in the rest pose. A file with a frame in the rest pose is a
-/// motion.
+/// A file without frames is not a frame in the rest pose. A file with a frame in the rest pose is a motion.
 #[test]
 fn capture_without_frames_is_an_error() {
     let captured = |frames: &str| {

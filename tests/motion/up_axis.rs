@@ -1,9 +1,10 @@
-//! Promise: the axis along which a captured body stands is detected, and nothing is detected where it is not certain.
+//! Promise: the up axis of a captured body is detected, and nothing is reported if it is uncertain.
 
 use kinopt::io::bvh;
 use kinopt::motion::retarget::{Capture, UpAxis};
 
-/// A person of three joints as BVH: offsets from the hips to the feet along `-axis`, frames of the hips' rotation about x.
+/// Subject of three joints as BVH: offsets from the hips to the feet along `-axis`, frames with the hips' rotation
+/// about x.
 fn person(axis: usize, turns: &[f64]) -> Capture {
     let foot = |side: &str, x: f64| {
         let mut offset = [x, 0.0, 0.0];

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 const FRAMES: usize = 40;
 const TIME_STEP_S: f64 = 0.1;
 
-/// Moved outwards for some frames and back for the rest, in metres.
+/// Target: outwards for some frames and back for the rest, in metres.
 fn target(frame: usize) -> f64 {
     if (8..13).contains(&frame) { 0.8 } else { 0.0 }
 }
@@ -38,7 +38,7 @@ fn motion(order: usize, weight: f64) -> MotionProblem {
     motion.build().unwrap()
 }
 
-/// Minimum of ½ Σ (x − target)² + ½ Σ (w Δᵏx / Δtᵏ)² over the frames from `begin` to `end`, with those before `begin`
+/// Minimum of ½ Σ (x − target)² + ½ Σ (w Δᵏx / Δtᵏ)² over the frames from `begin` to `end`. Those before `begin` are
 /// given.
 fn least(x: &[f64], begin: usize, end: usize, order: usize, weight: f64) -> DVector<f64> {
     let coefficients: &[f64] =

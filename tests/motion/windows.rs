@@ -51,7 +51,7 @@ fn work_grows_linearly_with_the_frames() {
     );
 }
 
-/// Among windows with different terminations, one that did not converge counts, wherever it is.
+/// Among windows with different terminations, one that did not converge counts, at any position.
 #[test]
 fn unconverged_window_is_reported() {
     let (model, tool) = slide();

@@ -112,7 +112,7 @@ fn reference_has_enough_problems_of_enough_kinds() {
 
 #[test]
 fn costs_and_kkt_residuals_equal_the_references() {
-    // Our cost and KKT residual equal CasADi's at every tool's answer.
+    // Our cost and KKT residual equal CasADi's at every program's solution.
     let (models, problems) = reference();
     for statement in &problems {
         let problem = problem(statement, &models[&statement.model]);

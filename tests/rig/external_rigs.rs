@@ -2,7 +2,7 @@
 //!
 //! They have no licence and are not shipped: `KINOPT_SHARED` names the folder that has them under `rigs/`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-#![allow(clippy::print_stderr)] // To say that nothing was tested.
+#![allow(clippy::print_stderr)] // Reports that nothing was tested.
 
 use kinopt::io::rig::Rig;
 

@@ -1,5 +1,5 @@
-//! Promise: the rigs under `models/` are sound: closed skins, smooth weights that sum to 1, keyframes within limits,
-//! finite tips at any pose, and small files.
+//! Promise: the rigs under `models/` are sound. Skins are closed, smooth weights sum to 1, keyframes are within limits,
+//! tips are finite, and files are small.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};

@@ -314,7 +314,7 @@ fn shared_scale_and_mirror_scale_the_blend() {
     }
 }
 
-/// A file in centimetres below a root of scale 0.01, bent by 30° at (100, 0, 0): both bones take this point to (1, 0,
+/// A file in centimetres below a root of scale 0.01, bent by 30° at (100, 0, 0). Both bones take this point to (1, 0,
 /// 0).
 #[test]
 fn scaled_bones_keep_the_point_of_their_joint() {

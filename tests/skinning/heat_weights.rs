@@ -301,8 +301,8 @@ fn heat_flows_across_obtuse_corners() {
     }
 }
 
-/// A corner that sinks onto its opposite edge: that edge stops conducting for it, since the corner is obtuse, and
-/// weights converge to those of a degenerate triangle.
+/// A corner that sinks onto its opposite edge. The edge stops conducting for the obtuse corner, and weights converge to
+/// those of a degenerate triangle.
 #[test]
 fn weights_converge_at_a_degenerate_triangle() {
     let mut hot = all_influences();

@@ -8,7 +8,7 @@ use kinopt::skinning::{PackedLinearBlend, PackedWeights};
 use support::random::Random;
 use support::skins::{Vertices, rigid, weights};
 
-/// Variable that tells the test that it runs in the child process.
+/// Environment variable that marks the child process.
 const ASKED: &str = "KINOPT_TESTS_ASK_FOR_THE_PATH";
 
 /// True if this process uses the portable path: the other one rounds a product and a sum once.

@@ -269,7 +269,7 @@ fn prismatic_joint_reaches_its_farther_limit() {
     }
 }
 
-/// A miss agrees at least with itself, whichever attempt it continued.
+/// A miss agrees at least with itself, for any attempt that it continued.
 #[test]
 fn reported_miss_agrees_with_itself() {
     let mut reported = 0;

@@ -189,7 +189,7 @@ fn scalar_and_mimic_joints_keep_move_limits() {
     assert!(solution.explain().contains("end of the allowed move"));
 }
 
-/// The tighter limit of the two applies, whichever joint comes first in the model.
+/// The tighter limit of the two applies, for either order of the joints in the model.
 #[test]
 fn source_joint_keeps_the_tighter_move_limit() {
     let z = Vector3::UNITS[2];

@@ -1,5 +1,5 @@
-//! Promise: a search takes the variables that its tasks move, however many bones a character has besides, and finds what a
-//! search over all variables finds.
+//! Promise: a search uses only the variables that its tasks move, for any number of further bones of a character. Its
+//! result equals that of a search over all variables.
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver, Workspace};
 
-/// Levenberg-Marquardt that notes the most columns of a Jacobian.
+/// Levenberg-Marquardt that records the largest number of columns of a Jacobian.
 struct Counting(Arc<AtomicUsize>);
 
 impl Method for Counting {
@@ -45,7 +45,7 @@ impl Method for Counting {
     }
 }
 
-/// Chains of `length` bones, a tenth of a metre each, that begin on the end of a spine of three.
+/// Chains of `length` bones of 0.1 m each, which begin at the end of a spine of three bones.
 fn character(chains: usize, length: usize) -> Skeleton {
     let mut builder = Skeleton::builder("character");
     let mut bone = |name: String, parent, at: [f64; 3]| {
@@ -109,12 +109,12 @@ fn search_has_the_columns_that_tasks_move() {
         let near = 1e-3 * costs[0] + 1e-9;
         assert!((costs[0] - costs[1]).abs() < near, "{costs:?}");
         assert_eq!(few.0.reached, many.0.reached);
-        // What no task moves stays.
+        // Variables that no task moves are unchanged.
         assert!(many.0.q[3 * 13..].iter().all(|angle| *angle == 0.0));
     }
 }
 
-/// Balls within cones keep to them, and a ball that a task does not move stays.
+/// Balls stay within their cones, and a ball that no task moves is unchanged.
 #[test]
 fn search_of_balls_has_the_columns_that_tasks_move() {
     use kinopt::model::BallLimits;
@@ -140,7 +140,7 @@ fn search_of_balls_has_the_columns_that_tasks_move() {
     let solution = solver.solve_once(&problem, &start).unwrap();
     assert!(solution.reached);
     assert_eq!(columns.load(Ordering::Relaxed), 3 * 13);
-    // Of a ball whose axis is x, the swing is between x and where it is turned.
+    // The swing of a ball with axis x is the angle between x and the rotated x.
     for q in solution.q.chunks_exact(4) {
         let cosine = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]);
         assert!(cosine > 0.5_f64.cos() - 1e-9, "{q:?}");

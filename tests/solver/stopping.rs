@@ -199,7 +199,7 @@ fn soft_tasks_end_before_the_iteration_limit() {
     }
 }
 
-/// The lowest cost of a search with increasing steps is returned, wherever it stops.
+/// The lowest cost of a search with increasing steps is returned, at any number of steps.
 #[test]
 fn lowest_iterate_is_returned() {
     let rig = support::bones::RandomRig::new(6);

@@ -1,4 +1,4 @@
-//! Armatures for tests of animation.
+//! Random armatures and poses for animation tests.
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform, Pose};
@@ -21,7 +21,7 @@ pub fn local(random: &mut Random) -> LocalTransform {
     }
 }
 
-/// A bone that is neither turned nor scaled at rest, by where it stands on its parent.
+/// Bone with an identity rest rotation and scale, at a position relative to its parent.
 pub fn bone(name: &str, parent: Option<usize>, at: impl Into<Vec3A>) -> ArmatureBone {
     ArmatureBone {
         name: name.into(),
@@ -33,7 +33,7 @@ pub fn bone(name: &str, parent: Option<usize>, at: impl Into<Vec3A>) -> Armature
     }
 }
 
-/// A tree of bones called `bone 0`, … with the morph targets `smile` and `frown`.
+/// Random tree of bones named `bone 0`, `bone 1` and so on, with the morph targets `smile` and `frown`.
 pub fn armature(bones: usize, random: &mut Random) -> Armature {
     let list = (0..bones).map(|k| ArmatureBone {
         name: format!("bone {k}"),
@@ -44,7 +44,7 @@ pub fn armature(bones: usize, random: &mut Random) -> Armature {
     Armature::new(list.collect(), targets).unwrap()
 }
 
-/// Any pose of an armature.
+/// Random pose of an armature.
 pub fn pose(armature: &Armature, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for index in 0..armature.bones() {
@@ -57,13 +57,13 @@ pub fn pose(armature: &Armature, random: &mut Random) -> Pose {
     pose
 }
 
-/// The angle between two rotations, in radians.
+/// Angle between two rotations, radians.
 pub fn apart(a: Quat, b: Quat) -> f32 {
     let turn = a.as_dquat().normalize().conjugate() * b.as_dquat().normalize();
     (2.0 * turn.xyz().length().min(1.0).asin()) as f32
 }
 
-/// The largest difference between two poses: lengths and radians alike.
+/// Largest difference between two poses, over lengths in metres and angles in radians.
 pub fn difference(a: &Pose, b: &Pose) -> f32 {
     let vectors = |a: &[Vec3A], b: &[Vec3A]| {
         let pairs = a.iter().zip(b);
@@ -79,7 +79,7 @@ pub fn difference(a: &Pose, b: &Pose) -> f32 {
         .max(weights)
 }
 
-/// Model transforms by products of matrices along each bone's ancestors, in double precision.
+/// Model transforms as products of matrices along each bone's ancestors, in double precision.
 pub fn model_by_ancestors(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
     let each = (0..armature.bones()).map(|index| {
         let mut next = armature.bone_at(index);

@@ -17,7 +17,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 * 0.5f64.powi(53)
     }
 
-    /// Within the limits; unbounded joints within half a turn of zero.
+    /// Random configuration within the limits; joints without limits are within half a turn of zero.
     pub fn configuration(&mut self, arm: &Arm) -> Vec<f64> {
         let pi = std::f64::consts::PI;
         let ends: Vec<_> = arm
@@ -42,7 +42,7 @@ pub fn robot(name: &str) -> Robot {
     Robot::read(file_of(name)).unwrap()
 }
 
-/// The same with a joint that turns without limits.
+/// The shipped robot `name` with the limits of one revolute joint removed.
 pub fn with_endless_joint(name: &str, joint: &str) -> Robot {
     let text = std::fs::read_to_string(file_of(name)).unwrap();
     let [limited, endless] =
@@ -51,7 +51,7 @@ pub fn with_endless_joint(name: &str, joint: &str) -> Robot {
     Robot::parse(&text.replace(&limited, &endless), "endless.urdf").unwrap()
 }
 
-/// world_from_frame at a configuration of the whole model.
+/// Placement world_from_frame at a configuration of the whole model.
 pub fn frame(model: &Model, q: &[f64], name: &str) -> Isometry3<f64> {
     let mut world: Vec<Isometry3<f64>> = Vec::new();
     for id in model.joint_ids() {
@@ -80,7 +80,7 @@ pub fn frame(model: &Model, q: &[f64], name: &str) -> Isometry3<f64> {
     joint * Isometry3::from(&frame.joint_from_frame)
 }
 
-/// base_from_tip by the whole model's kinematics at the arm's joints, the rest at neutral.
+/// Placement base_from_tip by forward kinematics of the whole model; joints outside the arm are at neutral.
 pub fn base_from_tip(model: &Model, arm: &Arm, q: &[f64], base: &str, tip: &str) -> Isometry3<f64> {
     let mut all = model.neutral();
     arm.configuration(q, &mut all).unwrap();
@@ -93,7 +93,7 @@ pub fn apart(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
     (distance, a.rotation.angle_to(&b.rotation))
 }
 
-/// Whether every value lies within its limits, bit for bit.
+/// True if every value is exactly within its limits.
 pub fn within_limits(arm: &Arm, q: &[f64]) -> bool {
     arm.limits()
         .zip(q)
@@ -116,7 +116,7 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
         .sqrt()
 }
 
-/// Two links of a metre in a plane and a hand that turns, from the shoulder's limits.
+/// Planar arm of two links of 1 m with a rotating hand; the shoulder has the given limits.
 pub fn planar_with_hand(shoulder: Limits) -> Arm {
     let mut builder = Model::builder("planar");
     let here = Placement::identity();

@@ -1,5 +1,4 @@
-//! Random bodies of every kind of joint, with joints held and joints that follow others, and what their
-//! configurations may be.
+//! Random models with joints of every kind, locked joints and mimic joints, and a check of their configurations.
 
 use std::f64::consts::PI;
 
@@ -15,30 +14,30 @@ use super::kept_limits::{Cone, Role, Rule, cross, exponential};
 use super::random::Random;
 use super::{placement, vector};
 
-/// A model, which of its joints are free, and what its configurations may be.
+/// Model, its parameter map, and the rules of its configurations.
 #[derive(Clone, Debug)]
 pub struct Body {
     pub model: Model,
     pub map: ParameterMap,
     pub masses: Masses,
-    /// One on every joint that carries something.
+    /// One frame on every joint that carries something.
     pub frames: Vec<FrameId>,
-    /// By joint in configuration order.
+    /// Rules by joint, in configuration order.
     pub rules: Vec<Rule>,
     pub roles: Vec<Role>,
 }
 
-/// The joints of a body that is being put together.
+/// Joints of a model under construction.
 struct Parts {
     builder: ModelBuilder,
-    /// The name and the rule of each joint that moves.
+    /// Name and rule of each joint that moves.
     moving: Vec<(String, Rule)>,
-    /// Where the next may stand.
+    /// Joints to which the next joint may be attached.
     carriers: Vec<JointId>,
 }
 
 impl Body {
-    /// A tree of so many joints of every kind, in chains that branch; the first may be a base that moves.
+    /// Random tree of `joints` joints of every kind, in chains that branch. The first joint may be a base joint.
     pub fn new(random: &mut Random, joints: usize) -> Self {
         let mut parts = Parts {
             builder: Model::builder("body"),
@@ -77,13 +76,13 @@ impl Body {
         }
     }
 
-    /// What of a configuration is broken, if anything is.
+    /// First broken rule of a configuration, if any.
     pub fn broken(&self, q: &[f64]) -> Option<String> {
         super::kept_limits::broken(&self.rules, &self.roles, q)
     }
 
-    /// A configuration with everything on an edge: numbers at an end of their limits, balls on their cones, at
-    /// an end of their twist.
+    /// Configuration at the edges of all limits. Numbers are at an end of their range, balls on their cones and at an
+    /// end of their twist range.
     pub fn on_edges(&self, random: &mut Random) -> Vec<f64> {
         let mut q = Vec::with_capacity(self.model.configuration_len());
         for rule in &self.rules {
@@ -106,7 +105,7 @@ impl Body {
         q
     }
 
-    /// Numbers that have nothing to do with limits: quaternions of any length, values as large as `size`.
+    /// Random configuration without regard to limits: quaternions of any length, values up to `size`.
     pub fn anywhere(&self, random: &mut Random, size: f64) -> Vec<f64> {
         let count = self.model.configuration_len();
         (0..count).map(|_| random.within(-size, size)).collect()
@@ -124,7 +123,7 @@ impl Parts {
         let across = cross(direction.into(), random.direction().into_inner().into());
         let across = nalgebra::Vector3::from(across).normalize();
         let (axis, about) = (vector(direction), vector(across));
-        // The first moves for certain, and more often than others it is a base that goes anywhere.
+        // The first joint is a base joint in most cases, and always movable.
         let kind = match index {
             0 => [2, 4, 8, 8][random.below(4)],
             _ => random.below(9),
@@ -213,7 +212,7 @@ impl Parts {
     }
 }
 
-/// A range around or beside zero; one in nine is a single value.
+/// Random range around or next to zero; one in nine contains a single value.
 fn range(random: &mut Random, size: f64) -> Limits {
     let (a, b) = (random.within(-size, size), random.within(-size, size));
     match random.below(9) {
@@ -223,7 +222,7 @@ fn range(random: &mut Random, size: f64) -> Limits {
     }
 }
 
-/// Where a base may stand.
+/// Random base bounds.
 fn room(random: &mut Random) -> Limits {
     match random.below(3) {
         0 => Limits::UNBOUNDED,
@@ -231,7 +230,7 @@ fn room(random: &mut Random) -> Limits {
     }
 }
 
-/// Half angles of a cone: circular or not, needle-thin, wide, all that there is.
+/// Half angles of a cone: circular or elliptic, narrow, wide, or without limit.
 fn swing(random: &mut Random) -> [f64; 2] {
     let mut half = || match random.below(8) {
         0 => random.within(1e-3, 0.05),
@@ -246,7 +245,7 @@ fn swing(random: &mut Random) -> [f64; 2] {
     }
 }
 
-/// A ball that turns no further than an angle, in two of three that have limits at all.
+/// Adds a limit of the total angle to two of three balls with limits.
 fn whole_angle(cone: Cone, random: &mut Random) -> Cone {
     let least = cone.twist.clamp(0.0).abs();
     let angle = match random.below(3) {
@@ -267,7 +266,7 @@ fn twist(random: &mut Random) -> Limits {
     }
 }
 
-/// Some joints held, some following another; what cannot be said of a body is not.
+/// Random locked joints and mimic joints. Combinations that the parameter map rejects are skipped.
 fn roles(
     model: &Model,
     moving: &[(String, Rule)],
@@ -291,7 +290,7 @@ fn roles(
                 roles.push(Role::Held(at, turned.to_vec()));
             }
             (Rule::Number(limits), 1 | 2) => {
-                // Through the middles of both ranges, so that something is left.
+                // The line goes through the middles of both ranges, so that the range of the source joint is not empty.
                 let Some((other, middle)) = master else {
                     master = Some((joint, in_the_middle(limits)));
                     continue;
@@ -307,7 +306,7 @@ fn roles(
     }
     match builder.build() {
         Ok(map) if map.variables() > 0 => (map, roles),
-        // Rounding may leave a follower of a single value none.
+        // Rounding may leave no value for a mimic joint whose range is a single value.
         _ => (ParameterMap::free(model), Vec::new()),
     }
 }
@@ -317,12 +316,12 @@ fn in_the_middle(limits: &Limits) -> f64 {
     0.5 * (lower + upper)
 }
 
-/// A direction as the library takes it.
+/// Unit direction as the library's vector type.
 pub fn direction(random: &mut Random) -> Vector3<f64> {
     vector(random.direction().into_inner())
 }
 
-/// A mass that slides over the floor: its model, its frame and what it weighs.
+/// Point mass with two prismatic joints in the ground plane: its model, frame and masses.
 pub fn sledge() -> (Model, FrameId, Masses) {
     let mut builder = Model::builder("sledge");
     let [x, y, _] = Vector3::UNITS;
@@ -336,7 +335,8 @@ pub fn sledge() -> (Model, FrameId, Masses) {
     (model, frame, masses)
 }
 
-/// x = −y, then y = 0 by a metre, against which a posture at (0, 2) is traded; the task that is the posture.
+/// Problem on [`sledge`] with two priority levels: x = −y, then y = 0 with a tolerance of 1 m. A soft posture task at
+/// (0, 2) is weighted against both. Also returns the id of the posture task.
 pub fn traded_on_a_sledge() -> (Problem, TaskId<Posture>) {
     let (model, mass, _) = sledge();
     let [x, y, _] = Vector3::UNITS;

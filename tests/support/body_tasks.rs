@@ -1,4 +1,4 @@
-//! Tasks of whole bodies around a configuration, and what their residuals should be.
+//! Tasks of whole robots around a configuration, with their expected residuals.
 
 use super::random::Random;
 use super::tasks::{TaskCase, rotation_vector, sum_case};
@@ -12,10 +12,10 @@ use kinopt::task::{
 };
 use nalgebra as na;
 
-/// A mass on a frame of a tree: which frame, where on it, how much.
+/// Mass on a frame of a tree: frame index, position in the frame in metres, and mass in kg.
 type Mass = (usize, na::Vector3<f64>, f64);
 
-/// A mass on every frame; what joints move counts.
+/// A mass on every frame; masses that no joint moves are omitted from the sum.
 pub fn random_masses(tree: &RandomTree, random: &mut Random) -> (Masses, Vec<Mass>) {
     let all: Vec<Mass> = (0..tree.frames.len())
         .map(|k| (k, random.vector(0.3), random.within(0.1, 5.0)))
@@ -39,7 +39,7 @@ pub fn random_masses(tree: &RandomTree, random: &mut Random) -> (Masses, Vec<Mas
     (masses, all.into_iter().filter(moved).collect())
 }
 
-/// Σ m p / Σ m.
+/// Centre of mass, Σ m p / Σ m.
 pub fn centre(at: &[Rigid], masses: &[Mass]) -> na::Vector3<f64> {
     let total: f64 = masses.iter().map(|(_, _, mass)| mass).sum();
     let moments = masses
@@ -48,8 +48,8 @@ pub fn centre(at: &[Rigid], masses: &[Mass]) -> na::Vector3<f64> {
     moments.sum::<na::Vector3<f64>>() / total
 }
 
-/// From the nearest place of the hull of points to `at`: zero within any triangle of them, else the nearest of
-/// all segments between two.
+/// Vector to `at` from the closest point of the hull of points. It is zero inside any triangle of the points, and
+/// otherwise ends at the closest segment between two points.
 pub fn outside_hull(points: &[na::Vector2<f64>], at: na::Vector2<f64>) -> na::Vector2<f64> {
     let turn = |a: na::Vector2<f64>, b: na::Vector2<f64>| (b - a).perp(&(at - a));
     for a in points {
@@ -79,7 +79,7 @@ pub fn outside_hull(points: &[na::Vector2<f64>], at: na::Vector2<f64>) -> na::Ve
     nearest
 }
 
-/// One of every kind, most of them missed at `q`.
+/// One task of every kind; most of them have an error at `q`.
 pub fn body_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCase> {
     let mut all = balance_cases(tree, q, random);
     all.extend(joint_cases(tree, q, random));
@@ -214,7 +214,7 @@ fn balance_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskC
             })
         },
         move |at, _| {
-            // With y up, z and x are across it.
+            // With y up, x and z are horizontal.
             let seen = |v: na::Vector3<f64>| na::Vector2::new(v.z, v.x);
             let soles = feet.iter().flat_map(|(foot, soles)| {
                 let points = soles.iter().map(|p| at[*foot] * na::Point3::from(*p));
@@ -317,7 +317,7 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
             for (k, _) in columns.iter().enumerate().filter(|(_, between)| **between) {
                 let mut column = tip.column(k).into_owned();
                 if let Some(base) = base {
-                    // What the base does at the tip is taken off.
+                    // Motion of the base at the tip is subtracted.
                     let moved = of(base);
                     let place = kinopt::kinematics::ForwardKinematics::new(&own)
                         .place(q)
@@ -336,12 +336,12 @@ fn joint_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCas
             }
             sum
         };
-        // Far from where the measure has a kink.
+        // Configurations near the kink of the measure are excluded.
         if product(q).symmetric_eigenvalues().min() < 0.02 {
             continue;
         }
         let measure = move |q: &[f64]| product(q).determinant().max(0.0).sqrt();
-        // Twice what there is, so that half is missing.
+        // Twice the current measure, so that half of the requirement is missing.
         let least = 2.0 * measure(q);
         let own = model.clone();
         all.push(sum_case(

@@ -1,4 +1,4 @@
-//! Random rigs of twist-bend-twist bones, and their poses by the source documents' recursion.
+//! Random rigs of twist-bend-twist bones, and their poses by the recursion of the source documents.
 
 use super::random::Random;
 use super::{Rigid, placement, rigid};
@@ -9,7 +9,7 @@ use kinopt::task::Point;
 use kinopt::{Problem, Skeleton};
 use nalgebra as na;
 
-/// A skeleton and the numbers it was made of.
+/// Skeleton with the numbers it was built from.
 #[derive(Clone, Debug)]
 pub struct RandomRig {
     pub skeleton: Skeleton,
@@ -21,13 +21,13 @@ pub struct RandomRig {
 }
 
 impl RandomRig {
-    /// 19 to 22 bones: a root that is locked, a trunk, and five limbs; hinges, balls with limits
-    /// that need not be symmetric, and stiff twists; all angles of 0 are allowed.
+    /// Random rig of 19 to 22 bones: a locked root, a spine and five limbs. It has hinges, balls with asymmetric limits
+    /// and stiff twists; all angles of 0 are within the limits.
     pub fn new(seed: u64) -> Self {
         Self::scaled(seed, 1.0)
     }
 
-    /// Every tip of it drawn to a target of its own.
+    /// Problem in which every tip has its own position target.
     pub fn drawn_to<T: Into<Vector3<f64>>>(&self, mut target: impl FnMut() -> T) -> Problem {
         let mut builder = Problem::builder(self.skeleton.model());
         for &tip in &self.tips {
@@ -36,12 +36,12 @@ impl RandomRig {
         builder.build().unwrap()
     }
 
-    /// The same rig in another unit of length.
+    /// Rig of the same seed in another unit of length.
     pub fn scaled(seed: u64, unit: f64) -> Self {
         Self::placed(seed, unit, Rigid::identity())
     }
 
-    /// The same rig, moved as a whole after scaling.
+    /// Rig of the same seed, scaled and then moved as a whole.
     pub fn placed(seed: u64, unit: f64, moved: Rigid) -> Self {
         let mut random = Random::new(seed);
         let count = 19 + random.below(4);
@@ -80,7 +80,7 @@ impl RandomRig {
         own.build(seed, unit, moved, &tips)
     }
 
-    /// T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹, multiplied out as it is written.
+    /// Transform T_i = T_parent T̂_i R_x(θ₃) R_z(θ₂) R_x(θ₁) T̂_i⁻¹ of every bone, as a plain product.
     pub fn transforms(&self, q: &[f64]) -> Vec<Rigid> {
         let turn = |axis: na::Unit<na::Vector3<f64>>, angle: f64| {
             rigid(
@@ -99,7 +99,7 @@ impl RandomRig {
         all
     }
 
-    /// A bone's rest tip, carried along by its transform.
+    /// Position of a bone's tip: its rest position times the bone's transform.
     pub fn tip(&self, transforms: &[Rigid], bone: BoneId) -> na::Vector3<f64> {
         let i = bone.index();
         let canonical = na::Point3::new(self.lengths[i], 0.0, 0.0);
@@ -121,7 +121,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// A bone whose tail stands on its parent's tip.
+    /// Adds a bone whose tail is at its parent's tip.
     fn add(&mut self, random: &mut Random, parent: Option<usize>, limits: [(f64, f64); 3]) {
         let tail = match parent {
             Some(p) => (self.rests[p] * na::Point3::new(self.lengths[p], 0.0, 0.0)).coords,
@@ -141,7 +141,7 @@ impl Parts {
         for length in &mut self.lengths {
             *length *= unit;
         }
-        // Bones name their parents by id, and ids come from a skeleton: build it bone by bone.
+        // Bones name their parents by id, and ids come from a skeleton, so the skeleton is built bone by bone.
         let mut bones: Vec<Bone> = Vec::new();
         for i in 0..self.parents.len() {
             let parent = self.parents[i].map(|p| {

@@ -1,4 +1,4 @@
-//! Bodies with something to do, of which targets, weights and links can be changed by a little.
+//! Problems whose targets, weights and links can be changed by small amounts, for derivative tests.
 
 use kinopt::Problem;
 use kinopt::kinematics::ForwardKinematics;
@@ -11,17 +11,17 @@ use nalgebra as na;
 use super::random::Random;
 use super::stationary::Cone;
 
-/// What a radian weighs, whatever the reach.
+/// Weight of a radian relative to a metre, for any reach.
 const TURN: f64 = 0.5;
 
 fn turning<R: Residual>(residual: R) -> Task<R> {
     Task::new(residual).weight(Quantity::Radians, TURN)
 }
 
-/// Adds a goal, so many times as heavy.
+/// Adds a task with its weight multiplied by a factor.
 type Goal = Box<dyn Fn(&mut ProblemBuilder<'_>, f64)>;
 
-/// What is changed, and how far.
+/// Changed quantity and size of the change.
 #[derive(Clone, Debug)]
 pub enum Change {
     Targets(f64),
@@ -39,15 +39,15 @@ impl Change {
     }
 }
 
-/// A body with something to do, the same for the same seed, changed by as much as is said.
+/// Problem of a seed after a change.
 pub struct Case {
     pub model: Model,
     pub problem: Problem,
-    /// The same with a configuration as its variables.
+    /// The same problem with the configuration as its variables.
     pub plain: Problem,
     pub cones: Vec<(usize, Cone)>,
     pub start: Vec<f64>,
-    /// What the change is, for the library.
+    /// The change as rates of the library's parameters.
     pub rates: ParameterVector,
     pub goals: usize,
     pub traded: bool,
@@ -61,12 +61,12 @@ struct Body {
     cones: Vec<(usize, Cone)>,
 }
 
-/// With a free base and balls in cones.
+/// True for models with a free base and balls in cones.
 fn is_figure(kind: u64) -> bool {
     matches!(kind, 4..=6)
 }
 
-/// A chain, the origin of one of whose joints is shifted on its parent.
+/// Chain in which the origin of one joint is shifted on its parent.
 fn body(kind: u64, (shifted, shift): (usize, na::Vector3<f64>), random: &mut Random) -> Body {
     let mut joint = 0;
     let mut place = |random: &mut Random| {
@@ -138,7 +138,7 @@ fn body(kind: u64, (shifted, shift): (usize, na::Vector3<f64>), random: &mut Ran
     }
 }
 
-/// The same case for the same seed.
+/// Problem of a seed with a change applied.
 pub fn case(seed: u64, change: &Change) -> Case {
     let random = &mut Random::new(seed + 77);
     let kind = seed % KINDS;
@@ -156,7 +156,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
     } = body(kind, (shifted, shift * origin), random);
     let figure = is_figure(kind);
 
-    // Where a random configuration puts the frames, or beyond.
+    // Targets are frame positions at a random configuration, or beyond.
     let q = model.random_configuration(seed);
     let mut kinematics = ForwardKinematics::of_frames(&straight.model, &frames).unwrap();
     let at: Vec<Placement<f64>> = kinematics.place(&q).unwrap().to_vec();
@@ -233,7 +233,7 @@ pub fn case(seed: u64, change: &Change) -> Case {
             }));
         }
     }
-    // A posture somewhere else, so that something is always pulled at.
+    // A distant posture target, so that a soft task always has an error.
     let has_posture = !matches!(kind, 1 | 2 | 7);
     let mut reference = model.random_configuration(seed + 5000);
     let tasks_with = |map: Option<ParameterMap>, reference: &[f64]| {
@@ -254,14 +254,14 @@ pub fn case(seed: u64, change: &Change) -> Case {
     };
     if has_posture {
         let dof = model.degrees_of_freedom();
-        // Beyond cones and limits, so that they hold.
+        // Targets beyond cones and limits, so that limits are active.
         let off: Vec<f64> = (0..dof).map(|_| random.within(-0.8, 0.8)).collect();
         let by: Vec<f64> = (0..dof).map(|_| random.within(-1.0, 1.0)).collect();
         let mut to = vec![0.0; reference.len()];
         model.integrate(&reference, &off, &mut to).unwrap();
         let moved: Vec<f64> = by.iter().map(|by| by * step).collect();
         model.integrate(&to, &moved, &mut reference).unwrap();
-        // A free joint's reference is moved as its slides and its ball are, each by itself.
+        // The reference of a free joint is set for its prismatic joints and its ball separately.
         if figure {
             for k in 0..3 {
                 reference[k] = to[k] + moved[k];
@@ -279,14 +279,14 @@ pub fn case(seed: u64, change: &Change) -> Case {
             }
         }
         Change::Weight(_) => {
-            // Both blocks of a pose, with weights of their own.
+            // Position and orientation of a pose, each with its own weight.
             let blocks = if kind <= 2 { 2 } else { 1 };
             let own = [1.0, TURN];
             rates.weights_mut()[..blocks].copy_from_slice(&own[..blocks]);
         }
         Change::Origin(_) => {
             rates = rates.with_joint_origins(model.joints().len());
-            // A free base is four joints of the model, the first of which stands where it says.
+            // A free base consists of four joints of the model; the first one has the position.
             let index = match (figure, shifted) {
                 (true, 0) => 0,
                 (true, later) => later + 3,

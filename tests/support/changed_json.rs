@@ -1,10 +1,10 @@
-//! JSON documents that are changed as a tree: what comes out is always JSON, and most often nearly right.
+//! Random mutations of JSON documents as trees, so that the results are valid JSON and mostly nearly correct.
 
 use serde_json::{Value, json};
 
 use crate::random::Random;
 
-/// What stands in place of a value, besides what stands elsewhere in the document.
+/// Replacement values, in addition to values from elsewhere in the document.
 fn values() -> Vec<Value> {
     vec![
         json!(null),
@@ -49,7 +49,7 @@ fn children_mut(value: &mut Value) -> Vec<&mut Value> {
     }
 }
 
-/// A child of a child …, on a way down that is drawn, so that what lies deep is met as often as what lies high.
+/// Descends to a random descendant, so that deep values are chosen as often as shallow ones.
 fn below<'v>(value: &'v mut Value, random: &mut Random, deepest: bool) -> &'v mut Value {
     let count = children(value).len();
     if count == 0 || (!deepest && random.below(4) == 0) {
@@ -60,7 +60,7 @@ fn below<'v>(value: &'v mut Value, random: &mut Random, deepest: bool) -> &'v mu
     below(inner, random, deepest)
 }
 
-/// All keys of a document.
+/// Collects all keys of a document.
 fn keys(value: &Value, all: &mut Vec<String>) {
     if let Value::Object(map) = value {
         all.extend(map.keys().cloned());
@@ -68,7 +68,7 @@ fn keys(value: &Value, all: &mut Vec<String>) {
     children(value).into_iter().for_each(|own| keys(own, all));
 }
 
-/// A list or an object in the document.
+/// Random list or object of a document.
 fn holder<'v>(root: &'v mut Value, random: &mut Random) -> &'v mut Value {
     let mut way = random.clone();
     let is_any = |value: &Value| !children(value).is_empty();
@@ -82,7 +82,7 @@ fn holder<'v>(root: &'v mut Value, random: &mut Random) -> &'v mut Value {
     root
 }
 
-/// The document with one thing changed.
+/// Applies one random change to a document.
 pub fn change(root: &mut Value, random: &mut Random) {
     let elsewhere = below(&mut root.clone(), random, false).clone();
     let mut known = Vec::new();
@@ -145,7 +145,7 @@ pub fn change(root: &mut Value, random: &mut Random) {
     }
 }
 
-/// So many documents, each with one to three things changed.
+/// `count` documents, each with one to three random changes.
 pub fn changed(text: &str, count: usize, random: &mut Random) -> Vec<String> {
     let whole: Value = serde_json::from_str(text).unwrap();
     let each = (0..count).map(|number| {
@@ -153,7 +153,7 @@ pub fn changed(text: &str, count: usize, random: &mut Random) -> Vec<String> {
         for _ in 0..=random.below(3) {
             change(&mut own, random);
         }
-        // As programs write it, or as people do.
+        // Compact or pretty-printed.
         match number % 2 {
             0 => own.to_string(),
             _ => serde_json::to_string_pretty(&own).unwrap(),

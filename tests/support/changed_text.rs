@@ -1,14 +1,14 @@
-//! Texts of words, signs and lines, some of which are changed.
+//! Random mutations of texts that consist of words, signs and lines.
 
 use crate::random::Random;
 
-/// What stands in place of a number.
+/// Replacements of numbers.
 const NUMBERS: [&str; 16] = [
     "0", "-1", "1", "2", "3", "-0", "0.5", "1e1", "1e30", "1e400", "nan", "-inf", "x", "7", "-2",
     "65536",
 ];
 
-/// The words and what is between them, in turn.
+/// Splits a text into words and the characters between them.
 fn split(text: &str) -> Vec<&str> {
     let is_word = |c: char| c.is_alphanumeric() || "._-+".contains(c);
     let mut pieces = Vec::new();
@@ -16,7 +16,7 @@ fn split(text: &str) -> Vec<&str> {
     while let Some(first) = rest.chars().next() {
         let kind = is_word(first);
         let end = rest.find(|c| is_word(c) != kind).unwrap_or(rest.len());
-        // Signs stand alone.
+        // Each sign is a part of its own.
         let end = if kind { end } else { first.len_utf8() };
         pieces.push(&rest[..end]);
         rest = &rest[end..];
@@ -77,7 +77,7 @@ fn change(text: &str, random: &mut Random) -> String {
     }
 }
 
-/// So many texts, each with one to three things changed.
+/// `count` texts, each with one to three random changes.
 pub fn changed(text: &str, count: usize, random: &mut Random) -> Vec<String> {
     let each = (0..count).map(|_| {
         let mut own = text.to_owned();

@@ -1,8 +1,8 @@
-//! XML documents that are changed as a tree, so that what comes out is always XML, and most often nearly right.
+//! Random mutations of XML documents as trees, so that the results are valid XML and mostly nearly correct.
 
 use crate::random::Random;
 
-/// An element of a document.
+/// Element of a document.
 #[derive(Clone, Debug)]
 pub struct Element {
     pub tag: String,
@@ -10,7 +10,7 @@ pub struct Element {
     pub children: Vec<Element>,
 }
 
-/// Attributes' values that no document has, or another.
+/// Replacement values of attributes, unusual or invalid.
 const VALUES: [&str; 34] = [
     "",
     " ",
@@ -52,7 +52,7 @@ const NUMBERS: [&str; 12] = [
 ];
 
 impl Element {
-    /// The root of a document.
+    /// Root element of a document.
     pub fn parse(text: &str) -> Self {
         let document = roxmltree::Document::parse(text).unwrap();
         Self::of(document.root_element())
@@ -69,7 +69,7 @@ impl Element {
         }
     }
 
-    /// The document, an element a line.
+    /// Text of the document with one element per line.
     pub fn text(&self) -> String {
         let escape = |value: &str| {
             value
@@ -84,12 +84,12 @@ impl Element {
         format!("<{}{attributes}>\n{inner}</{}>\n", self.tag, self.tag)
     }
 
-    /// How many elements there are, itself included.
+    /// Number of elements, including this one.
     pub fn count(&self) -> usize {
         1 + self.children.iter().map(Self::count).sum::<usize>()
     }
 
-    /// The element of a number, in the order of the text; the root is 0.
+    /// Element by its number in document order; the root has number 0.
     fn at(&mut self, number: usize) -> Option<&mut Self> {
         if number == 0 {
             return Some(self);
@@ -105,7 +105,7 @@ impl Element {
         None
     }
 
-    /// Takes an element out, which is not the root.
+    /// Removes and returns an element other than the root.
     fn take(&mut self, number: usize) -> Option<Self> {
         let mut left = number.checked_sub(1)?;
         for k in 0..self.children.len() {
@@ -121,7 +121,7 @@ impl Element {
         None
     }
 
-    /// All attributes, by name and value.
+    /// Collects all attributes as pairs of name and value.
     fn all_attributes(&self, all: &mut Vec<(String, String)>) {
         all.extend(self.attributes.iter().cloned());
         self.children
@@ -134,14 +134,14 @@ impl Element {
         self.children.iter().for_each(|child| child.all_tags(all));
     }
 
-    /// Changes one thing.
+    /// Applies one random change.
     pub fn change(&mut self, random: &mut Random) {
         let mut known = Vec::new();
         self.all_attributes(&mut known);
         let count = self.count();
         let (one, other) = (random.below(count), random.below(count));
         match random.below(12) {
-            // An attribute's value: another, that of another attribute, or one of its numbers.
+            // Replaces an attribute's value, or one number in it, by another value.
             0..=5 => {
                 let kind = random.below(3);
                 let (_, elsewhere) = known[random.below(known.len())].clone();
@@ -150,7 +150,7 @@ impl Element {
                     NUMBERS[random.below(NUMBERS.len())],
                 );
                 let place = random.bits() as usize;
-                // The first element from there on that has any.
+                // First element with attributes from that number on.
                 for number_of in (one..count).chain(0..one) {
                     let Some(element) = self.at(number_of) else {
                         break;
@@ -174,7 +174,7 @@ impl Element {
                     break;
                 }
             }
-            // An attribute goes, or comes from elsewhere.
+            // Removes an attribute, or adds one from another element.
             6 => {
                 let place = random.bits() as usize;
                 if let Some(element) = self.at(one).filter(|own| !own.attributes.is_empty()) {
@@ -189,7 +189,7 @@ impl Element {
                     element.attributes.push((name, value));
                 }
             }
-            // A tag has another's name.
+            // Renames an element like another one.
             8 => {
                 let mut tags = Vec::new();
                 self.all_tags(&mut tags);
@@ -198,7 +198,7 @@ impl Element {
                     element.tag = tag;
                 }
             }
-            // An element goes, is there twice, or stands elsewhere.
+            // Removes, duplicates or moves an element.
             9 => drop(self.take(one)),
             10 => {
                 let copy = self.at(one).map(|own| own.clone()).filter(|_| one > 0);

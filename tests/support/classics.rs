@@ -1,19 +1,19 @@
-//! Plain least-squares problems with known minima (Moré, Garbow & Hillstrom 1981, "Testing
-//! unconstrained optimization software"; costs here are half of their sums of squares).
+//! Least-squares problems with known minima (Moré, Garbow & Hillstrom 1981, "Testing unconstrained optimization
+//! software"). Costs here are half of the sums of squares in that paper.
 
 use kinopt::Scalar;
 use kinopt::scalar::Dual;
 use kinopt::solver::LeastSquares;
 use nalgebra::{DMatrix, DVector};
 
-/// r(x) written once over the scalar.
+/// Function r(x), generic over the scalar type.
 pub trait Function {
     fn variables(&self) -> usize;
     fn rows(&self) -> usize;
     fn evaluate<S: Scalar>(&self, x: &[S], r: &mut [S]);
 }
 
-/// A function between bounds. It panics when asked outside them.
+/// Function with bounds. It panics when it is evaluated outside of them.
 pub struct Bounded<F> {
     pub function: F,
     pub lower: Vec<f64>,

@@ -1,11 +1,11 @@
-//! Random convex shapes with support functions of their own.
+//! Random convex shapes with support functions independent of the library.
 
 use super::random::Random;
 use kinopt::collision::Shape;
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
 
-/// What a shape is, told without the library.
+/// Shape data independent of the library's types.
 #[derive(Clone, Debug)]
 pub enum Solid {
     Sphere(f64),
@@ -16,7 +16,7 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// One of the five kinds, lengths within 0.05 and 1, some very thin.
+    /// Random shape of one of the five kinds. Lengths are between 0.05 and 1 m; some shapes are very thin.
     pub fn random(random: &mut Random) -> Self {
         let kind = random.below(5);
         Self::of_kind(kind, random)
@@ -53,7 +53,7 @@ impl Solid {
         .unwrap()
     }
 
-    /// How far it reaches along a direction in its own coordinates.
+    /// Support function: largest extent along a direction in the shape's coordinates.
     pub fn reach(&self, u: na::Vector3<f64>) -> f64 {
         match self {
             Self::Sphere(r) => r * u.norm(),
@@ -64,15 +64,15 @@ impl Solid {
         }
     }
 
-    /// How far it reaches along a direction from where it stands.
+    /// Support function along a direction in world coordinates, at a placement.
     pub fn reach_at(&self, at: &Placement<f64>, u: na::Vector3<f64>) -> f64 {
         let at = na::Isometry3::from(*at);
         self.reach(at.inverse_transform_vector(&u)) + at.translation.vector.dot(&u)
     }
 }
 
-/// The gap between two along a unit direction from the first to the second: no more than their distance, and
-/// without its sign no less than their depth.
+/// Gap between two shapes along a unit direction from the first to the second. It is at most their distance; if
+/// negative, its magnitude is at least their penetration depth.
 pub fn gap_along(
     first: (&Solid, &Placement<f64>),
     second: (&Solid, &Placement<f64>),

@@ -1,4 +1,4 @@
-//! Target courses for servos: poses over time, with what a servo must never do on them.
+//! Target courses for servos: poses over time, and forbidden reversals of joints.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp, rotation_log};
 
 use crate::arms::Random;
 
-/// The kinds of courses that [`course`] cycles through.
+/// Kinds of courses that [`course`] cycles through.
 pub const KINDS: [&str; 8] = [
     "line",
     "circle",
@@ -19,25 +19,25 @@ pub const KINDS: [&str; 8] = [
     "singularity",
 ];
 
-/// Speed above which a change of sign counts as a reversal, radians or metres a second.
+/// Speed above which a change of sign counts as a reversal, rad/s or m/s.
 const REVERSAL_SPEED: f64 = 0.1;
 /// Damping of the reference, radians.
 const REFERENCE_DAMPING: f64 = 0.01;
-/// Samples of the reference in one of the servo.
+/// Reference samples per servo cycle.
 const REFERENCE_RATE: usize = 10;
 
-/// A start and the poses that a servo is sent, over time.
+/// Start configuration and the poses that a servo receives over time.
 pub struct Course {
     pub kind: &'static str,
     pub start: Vec<f64>,
-    /// Seconds.
+    /// Duration, seconds.
     pub duration: f64,
     first: Placement<f64>,
     shape: Shape,
 }
 
 enum Shape {
-    /// Out at a constant speed, a rest, back, and a rest.
+    /// Out at a constant speed, a pause, back, and a pause.
     Line {
         direction: Vector3<f64>,
         length: f64,
@@ -52,7 +52,7 @@ enum Shape {
     },
     /// Constant poses, each for a period.
     Steps(Vec<Placement<f64>>),
-    /// A sum of sines with noise, held at 30 Hz.
+    /// Sum of sines with noise, sampled at 30 Hz.
     Hand {
         amplitudes: Vec<Vector3<f64>>,
         rates: Vec<f64>,
@@ -66,7 +66,7 @@ const REST: f64 = 0.4;
 const HAND_RATE: f64 = 30.0;
 
 impl Course {
-    /// base_from_tool at a time.
+    /// Placement base_from_tool at a time in seconds.
     pub fn at(&self, time: f64) -> Placement<f64> {
         let moved = |by: Vector3<f64>, turn: Vector3<f64>| {
             Placement::new(
@@ -131,7 +131,7 @@ fn direction(random: &mut Random) -> Vector3<f64> {
     way * way.norm().max(1e-9).recip()
 }
 
-/// Course number `index` of an arm: kinds take turns, all else is random.
+/// Course number `index` of an arm. The kind cycles with the index; everything else is random.
 pub fn course(arm: &Arm, index: usize) -> Course {
     let kind = KINDS[index % KINDS.len()];
     let mut random = Random(0x5eed + 7919 * index as u64);
@@ -157,7 +157,7 @@ pub fn course(arm: &Arm, index: usize) -> Course {
         start[joint] = if end.is_finite() { end } else { start[joint] };
     }
     if kind == "singularity" && n >= 5 {
-        // The wrist's or the elbow's joint next to zero, which the course leads it through.
+        // The course passes a singularity of the wrist or the elbow, because that joint starts near zero.
         let joint = [n - 2, n / 2][usize::from(random.unit() < 0.4)];
         let limits = arm.limits().nth(joint).unwrap();
         start[joint] = (0.12 * (2.0 * random.unit() - 1.0))
@@ -165,7 +165,7 @@ pub fn course(arm: &Arm, index: usize) -> Course {
             .min(limits.upper);
     }
     let first = arm.base_from_tool(&start).unwrap();
-    // An arm's size, metres: half a metre for most.
+    // Size of the course, metres: 0.5 m for most arms.
     let size = first.translation.norm().clamp(0.15, 0.8);
     let shape = match kind {
         "line" | "along limits" | "singularity" => Shape::Line {
@@ -229,7 +229,7 @@ pub fn course(arm: &Arm, index: usize) -> Course {
     }
 }
 
-/// A joint that reverses: the cycle, the joint, and its velocities before and after, radians or metres a second.
+/// Reversal of a joint: the cycle, the joint, and its velocities before and after in rad/s or m/s.
 #[derive(Clone, Copy, Debug)]
 pub struct Reversal {
     pub cycle: usize,
@@ -238,7 +238,7 @@ pub struct Reversal {
     pub after: f64,
 }
 
-/// Reversals in rows of velocities: a joint's velocities in two consecutive rows have opposite signs and both exceed 0.1.
+/// Reversals in rows of velocities: a joint has velocities of opposite signs in consecutive rows, and both exceed 0.1.
 pub fn reversals(velocities: &[Vec<f64>]) -> Vec<Reversal> {
     let mut found = Vec::new();
     for (cycle, pair) in velocities.windows(2).enumerate() {
@@ -256,7 +256,7 @@ pub fn reversals(velocities: &[Vec<f64>]) -> Vec<Reversal> {
     found
 }
 
-/// The velocities of plain damped least squares on a course, at ten times the rate.
+/// Velocities of plain damped least squares on a course, at ten times the rate.
 pub fn reference(arm: &Arm, course: &Course, time_step: f64) -> Vec<Vec<f64>> {
     let step = time_step / REFERENCE_RATE as f64;
     let limits: Vec<_> = arm.limits().collect();
@@ -288,7 +288,7 @@ pub fn reference(arm: &Arm, course: &Course, time_step: f64) -> Vec<Vec<f64>> {
     velocities
 }
 
-/// The reversals that the reference does not have within two cycles of the servo.
+/// Reversals without a reversal of the reference within two servo cycles.
 pub fn unexcused(found: &[Reversal], reference: &[Vec<f64>]) -> Vec<Reversal> {
     if found.is_empty() {
         return Vec::new();

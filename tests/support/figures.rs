@@ -1,5 +1,5 @@
-//! Bodies on a free base with ball joints of all sorts, hinges and slides, and their kinematics and limits by
-//! nalgebra's isometries and quaternions.
+//! Random models with a free base, ball joints of every kind, revolute and prismatic joints. Their kinematics and
+//! limits use nalgebra's isometries and quaternions.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use super::{Rigid, placement};
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model};
 use nalgebra as na;
 
-/// A ball joint's limits as the tests check them.
+/// Limits of a ball joint as the tests check them.
 #[derive(Clone, Debug)]
 pub struct Cone {
     pub axis: na::Unit<na::Vector3<f64>>,
@@ -34,12 +34,12 @@ pub struct Part {
     pub id: JointId,
 }
 
-/// A free base and joints of every kind in chains that branch.
+/// Free base and joints of every kind in chains that branch.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub model: Model,
     pub parts: Vec<Part>,
-    /// One on every part, half a metre at most from its joint.
+    /// One frame on every part, at most half a metre from its joint.
     pub frames: Vec<FrameId>,
     pub offsets: Vec<Rigid>,
 }
@@ -121,7 +121,7 @@ impl Figure {
         }
     }
 
-    /// Where every frame stands.
+    /// Placement of every frame.
     pub fn frames_at(&self, q: &[f64]) -> Vec<Rigid> {
         let mut rest = q;
         let mut take = |count: usize| {
@@ -157,8 +157,10 @@ impl Figure {
         placed.map(|(world, offset)| world * offset).collect()
     }
 
-    /// What of a configuration is outside its limits, by a swing and a twist found in another way than the
-    /// library's: the twist axis is carried to where it points, and what is left is turned about it.
+    /// First value of a configuration outside of its limits, if any.
+    ///
+    /// Swing and twist are computed by another method than the library's. The twist axis is rotated to its direction,
+    /// and the remaining rotation is about that direction.
     pub fn broken(&self, q: &[f64]) -> Option<String> {
         let mut at = 0;
         for part in &self.parts {
@@ -194,7 +196,7 @@ impl Figure {
 }
 
 impl Cone {
-    /// Swing about the two axes across, and twist.
+    /// Swing about the two perpendicular axes, and twist, radians.
     pub fn part(&self, turned: &na::UnitQuaternion<f64>) -> ([f64; 2], f64) {
         let tipped = turned * self.axis.into_inner();
         let swing = na::UnitQuaternion::rotation_between(&self.axis, &tipped)

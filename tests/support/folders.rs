@@ -1,8 +1,8 @@
-//! Folders for tests that write files.
+//! Temporary folders for tests that write files.
 
 use std::path::PathBuf;
 
-/// A folder of one test, which is gone again with what is in it when it is dropped.
+/// Folder of one test; it and its contents are removed on drop.
 pub struct Folder(PathBuf);
 
 impl Folder {
@@ -13,12 +13,12 @@ impl Folder {
         Self(folder)
     }
 
-    /// Of a file or folder in it.
+    /// Path of a file or folder in this folder.
     pub fn path(&self, file: &str) -> PathBuf {
         self.0.join(file)
     }
 
-    /// What is in it, in the order of the alphabet.
+    /// Names of its entries in alphabetical order.
     pub fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).unwrap();
         let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();

@@ -1,16 +1,16 @@
-//! Random chains whose joints follow one another: sliding, turning and endless joints about odd
-//! axes, two to seven free ones, as URDF.
+//! Random chains with mimic joints as URDF: prismatic, revolute and continuous joints about skew axes, of which two to
+//! seven are free.
 
 use crate::arms::Random;
 
-/// Chain `number` as URDF, from `l0` to the last link; none where its followers leave a leader no
-/// value.
+/// URDF of chain `number`, and the name of its last link; the first link is `l0`. Mimic joints may leave no value for
+/// their source joint, in which case the robot is invalid.
 pub fn follower_chain(number: u64) -> (String, String) {
     let mut random = Random(0xF0_110E + 7919 * number);
     let free = 2 + (random.unit() * 6.0) as usize;
     let followers = 1 + (random.unit() * 2.0) as usize;
     let joints = free + followers;
-    // Which places follow, and whom: any free joint, before or behind.
+    // Mimic joints and their source joints: any free joint, earlier or later in the chain.
     let mut master: Vec<Option<usize>> = vec![None; joints];
     for _ in 0..followers {
         let follower = (random.unit() * joints as f64) as usize;

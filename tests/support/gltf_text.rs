@@ -1,10 +1,10 @@
-//! glTF documents put together by hand: numbers go into a data URI, everything else is JSON text.
+//! glTF documents as text: numbers are in a data URI, everything else is JSON.
 
 use kinopt::animation::{Cursor, Playback, Pose};
 use kinopt::io::ReadError;
 use kinopt::io::gltf::{self, Scene};
 
-/// A document's buffer, its views and its accessors.
+/// Buffer of a document, its views and its accessors.
 #[derive(Default)]
 pub struct Numbers {
     bytes: Vec<u8>,
@@ -17,7 +17,7 @@ pub const U16: u32 = 5123;
 pub const F32: u32 = 5126;
 
 impl Numbers {
-    /// A view of bytes, from an offset that is a multiple of 4.
+    /// View of bytes, at an offset that is a multiple of 4.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
@@ -35,7 +35,7 @@ impl Numbers {
         self.accessors.len() - 1
     }
 
-    /// An accessor over bytes of its own; `more` is JSON that starts with a comma, or nothing.
+    /// Accessor with a view of its own bytes; `more` is empty, or JSON that starts with a comma.
     pub fn raw(
         &mut self,
         bytes: &[u8],
@@ -50,7 +50,7 @@ impl Numbers {
         ))
     }
 
-    /// An accessor of floats.
+    /// Accessor of floats.
     pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values
             .as_flattened()
@@ -82,7 +82,7 @@ impl Numbers {
         self.raw(values.as_flattened(), U8, kind, values.len(), more)
     }
 
-    /// The whole document; `rest` holds the other keys.
+    /// Complete document; `rest` contains the other keys.
     pub fn document(&self, rest: &str) -> String {
         let length = self.bytes.len();
         let uri = format!(
@@ -100,7 +100,7 @@ impl Numbers {
         )
     }
 
-    /// The same as GLB.
+    /// Complete document as GLB.
     pub fn glb(&self, rest: &str) -> Vec<u8> {
         let length = self.bytes.len();
         let json = self.document_of(&format!(r#"{{"byteLength":{length}}}"#), rest);
@@ -120,7 +120,7 @@ impl Numbers {
     }
 }
 
-/// A small file with a bit of everything: a skin, sparse morph targets, cubic splines, a matrix.
+/// Small file with a skin, sparse morph targets, cubic splines and a matrix.
 pub fn small() -> (Numbers, String) {
     let mut numbers = Numbers::default();
     let positions = numbers.floats(&[
@@ -171,7 +171,7 @@ pub fn small() -> (Numbers, String) {
     (numbers, rest)
 }
 
-/// Reads a file that names no other.
+/// Reads a file without external references.
 pub fn read(bytes: &[u8]) -> Result<Scene, ReadError> {
     gltf::from_bytes(bytes, "own.gltf", |file| {
         let missing = std::env::temp_dir().join("there/is/no").join(file);
@@ -197,7 +197,7 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-/// The pose of a clip at a time of the file, in seconds.
+/// Pose of a clip at a time of the file, in seconds.
 pub fn at(scene: &Scene, clip: usize, time: f64) -> Pose {
     let mut pose = scene.armature.rest().clone();
     let mut cursor = Cursor::new();
@@ -207,7 +207,7 @@ pub fn at(scene: &Scene, clip: usize, time: f64) -> Pose {
     pose
 }
 
-/// A GLB file of these chunks; the binary one of any length, as other programs write it.
+/// GLB file of these chunks. The binary chunk may have any length, as other programs write it.
 pub fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     let mut file = [b"glTF", &2u32.to_le_bytes()[..], &[0; 4]].concat();
     let mut json = json.as_bytes().to_vec();

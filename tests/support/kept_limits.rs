@@ -1,33 +1,32 @@
-//! What may be of a configuration, and a check of it in plain numbers: nothing here is the library's but the
-//! pairs of limits that it is told.
+//! Rules of configurations, and an independent check of them. The only library type used is the pair of limits.
 
 use std::f64::consts::{PI, TAU};
 
 use kinopt::model::Limits;
 
-/// Quaternions are as long as 1 to this.
+/// Tolerance of the norm of a unit quaternion.
 const UNIT: f64 = 1e-12;
-/// Angles of a ball are within their limits to this, in radians and as a share of a cone.
+/// Tolerance of a ball's angles, in radians and relative to its cone.
 const ROUNDING: f64 = 1e-10;
 
 /// Limits of a ball joint.
 #[derive(Clone, Debug)]
 pub struct Cone {
-    /// Of unit length, as `about`, which is across it.
+    /// Twist axis. It has unit length, as does `about`, which is perpendicular to it.
     pub axis: [f64; 3],
     pub about: [f64; 3],
     pub swing: [f64; 2],
     pub twist: Limits,
-    /// How far it may turn in all.
+    /// Largest total angle, radians.
     pub angle: f64,
 }
 
-/// What one joint's numbers of a configuration may be.
+/// Rule for the configuration values of one joint.
 #[derive(Clone, Debug)]
 pub enum Rule {
-    /// A number within limits, to the bit.
+    /// Number exactly within limits.
     Number(Limits),
-    /// A unit quaternion w, x, y, z.
+    /// Unit quaternion w, x, y, z, optionally within a cone.
     Ball(Option<Cone>),
 }
 
@@ -40,16 +39,16 @@ impl Rule {
     }
 }
 
-/// What the numbers of a configuration that are no joint's own may be.
+/// Rule for configuration values that are not free.
 #[derive(Clone, Debug)]
 pub enum Role {
-    /// So many numbers from here on stand at these.
+    /// Locked joint: the values from this index on.
     Held(usize, Vec<f64>),
-    /// One is `ratio` times another, and `offset`.
+    /// Mimic joint: the first index has `ratio` times the value at the second index, plus `offset`.
     Follows(usize, usize, f64, f64),
 }
 
-/// What of a configuration is broken, if anything is.
+/// First broken rule of a configuration, if any.
 pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
     let mut at = 0;
     for (joint, rule) in rules.iter().enumerate() {
@@ -60,7 +59,7 @@ pub fn broken(rules: &[Rule], roles: &[Role], q: &[f64]) -> Option<String> {
                 let within = limits.lower <= own[0] && own[0] <= limits.upper;
                 (!within).then(|| format!("{:?} is outside {limits:?}", own[0]))
             }
-            // Where a ball is held is not asked.
+            // The limits of a locked ball are not checked.
             Rule::Ball(cone) => length_fault(own).or_else(|| {
                 let cone = cone.as_ref().filter(|_| !roles.iter().any(held));
                 cone.and_then(|cone| cone.fault(own))
@@ -90,8 +89,8 @@ fn length_fault(q: &[f64]) -> Option<String> {
 }
 
 impl Cone {
-    /// Swing and twist as they are defined: the swing is the shortest turn that takes the axis to where the
-    /// rotation takes it, and the twist what is left to turn about it.
+    /// First exceeded limit, if any. The swing is the shortest rotation from the twist axis to its rotated direction;
+    /// the twist is the remaining rotation about the axis.
     pub fn fault(&self, q: &[f64]) -> Option<String> {
         let angle = angle_between(&[1.0, 0.0, 0.0, 0.0], q);
         if angle > self.angle + ROUNDING {
@@ -102,7 +101,7 @@ impl Cone {
         let across = cross(axis, tipped);
         let (sin, cos) = (norm(across), dot(axis, tipped));
         let angle = sin.atan2(cos);
-        // The direction of a small tip does not matter, that of almost half a turn is not sharp.
+        // The direction of a tiny swing has no effect. The direction near half a turn is ill-conditioned.
         let direction = match sin > 0.0 {
             true => across.map(|v| v / sin),
             false => about,
@@ -116,7 +115,7 @@ impl Cone {
         if share > 1.0 + ROUNDING + blur {
             return Some(format!("swung to {share:?} of its cone"));
         }
-        // Rodrigues' turn of what was across the axis; a frame of it and its twisted self.
+        // Rodrigues' rotation of the perpendicular axes, as a frame without and with the twist.
         let (s, c) = angle.sin_cos();
         let along = (1.0 - c) * dot(direction, about);
         let side = cross(direction, about);
@@ -130,7 +129,7 @@ impl Cone {
         (out && blur < 1.0).then(|| format!("twisted by {twist:?}, outside {:?}", self.twist))
     }
 
-    /// A quaternion at these shares of its limits: of its swing by direction, and of its twist.
+    /// Quaternion at fractions of its limits: of the swing by direction, and of the twist.
     pub fn at(&self, [first, second]: [f64; 2], twist: f64) -> [f64; 4] {
         let second_axis = cross(self.axis, self.about);
         let swing = [0, 1, 2].map(|k| {
@@ -145,7 +144,7 @@ impl Cone {
     }
 }
 
-/// What has gone further from one configuration to another than it may, by number of the configuration.
+/// First joint that moved further between two configurations than `most` allows, by number of the configuration.
 pub fn moved_too_far(rules: &[Rule], most: &[f64], from: &[f64], to: &[f64]) -> Option<String> {
     let mut at = 0;
     rules.iter().enumerate().find_map(|(joint, rule)| {
@@ -163,14 +162,14 @@ pub fn moved_too_far(rules: &[Rule], most: &[f64], from: &[f64], to: &[f64]) -> 
     })
 }
 
-/// How far one rotation is from another, in radians.
+/// Angle between two rotations, radians.
 pub fn angle_between(a: &[f64], b: &[f64]) -> f64 {
     let back = [a[0], -a[1], -a[2], -a[3]];
     let [w, x, y, z] = product(back, [b[0], b[1], b[2], b[3]]);
     2.0 * norm([x, y, z]).atan2(w.abs())
 }
 
-/// cos and sin of half the length, along it.
+/// Quaternion exponential: cos and sin of half the vector's length, along the vector.
 pub fn exponential(v: [f64; 3]) -> [f64; 4] {
     let angle = norm(v);
     let along = match angle > 0.0 {
@@ -185,7 +184,7 @@ pub fn exponential(v: [f64; 3]) -> [f64; 4] {
     ]
 }
 
-/// Hamilton's product.
+/// Hamilton product.
 pub fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
@@ -195,7 +194,7 @@ pub fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// v + 2 u × (u × v + w v).
+/// Rotated vector, v + 2 u × (u × v + w v).
 fn rotated(q: &[f64], v: [f64; 3]) -> [f64; 3] {
     let u = [q[1], q[2], q[3]];
     let once = cross(u, v);

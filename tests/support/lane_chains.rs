@@ -1,4 +1,4 @@
-//! Chains for the lane engine's tests, and forward kinematics by nalgebra to judge it.
+//! Chains for tests of the SIMD solver, and forward kinematics by nalgebra.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,7 +21,7 @@ impl Random {
         lower + self.unit() * (upper - lower)
     }
 
-    /// A configuration within the bounds; unbounded joints within a turn or a metre of zero.
+    /// Random configuration within the bounds; joints without bounds are within a turn or a metre of zero.
     pub fn configuration(&mut self, chain: &Chain) -> Vec<f64> {
         chain
             .joints()
@@ -56,8 +56,8 @@ fn revolute(
     }
 }
 
-/// Franka Emika Panda up to the flange: Denavit-Hartenberg parameters (Craig) and joint limits of
-/// the maker's Robot and Interface Specifications.
+/// Franka Emika Panda up to the flange: Denavit-Hartenberg parameters (Craig) and joint limits of the manufacturer's
+/// Robot and Interface Specifications.
 pub fn panda() -> Chain {
     let rows = [
         (0.0, 0.333, 0.0, -2.8973, 2.8973),
@@ -77,7 +77,7 @@ pub fn panda() -> Chain {
     Chain::new(joints, placement(Isometry3::translation(0.0, 0.0, 0.107))).unwrap()
 }
 
-/// Universal Robots UR5: the maker's Denavit-Hartenberg parameters; every joint turns ±360°.
+/// Universal Robots UR5: the manufacturer's Denavit-Hartenberg parameters; every joint has a range of ±360°.
 pub fn ur5() -> Chain {
     let rows = [
         (0.0, 0.089_159, 0.0),
@@ -101,8 +101,8 @@ pub fn ur5() -> Chain {
     Chain::new(joints, placement(Isometry3::identity())).unwrap()
 }
 
-/// A chain of random placements and axes. `slides` of its joints are prismatic; every fourth
-/// turning joint is unbounded where `continuous`.
+/// Chain of random placements and axes with `slides` prismatic joints. Every fourth revolute joint has no bounds if
+/// `continuous` is true.
 pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -> Chain {
     let mut random = Random(seed);
     let length = 1.2 / joints as f64;
@@ -146,7 +146,7 @@ pub fn random_chain(seed: u64, joints: usize, slides: usize, continuous: bool) -
     Chain::new(list, placement(tip)).unwrap()
 }
 
-/// Two turning joints about z with links of 1 m: a planar arm.
+/// Planar arm: two revolute joints about z with links of 1 m.
 pub fn planar() -> Chain {
     let link = Isometry3::translation(1.0, 0.0, 0.0);
     let axis = [0.0, 0.0, 1.0];
@@ -157,7 +157,7 @@ pub fn planar() -> Chain {
     Chain::new(joints, placement(link)).unwrap()
 }
 
-/// Forward kinematics as in the textbook, by nalgebra.
+/// Forward kinematics by nalgebra, as in textbooks.
 pub fn tip(chain: &Chain, q: &[f64]) -> Isometry3<f64> {
     let mut at = Isometry3::identity();
     for (joint, &value) in chain.joints().iter().zip(q) {
@@ -177,7 +177,7 @@ pub fn tip(chain: &Chain, q: &[f64]) -> Isometry3<f64> {
     at * Isometry3::from(chain.joint_from_tip())
 }
 
-/// The tip's placement, as a target.
+/// Placement of the tip, as a target.
 pub fn target(chain: &Chain, q: &[f64]) -> Placement<f64> {
     placement(tip(chain, q))
 }
@@ -197,7 +197,7 @@ pub fn errors(chain: &Chain, q: &[f64], target: &Placement<f64>) -> (f64, f64) {
     (distance, skew.norm().atan2(m.trace() - 1.0))
 }
 
-/// Whether every value lies within its bounds, bit for bit.
+/// True if every value is exactly within its bounds.
 pub fn within_bounds(chain: &Chain, q: &[f64]) -> bool {
     chain
         .joints()
@@ -206,7 +206,7 @@ pub fn within_bounds(chain: &Chain, q: &[f64]) -> bool {
         .all(|(joint, value)| joint.lower <= *value && *value <= joint.upper)
 }
 
-/// A point far away, in the orientation of the base.
+/// Unreachable target in the orientation of the base.
 pub fn far_away() -> Placement<f64> {
     Placement::new(
         kinopt::spatial::Matrix3::identity(),

@@ -1,5 +1,6 @@
-//! What the tests share: random models with an evaluation of their own, written with nalgebra alone,
-//! so that no promise is judged by the code that it is about; files put together by hand.
+//! Shared helpers of the tests: random models, reference evaluations and handwritten files.
+//!
+//! Reference evaluations use nalgebra alone, so that no promise is judged by the code under test.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -47,10 +48,10 @@ pub mod urdf_matrices;
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
 
-/// A rigid motion of the independent evaluation.
+/// Rigid transform of the reference evaluations.
 pub type Rigid = na::IsometryMatrix3<f64>;
 
-/// The same rigid motion as the library takes it, bit for bit.
+/// The same rigid transform as the library's type, with equal numbers.
 pub fn placement(rigid: &Rigid) -> Placement<f64> {
     Placement::new(
         rigid.rotation.into_inner().into(),
@@ -95,7 +96,7 @@ pub fn planar_arm(links: &[f64], limits: Option<(f64, f64)>) -> kinopt::Model {
     builder.build().unwrap()
 }
 
-/// Where the tip of a planar arm is.
+/// Position of a planar arm's tip.
 pub fn planar_tip(links: &[f64], q: &[f64]) -> na::Vector3<f64> {
     let mut angle = 0.0;
     let mut tip = na::Vector3::zeros();

@@ -1,4 +1,4 @@
-//! An arm for tests of inverse kinematics over poses.
+//! Arm for tests of inverse kinematics on poses.
 
 use glam::{Affine3A, Quat, Vec3A};
 use kinopt::animation::{Armature, Limb, Pose};
@@ -6,8 +6,8 @@ use kinopt::animation::{Armature, Limb, Pose};
 use super::armatures::{apart, bone, rotation};
 use super::random::Random;
 
-/// hips – spine – upper – (twist) – lower – hand, and a bystander on the spine. The limb's bones lie
-/// along x and meet in a hinge about z.
+/// Chain hips, spine, upper, (twist), lower, hand, with one more bone on the spine. The limb's bones are along x and
+/// meet in a hinge about z.
 pub fn arm() -> Armature {
     let bones = vec![
         bone("hips", None, Vec3A::Y),
@@ -35,7 +35,7 @@ pub fn turn(armature: &Armature, pose: &mut Pose, name: &str, by: Quat) {
     pose.set_local(bone, local).unwrap();
 }
 
-/// A pose with the elbow bent about its hinge.
+/// Pose with the elbow bent about its hinge.
 pub fn bent(armature: &Armature, random: &mut Random) -> Pose {
     let mut pose = armature.rest().clone();
     for name in ["hips", "spine", "upper"] {
@@ -67,13 +67,13 @@ pub fn places(armature: &Armature, pose: &Pose) -> Places {
     }
 }
 
-/// Somewhere that the arm reaches from where it is.
+/// Random target within reach of the arm from its pose.
 pub fn reachable(random: &mut Random, from: &Places) -> Vec3A {
     let direction = rotation(random, 3.0) * Vec3A::X;
     from.root + direction * random.within(0.12, 0.5) as f32
 }
 
-/// The largest change of a rotation from one pose to another, in radians.
+/// Largest angle between the rotations of a bone in two poses, radians.
 pub fn largest_turn(a: &Pose, b: &Pose) -> f32 {
     let turns = a.rotations().iter().zip(b.rotations());
     turns.map(|(a, b)| apart(*a, *b)).fold(0.0, f32::max)

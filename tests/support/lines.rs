@@ -1,4 +1,4 @@
-//! Straight lines out of an arm's workspace.
+//! Straight lines that leave an arm's reach.
 
 use kinopt::Solution;
 use kinopt::arm::Arm;
@@ -7,7 +7,7 @@ use kinopt::spatial::{Placement, Vector3};
 use crate::arms::Random;
 use crate::sample::few;
 
-/// Every shipped robot: file, base, tip.
+/// Shipped robots: file, base, tip.
 pub const ROBOTS: [(&str, &str, &str); 7] = [
     ("franka_panda", "base", "flange"),
     ("universal_ur5e", "base", "flange"),
@@ -18,7 +18,7 @@ pub const ROBOTS: [(&str, &str, &str); 7] = [
     ("aldebaran_nao", "torso", "right_sole"),
 ];
 
-/// The robots that a test looks at: a debug build takes one of each kind unless `KINOPT_CASES` is set.
+/// Robots of a test: a debug build takes one of each kind unless `KINOPT_CASES` is set.
 pub fn robots() -> impl Iterator<Item = &'static str> {
     let few = few();
     let all = ROBOTS.into_iter().map(|(name, ..)| name);
@@ -28,18 +28,18 @@ pub fn robots() -> impl Iterator<Item = &'static str> {
     })
 }
 
-/// Metres between two targets of a line: 0.3 m/s at 1 kHz.
+/// Distance between consecutive targets of a line, metres: 0.3 m/s at 1 kHz.
 pub const STEP: f64 = 3e-4;
 
-/// A line that ends out of reach of the branch it begins on.
+/// Line that ends out of reach of its first branch.
 pub struct Line {
-    /// Reaches the first target.
+    /// Configuration that reaches the first target.
     pub start: Vec<f64>,
     /// Targets of one orientation, [`STEP`] apart.
     pub out: Vec<Placement<f64>>,
 }
 
-/// `count` lines in random directions, that are left by a branch somewhere in their middle.
+/// `count` lines in random directions; each branch ends near the middle of its line.
 pub fn lines(arm: &Arm, random: &mut Random, count: usize) -> Vec<Line> {
     let mut lines = Vec::new();
     while lines.len() < count {
@@ -48,11 +48,11 @@ pub fn lines(arm: &Arm, random: &mut Random, count: usize) -> Vec<Line> {
     lines
 }
 
-/// None where the branch does not end within 1.5 m.
+/// Line from a random configuration; none if the branch does not end within 1.5 m.
 fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
-    /// Metres of the search for the end of the branch.
+    /// Step of the search for the end of the branch, metres.
     const COARSE: f64 = 5e-3;
-    // Metres before the end and as many behind it.
+    // Length of the line before and after the end of the branch, metres.
     let around = if few() { 0.015 } else { 0.03 };
     let q = inner(arm, random);
     let first = arm.base_from_tool(&q).ok()?;
@@ -82,7 +82,7 @@ fn line(arm: &Arm, random: &mut Random) -> Option<Line> {
     None
 }
 
-/// A configuration in the middle of the ranges.
+/// Random configuration in the middle of the ranges.
 fn inner(arm: &Arm, random: &mut Random) -> Vec<f64> {
     let within = |l: kinopt::model::Limits| {
         let (lower, upper) = (l.lower.max(-3.0), l.upper.min(3.0));

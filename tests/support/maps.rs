@@ -1,10 +1,10 @@
-//! Parameter maps of every sort, with an expansion of their own.
+//! Parameter maps of every kind with an independent expansion.
 
 use super::random::Random;
 use super::trees::RandomTree;
 use kinopt::model::{Limits, ParameterMap};
 
-/// A map and what it should do: q_c = ratio_c x[variable_c] + offset_c, ratio 0 for constants.
+/// Map and its expected values: q_c = ratio_c x[variable_c] + offset_c, with ratio 0 for constants.
 #[derive(Clone, Debug)]
 pub struct ExpectedMap {
     pub name: &'static str,
@@ -20,7 +20,7 @@ impl ExpectedMap {
             .collect()
     }
 
-    /// Variables within the map's bounds; unbounded ones within one turn.
+    /// Random variables within the map's bounds; variables without bounds are within one turn.
     pub fn variables(&self, random: &mut Random) -> Vec<f64> {
         let bounds = self.map.lower().iter().zip(self.map.upper());
         bounds
@@ -40,7 +40,8 @@ fn middle(limits: &Limits) -> f64 {
     }
 }
 
-/// All free; some locked; one pair coupled with a negative ratio; a chain of two followers.
+/// Maps of a tree: all joints free, some locked, one pair coupled with a negative ratio, and a chain of two mimic
+/// joints.
 pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     let model = &tree.model;
     let moving = model.moving_joints();
@@ -90,7 +91,7 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
         rules,
     });
 
-    // first follows last, and the second follows the first.
+    // The first joint is a mimic joint of the last one, and the second of the first.
     let (outer, inner) = (1.5, 0.4);
     let outer_offset = middle(&limits[first]) - outer * middle(&limits[last]);
     let inner_offset = middle(&limits[1]) - inner * middle(&limits[first]);

@@ -1,4 +1,4 @@
-//! Every method, as itself and as a solver.
+//! All solver methods, as methods and as solvers.
 
 use kinopt::Solver;
 use kinopt::solver::{
@@ -15,7 +15,7 @@ pub fn methods() -> Vec<Box<dyn AnyMethod>> {
     ]
 }
 
-/// The same methods in the same order.
+/// The methods in the same order, as solvers.
 pub fn solvers() -> Vec<Solver> {
     vec![
         Solver::new(LevenbergMarquardt::new(Damping::GainRatio)),

@@ -1,31 +1,32 @@
-//! Steps of a path's joints, judged by steps of the arm's own along the tool's straight way.
+//! Check of a path's steps by smaller steps of the arm along the straight segment of the tool.
 
 use kinopt::Arm;
 use kinopt::arm::Search;
 use kinopt::spatial::Placement;
 use nalgebra::Isometry3;
 
-/// The furthest that a joint goes.
+/// Largest difference of a joint.
 pub fn longest(a: &[f64], b: &[f64]) -> f64 {
     let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     moves.fold(0.0, f64::max)
 }
 
-/// Whether small parts of the tool's way lead from one configuration to the other, of which none is longer than half of a step of 0.2
-/// rad: of a hundred parts those that are longer are gone in twenty. What the arm has to spare goes to the other end evenly.
+/// True if small steps along the tool's straight segment connect two configurations. No step may move a joint by more
+/// than half of a step of 0.2 rad. Of a hundred parts, longer ones are divided into twenty. The null space motion is
+/// distributed evenly.
 pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> bool {
     const PARTS: u32 = 100;
     const SMALLER: u32 = 20;
     let [begin, end] = ends.map(Isometry3::from);
     let arm = arm.with_search(Search::Start).unwrap();
-    // From a share of the way to a later one.
+    // Step from one fraction of the segment to a later one.
     let go = |q: &[f64], at: f64, next: f64| {
         let target = begin.lerp_slerp(&end, next);
         let along = (next - at) / (1.0 - at);
         let start = q.iter().zip(to).map(|(q, to)| q + along * (to - q));
         let start: Vec<f64> = start.collect();
         let gone = arm.solve(Placement::from(target), &start).unwrap();
-        // Where the arm is stretched out, the straight way may be some micrometres out of reach.
+        // A straight segment near a stretched arm may be unreachable by some micrometres.
         let near = gone.position_error().is_some_and(|metres| metres < 1e-4);
         (near && longest(q, &gone.q) <= 0.1).then_some(gone.q)
     };

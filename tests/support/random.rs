@@ -1,4 +1,4 @@
-//! A tiny seeded generator (Marsaglia's xorshift64*, not the library's own).
+//! Small seeded generator (Marsaglia's xorshift64*, independent of the library's).
 
 use super::{Rigid, rigid};
 use nalgebra as na;
@@ -22,7 +22,7 @@ impl Random {
         self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
     }
 
-    /// Within [0, 1).
+    /// Uniform in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -35,12 +35,12 @@ impl Random {
         (self.bits() >> 33) as usize % count
     }
 
-    /// Within the cube of half side `size`.
+    /// Uniform in the cube of half side `size`.
     pub fn vector(&mut self, size: f64) -> na::Vector3<f64> {
         na::Vector3::from_fn(|_, _| self.within(-size, size))
     }
 
-    /// Uniform on the sphere.
+    /// Uniform on the unit sphere.
     pub fn direction(&mut self) -> na::Unit<na::Vector3<f64>> {
         loop {
             let v = self.vector(1.0);
@@ -50,7 +50,7 @@ impl Random {
         }
     }
 
-    /// About a random axis by up to π.
+    /// Rotation about a random axis by up to π.
     pub fn rotation(&mut self) -> na::Rotation3<f64> {
         let angle = self.within(-std::f64::consts::PI, std::f64::consts::PI);
         na::Rotation3::from_axis_angle(&self.direction(), angle)

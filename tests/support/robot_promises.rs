@@ -1,4 +1,4 @@
-//! What holds of every robot that was read, however odd its file is.
+//! Promises that hold for every robot that a reader accepts, however unusual its file is.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use kinopt::{Solution, Solver};
 
 use crate::kept_limits::{Cone, Rule, broken, cross};
 
-/// What a joint's numbers may be, in the order of a configuration.
+/// Rules of a model's joints in configuration order.
 fn rules(model: &Model) -> Vec<Rule> {
     let mut joints = model.moving_joints().to_vec();
     joints.dedup();
@@ -40,7 +40,7 @@ fn rules(model: &Model) -> Vec<Rule> {
         .collect()
 }
 
-/// Some direction across another.
+/// Unit vector perpendicular to an axis.
 fn across(axis: [f64; 3]) -> [f64; 3] {
     let least = (0..3)
         .min_by(|a, b| axis[*a].abs().total_cmp(&axis[*b].abs()))
@@ -52,7 +52,7 @@ fn across(axis: [f64; 3]) -> [f64; 3] {
     side.map(|c| c / length)
 }
 
-/// Checks them; `seed` says where it is looked at.
+/// Checks all promises at random configurations of the seed.
 pub fn check(robot: &Robot, seed: u64) {
     let model = robot.model();
     for joint in model.joints() {
@@ -106,7 +106,7 @@ pub fn check(robot: &Robot, seed: u64) {
     check_solutions(robot, &rules, &q);
 }
 
-/// Whether reached or not, solutions are within limits, and tell whether loops are closed.
+/// Solutions are within limits, and report whether loops are closed, reached or not.
 fn check_solutions(robot: &Robot, rules: &[Rule], there: &[f64]) {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
@@ -154,7 +154,7 @@ fn check_loops(robot: &Robot, solution: &Solution) {
     let model = robot.model();
     let mut moving = model.moving_joints().to_vec();
     moving.dedup();
-    // Those that follow none and move a loop.
+    // Joints that are not mimic joints and move a loop.
     let free = |id: &kinopt::model::JointId| {
         model.moves_a_loop(*id) && !robot.mimics().iter().any(|mimic| mimic.joint == *id)
     };

@@ -1,7 +1,6 @@
-//! How much a test looks at: a debug build, which is some times slower, looks at a part
-//! unless `KINOPT_CASES` is set.
+//! Number of cases of a test: a slower debug build checks fewer unless `KINOPT_CASES` is set.
 
-/// How many cases of something: fewer in a debug build, and as many as `KINOPT_CASES` asks for.
+/// Number of cases: the first number in a release build, the second in a debug build, or `KINOPT_CASES`.
 pub fn cases(release: usize, debug: usize) -> usize {
     let asked = std::env::var("KINOPT_CASES").ok();
     let usual = if cfg!(debug_assertions) {
@@ -12,12 +11,12 @@ pub fn cases(release: usize, debug: usize) -> usize {
     asked.map_or(usual, |count| count.parse().unwrap())
 }
 
-/// Whether a test looks at less than all: in a debug build, unless `KINOPT_CASES` is set.
+/// True if a test checks only a part of its cases: in a debug build, unless `KINOPT_CASES` is set.
 pub fn few() -> bool {
     cfg!(debug_assertions) && std::env::var_os("KINOPT_CASES").is_none()
 }
 
-/// Of what a test goes through, all, or every `every`-th in a debug build.
+/// All items, or every `every`-th item in a debug build.
 pub fn part<T>(all: impl IntoIterator<Item = T>, every: usize) -> impl Iterator<Item = T> {
     all.into_iter().step_by(if few() { every } else { 1 })
 }

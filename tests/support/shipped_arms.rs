@@ -1,4 +1,4 @@
-//! The arms and limbs of the shipped robots, and cases recorded as JSON.
+//! Arms and limbs of the shipped robots, and recorded cases in JSON.
 
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use serde_json::Value;
@@ -18,20 +18,20 @@ pub const SHIPPED_ARMS: [[&str; 3]; 11] = [
     ["universal_ur5e", "base", "flange"],
 ];
 
-/// The recorded cases of a file of `tests/reference`.
+/// Recorded cases of a file in `tests/reference`.
 pub fn recorded(file: &str) -> Value {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../reference");
     let text = std::fs::read_to_string(format!("{folder}/{file}")).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
-/// The numbers of a JSON list.
+/// Numbers of a JSON list.
 pub fn numbers(list: &Value) -> Vec<f64> {
     let numbers = list.as_array().unwrap().iter();
     numbers.map(|number| number.as_f64().unwrap()).collect()
 }
 
-/// The placement of a 4 × 4 matrix given by rows.
+/// Placement of a 4 × 4 matrix in row-major order.
 pub fn matrix_placement(rows: &Value) -> Placement<f64> {
     let rows: Vec<Vec<f64>> = rows.as_array().unwrap().iter().map(numbers).collect();
     let column = |k: usize| Vector3::new(rows[0][k], rows[1][k], rows[2][k]);

@@ -1,4 +1,4 @@
-//! Random skins with numbers that never change.
+//! Random skins that are the same in every run.
 
 use glam::{Affine3A, Mat3A, Quat, Vec3, Vec4};
 use kinopt::mesh::TriangleMesh;
@@ -53,7 +53,7 @@ impl Vertices {
     }
 }
 
-/// Weights of 1 to `most` influences that sum to 1.
+/// Random weights of 1 to `most` influences per vertex that sum to 1.
 pub fn weights(random: &mut Random, vertices: usize, bones: usize, most: usize) -> SkinWeights {
     let mut builder = SkinWeights::builder(vertices, bones);
     for vertex in 0..vertices {
@@ -72,7 +72,7 @@ pub fn rigid(random: &mut Random) -> Affine3A {
     Affine3A::from_rotation_translation(turn, vector(random))
 }
 
-/// A rotation after a stretch along the axes; one in four mirrors.
+/// Random transform of a stretch along the axes followed by a rotation; one in four mirrors.
 pub fn stretching(random: &mut Random) -> Affine3A {
     let mut scale = vector(random).abs() + 0.3;
     if random.within(0.0, 1.0) < 0.25 {
@@ -85,8 +85,8 @@ pub fn stretching(random: &mut Random) -> Affine3A {
     }
 }
 
-/// A closed tube about x from 0 to `length`, its rings turned by half a step from one to the next, so that
-/// all its triangles are acute where rings are far enough apart.
+/// Closed tube about x from 0 to `length`. Consecutive rings are offset by half a step, so that all triangles are acute
+/// if the rings are far enough apart.
 pub fn closed_tube(length: f32, radius: f32, around: u32, along: u32) -> TriangleMesh {
     let step = std::f32::consts::TAU / around as f32;
     let mut positions = Vec::new();
@@ -127,7 +127,7 @@ pub fn closed_tube(length: f32, radius: f32, around: u32, along: u32) -> Triangl
     TriangleMesh::new(positions, Vec::new(), triangles).unwrap()
 }
 
-/// The largest difference of a bone's weight along an edge.
+/// Largest difference of a bone's weight along an edge.
 pub fn steepest(mesh: &TriangleMesh, weights: &SkinWeights) -> f64 {
     let table = weights.to_table();
     let edges = mesh

@@ -1,4 +1,4 @@
-//! A rig of three bones and one triangle, held in memory.
+//! Rig of three bones and one triangle, in memory.
 
 use kinopt::io::rig::Rig;
 use kinopt::io::{Place, ReadError};
@@ -22,7 +22,7 @@ pub const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x
 
 pub const DMAT: &str = "2 3\n1\n0.5\n0\n0\n0.5\n1\n";
 
-/// The three files; a part that is `None` does not exist.
+/// Its three files; a file that is `None` does not exist.
 pub struct SmallRig {
     pub json: Vec<u8>,
     pub ply: Option<Vec<u8>>,

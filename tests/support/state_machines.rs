@@ -1,4 +1,4 @@
-//! Clips and characters for tests of state machines.
+//! Clips and armatures for tests of state machines.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub fn armature() -> Armature {
     Armature::new(vec![bone], Vec::new()).unwrap()
 }
 
-/// Clips that move the hips along x at one height each, so that a pose says what is playing.
+/// Clips that move the hips along x, each at its own height, so that a pose identifies its clip.
 pub fn clips() -> Vec<Arc<Clip>> {
     let armature = armature();
     let heights = [
@@ -39,7 +39,7 @@ pub fn clips() -> Vec<Arc<Clip>> {
     heights.map(clip).to_vec()
 }
 
-/// A machine that plays them.
+/// State machine that plays these clips.
 pub fn machine(json: &str) -> Result<StateMachine, ReadError> {
     state_machine::from_bytes(json.as_bytes(), "machine.json", &clips())
 }
@@ -49,7 +49,7 @@ pub fn run_of(json: &str) -> StateMachineRun {
     StateMachineRun::new(machine, armature().rest()).unwrap()
 }
 
-/// Where the hips are: along x by time, y by what plays.
+/// Position of the hips: x by time, y by the clip.
 pub fn hips(run: &StateMachineRun) -> [f32; 2] {
     let at = run.pose().translations()[0];
     [at.x, at.y]

@@ -1,5 +1,5 @@
-//! Solutions to the last digit, by Newton's method on the conditions that make one, with every derivative by
-//! differences: no code of the library but the residuals themselves.
+//! Solutions to rounding precision by Newton's method on the optimality conditions. All derivatives are finite
+//! differences; the only library code is the residuals themselves.
 
 use kinopt::Problem;
 use kinopt::model::{JointKind, Limits, Model};
@@ -7,7 +7,7 @@ use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use nalgebra as na;
 
-/// A ball's cone, in the joint's own frame.
+/// Cone of a ball, in the joint's frame.
 #[derive(Clone, Debug)]
 pub struct Cone {
     pub axis: na::Vector3<f64>,
@@ -16,7 +16,7 @@ pub struct Cone {
     pub twist: Limits,
 }
 
-/// A limit that holds, as a function that is zero on it and grows outward.
+/// Active limit as a function that is zero on the limit and positive outside.
 #[derive(Clone, Debug)]
 pub enum Limit {
     Value(usize, f64, f64),
@@ -24,7 +24,7 @@ pub enum Limit {
     Twist(usize, Cone, f64, f64),
 }
 
-/// Swing by the two axes and twist of a quaternion w, x, y, z.
+/// Swing about the two axes and twist of a quaternion w, x, y, z, radians.
 fn parted(q: &[f64], cone: &Cone) -> [f64; 3] {
     let rotation = na::UnitQuaternion::from_quaternion(na::Quaternion::new(q[0], q[1], q[2], q[3]));
     let (w, along) = (rotation.w, rotation.imag().dot(&cone.axis));
@@ -54,7 +54,7 @@ impl Limit {
     }
 }
 
-/// The limits that a configuration stands on.
+/// Limits at which a configuration is.
 pub fn limits_at(model: &Model, q: &[f64], cones: &[(usize, Cone)]) -> Vec<Limit> {
     let mut found = Vec::new();
     for (at, limits) in model.limits().enumerate() {
@@ -83,20 +83,20 @@ pub fn limits_at(model: &Model, q: &[f64], cones: &[(usize, Cone)]) -> Vec<Limit
     found
 }
 
-/// What makes a configuration a solution: some rows are zero and some limits hold, and ½ the squared sum of the
-/// others is stationary within them.
+/// Optimality conditions of a solution. Some rows are zero and some limits are active. Half the squared sum of the
+/// remaining rows is stationary within them.
 pub struct Conditions<'a> {
     pub model: &'a Model,
-    /// With an identity map, so that its variables are the configuration.
+    /// Problem with an identity map, so that its variables are the configuration.
     pub problem: &'a Problem,
     pub held: Vec<usize>,
     pub pulled: Vec<usize>,
     pub limits: Vec<Limit>,
 }
 
-/// The step of fourth-order differences of slopes, …
+/// Step of fourth-order differences of residuals.
 const STEP: f64 = 2e-3;
-/// … and of second-order ones of those, for a matrix that need not be exact.
+/// Step of second-order differences of the conditions, for an approximate matrix.
 const COARSE: f64 = 1e-4;
 
 impl Conditions<'_> {
@@ -118,7 +118,7 @@ impl Conditions<'_> {
         x
     }
 
-    /// Rows that pull, then rows and limits that are held.
+    /// Rows of the cost, then constraint rows and limits.
     fn values(&self, q: &[f64]) -> (na::DVector<f64>, na::DVector<f64>) {
         let mut scratch = self.problem.scratch();
         let mut r = vec![0.0; self.problem.rows()];
@@ -138,7 +138,7 @@ impl Conditions<'_> {
         to
     }
 
-    /// The values, and their derivatives by the velocity.
+    /// Values and their derivatives by the velocity.
     fn sloped(
         &self,
         q: &[f64],
@@ -165,7 +165,7 @@ impl Conditions<'_> {
         (pulled, held, by_pulled, by_held)
     }
 
-    /// What should be zero, for multipliers λ.
+    /// Conditions that should be zero for multipliers λ.
     fn conditions(&self, q: &[f64], lambda: &na::DVector<f64>) -> na::DVector<f64> {
         let (pulled, held, by_pulled, by_held) = self.sloped(q);
         let slope = by_pulled.transpose() * pulled + by_held.transpose() * lambda;
@@ -175,7 +175,7 @@ impl Conditions<'_> {
         )
     }
 
-    /// Multipliers that balance best.
+    /// Multipliers of the least residual.
     pub fn multipliers(&self, q: &[f64]) -> na::DVector<f64> {
         let (pulled, held, by_pulled, by_held) = self.sloped(q);
         if held.is_empty() {
@@ -189,8 +189,8 @@ impl Conditions<'_> {
             .unwrap()
     }
 
-    /// The inverse of the conditions' derivative, by differences; a pseudoinverse where held rows depend on each
-    /// other. None where it is singular beyond that: so many directions have nothing that decides.
+    /// Inverse of the conditions' derivative by differences, or a pseudoinverse if constraint rows depend on each
+    /// other. None if it is singular beyond that, because several directions are undetermined.
     pub fn newton(&self, q: &[f64], lambda: &na::DVector<f64>) -> na::DMatrix<f64> {
         let dof = self.model.degrees_of_freedom();
         let (_, _, _, by_held) = self.sloped(q);
@@ -212,7 +212,7 @@ impl Conditions<'_> {
         matrix.pseudo_inverse(1e-7).unwrap()
     }
 
-    /// Goes to where all conditions hold, by a fixed inverse; how far the last step still went.
+    /// Newton iteration with a fixed inverse until all conditions hold. Returns the length of the last step.
     pub fn settle(
         &self,
         q: &mut Vec<f64>,

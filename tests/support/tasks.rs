@@ -1,4 +1,4 @@
-//! One task of every kind around a configuration, and what its residual should be.
+//! One task of every kind around a configuration, with its expected residual.
 
 use std::f64::consts::PI;
 
@@ -15,18 +15,18 @@ use kinopt::task::{
 };
 use nalgebra as na;
 
-/// The unweighted residual from all frames and the configuration.
+/// Unweighted residual as a function of all frames and the configuration.
 type Expected = Box<dyn Fn(&[Rigid], &[f64]) -> Vec<f64>>;
 
 pub struct TaskCase {
     pub name: &'static str,
     pub add: Box<dyn Fn(&mut ProblemBuilder<'_>)>,
     pub expected: Expected,
-    /// Whether differences make sense here: not within a step of a half turn.
+    /// True if finite differences are valid: the angle is not within a step of half a turn.
     pub smooth: bool,
 }
 
-/// A user's residual: two frames and two joints, every function of the scalar, five rows.
+/// User residual with five rows on two frames and two joints; every function is generic over the scalar.
 #[derive(Clone)]
 pub struct Entangled {
     pub frames: [FrameId; 2],
@@ -91,7 +91,7 @@ pub(super) fn sum_case<R: Residual>(
     TaskCase {
         name,
         add: Box::new(move |builder| {
-            // A weight that is no power of two, so that it cannot get lost unseen.
+            // The weight is not a power of two, so that a lost weight changes the result.
             let task = rows
                 .iter()
                 .fold(Task::new(make()), |task, r| task.weight(r.quantity, WEIGHT));
@@ -102,10 +102,10 @@ pub(super) fn sum_case<R: Residual>(
     }
 }
 
-/// The weight of all rows.
+/// Weight of all rows.
 pub const WEIGHT: f64 = 1.7;
 
-/// One task of every kind on `tree`, some of them aimed so that they just miss at `q`.
+/// One task of every kind on `tree`; some have a small error at `q`.
 pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCase> {
     let at = tree.frames_at(q);
     let (slot, other) = (at.len() - 2, at.len() / 2 - 1);
@@ -283,7 +283,7 @@ pub fn tasks_of(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     all
 }
 
-/// Tasks that place a tool, in another frame, with room.
+/// Tasks for the placement of a tool relative to another frame, with goal bounds.
 fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCase> {
     let at = tree.frames_at(q);
     let (slot, other) = (at.len() - 2, at.len() / 2 - 1);
@@ -295,7 +295,7 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
         random.vector(0.4),
     );
     let in_base = move |at: &[Rigid]| at[other].inverse() * at[slot];
-    // Missed by `off`, in the world's axes and in the base's.
+    // Offset by `off`, in world axes and in base axes.
     let target = off * (at[slot] * tool);
     let relative = off * in_base(&at);
     let mut all = vec![
@@ -365,7 +365,7 @@ fn placed_cases(tree: &RandomTree, q: &[f64], random: &mut Random) -> Vec<TaskCa
     all
 }
 
-/// Offset and rotation vector in the axes that the target is given in.
+/// Offset and rotation vector in the axes of the target.
 fn world_miss(placed: Rigid, target: Rigid) -> Vec<f64> {
     let offset = placed.translation.vector - target.translation.vector;
     let mut rows = offset.as_slice().to_vec();
@@ -373,8 +373,8 @@ fn world_miss(placed: Rigid, target: Rigid) -> Vec<f64> {
     rows
 }
 
-/// What of a pose lies beyond half widths, in the target's axes: metres, and a rotation vector, or
-/// twice the quaternion's vector part where anything has room.
+/// Part of a pose error beyond the half widths, in the target's axes: metres, and a rotation vector. If any component
+/// has goal bounds, the rotation is twice the quaternion's vector part.
 fn beyond_goal(placed: Rigid, target: Rigid, half_widths: [f64; 6]) -> Vec<f64> {
     let away = target.inverse() * placed;
     let mut rows = away.translation.vector.as_slice().to_vec();
@@ -382,7 +382,7 @@ fn beyond_goal(placed: Rigid, target: Rigid, half_widths: [f64; 6]) -> Vec<f64> 
         rows.extend(rotation_vector(away.rotation));
     } else {
         let turn = na::UnitQuaternion::from_rotation_matrix(&away.rotation);
-        // Of the two that are the same turn, the one whose largest number is positive.
+        // Of the two equal quaternions, the one whose largest component is positive.
         let largest = turn.coords[turn.coords.iamax()];
         rows.extend(turn.imag().iter().map(|v| 2.0 * v * largest.signum()));
     }
@@ -397,17 +397,17 @@ fn beyond_goal(placed: Rigid, target: Rigid, half_widths: [f64; 6]) -> Vec<f64> 
     rows
 }
 
-/// A vector as the library takes it.
+/// Vector of the library's type.
 pub fn point(v: na::Vector3<f64>) -> Vector3<f64> {
     vector(v)
 }
 
-/// A number that depends on a joint.
+/// Number that depends on a joint.
 pub trait Curve: Clone + Send + Sync + 'static {
     fn at<S: Scalar>(&self, value: S) -> S;
 }
 
-/// A task of one number without a unit, a curve over one joint.
+/// Task of one unitless number, a curve over one joint.
 #[derive(Clone)]
 pub struct OfJoint<C>(pub JointId, pub C);
 

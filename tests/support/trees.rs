@@ -13,7 +13,7 @@ pub struct Part {
     pub axis: na::Unit<na::Vector3<f64>>,
 }
 
-/// A model and the numbers it was made of.
+/// Model with the numbers it was built from.
 #[derive(Clone, Debug)]
 pub struct RandomTree {
     pub model: Model,
@@ -32,13 +32,13 @@ const KINDS: [JointKind; 4] = [
 ];
 
 impl RandomTree {
-    /// `joints` joints of every kind in turn, about skew axes and coordinate axes, in chains that
-    /// branch; links of about half a metre; one frame on every joint and one in the world.
+    /// Random tree of `joints` joints of every kind in turn, about skew and coordinate axes, in chains that branch.
+    /// Links are about half a metre long. Every joint has one frame, and the world has one.
     pub fn new(seed: u64, joints: usize) -> Self {
         Self::placed(seed, joints, Rigid::identity())
     }
 
-    /// The same, moved as a whole.
+    /// Tree of the same seed, moved as a whole.
     pub fn placed(seed: u64, joints: usize, world_from_base: Rigid) -> Self {
         let mut random = Random::new(seed);
         let mut builder = Model::builder(format!("tree {seed}"));
@@ -110,7 +110,7 @@ impl RandomTree {
         self.hung.push((joint, offset));
     }
 
-    /// Where every frame stands, by products of nalgebra's isometries.
+    /// Placement of every frame, as products of nalgebra's isometries.
     pub fn frames_at(&self, q: &[f64]) -> Vec<Rigid> {
         let mut coordinate = 0;
         let mut world_from_joint: Vec<Rigid> = Vec::new();
@@ -146,18 +146,18 @@ impl RandomTree {
             .collect()
     }
 
-    /// A configuration within the limits; unbounded joints within one turn.
+    /// Random configuration within the limits; joints without limits are within one turn.
     pub fn configuration(&self, random: &mut Random) -> Vec<f64> {
         configuration_of(&self.model, random)
     }
 
-    /// A frame that many joints move: that of the last joint.
+    /// Frame of the last joint, which many joints move.
     pub fn far_frame(&self) -> FrameId {
         self.frames[self.frames.len() - 2]
     }
 }
 
-/// A configuration of any model within its limits; unbounded joints within one turn.
+/// Random configuration of any model within its limits; joints without limits are within one turn.
 pub fn configuration_of(model: &Model, random: &mut Random) -> Vec<f64> {
     model
         .limits()

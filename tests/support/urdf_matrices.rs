@@ -1,11 +1,11 @@
-//! Forward kinematics straight from a URDF's XML with plain 4 × 4 matrices: numbers that owe nothing
-//! to the library. Angles in radians, lengths in metres, matrices by rows.
+//! Forward kinematics from a URDF's XML with plain 4 × 4 matrices, independent of the library. Angles are in radians,
+//! lengths in metres, matrices in row-major order.
 
 use std::collections::HashMap;
 
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
-/// A rigid motion by rows.
+/// Rigid transform in row-major order.
 pub type Matrix = [[f64; 4]; 4];
 
 pub const IDENTITY: Matrix = [
@@ -22,11 +22,11 @@ struct Joint {
     origin: Matrix,
     axis: [f64; 3],
     limits: (f64, f64),
-    /// (master, multiplier, offset).
+    /// Source joint, multiplier and offset.
     mimic: Option<(String, f64, f64)>,
 }
 
-/// The joints of a file, each by its child link.
+/// Joints of a file by their child link.
 pub struct Tree {
     by_child: HashMap<String, Joint>,
 }
@@ -90,12 +90,12 @@ impl Tree {
         self.by_child.values().find(|j| j.name == name).unwrap()
     }
 
-    /// The limits as the file has them.
+    /// Limits as given in the file.
     pub fn limits(&self, joint: &str) -> (f64, f64) {
         self.joint(joint).limits
     }
 
-    /// A joint's value: its own, its master's times the multiplier, or 0.
+    /// Value of a joint: its own, its source joint's times the multiplier, or 0.
     fn value(&self, joint: &Joint, values: &[(&str, f64)]) -> f64 {
         match &joint.mimic {
             Some((master, multiplier, offset)) => {
@@ -130,7 +130,7 @@ impl Tree {
         )
     }
 
-    /// The tip in the base at these values of the joints, all others at 0.
+    /// Placement base_from_tip at these joint values; all other joints are at 0.
     pub fn base_from_tip(&self, base: &str, tip: &str, values: &[(&str, f64)]) -> Matrix {
         product(
             &inverse(&self.root_from_link(base, values)),
@@ -139,7 +139,7 @@ impl Tree {
     }
 }
 
-/// Fixed axes: roll about x, then pitch about y, then yaw about z.
+/// Rotations about fixed axes: roll about x, then pitch about y, then yaw about z.
 fn origin(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Matrix {
     let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
     let mut all = product(&about(z, yaw), &product(&about(y, pitch), &about(x, roll)));
@@ -150,7 +150,7 @@ fn origin(xyz: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Matrix {
 }
 
 fn unit(axis: [f64; 3]) -> [f64; 3] {
-    // Squares of what is beyond 1e154 overflow.
+    // Squares of numbers above 1e154 overflow.
     let largest = axis.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let axis = axis.map(|v| v / largest);
     let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -185,8 +185,7 @@ pub fn inverse(a: &Matrix) -> Matrix {
     inverse
 }
 
-/// Distance (m) and angle (rad) between two placements; the angle from the chord ‖A − B‖, which is
-/// exact near 0.
+/// Distance (m) and angle (rad) between two placements. The angle is from the chord ‖A − B‖, which is accurate near 0.
 pub fn apart(a: &Matrix, b: &Matrix) -> (f64, f64) {
     let (mut distance, mut chord) = (0.0, 0.0);
     for (a, b) in a.iter().zip(b).take(3) {
@@ -197,7 +196,7 @@ pub fn apart(a: &Matrix, b: &Matrix) -> (f64, f64) {
     (distance.sqrt(), 2.0 * half_sine.asin())
 }
 
-/// A matrix from x, y, z and a quaternion w, x, y, z of any length.
+/// Matrix of x, y, z and a quaternion w, x, y, z of any length.
 pub fn from_quaternion([x, y, z, qw, qx, qy, qz]: [f64; 7]) -> Matrix {
     let half = [qx, qy, qz].iter().map(|v| v * v).sum::<f64>().sqrt();
     let mut all = match half > 0.0 {
@@ -210,7 +209,7 @@ pub fn from_quaternion([x, y, z, qw, qx, qy, qz]: [f64; 7]) -> Matrix {
     all
 }
 
-/// As the library's targets.
+/// Placement of the library's type.
 pub fn placement(matrix: &Matrix) -> Placement<f64> {
     let column = |j: usize| Vector3::new(matrix[0][j], matrix[1][j], matrix[2][j]);
     let rotation = Matrix3 {

@@ -1,5 +1,5 @@
-//! Promise: a numeric residual is equivalent to one over scalars: equal values, equal derivatives by every route (by
-//! differences if it has none) and equal solutions.
+//! Promise: a numeric residual is equivalent to one over scalars. Values, solutions and derivatives by every route are
+//! equal. Without derivatives it uses differences.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::{FrameId, JointId, Limits, Model};

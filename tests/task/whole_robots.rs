@@ -270,8 +270,8 @@ fn derivative_routes_agree_on_floating_bases() {
     }
 }
 
-/// Manipulability of a frame relative to a base equals that of the base relative to the frame, whichever joints are
-/// between them.
+/// Manipulability of a frame relative to a base equals that of the base relative to the frame, for any joints between
+/// them.
 #[test]
 fn manipulability_is_symmetric_in_base_and_frame() {
     let random = &mut Random::new(21);

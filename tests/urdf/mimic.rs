@@ -16,7 +16,7 @@ fn robot(limits: [(f64, f64); 3], b: (f64, f64), c: (f64, f64)) -> Robot {
     let follow = |master: &str, (ratio, offset): (f64, f64)| {
         format!("<mimic joint='{master}' multiplier='{ratio}' offset='{offset}'/>")
     };
-    // The last mimic joint comes first in the file: order must not matter.
+    // The last mimic joint comes first in the file: the order must not matter.
     let joints = joint("c", limits[2], follow("b", c))
         + &joint("b", limits[1], follow("a", b))
         + &joint("a", limits[0], String::new());

@@ -1,4 +1,4 @@
-//! Promise: any base and tip, any subset of joints and a tool on any frame are accepted, and unknown names are reported
+//! Promise: any base and tip, any subset of joints and a tool on any frame are accepted. Unknown names are reported
 //! with the valid ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

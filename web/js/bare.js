@@ -1,3 +1,3 @@
-// Without a module: `init` or `initSync` is called once with one, before anything else.
+// Entry point without a module: call `init` or `initSync` once before any other function.
 export { default as init, initSync } from "./kinopt.js";
 export * from "./all.js";

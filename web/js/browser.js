@@ -1,4 +1,4 @@
-// In browsers and their workers the module is fetched from beside this file.
+// In browsers and their workers the module is fetched from the folder of this file.
 import init from "./kinopt.js";
 
 await init({ module_or_path: new URL("./kinopt_bg.wasm", import.meta.url) });

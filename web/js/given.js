@@ -1,5 +1,5 @@
-// What callers give, looked at before the module reads it: the module trusts lengths and types, and a wrong one would trap in it.
-// Each function returns what it was given, or throws a TypeError that says what is wanted.
+// Checks of arguments before the module reads them: the module trusts lengths and types, and a wrong one would trap in
+// it. Each function returns its argument, or throws a TypeError that names the expected type.
 
 const kind = (value) => {
     if (value === undefined) return "is missing";
@@ -7,16 +7,16 @@ const kind = (value) => {
     if (typeof value !== "object") return `is a ${typeof value}`;
     return `is of ${value.constructor?.name ?? "no class"}`;
 };
-const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}: ${what} is wanted`);
+const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}, expected ${what}`);
 const isNumber = (value) => typeof value === "number";
-/** What has its length from the engine, and not from whoever made it. */
+/** Objects whose length is set by the engine, not by a caller. */
 const isList = (value) => Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
 
-/** A list without what is none of its kind; typed arrays of numbers are taken as they are. */
+/** A list whose elements all have the type; typed arrays of numbers are accepted unchanged. */
 function list(value, name, what, isOne, one) {
     if (!isList(value) || value instanceof BigInt64Array || value instanceof BigUint64Array) throw wanted(what, value, name);
     if (!Array.isArray(value)) return value;
-    // By its length, as what is missing in between is skipped otherwise.
+    // By index, because iteration methods skip missing elements.
     for (let k = 0; k < value.length; k += 1) if (!isOne(value[k])) throw wanted(one, value[k], `${name}[${k}]`);
     return value;
 }
@@ -29,7 +29,7 @@ export function number(value, name) {
 }
 
 export function whole(value, name) {
-    if (!Number.isInteger(value) || value < 0 || value > 0xffffffff) throw new TypeError(`${name} is ${value}: a whole number of at least 0 is wanted`);
+    if (!Number.isInteger(value) || value < 0 || value > 0xffffffff) throw new TypeError(`${name} is ${value}, expected a whole number of at least 0`);
     return value;
 }
 
@@ -50,18 +50,20 @@ export function array(value, name) {
 
 export function bytes(value, name) {
     if (Array.isArray(value)) return numbers(value, name);
-    // Also where it is another page's.
+    // Also accepts an array of another page.
     if (value?.[Symbol.toStringTag] !== "Uint8Array" || !isList(value)) throw wanted("a Uint8Array", value, name);
     return value;
 }
 
-/** No list in the module has more bytes. */
+/** Largest size of a list in the module, bytes. */
 const MOST_BYTES = 0x7fffffff;
 
-/** What allocates in the module, which traps there where there is no room, as what throws: `sizeAt` says which argument is how many bytes. */
+/**
+ * Wraps an allocation function of the module: a trap becomes a RangeError. `sizeAt` is the index of the size argument.
+ */
 export const allocating = (allocate, sizeAt) => (...sizes) => {
     const bytes = sizes[sizeAt];
-    const full = () => new RangeError(`${bytes} bytes are more than the module has room for`);
+    const full = () => new RangeError(`${bytes} bytes exceed the memory of the module`);
     if (bytes > MOST_BYTES) throw full();
     try {
         return allocate(...sizes);

@@ -1,4 +1,4 @@
-// In Node the module is read from beside this file.
+// In Node the module is read from the folder of this file.
 import { readFileSync } from "node:fs";
 import { initSync } from "./kinopt.js";
 

@@ -1,14 +1,14 @@
-// Placements of places and rotations, however those are written.
+// Placements from positions and rotations in several representations.
 
-/** A placement of a place and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
+/** A placement of a position and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
 export function placement(position = [0, 0, 0], { wxyz, xyzw } = {}) {
     for (const k of [0, 1, 2]) {
-        if (!Number.isFinite(position[k])) throw new TypeError(`position[${k}] is ${position[k]}: a place has three finite numbers`);
+        if (!Number.isFinite(position[k])) throw new TypeError(`position[${k}] is ${position[k]}: expected three finite numbers`);
     }
     if (wxyz && xyzw) throw new Error("a placement has one rotation, not wxyz and xyzw");
     const given = wxyz ?? (xyzw ? [xyzw[3], xyzw[0], xyzw[1], xyzw[2]] : [1, 0, 0, 0]);
     const length = Math.sqrt(given[0] ** 2 + given[1] ** 2 + given[2] ** 2 + given[3] ** 2);
-    if (!(length > 0 && length < Infinity)) throw new Error("a quaternion of four finite numbers, not all 0, is a rotation");
+    if (!(length > 0 && length < Infinity)) throw new Error("a rotation must be a quaternion of four finite numbers, not all 0");
     const [w, x, y, z] = Array.from(given, (value) => value / length);
     return new Float64Array([
         1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,

@@ -39,23 +39,23 @@ impl Armature {
         Pose { inner }
     }
 
-    /// A line for each bone with children whose scale at rest a skeleton does not have: an uneven scale shears the bones that
-    /// turn below it, a negative one mirrors them.
+    /// A line for each bone with children whose rest scale a skeleton cannot have. An uneven scale shears the bones
+    /// that rotate below it, a negative one mirrors them.
     #[wasm_bindgen(getter, js_name = scaleNotes)]
     pub fn scale_notes(&self) -> Vec<String> {
         let notes = self.inner.scale_notes();
         notes.iter().map(ToString::to_string).collect()
     }
 
-    /// The same bones with scales of 1 at rest. Translations and rotations in the parents stay, so that joints below a scaled
-    /// bone move in the model.
+    /// The same bones with scales of 1 at rest. Translations and rotations in the parents stay, so joints below a
+    /// scaled bone move in the model.
     #[wasm_bindgen(js_name = withoutScale)]
     pub fn without_scale(&self) -> Self {
         let inner = Rc::new(Bones::clone(&self.inner).without_scale());
         Self { inner }
     }
 
-    /// Where the bones of a pose stand: sixteen numbers a bone, a matrix by columns.
+    /// Bone transforms of a pose in the model: sixteen numbers for each bone, a matrix by columns.
     #[wasm_bindgen(js_name = localToModel)]
     pub fn local_to_model(&self, pose: &Pose) -> Result<Vec<f32>, JsError> {
         let placed = self.placed(pose)?;

@@ -82,7 +82,7 @@ impl MotionCapture {
         bvh::to_text(&self.armature.inner, &self.clip, format).map_err(raise)
     }
 
-    /// A figure to drag, standing in a pose.
+    /// A figure to drag, with the given pose as its rest pose.
     pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
         Figure::standing(&self.armature.inner, &self.turning, pose)
     }

@@ -16,54 +16,54 @@ use crate::{object, raise};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A bone that goes to a place, or along places, over a span of a clip. */
+/** A bone that reaches a point, or follows a curve, over a span of a clip. */
 export interface Reach {
     bone: string;
     /** Three numbers, or three for each point of a curve. */
     target: Numbers;
-    /** When the bone is at each point of a curve, seconds of the clip; evenly over the span unless told. */
+    /** Time of each point of a curve, seconds of the clip; default: uniform over the span. */
     times?: Numbers;
-    /** The first and last moment, seconds of the clip; all of it unless told. */
+    /** First and last time, seconds of the clip; default: the whole clip. */
     span?: readonly [number, number];
-    /** Seconds in which it is led there, and back; 0.2, or half of a shorter span, unless told. */
+    /** Duration of the blend at either end, seconds; default: 0.2, or half of a shorter span. */
     fade?: number;
 }
 
 export interface ClipIkOptions {
     reach?: readonly Reach[];
-    /** Bones, feet say, that stand still where they hardly move. */
+    /** Bones, such as feet, that are locked in place while they hardly move. */
     plant?: readonly string[];
-    /** The bone that moves where limbs are too short; unless told the first from the top that carries all of these and branches. */
+    /** Bone that moves if limbs are too short; default: the first branching bone from the top above all these bones. */
     root?: string;
-    /** The axis up; y unless told. */
+    /** Upward axis; default: y. */
     up?: Numbers;
-    /** How many frames a second are solved, and keys made; 60 unless told. */
+    /** Frames that are solved and keyed per second; default: 60. */
     keysPerSecond?: number;
-    /** A clip on the spot travels by so much a second, or as its feet say. */
+    /** Velocity of a clip in place, in units a second; "feet" computes it from its feet. */
     rootVelocity?: "feet" | Numbers;
-    /** What feet stand on. */
+    /** Obstacles that feet are in contact with. */
     ground?: World;
 }
 
-/** A foot that stands over some seconds of a clip. */
+/** Foot plant: a contact interval of a foot in a clip. */
 export interface FootPlant {
     bone: string;
-    /** The first and last moment, seconds of the clip. */
+    /** First and last time, seconds of the clip. */
     span: [number, number];
-    /** Where it stands in the model. */
+    /** Contact position in the model. */
     place: [number, number, number];
-    /** How far it is from there at most. */
+    /** Largest distance from the contact position at any key. */
     slide: number;
-    /** How far it is from there at most between keys. */
+    /** Largest distance from the contact position between keys. */
     stray: number;
 }
 
-/** A bone that was led, and how well. */
+/** Result of a reaching or planted bone. */
 export interface ReachResult {
     bone: string;
-    /** How far it is from where it should be, at most. */
+    /** Largest distance from the target. */
     miss: number;
-    /** When that is, seconds of the clip. */
+    /** Time of that distance, seconds of the clip. */
     at: number;
 }
 "#;
@@ -124,7 +124,7 @@ impl Clip {
                 Some("feet") => ground_speed(armature, motion, &feet, up, rate).map_err(raise)?,
                 Some(word) => {
                     let message =
-                        format!("rootVelocity is \"{word}\": \"feet\" or three numbers a second");
+                        format!("rootVelocity is \"{word}\", expected \"feet\" or three numbers");
                     return Err(JsError::new(&message));
                 }
                 None => vector(&travel, "rootVelocity")?.as_vec3(),
@@ -168,7 +168,7 @@ fn reach(
     let target = given::numbers(&asked.required("target")?, "target")?;
     let count = target.len();
     if count == 0 || count % 3 != 0 {
-        let message = format!("target has {count} numbers: three a point are wanted");
+        let message = format!("target has {count} numbers, expected three for each point");
         return Err(JsError::new(&message));
     }
     let points: Vec<DVec3> = target.chunks_exact(3).map(DVec3::from_slice).collect();

@@ -22,7 +22,7 @@ pub(crate) fn time_limit(given: &Given) -> Result<Option<Duration>, JsError> {
     let limit = Duration::try_from_secs_f64(seconds);
     let wrong = |_| {
         JsError::new(&format!(
-            "timeLimit is {seconds} s: a finite number of at least 0 is wanted"
+            "timeLimit is {seconds} s, expected a finite number of at least 0"
         ))
     };
     limit.map(Some).map_err(wrong)

@@ -6,7 +6,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Gives the bytes of a file that another one names, or `undefined` where there is none. */
+/** Returns the bytes of a referenced file, or `undefined` if it does not exist. */
 export type Open = (file: string) => Uint8Array | undefined;
 "#;
 
@@ -26,7 +26,7 @@ pub(crate) fn parsed<T>(
     let mut raised = None;
     let parsed = parse(&mut |file| {
         let missing = || {
-            let text = "not given beside the file that names it";
+            let text = "not given with the file that refers to it";
             fail(file, std::io::ErrorKind::NotFound, text)
         };
         let open = open.as_ref().ok_or_else(missing)?;
@@ -37,7 +37,7 @@ pub(crate) fn parsed<T>(
                 Err(_) => Err(fail(
                     file,
                     std::io::ErrorKind::InvalidInput,
-                    "`open` gave something other than a Uint8Array",
+                    "`open` returned no Uint8Array",
                 )),
             },
             Err(error) => {

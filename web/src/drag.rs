@@ -35,8 +35,8 @@ impl Drag {
         })
     }
 
-    /// Enables limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart: one number for each
-    /// number of a configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
+    /// Enables limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart. Each has one number
+    /// for each number of a configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
     #[wasm_bindgen(js_name = limitMotion)]
     pub fn limit_motion(
         &mut self,
@@ -109,15 +109,15 @@ impl Drag {
         self.inner.set_configuration(q).map_err(raise)
     }
 
-    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
-    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standingIn(pose).model` of its
-    /// pose after each frame.
+    /// Moves joints and frames on their parents to their placements in `model`, which has the joints of the problem's
+    /// model. The configuration stays. For a character whose scales shear its bones, use
+    /// `skeleton.standingIn(pose).model` of its pose after each frame.
     #[wasm_bindgen(js_name = moveJoints)]
     pub fn move_joints(&mut self, model: &Model) -> Result<(), JsError> {
         self.inner.move_joints(&model.inner).map_err(raise)
     }
 
-    /// Where the body stands.
+    /// Current configuration.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q().to_vec()
@@ -138,7 +138,7 @@ impl Drag {
 
 fn at_least_one(frames: Option<u32>) -> Result<usize, JsError> {
     match frames.unwrap_or(1000) {
-        0 => Err(JsError::new("frames is 0: at least 1")),
+        0 => Err(JsError::new("frames is 0, expected at least 1")),
         frames => Ok(frames as usize),
     }
 }

@@ -28,7 +28,7 @@ impl Given {
         }
         let Some(given) = object.dyn_ref::<Object>() else {
             let (part, whole) = what.split_once(' ').unwrap_or((what, ""));
-            let message = format!("{part}s {whole} are given as an object");
+            let message = format!("{part}s {whole} must be an object");
             return Err(JsError::new(&message));
         };
         for name in Object::keys(given) {
@@ -152,7 +152,9 @@ pub(crate) fn entries(
         return Ok(Vec::new());
     };
     let Some(object) = value.dyn_ref::<Object>() else {
-        return Err(JsError::new(&format!("{what} must be an object by names")));
+        return Err(JsError::new(&format!(
+            "{what} must be an object with names as keys"
+        )));
     };
     let list = Object::entries(object);
     let pairs = list.iter().map(|pair| {
@@ -185,7 +187,7 @@ pub(crate) fn number(value: &JsValue, what: &str) -> Result<f64, JsError> {
 }
 
 fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
-    let no = || JsError::new(&format!("{what} must be a text"));
+    let no = || JsError::new(&format!("{what} must be a string"));
     value.as_string().ok_or_else(no)
 }
 

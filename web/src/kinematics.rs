@@ -52,8 +52,8 @@ impl ForwardKinematics {
         self.names.clone()
     }
 
-    /// Poses of the frames in the world: sixteen numbers for each, a matrix by columns, as a view: valid until the next
-    /// call into the module.
+    /// Poses of the frames in the world: sixteen numbers for each, a matrix by columns. The result is a view, valid
+    /// until the next call into the module.
     #[wasm_bindgen(unchecked_return_type = "Float64Array")]
     pub fn place(
         &mut self,

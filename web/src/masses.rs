@@ -15,7 +15,7 @@ pub(crate) fn masses_of(model: &Model) -> Result<Masses, JsError> {
         (Some(robot), _) => robot.masses().map_err(raise),
         (None, Some(rig)) => rig.masses(DENSITY).map_err(raise),
         (None, None) => Err(JsError::new(
-            "this model has no masses of its own: give the task `masses`",
+            "the model has no masses: set `masses` of the task",
         )),
     }
 }

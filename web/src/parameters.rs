@@ -31,7 +31,7 @@ pub(crate) fn parameters(model: &Model, given: &Given) -> Result<Option<Paramete
         let free = free.collect::<Result<Vec<_>, _>>().map_err(raise)?;
         builder = builder.with_only(&free, &held.unwrap_or_else(|| own.neutral()));
     } else if held.is_some() {
-        let message = "held says where the joints stand that `only` leaves out";
+        let message = "held needs `only`: it is the configuration of the joints that `only` omits";
         return Err(JsError::new(message));
     }
     builder.build().map(Some).map_err(raise)

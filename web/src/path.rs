@@ -13,45 +13,47 @@ use crate::{object, raise, solution, view};
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 export interface PathOptions {
-    /** From first to last (the default), round and round, or round once from wherever that is best. */
+    /** From first to last (the default), as a closed path, or as a closed path from the best entry. */
     traversal?: "open" | "cyclic" | "any-start";
-    /** The configuration of the first point, or of the last; any unless told. */
+    /** Configuration of the first point, or of the last; default: any. */
     start?: Numbers;
     end?: Numbers;
-    /** What a radian or metre of each joint weighs in lengths. */
+    /** Weight of a radian or metre of each joint in the path length. */
     jointWeights?: Numbers;
-    /** The furthest that a joint moves between two points on the same branch, radians; 0.2 unless told. */
+    /** Largest displacement of a joint between two points on the same branch, radians; default: 0.2. */
     maxStep?: number;
-    /** Configurations that are known of a place at most; 256 unless told. */
+    /** Largest number of known configurations of a point; default: 256. */
     samples?: number;
-    /** When the tool is to be at each point, seconds; with `keepTimes` a step that a joint is too slow for is a reconfiguration too. */
+    /** Time of each point, seconds. With `keepTimes` a step that is too fast for a joint is a reconfiguration too. */
     times?: Numbers;
     keepTimes?: boolean;
-    /** Other tools of the arm, sixteen numbers each, where they stand in the tip; `toolOfPoints` says which each point is for: 0 the
-     * arm's own, 1 the first of these and so on. */
+    /**
+     * Further tools of the arm, sixteen numbers each, relative to the tip. `toolOfPoints` has the tool of each point: 0
+     * is the arm's own tool, 1 the first of these.
+     */
     tools?: Numbers;
     toolOfPoints?: Numbers;
 }
 
 /** A step in which an arm leaves its branch. */
 export interface Reconfiguration {
-    /** The row of `q` that it leads to; 0 for the step that closes a cyclic path. */
+    /** Row of `q` after the step; 0 for the step that closes a cyclic path. */
     index: number;
     joint: string;
-    /** Radians; of a slide the metres that weigh as much. */
+    /** Radians; of a prismatic joint the equivalent length. */
     distance: number;
 }
 
 /** A point of a path that the tool does not reach. */
 export interface MissedPoint {
     index: number;
-    /** Metres, and radians, beyond what the goal leaves free. */
+    /** Error beyond the goal bounds, metres and radians. */
     positionError: number;
     orientationError: number;
     reason: string;
 }
 
-/** A step of a path that is not surely free. */
+/** A step of a path that is not proven collision-free. */
 export interface BlockedStep extends Collision {
     index: number;
 }
@@ -194,7 +196,7 @@ impl PathSolution {
                 MissReason::BeyondReach { distance, reach } => format!(
                     "beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long"
                 ),
-                MissReason::Touches(pair) => format!("{pair} touch there"),
+                MissReason::Touches(pair) => format!("collision of {pair}"),
                 _ => "no configuration within the limits was found".to_owned(),
             };
             object::of([
@@ -242,8 +244,8 @@ impl PathSolution {
         self.inner.largest_deviation.radians
     }
 
-    /// Time of each row, seconds, starting at 0: time-optimal from rest to rest under acceleration and velocity limits,
-    /// one number for each joint or one for all. Velocity limits default to those of the robot.
+    /// Time of each row, seconds, starting at 0: time-optimal from rest to rest under acceleration and velocity limits.
+    /// Limits have one number for each joint or one for all. Velocity limits default to those of the robot.
     pub fn times(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,

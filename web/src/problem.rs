@@ -16,20 +16,20 @@ use crate::task::{self, Aimed, BoxedTask};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** What every task may say; see the Python package's `kinopt.tasks`. */
+/** Common options of all tasks; see the Python package's `kinopt.tasks`. */
 export interface TaskOptions {
-    /** What reports and targets call it; otherwise its kind and frame do. */
+    /** Name in reports and targets; default: the kind and frame. */
     name?: string;
     weight?: number;
     scale?: number;
-    /** The error within which it counts as reached. */
+    /** Error within which the task counts as reached. */
     tolerance?: number;
     role?: "goal" | "preference";
-    /** A strict level: goals of level 0 are met first. */
+    /** Strict priority level: level 0 comes first. */
     level?: number;
 }
 
-/** What a frame should do. Made by `tasks`. */
+/** A task of a problem, as created by `tasks`. */
 export type Task = TaskOptions & (
     | { kind: "point"; frame: string; target: Numbers; at?: Numbers; base?: string }
     | { kind: "pose"; frame: string; target: Placement; tool?: Placement; goal?: "pose" | "position" | Numbers; base?: string }
@@ -54,27 +54,36 @@ export type Task = TaskOptions & (
     | { kind: "bounded"; task: Task; lower?: number; upper?: number }
 );
 
-/** What each joint counts in a task: one number for each that it reads, some by their names, or half its range. */
+/**
+ * Weights of joints in a task: one number for each, or numbers by name. "by range" weights joints by half of their
+ * ranges.
+ */
 export type JointWeights = Numbers | Readonly<Record<string, number>> | "by range";
 
-/** Kilograms by frame, at its origin, or four numbers: kilograms and a place in the frame's coordinates. */
+/** Kilograms by frame, at its origin, or four numbers: kilograms and a position in the frame's coordinates. */
 export type MassesByFrame = Readonly<Record<string, number | Numbers>>;
 
-/** Targets by the tasks' names: of a point, a look-at, a gaze at a place or a centre of mass three numbers, of a pose, an
- * orientation or where a frame stood before a placement, of a plane or a ray two points in one list, of a pixel two
- * numbers, of a posture or a smoothness the values of its joints, of a distance, a coupling or a manipulability a number. */
+/**
+ * Targets by the tasks' names.
+ *
+ * - Three numbers for a point, a look-at, a gaze at a position, and a centre of mass.
+ * - A placement for a pose, an orientation, and the previous placement of a velocity task.
+ * - Two points in one list for a plane and a ray, two numbers for a pixel.
+ * - The values of its joints for a posture and a smoothness.
+ * - A number for a distance, a coupling and a manipulability.
+ */
 export type Targets = Readonly<Record<string, Numbers | number>>;
 
 export interface ProblemOptions {
-    /** Joints that stay, at values: radians, metres, of a ball joint a quaternion w, x, y, z. */
+    /** Locked joints with their values: radians, metres, or a quaternion w, x, y, z of a ball joint. */
     locked?: Readonly<Record<string, number | Numbers>>;
-    /** The joints that alone move … */
+    /** Free joints; all others are locked. */
     only?: readonly string[];
-    /** … and where the others stand; without it at 0, or at the limit next to it. */
+    /** Configuration of the joints that `only` omits; default: 0, or the nearest limit. */
     held?: Numbers;
     /** Narrower limits of joints, `[lower, upper]`. */
     bounds?: Readonly<Record<string, readonly [number, number]>>;
-    /** The tolerance of tasks that set none, metres and radians. */
+    /** Tolerance of tasks that set none, metres and radians. */
     tolerance?: number;
     preferences?: "within_goals" | "traded";
 }
@@ -181,8 +190,8 @@ impl Problem {
         asked.problem(None)
     }
 
-    /// Creates a problem of a skeleton without limits, in which the trunk does not rotate and the back hardly bends
-    /// while the tips of the bones `dragged` move, from the angles `q`.
+    /// Creates a problem of a skeleton without limits, for a drag of the tips of the bones `dragged` from the angles
+    /// `q`. The trunk does not rotate, and the back hardly bends.
     #[wasm_bindgen(js_name = holding)]
     pub fn holding(
         skeleton: &Skeleton,

@@ -14,22 +14,24 @@ use crate::{object, placement, raise};
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 export interface BaseOptions {
-    /** How the robot may move as a whole: "fixed" (the default), "free", "planar", "slide-x", ... */
+    /** Base joint: "fixed" (the default), "free", "planar", "slide-x", ... */
     baseJoint?: string;
-    /** The room of that joint, metres: `{ z: [0, 1] }`. */
+    /** Base bounds, metres: `{ z: [0, 1] }`. */
     baseBounds?: Record<string, readonly [number, number]>;
 }
 
 export interface RobotOptions extends BaseOptions {
-    /** Mend what can be, and tell it in `repairs`. */
+    /** Repairs defects that have a unique repair, and lists them in `repairs`. */
     lenient?: boolean;
-    /** Whose limits restrict a joint that mimic joints follow: its own ("source", the default), or also theirs ("both"). */
+    /**
+     * Limits that restrict the source joint of mimic joints: its own ("source", the default), or also theirs ("both").
+     */
     mimicLimits?: "source" | "both";
-    /** Hold to the file's soft limits. */
+    /** Applies the file's soft limits. */
     softLimits?: boolean;
 }
 
-/** A body of a link, centred on its own origin; metres. */
+/** A shape of a link, centred on its own origin; metres. */
 export interface Shape {
     kind: "box" | "cylinder" | "capsule" | "sphere" | "ellipsoid" | "mesh";
     name?: string;
@@ -38,7 +40,7 @@ export interface Shape {
     size?: Float64Array;
     radius?: number;
     length?: number;
-    /** Of an ellipsoid, along x, y and z. */
+    /** Radii of an ellipsoid along x, y and z. */
     radii?: Float64Array;
     file?: string;
     scale?: Float64Array;
@@ -179,8 +181,8 @@ impl Robot {
         Ok(list.unchecked_into())
     }
 
-    /// Crouched configuration: `q` with a free base lower by a fifteenth of its height, the frames `feet` at their
-    /// poses and the other joints near `q`. The slightly bent knees avoid the singularity of straight legs. z is up.
+    /// Crouched configuration: `q` with a free base lower by a fifteenth of its height. The frames `feet` are at their
+    /// poses, and all other joints near `q`. The slightly bent knees avoid the singularity of straight legs. z is up.
     /// Returns `q` for a robot without a free base, and if the feet cannot stay.
     #[wasm_bindgen(js_name = crouchedConfiguration)]
     pub fn crouched_configuration(
@@ -195,9 +197,9 @@ impl Robot {
         kinopt::ik::crouched_configuration(model, self.inner.map(), &feet, q, up).map_err(raise)
     }
 
-    /// Contact points of a foot, in its frame, metres: the origins of its link and of the links fixed to it, and the
-    /// corners of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })` balances
-    /// over it.
+    /// Contact points of a foot, in its frame, metres. They are the origins of its link and of the links fixed to it,
+    /// and the corners of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })`
+    /// balances over it.
     pub fn sole(&self, foot: &str) -> Result<Points, JsError> {
         let frame = self.inner.model().frame(foot).map_err(raise)?;
         let points = self.inner.sole(frame).into_iter();

@@ -47,8 +47,8 @@ impl Skeleton {
             .collect()
     }
 
-    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
-    /// scales. Angles mean what they did.
+    /// The same skeleton with its joints and tips at their positions in a pose of its armature, by the pose's own
+    /// translations and scales. The meaning of the angles is unchanged.
     #[wasm_bindgen(js_name = standingIn)]
     pub fn standing_in(&self, pose: &Pose) -> Result<Self, JsError> {
         let standing = self.inner.standing_in(&pose.inner).map_err(raise)?;

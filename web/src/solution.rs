@@ -7,36 +7,38 @@ use crate::object;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A limit in the way of a target. */
+/** An active limit. */
 export interface ActiveLimit {
     joint: string;
     side: "lower" | "upper";
     /** Radians or metres. */
     value: number;
-    /** How much the targets would gain by passing it. */
+    /** Decrease of the cost per unit beyond the limit. */
     push: number;
 }
 
-/** One task of a problem, as it came out. */
+/** Report of a task. */
 export interface TaskReport {
     name: string;
     reached: boolean;
-    /** Metres; missing where the task asks for no place. */
+    /** Metres; missing if the task has no position. */
     positionError?: number;
-    /** Radians; missing where the task asks for no orientation. */
+    /** Radians; missing if the task has no orientation. */
     orientationError?: number;
 }
 
-/** Two things that touch, come nearer than the margin, or end a way. */
+/** A pair that is in contact, nearer than the margin, or blocks a motion. */
 export interface Collision {
     first: string;
     firstKind: "link" | "obstacle";
     second: string;
     secondKind: "link" | "obstacle";
-    /** Metres; below 0 where they overlap. */
+    /** Metres; negative for penetration. */
     distance: number;
-    /** Whether they are met on the way to a place, not at it: the step was not made in full, as it is not surely free. Their distance
-     * is that where it ends, and may be up to a micrometre more than the margin. */
+    /**
+     * True if the pair blocks the motion to a configuration. A step, or a part of it, was not made, because it is not
+     * proven collision-free. `distance` is that at the end of the motion, up to a micrometre more than the margin.
+     */
     onTheWay: boolean;
 }
 "#;

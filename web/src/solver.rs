@@ -14,20 +14,20 @@ use crate::solution::Solution;
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 export interface SolverOptions {
-    /** Steps of one attempt. */
+    /** Largest number of steps of one attempt. */
     maxIterations?: number;
     gradientTolerance?: number;
     stepTolerance?: number;
-    /** Steps in a row that need not halve the cost before an attempt gives up. */
+    /** Number of steps in which the cost must halve. */
     patience?: number;
-    /** Seconds for all attempts together. Answers then depend on the machine. */
+    /** Seconds for all attempts together. Results then depend on the machine. */
     timeLimit?: number;
-    /** Searches from different starts. */
+    /** Largest number of attempts from different starts. */
     attempts?: number;
     seed?: number;
-    /** Attempts that agree on a miss before it is told. */
+    /** Number of attempts that agree on a miss before the search ends. */
     agreeing?: number;
-    /** Steps of all attempts together after which one more is made. */
+    /** Number of steps of all attempts together after which only one more attempt is made. */
     restartSteps?: number;
 }
 "#;

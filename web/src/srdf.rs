@@ -12,17 +12,17 @@ use crate::robot::Robot;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A gripper, a tool or a foot. */
+/** An end effector: a gripper, a tool or a foot. */
 export interface EndEffector {
     name: string;
     group: string;
-    /** The link that it is fixed to. */
+    /** Link that the end effector is fixed to. */
     parentLink: string;
 }
 
-/** How an SRDF file is read. */
+/** Options of reading an SRDF file. */
 export interface SrdfOptions {
-    /** Leaves out what names a joint, link or group that there is not, and lists it in `repairs`; false unless set. */
+    /** Omits elements that name unknown joints, links or groups, and lists them in `repairs`; default: false. */
     lenient?: boolean;
 }
 "#;

@@ -211,8 +211,8 @@ impl CollisionModel {
     }
 
     /// The model with the spheres of a file for fast collision checks: cuRobo's `collision_spheres`, or the spheres of
-    /// a spherised URDF; `file` is the name of the file, whose extension gives the format. They are enlarged by their
-    /// gaps.
+    /// a spherised URDF. `file` is the name of the file; its extension gives the format. The spheres are enlarged by
+    /// their gaps.
     #[wasm_bindgen(js_name = withSpheres)]
     pub fn with_spheres(&self, text: &str, file: &str) -> Result<Self, JsError> {
         let model = self.checker.model();

@@ -1,4 +1,4 @@
-// An arm comes to every pose that it can reach, and says what it cannot.
+// An arm reaches every reachable pose, and reports misses.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Arm, CollisionModel, placement, Robot, World } from "kinopt";
@@ -6,7 +6,7 @@ import { configuration, panda, pandaArm, random, text } from "./panda.js";
 
 const far = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
 
-test("every one of 500 reachable poses is reached within limits, by every search", () => {
+test("500 reachable poses are reached by every search", () => {
     for (const search of ["start", "first", "nearest"]) {
         const arm = pandaArm({ search });
         const draw = random(7);
@@ -21,7 +21,7 @@ test("every one of 500 reachable poses is reached within limits, by every search
     }
 });
 
-test("a batch has the answers of its questions one by one", () => {
+test("a batch equals single solves", () => {
     const arm = pandaArm();
     const draw = random(3);
     const starts = Array.from({ length: 40 }, () => configuration(arm, draw));
@@ -34,7 +34,7 @@ test("a batch has the answers of its questions one by one", () => {
     assert.ok(batch.positionError.every((error) => error <= 1e-6));
 });
 
-test("what is out of reach is told, not thrown", () => {
+test("an unreachable target is reported, not thrown", () => {
     const arm = pandaArm();
     const solution = arm.solve(placement([3, 0, 0.5]));
     assert.equal(solution.reached, false);
@@ -43,7 +43,7 @@ test("what is out of reach is told, not thrown", () => {
     assert.ok(solution.positionError > 1.5);
 });
 
-test("a path stays on its branch, target by target too", () => {
+test("a path stays on its branch, also by single targets", () => {
     const arm = pandaArm();
     const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
     const path = Array.from({ length: 50 }, (_, k) => {
@@ -66,7 +66,7 @@ test("a path stays on its branch, target by target too", () => {
     assert.ok(servo.reached, `${servo.positionError} m`);
 });
 
-test("a servo keeps to the speeds that it is told", () => {
+test("a servo keeps the given velocity limits", () => {
     const arm = pandaArm();
     const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
     const target = arm.baseFromTool(start);
@@ -83,11 +83,11 @@ test("a servo keeps to the speeds that it is told", () => {
     assert.throws(() => arm.servo(start, 0.01, { speed: 1 }), /speed.*velocityLimits/s);
 });
 
-test("a limit of time ends what takes long, and is told", () => {
+test("a time limit ends a search and is reported", () => {
     const far = placement([3, 0, 0.5]);
     const { termination, reached, q } = pandaArm({ timeLimit: 0, search: "first" }).solve(far);
     assert.deepEqual([termination, reached, q.length], ["time_limit", false, 7]);
-    // Long enough ends nothing.
+    // A long time limit ends nothing.
     const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
     const target = pandaArm().baseFromTool(start.map((value) => value + 0.1));
     assert.deepEqual(pandaArm({ timeLimit: 60 }).solve(target, start).q, pandaArm().solve(target, start).q);
@@ -106,7 +106,7 @@ test("several solutions differ", () => {
     }
 });
 
-test("an arm keeps clear of a box, and says what it touches", () => {
+test("an arm avoids a box and reports collisions", () => {
     const robot = panda();
     const shapes = CollisionModel.ofRobot(robot);
     const free = pandaArm();
@@ -118,7 +118,7 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     const solution = arm.solve(target);
     assert.ok(solution.goalsReached || !solution.reached);
     assert.deepEqual(arm.collisions(solution.q), solution.reached ? [] : arm.collisions(solution.q));
-    // Spheres of a file change no verdict, grown by what they leave uncovered.
+    // Spheres of a file, enlarged by their gaps, change no result.
     const spheres = "collision_spheres:\n" + shapes.links.map((link) => `  ${link}:\n    - {center: [0, 0, 0], radius: 0.01}\n`).join("");
     const covered = Arm.keepingClear(robot, "base", "flange", shapes.withSpheres(spheres, "small.yml"), world, 0.01);
     assert.equal(covered.solve(target).reached, solution.reached);
@@ -126,7 +126,7 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     world.move("shelf", [target[12], target[13], target[14]]);
     const blocked = arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]);
     assert.ok(blocked.some(({ second, distance }) => second.includes("shelf") && distance < 0.01), JSON.stringify(blocked));
-    // What each of a pair is stands beside its name.
+    // The kind of each member of a pair is given next to its name.
     for (const { firstKind, secondKind, second, onTheWay } of blocked) {
         assert.equal(firstKind, "link");
         assert.equal(secondKind, second.includes("shelf") ? "obstacle" : "link");
@@ -141,7 +141,7 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     assert.throws(() => free.collisions(solution.q), /not known/);
 });
 
-test("what was found about a world is told", () => {
+test("a world reports its notes", () => {
     const sheet = { name: "sheet", vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 2]] };
     const { notes } = World.fromJson(JSON.stringify({ meshes: [sheet] }));
     assert.equal(notes.length, 1);
@@ -149,7 +149,7 @@ test("what was found about a world is told", () => {
     assert.deepEqual(new World().notes, []);
 });
 
-test("names and options that do not exist list those that do", () => {
+test("errors of unknown names and options list valid ones", () => {
     assert.throws(() => new Arm(panda(), "base", "flang"), /flang.*flange/s);
     assert.throws(() => pandaArm({ serach: "first" }), /serach.*search/s);
     assert.throws(() => pandaArm({ search: "best" }), /best.*nearest/s);
@@ -160,7 +160,7 @@ test("names and options that do not exist list those that do", () => {
     assert.throws(() => pandaArm().solve(placement(), [0, 0]), /start/);
 });
 
-test("a robot tells its shapes, tips and limits, and stands on a base of its own", () => {
+test("a robot has shapes, tips, limits and a base joint", () => {
     const robot = panda();
     assert.ok(robot.tips.includes("tool"));
     assert.equal(robot.chain("base", "flange").length, 7);
@@ -173,7 +173,7 @@ test("a robot tells its shapes, tips and limits, and stands on a base of its own
     assert.ok(arm.solve(target).reached);
 });
 
-test("an arm's joints are found in the whole robot's configuration, and put there", () => {
+test("an arm's joints convert to a robot's configuration", () => {
     const robot = Robot.fromUrdf(text("rethink_baxter.urdf"), "rethink_baxter.urdf");
     const arm = new Arm(robot, "torso", "left_tool");
     const q = configuration(arm, random(5));

@@ -1,4 +1,5 @@
-// Double precision has the bits of the native library's portable path: tests/same_bits/on_the_web.rs asks the same.
+// Double precision equals the native library's portable path bitwise: tests/same_bits/on_the_web.rs solves the same
+// queries.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -9,7 +10,7 @@ import { configuration, pandaArm, random } from "./panda.js";
 const table = readFileSync(new URL("../../tests/same_bits/digests.tsv", import.meta.url), "utf8");
 const portable = new Map(table.split("\n").map((line) => line.split("\t")).map(([what, , digest]) => [what, digest]));
 
-/** FNV-1a over the bits of numbers. */
+/** FNV-1a hash of the bits of numbers. */
 function digest() {
     let value = 0xcbf29ce484222325n;
     return {

@@ -4,7 +4,7 @@ import test from "node:test";
 import { Drag, MotionCapture, Problem, Recording, Scene, SceneFile, Solver, tasks } from "kinopt";
 import { humanoid, pinned } from "./humanoid.js";
 
-test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => {
+test("a hand is dragged along 300 points without a jump", () => {
     const rig = humanoid();
     let q = rig.model.neutral();
     const pins = pinned(rig, q);
@@ -20,14 +20,14 @@ test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => 
         const next = solution.q;
         assert.ok(next.every((value, j) => lower[j] <= value && value <= upper[j]));
         assert.ok(next.every((value, j) => Math.abs(value - q[j]) <= 0.1500001));
-        // A frame is cut off at 40 steps; the next goes on.
+        // A frame ends after 40 steps; the next one continues.
         assert.ok(solution.reached || solution.positionError < 1e-5, `${k}: ${solution.explain()}`);
         q = next;
     }
     assert.deepEqual(drag.q, q);
 });
 
-test("a hand out of reach is told with its limits, and the other tips stay", () => {
+test("an unreachable hand is reported with its limits", () => {
     const rig = humanoid();
     const rest = rig.model.neutral();
     const problem = new Problem(rig.model, pinned(rig, rest));
@@ -39,7 +39,7 @@ test("a hand out of reach is told with its limits, and the other tips stay", () 
     assert.throws(() => new Solver().solve(problem, rest, { left_hand: [NaN, 0, 1] }), /the target of left_hand.*finite/s);
 });
 
-test("the skin at rest is the mesh, both ways, and moves with the body", () => {
+test("the skin equals the mesh at rest and moves along", () => {
     const rig = humanoid();
     const rest = rig.model.neutral();
     const all = ["lbs", "dqs"].map((method) => {
@@ -58,7 +58,7 @@ test("the skin at rest is the mesh, both ways, and moves with the body", () => {
     assert.throws(() => rig.posing("best"), /lbs.*dqs/);
 });
 
-test("a capture is played, and dragged from where it stands", () => {
+test("a capture is played, and dragged from its pose", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(
         "HIERARCHY\nROOT hips {\nOFFSET 0 100 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n" +
         "JOINT spine {\nOFFSET 0 40 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT neck {\nOFFSET 0 30 0\n" +
@@ -84,7 +84,9 @@ test("a capture is played, and dragged from where it stands", () => {
     target.forEach((value, k) => assert.ok(Math.abs(reached[k] - value) < 1e-2, `${reached}`));
 });
 
-/** A strip of three vertices on two bones, the second of which turns by a quarter in a second: a file and its buffer. */
+/**
+ * A strip of three vertices on two bones; the second bone rotates by a quarter turn in a second. A file and its buffer.
+ */
 function strip() {
     const parts = [
         new Float32Array([0, 0, 0, 0, 1, 0, 0, 2, 0]),
@@ -112,7 +114,7 @@ function strip() {
         accessors,
         meshes: [{ primitives: [{ attributes: { POSITION: 0, NORMAL: 1, JOINTS_0: 2, WEIGHTS_0: 3 }, indices: 4 }] }],
         nodes: [{ name: "low", children: [1] }, { name: "high", translation: [0, 1, 0], children: [3] }, { mesh: 0, skin: 0 }, { name: "end", translation: [0, 1, 0] }],
-        // Bound where they are: the inverse bind matrices are the identity where none are given.
+        // Bound at rest: missing inverse bind matrices are identities.
         skins: [{ joints: [0, 1] }],
         scenes: [{ nodes: [0, 2] }],
         scene: 0,
@@ -123,7 +125,7 @@ function strip() {
     return [new TextEncoder().encode(JSON.stringify(file)), buffer];
 }
 
-test("a scene is played with its skin, and dragged from where its clip has it", () => {
+test("a scene is played, and dragged from its clip's pose", () => {
     const [file, buffer] = strip();
     const asked = [];
     const scene = Scene.fromBytes(file, "strip.gltf", (name) => (asked.push(name), name === "strip.bin" ? buffer : undefined));
@@ -151,7 +153,7 @@ test("a scene is played with its skin, and dragged from where its clip has it", 
     assert.throws(() => Scene.fromBytes(file, "strip.gltf"), /strip\.gltf.*strip\.bin/s);
 });
 
-test("what was solved is a clip, in the scene's own file and as a capture", () => {
+test("solved poses become a clip of a scene or a capture", () => {
     const [gltf, buffer] = strip();
     const open = () => buffer;
     const file = SceneFile.fromBytes(gltf, "strip.gltf", open);
@@ -167,7 +169,7 @@ test("what was solved is a clip, in the scene's own file and as a capture", () =
     const read = Scene.fromBytes(file.toBytes(), "more.gltf", open);
     assert.deepEqual(read.clips.map(({ name }) => name), file.clipNames);
     const placed = (of, name, seconds) => of.armature.localToModel(of.clips.find((one) => one.name === name).sample(seconds));
-    // Twice as fast as it was.
+    // Twice as fast as before.
     const before = placed(scene, own.name, 0.6);
     placed(read, "again", 0.3).forEach((value, k) => assert.ok(Math.abs(value - before[k]) < 1e-5));
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(recording.toBvh()), "again.bvh");

@@ -1,4 +1,4 @@
-// Over a clip a hand reaches for a place, and feet stand. The capture is in centimetres.
+// During a clip a hand reaches a target, and feet are planted. The capture is in centimetres.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { MotionCapture, World } from "kinopt";
@@ -6,7 +6,7 @@ import { text } from "./panda.js";
 
 const bytes = new TextEncoder().encode(text("captures/steps.bvh"));
 const { armature, clip } = MotionCapture.fromBytes(bytes, "steps.bvh");
-/** Where a bone begins at a moment of a clip. */
+/** Origin of a bone at a time of a clip. */
 const place = (of, bone, seconds) => {
     const k = armature.names.indexOf(bone);
     return [...armature.places(of.sample(seconds)).subarray(3 * k, 3 * k + 3)];
@@ -14,7 +14,7 @@ const place = (of, bone, seconds) => {
 const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
 const [HAND, FEET] = ["LeftHand", ["LeftFoot", "RightFoot"]];
 
-test("a bone reaches for a place over its span, and elsewhere the clip is as it was", () => {
+test("a bone reaches a target within its span only", () => {
     const target = place(clip, HAND, 1).map((value, k) => value + [5, 10, 5][k]);
     const edited = clip.withIk({ reach: [{ bone: HAND, target, span: [0.5, 1.5], fade: 0.2 }], keysPerSecond: 30 });
     assert.deepEqual(edited.led.map(({ bone }) => bone), [HAND]);
@@ -23,7 +23,7 @@ test("a bone reaches for a place over its span, and elsewhere the clip is as it 
     assert.ok(away(place(edited.clip, HAND, 3), place(clip, HAND, 3)) < 1e-3);
 });
 
-test("feet that are planted stand still, on what the world has there", () => {
+test("planted feet are motionless on the world's ground", () => {
     const edited = clip.withIk({ plant: FEET, keysPerSecond: 30 });
     assert.ok(edited.stances.length >= 4);
     for (const { bone, span: [from, to], place: stands, slide, stray } of edited.stances) {
@@ -36,7 +36,7 @@ test("feet that are planted stand still, on what the world has there", () => {
     assert.ok(Math.abs(raised.stances[0].place[1] - edited.stances[0].place[1] - 10) < 0.1);
 });
 
-test("what is asked wrongly is told", () => {
+test("invalid requests are errors", () => {
     assert.throws(() => clip.withIk({}), /nothing to reach/);
     assert.throws(() => clip.withIk({ plant: ["LeftPaw"] }), /LeftPaw/);
     assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2] }] }), /target has 2 numbers/);

@@ -1,4 +1,4 @@
-// A bad file is an exception with the library's message: the file, the place in it, what is wrong.
+// An invalid file is an exception with the library's message: the file, the place in it, and the fault.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { MotionCapture, Rig, Robot, Scene, World } from "kinopt";
@@ -6,7 +6,7 @@ import { text } from "./panda.js";
 
 const bytes = (string) => new TextEncoder().encode(string);
 
-test("files that are cut off, or say what cannot be, name the place", () => {
+test("errors of damaged files name the place", () => {
     const urdf = text("franka_panda.urdf");
     assert.throws(() => Robot.fromUrdf(urdf.slice(0, 900), "cut.urdf"), /cut\.urdf/);
     assert.throws(() => Robot.fromUrdf(urdf.replace('type="revolute"', 'type="rotating"'), "odd.urdf"), /odd\.urdf.*rotating/s);
@@ -16,7 +16,7 @@ test("files that are cut off, or say what cannot be, name the place", () => {
     assert.throws(() => World.fromJson('{"obstacles": 3}', "table.json"), /table\.json/);
 });
 
-test("a file that another names is asked for, and the caller's own exception passes", () => {
+test("referenced files are opened; exceptions propagate", () => {
     const rig = text("humanoid/humanoid.json");
     assert.throws(() => Rig.parse(bytes(rig), "humanoid.json"), /humanoid\.ply/);
     assert.throws(
@@ -25,7 +25,7 @@ test("a file that another names is asked for, and the caller's own exception pas
     );
 });
 
-test("the exceptions are errors, and the module goes on after them", () => {
+test("exceptions are errors, and the module still works", () => {
     for (let k = 0; k < 100; k += 1) assert.throws(() => Robot.fromUrdf("<robot"), Error);
     assert.equal(Robot.fromUrdf(text("franka_panda.urdf")).chain("base", "flange").length, 7);
 });

@@ -6,7 +6,7 @@ import { model } from "./panda.js";
 export const humanoid = () =>
     Rig.parse(readFileSync(model("humanoid/humanoid.json")), "humanoid.json", (file) => readFileSync(model(`humanoid/${file}`)));
 
-/** The rig's pins, as tasks where they are. */
+/** The rig's pins, as tasks at their current positions. */
 export function pinned(rig, q) {
     const frames = rig.constrained.map((bone) => rig.skeleton.tip(bone));
     const at = new ForwardKinematics(rig.model, frames).place(q).slice();

@@ -1,11 +1,11 @@
-// The tables of docs/reference/options.md name the options that there are, and no others.
+// The tables of docs/reference/options.md list exactly the existing options.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
 
 const text = (path) => readFileSync(new URL(path, import.meta.url), "utf8");
 
-/** What a section's table has in its column of JavaScript: names of options, not of functions. */
+/** Names in the JavaScript column of a section's table: options, without functions. */
 function named(section) {
     const [, part] = text("../../docs/reference/options.md").split(`\n## ${section}\n`);
     const rows = part.split("\n## ")[0].split("\n").filter((line) => line.startsWith("|")).map((line) => line.split("|").slice(1, -1));
@@ -26,7 +26,7 @@ for (const [section, name, besides = []] of [["Arms", "ArmOptions"], ["Problems"
     });
 }
 
-test("the page on choosing names what there is", () => {
+test("the page on choosing names existing classes", () => {
     const types = text("../dist/kinopt.d.ts");
     const options = keys("ArmOptions");
     let count = 0;

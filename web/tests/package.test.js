@@ -1,4 +1,5 @@
-// The package installs from a registry that has its archive, in an empty project; its README's lines run there, and its types check.
+// The package installs from a registry with its archive into an empty project; its README's code runs there, and its
+// types are valid.
 import assert from "node:assert/strict";
 import { execFile, execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -16,7 +17,7 @@ const run = (command, ...rest) => execFileSync(command, rest, { cwd: project, en
 const readme = readFileSync(join(own, "README.md"), "utf8");
 const blocks = [...readme.matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text);
 
-/** A registry that has one package, as npm asks one: what is known of it, and its archive. */
+/** A registry of one package, with the requests of npm: its metadata, and its archive. */
 async function registry({ filename, integrity, name, version }) {
     const archive = readFileSync(join(project, filename));
     const server = createServer(({ url }, answer) => {
@@ -41,13 +42,13 @@ before(async () => {
 });
 after(() => rmSync(project, { recursive: true }));
 
-test("the README's ten lines run", () => {
+test("the README's first example runs", () => {
     writeFileSync(join(project, "ten.js"), blocks[0]);
     assert.match(run("node", "ten.js"), /^true Float64Array\(7\)/);
 });
 
 test("the README's drag runs", () => {
-    // What the reader has: where the files are, and what draws.
+    // Functions of the reader: file access and drawing.
     const readers = `
         import { readFileSync } from "node:fs";
         const folder = ${JSON.stringify(model("humanoid/").href)};
@@ -59,7 +60,7 @@ test("the README's drag runs", () => {
     assert.equal(run("node", "drag.js"), "60\n");
 });
 
-test("the README's person is followed", () => {
+test("the README's retargeting runs", () => {
     const readers = `
         import { readFileSync } from "node:fs";
         const [captures, robots] = ${JSON.stringify([model("captures/").href, model("").href])};
@@ -71,7 +72,7 @@ test("the README's person is followed", () => {
     assert.equal(run("node", "follow.js"), "180\n");
 });
 
-test("it works in a worker, which has a module of its own", () => {
+test("the package works in a worker with its own module", () => {
     writeFileSync(join(project, "worker.js"), `import { parentPort } from "node:worker_threads";\n${blocks[0]}\nparentPort.postMessage(solution.reached);`);
     writeFileSync(join(project, "main.js"), `import { Worker } from "node:worker_threads";
         const worker = new Worker(new URL("./worker.js", import.meta.url), { stdout: true });
@@ -79,7 +80,7 @@ test("it works in a worker, which has a module of its own", () => {
     assert.equal(run("node", "main.js"), "true\n");
 });
 
-test("a module that others compiled is taken", () => {
+test("a compiled module is accepted", () => {
     writeFileSync(join(project, "bare.js"), `import { readFileSync } from "node:fs";
         import { init, placement, Robot } from "kinopt/bare";
         const url = new URL(import.meta.resolve("kinopt/kinopt.wasm"));
@@ -88,7 +89,7 @@ test("a module that others compiled is taken", () => {
     assert.equal(run("node", "bare.js"), "Robot 16\n");
 });
 
-test("the types of its README check, and wrong ones do not", () => {
+test("the README's types are valid, wrong types are not", () => {
     const reads = "import type { Robot as Shown } from \"kinopt\"; declare function bytes(file: string): Promise<Uint8Array>;\n" +
         "declare function text(file: string): Promise<string>; declare function move(robot: Shown, q: Float64Array): void;\n";
     const reader = "declare const parts: Record<string, Uint8Array>; declare function bytes(file: string): Promise<Uint8Array>;\n" +
@@ -117,7 +118,7 @@ test("the types of its README check, and wrong ones do not", () => {
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
     try {
         run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "wrong.ts");
-        // Neither a browser's names are needed nor Node's.
+        // The types need no declarations of a browser or of Node.
         writeFileSync(join(project, "bare.ts"), `import { init, type Robot } from "kinopt/bare";
             export const begun = (module: ArrayBuffer) => init({ module_or_path: module });
             export const nameOf = (robot: Robot) => robot.name;`);

@@ -1,4 +1,4 @@
-// The Panda of the project's models, and poses that it can reach.
+// The Panda of the project's models, and reachable poses.
 import { readFileSync } from "node:fs";
 import { Arm, Robot } from "kinopt";
 
@@ -8,7 +8,7 @@ export const text = (file) => readFileSync(model(file), "utf8");
 export const panda = () => Robot.fromUrdf(text("franka_panda.urdf"), "franka_panda.urdf");
 export const pandaArm = (options) => new Arm(panda(), "base", "flange", options);
 
-/** Splitmix64's upper half, from 0 to 1. */
+/** Upper half of SplitMix64, from 0 to 1. */
 export function random(seed) {
     let state = BigInt(seed);
     const whole = (value) => BigInt.asUintN(64, value);

@@ -1,4 +1,4 @@
-// A captured movement comes onto a robot, within its limits, by a map that is guessed or given.
+// A captured motion is retargeted to a robot, within its limits, by a guessed or a given map.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -6,7 +6,7 @@ import { CollisionModel, framePlacement, MotionCapture, retarget, retargetClear,
 import { model, text } from "./panda.js";
 
 const turns = "CHANNELS 3 Zrotation Xrotation Yrotation";
-/** A limb of joints one after another: names and offsets, centimetres. */
+/** A chain of joints: names and offsets, centimetres. */
 const limb = ([[name, offset], ...rest]) =>
     rest.length === 0
         ? `JOINT ${name} {\nOFFSET ${offset}\n${turns}\nEnd Site {\nOFFSET 0 0 1\n}\n}\n`
@@ -15,7 +15,7 @@ const side = (name, x) => [
     limb([[`${name}UpLeg`, `${10 * x} 0 0`], [`${name}Leg`, "0 -42 0"], [`${name}Foot`, "0 -42 0"]]),
     limb([[`${name}Arm`, `${18 * x} 48 0`], [`${name}ForeArm`, `${28 * x} 0 0`], [`${name}Hand`, `${25 * x} 0 0`]]),
 ];
-/** A person who nods and sways for a second, centimetres, y up. */
+/** A subject that nods and sways for a second, centimetres, y up. */
 const person = () => {
     const limbs = [limb([["Spine", "0 20 0"], ["Neck", "0 30 0"], ["Head", "0 12 0"]]), ...side("Left", 1), ...side("Right", -1)];
     const frames = Array.from({ length: 31 }, (_, k) => {
@@ -26,7 +26,7 @@ const person = () => {
         `MOTION\nFrames: 31\nFrame Time: 0.0333333\n${frames.join("\n")}\n`;
 };
 
-test("a person's movement on a NAO", () => {
+test("a captured motion is retargeted to a NAO", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const found = retarget(robot, capture.clip);
@@ -36,7 +36,7 @@ test("a person's movement on a NAO", () => {
     assert.equal(q.length, 31 * length);
     assert.ok(q.every((value, k) => lower[k % length] <= value && value <= upper[k % length]));
     assert.ok(found.meanError < 0.1, `${found.meanError} m`);
-    // A map without drives is completed by names; one that says that nothing drives is none.
+    // A map without drives is completed by names; one whose drives are empty is invalid.
     const completed = retarget(robot, capture.clip, "{}");
     assert.deepEqual(completed.q, q);
     assert.deepEqual(completed.notes, ["the map drives nothing of the target, so names tell what", ...found.notes]);
@@ -44,7 +44,7 @@ test("a person's movement on a NAO", () => {
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
 });
 
-test("a follower has the movement frame by frame, feet that stand stay, and a whole one tells how far it is", () => {
+test("a follower works by frame, a whole motion reports progress", () => {
     const capture = MotionCapture.fromBytes(readFileSync(model("captures/steps.bvh")), "steps.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const { armature, clip } = capture;
@@ -61,7 +61,7 @@ test("a follower has the movement frame by frame, feet that stand stay, and a wh
         ankles.push(framePlacement(robot.model, "left_ankle", q).slice(12, 15));
         heights.push(framePlacement(robot.model, "torso", q)[14]);
     }
-    // The left foot stands from 2.1 s on, after its steps to the side and back.
+    // The left foot is in contact from 2.1 s on, after its steps to the side and back.
     const slip = Math.max(...ankles.slice(70).map((at) => Math.hypot(at[0] - ankles[70][0], at[1] - ankles[70][1])));
     assert.ok(slip < 0.003, `${slip} m`);
     const aside = Math.max(...ankles.map((at) => Math.abs(at[0] - ankles[0][0])));
@@ -79,13 +79,13 @@ test("a follower has the movement frame by frame, feet that stand stay, and a wh
     assert.throws(() => new RetargetFollower(robot, clip, undefined, { whole: true }), /whole.*fps/s);
 });
 
-test("a map that is none is called the map", () => {
+test("the error of an invalid map names it", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     assert.throws(() => retarget(robot, capture.clip, "{"), /the map: EOF/);
 });
 
-test("a robot keeps clear of a world, whole and live, and what touches all the same is told", () => {
+test("retargeting avoids a world and reports collisions", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     const shapes = CollisionModel.ofRobot(robot);
@@ -98,7 +98,7 @@ test("a robot keeps clear of a world, whole and live, and what touches all the s
     assert.ok(Math.abs(apart.meanError - plain.meanError) < 0.02 && apart.stride === plain.stride && plain.stride < 0.005);
     assert.deepEqual(JSON.parse(far.scaled(0.5).toJson()).boxes[0].position, [2.5, 0, 0]);
     assert.throws(() => far.scaled(0), /times/);
-    // From what it holds itself there is no way.
+    // A collision with an obstacle that the robot holds cannot be avoided.
     const held = World.fromJson('{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}');
     assert.equal(retargetClear(robot, capture.clip, shapes, held, undefined, { fps: 10 }).touching.length, plain.frames);
     const follower = RetargetFollower.clear(robot, capture.clip, shapes, far, undefined, { fps: 10 });

@@ -1,10 +1,10 @@
-// Robots of MJCF, what an SRDF says of one, and paths of arms with few reconfigurations.
+// Robots from MJCF, their SRDF, and paths of arms with few reconfigurations.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Arm, framePlacement, Robot, solvePath, Srdf } from "kinopt";
 import { panda, pandaArm } from "./panda.js";
 
-test("an MJCF has the kinematics that it says", () => {
+test("an MJCF robot has the file's kinematics", () => {
     const robot = Robot.fromMjcf(`<mujoco model="two"><compiler angle="degree"/><worldbody><body name="upper" pos="0 0 1">
         <joint name="shoulder" type="hinge" axis="0 1 0" range="-90 90"/><geom type="capsule" size="0.05 0.2"/>
         <body name="lower" pos="0.5 0 0"><joint name="elbow" type="hinge" axis="0 1 0" range="0 120"/><geom size="0.05"/>
@@ -20,7 +20,7 @@ test("an MJCF has the kinematics that it says", () => {
     assert.equal(free.model.configurationLen, 7);
 });
 
-test("groups, states, ends and pairs of an SRDF", () => {
+test("an SRDF has groups, states, effectors and pairs", () => {
     const robot = panda();
     const joints = robot.chain("base", "flange");
     const srdf = Srdf.parse(`<robot name="${robot.name}"><group name="arm"><chain base_link="base" tip_link="flange"/></group>
@@ -43,7 +43,7 @@ test("groups, states, ends and pairs of an SRDF", () => {
     assert.equal(arm.degreesOfFreedom, 7);
 });
 
-test("a path half a metre to the side is gone on one branch, and one that leaves the workspace tells where", () => {
+test("a path has one branch, and reports unreached points", () => {
     const arm = pandaArm();
     const begin = arm.baseFromTool([0, -0.4, 0, -2, 0, 1.6, 0.8]);
     const points = (length) => Float64Array.from({ length: 16 * 61 }, (_, k) => begin[k % 16] + (k % 16 === 13 ? (length * Math.floor(k / 16)) / 60 : 0));
@@ -62,13 +62,13 @@ test("a path half a metre to the side is gone on one branch, and one that leaves
     const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
     assert.ok(!beyond.isWhole && beyond.missed.at(-1).index === 60 && /reach|found/.test(beyond.missed.at(-1).reason));
     assert.throws(() => solvePath(arm, path, { traversal: "back" }), /back.*cyclic/s);
-    // The second half is for a tool 5 cm further out.
+    // The second half is for a tool that is 5 cm longer.
     const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
     const toolOfPoints = Array.from({ length: 61 }, (_, k) => (k < 30 ? 0 : 1));
     const near = points(0.3);
     const two = solvePath(arm, near, { tools: longer, toolOfPoints });
     assert.deepEqual([two.missed, two.q.length], [[], 61 * 7]);
-    // The change of tools is the only long step, if it is one.
+    // The change of tools is the only long step, if there is one.
     assert.ok(two.reconfigurations.every(({ index }) => index === 30));
     const last = arm.baseFromTool(two.q.slice(-7));
     const off = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);

@@ -1,4 +1,4 @@
-// Every kind of task comes to what it says, by numbers that are not the solver's own.
+// Every kind of task is reached, according to numbers that are independent of the solver.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Drag, frameJacobian, framePlacement, Jacobian, placement, Problem, Robot, Solver, tasks } from "kinopt";
@@ -12,14 +12,14 @@ const axis = (frame, k, q) => framePlacement(model, frame, q).slice(4 * k, 4 * k
 const apart = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
 const dot = (a, b) => a.reduce((sum, value, k) => sum + value * b[k], 0);
 
-/** The answer to tasks, which are reached. */
+/** Solution of tasks that are reached. */
 function solved(list, targets, on = model, from = start) {
     const solution = new Solver().solve(new Problem(on, list), from, targets);
     assert.ok(solution.reached, solution.explain());
     return solution.q;
 }
 
-test("places, lines of sight and distances", () => {
+test("tasks: positions, lines of sight, distances", () => {
     const target = at("flange", start).map((value, k) => value + 0.02 * (k + 1));
     const q = solved([tasks.point("flange", target), tasks.gaze("flange", [0, 0, 1], 0.1, [0.6, 0, -2])]);
     assert.ok(apart(at("flange", q), target) < 1e-5);
@@ -32,7 +32,7 @@ test("places, lines of sight and distances", () => {
     assert.ok(Math.abs(apart(at(joint, far), at("flange", far)) - 0.45) < 1e-5);
 });
 
-test("one frame in another's axes, and what a camera sees", () => {
+test("tasks: relative poses and pixels of a camera", () => {
     const between = model.frameNames[2];
     const bent = start.map((value, k) => value + 0.1 * Math.sin(k));
     const [there, from] = [at("flange", bent), framePlacement(model, between, bent)];
@@ -43,7 +43,7 @@ test("one frame in another's axes, and what a camera sees", () => {
     const off = at("flange", q).map((value, k) => value - base[12 + k]);
     const seen = [0, 1, 2].map((k) => dot(base.slice(4 * k, 4 * k + 3), off));
     assert.ok(apart(seen, place) < 1e-5, `${seen}`);
-    // A camera at (2, 0, 0.5) that looks along -x: u to the world's y, v downward.
+    // A camera at (2, 0, 0.5) that looks along -x: u along the world's y, v downward.
     const camera = [-320, 500, 0, 640, -240, 0, -500, 480 + 250, -1, 0, 0, 2];
     const pixel = solved([tasks.pixel("flange", camera, [400, 200])]);
     const [x, y, z] = at("flange", pixel);
@@ -51,7 +51,7 @@ test("one frame in another's axes, and what a camera sees", () => {
     assert.ok(Math.abs(320 + (500 * y) / depth - 400) < 1e-3 && Math.abs(240 - (500 * (z - 0.5)) / depth - 200) < 1e-3);
 });
 
-test("joints: postures of some, weights, couplings, slowness, room", () => {
+test("tasks: postures, weights, couplings, intervals", () => {
     const joints = model.jointNames;
     const free = solved([tasks.point("flange", at("flange", start)), tasks.posture({ [joints[0]]: 0.3 }, { weight: 1 })]);
     assert.ok(Math.abs(free[0] - 0.3) < 0.25);
@@ -65,17 +65,17 @@ test("joints: postures of some, weights, couplings, slowness, room", () => {
     assert.throws(() => new Problem(model, [tasks.posture({ elbow: 1 })]), /elbow.*joint/s);
     assert.throws(() => new Problem(model, [tasks.posture(start, { jointWeights: "upright-ish" })]), /by range.*upright/s);
     assert.throws(() => new Problem(model, [{ kind: "hover" }]), /kind of task.*hover.*point/s);
-    assert.throws(() => new Problem(model, [tasks.within(tasks.within(tasks.limitCentring()))]), /room within room/);
+    assert.throws(() => new Problem(model, [tasks.within(tasks.within(tasks.limitCentring()))]), /nested `within`/);
     assert.throws(() => new Problem(model, [tasks.gaze("flange", [0, 0, 1], 0.1)]), /target or a direction/);
 });
 
-test("balance: the centre of mass, and the ground that it stands on", () => {
+test("tasks: centre of mass and support polygon", () => {
     const rig = humanoid();
     const rest = rig.model.neutral();
     const feet = ["left_foot", "right_foot"].map((bone) => tasks.point(rig.skeleton.tip(bone), framePlacement(rig.model, rig.skeleton.tip(bone), rest).slice(12, 15)));
     const hand = tasks.point(rig.skeleton.tip("left_hand"), [0.35, 0.4, 1.1], { name: "hand" });
     solved([hand, ...feet, tasks.centerOfMass([0, 0], { tolerance: 0.05 })], {}, rig.model, rest);
-    // Two masses: their centre is between them, at a quarter of the way.
+    // Two masses: their centre is between them, at a quarter of the distance.
     const masses = { link4: 3, hand: [1, 0, 0, 0.2] };
     const q = solved([tasks.centerOfMass([0.2, 0.1, 0.4], { masses, name: "centre" })], { centre: [0.2, 0.15, 0.5] });
     const [elbow, grip] = [at("link4", q), framePlacement(model, "hand", q)];
@@ -88,7 +88,7 @@ test("balance: the centre of mass, and the ground that it stands on", () => {
     assert.throws(() => new Problem(model, [tasks.centerOfMass([0, 0, 0])]), Error);
 });
 
-test("a robot's balance over the soles of its feet", () => {
+test("a robot balances over the soles of its feet", () => {
     const nao = Robot.fromUrdf(text("aldebaran_nao.urdf"), "aldebaran_nao.urdf", { baseJoint: "free" });
     const soles = Object.fromEntries(["left_sole", "right_sole"].map((foot) => [foot, nao.sole(foot)]));
     assert.deepEqual(Array.from(soles.left_sole[0]), [0, 0, 0]);
@@ -141,14 +141,14 @@ test("a drag follows a posture that moves", () => {
     assert.throws(() => drag.advance({ clip: [0, 1] }), /the target of clip has 2 numbers/);
 });
 
-test("a rig on a base that moves is a robot", () => {
+test("a rig with a base joint is a robot", () => {
     const rig = humanoid();
     const moving = Robot.ofModel(rig.model, { baseJoint: "free" });
     assert.equal(moving.model.configurationLen, rig.model.configurationLen + 7);
     assert.throws(() => Robot.ofModel(rig.model, { baseJoint: "flying" }), /flying.*free/s);
 });
 
-test("of a problem's joints some stay, some alone move, within narrower limits", () => {
+test("joints of a problem are locked, selected, narrowed", () => {
     const target = at("flange", start).map((value, k) => value + 0.02 * (k + 1));
     const point = tasks.point("flange", target);
     const [first, second, third] = model.jointNames;
@@ -169,7 +169,7 @@ test("of a problem's joints some stay, some alone move, within narrower limits",
     assert.throws(() => asked({ bounds: { [second]: [1] } }), /bounds.* has 1 numbers, expected 2/);
 });
 
-test("a solver gives up and stops as it is told", () => {
+test("solver options end a search", () => {
     const far = new Problem(model, [tasks.point("flange", [5, 0, 0])]);
     assert.equal(new Solver({ timeLimit: 0 }).solve(far, start).termination, "time_limit");
     const all = new Solver({ attempts: 20 }).solve(far, start);

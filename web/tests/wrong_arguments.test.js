@@ -1,4 +1,5 @@
-// What is no number, text or file is a TypeError that says what is wanted, however often, and the module goes on as before.
+// An argument of a wrong type is a TypeError that names the expected type, any number of times, and the module
+// continues to work.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Arm, CollisionModel, framePlacement, MotionCapture, placement, Problem, Rig, Robot, Scene, tasks, World } from "kinopt";
@@ -16,37 +17,37 @@ const endless = [];
 endless.length = 1e9;
 
 const WRONG = {
-    "no text": [() => Robot.fromUrdf(), /text is missing: a string is wanted/],
-    "a number for a text": [() => Robot.fromUrdf(5), /text is a number: a string is wanted/],
-    "bytes for a text": [() => Robot.fromUrdf(new Uint8Array(4)), /text is of Uint8Array: a string is wanted/],
-    "a number for a file's name": [() => Robot.fromUrdf(urdf, 5), /name is a number: a string is wanted/],
-    "a number for a frame": [() => new Arm(robot, "base", 5), /tip is a number: a string is wanted/],
+    "no text": [() => Robot.fromUrdf(), /text is missing, expected a string/],
+    "a number for a text": [() => Robot.fromUrdf(5), /text is a number, expected a string/],
+    "bytes for a text": [() => Robot.fromUrdf(new Uint8Array(4)), /text is of Uint8Array, expected a string/],
+    "a number for a file's name": [() => Robot.fromUrdf(urdf, 5), /name is a number, expected a string/],
+    "a number for a frame": [() => new Arm(robot, "base", 5), /tip is a number, expected a string/],
     "no frame": [() => new Arm(robot, "base"), /tip is missing/],
-    "no robot": [() => new Arm(), /robot is missing: a Robot is wanted/],
-    "another class": [() => new Arm(arm, "base", "flange"), /robot is of Arm: a Robot is wanted/],
+    "no robot": [() => new Arm(), /robot is missing, expected a Robot/],
+    "another class": [() => new Arm(arm, "base", "flange"), /robot is of Arm, expected a Robot/],
     "a number for a frame's name": [() => framePlacement(robot.model, 5, start), /frame is a number/],
     "true for a text": [() => World.fromJson(true), /text is a boolean/],
-    "a length without numbers": [() => arm.solve({ length: 1e9 }), /target is of Object: a list of numbers is wanted/],
+    "a length without numbers": [() => arm.solve({ length: 1e9 }), /target is of Object, expected a list of numbers/],
     "a length below 0": [() => arm.solve({ length: -1 }), /target is of Object/],
-    "an endless list": [() => arm.solve(endless), /target\[0\] is missing: a number is wanted/],
-    "a text among numbers": [() => arm.solve(target, ["0", 0, 0, 0, 0, 0, 0]), /start\[0\] is a string: a number is wanted/],
+    "an endless list": [() => arm.solve(endless), /target\[0\] is missing, expected a number/],
+    "a text among numbers": [() => arm.solve(target, ["0", 0, 0, 0, 0, 0, 0]), /start\[0\] is a string, expected a number/],
     "large whole numbers": [() => arm.baseFromTool(new BigInt64Array(7)), /q is of BigInt64Array/],
-    "no target": [() => arm.solve(), /target is missing: a list of numbers is wanted/],
-    "a length without bytes": [() => Scene.fromBytes({ length: 1e10 }), /data is of Object: a Uint8Array is wanted/],
-    "a buffer": [() => Scene.fromBytes(new ArrayBuffer(8)), /data is of ArrayBuffer: a Uint8Array is wanted/],
-    "a text for bytes": [() => Rig.parse("{}"), /json is a string: a Uint8Array is wanted/],
+    "no target": [() => arm.solve(), /target is missing, expected a list of numbers/],
+    "a length without bytes": [() => Scene.fromBytes({ length: 1e10 }), /data is of Object, expected a Uint8Array/],
+    "a buffer": [() => Scene.fromBytes(new ArrayBuffer(8)), /data is of ArrayBuffer, expected a Uint8Array/],
+    "a text for bytes": [() => Rig.parse("{}"), /json is a string, expected a Uint8Array/],
     "a number for bytes": [() => MotionCapture.fromBytes(5), /data is a number/],
-    "fewer than no solutions": [() => arm.distinct(target, start, -1), /k is -1: a whole number of at least 0 is wanted/],
-    "no time": [() => clip.sample(NaN), /seconds is NaN: a number is wanted/],
-    "no list of frames": [() => new Problem(robot.model, tasks.point("flange", [0, 0, 0])), /tasks is of Object: an array is wanted/],
-    "names that are none": [() => Problem.keepingClear(robot.model, [], shapes, "World", 0.1), /world is a string: a World is wanted/],
-    "two numbers for a place": [() => placement([1, 2]), /position\[2\] is undefined: a place has three finite numbers/],
+    "fewer than no solutions": [() => arm.distinct(target, start, -1), /k is -1, expected a whole number of at least 0/],
+    "no time": [() => clip.sample(NaN), /seconds is NaN, expected a number/],
+    "no list of frames": [() => new Problem(robot.model, tasks.point("flange", [0, 0, 0])), /tasks is of Object, expected an array/],
+    "names that are none": [() => Problem.keepingClear(robot.model, [], shapes, "World", 0.1), /world is a string, expected a World/],
+    "two numbers for a place": [() => placement([1, 2]), /position\[2\] is undefined: expected three finite numbers/],
     "no number for a place": [() => placement([NaN, 0, 0]), /position\[0\] is NaN/],
     "letters for a place": [() => placement("abc"), /position\[0\] is a/],
 };
 
 for (const [what, [wrong, message]] of Object.entries(WRONG)) {
-    test(`${what}: told a thousand times, and nothing is broken`, () => {
+    test(`${what}: an error a thousand times`, () => {
         const answer = arm.solve(target, start).q;
         for (let k = 0; k < 1000; k += 1) assert.throws(wrong, (error) => error instanceof TypeError && message.test(error.message));
         assert.deepEqual(arm.solve(target, start).q, answer);
@@ -54,23 +55,23 @@ for (const [what, [wrong, message]] of Object.entries(WRONG)) {
     });
 }
 
-test("what the module has no room for is a RangeError, however often, and nothing is broken", () => {
+test("a too large array is a RangeError, any number of times", () => {
     const large = new Float64Array(2 ** 28);
     const answer = arm.solve(target, start).q;
     for (let k = 0; k < 1000; k += 1) assert.throws(() => arm.solve(large, start), (error) => error instanceof RangeError && /2147483648 bytes.*room/.test(error.message));
     assert.deepEqual(arm.solve(target, start).q, answer);
 });
 
-test("what a file's reader gives instead of bytes is told", () => {
+test("a wrong result of a file reader is an error", () => {
     const json = new TextEncoder().encode(text("humanoid/humanoid.json"));
     assert.throws(() => Rig.parse(json, "humanoid.json", () => "ply"), /humanoid\.ply.*Uint8Array/);
     assert.throws(() => Rig.parse(json, "humanoid.json", () => 1e10), /humanoid\.ply.*Uint8Array/);
-    assert.throws(() => Rig.parse(json, "humanoid.json"), /humanoid\.ply.*not given beside the file that names it/);
+    assert.throws(() => Rig.parse(json, "humanoid.json"), /humanoid\.ply.*not given with the file that refers to it/);
 });
 
-test("options are told under the names that they have here", () => {
+test("errors use the option names of JavaScript", () => {
     assert.throws(() => new Arm(robot, "base", "flange", { positionTolerance: -1 }), /option positionTolerance is -1/);
     assert.throws(() => new Arm(robot, "base", "flange", { jointWeights: [1] }), /jointWeights/);
     assert.throws(() => new Arm(robot, "base", "flange", { jointWeights: { length: 1e9 } }), /jointWeights must be a list of numbers/);
-    assert.throws(() => new Arm(robot, "base", "flange", 5), /options of an arm are given as an object/);
+    assert.throws(() => new Arm(robot, "base", "flange", 5), /options of an arm must be an object/);
 });

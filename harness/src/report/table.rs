@@ -29,10 +29,10 @@ fn heading(results: &Results) -> String {
     };
     let mut text = format!(
         "# Solvers compared on {}\n\n{} variables, size {:.4}; targets for the {what} of {}. \
-         {} problems of {}, seed {}. Solved: every target within {:e} of the size{}, and every joint \
-         within its limits to the bit, both judged by forward kinematics at the configuration that \
-         came back. Each solver has {} ms for a problem, and {} attempts where it has no restarts of \
-         its own.\n\n",
+         {} problems of {}, seed {}. A problem is solved if every target is within {:e} of the size{}, \
+         and every joint is exactly within its limits. Both are checked by forward kinematics at the \
+         returned configuration. Each solver has {} ms for a problem, and {} attempts if it has no \
+         restarts.\n\n",
         model.name,
         model.variables,
         model.size,
@@ -42,7 +42,7 @@ fn heading(results: &Results) -> String {
         setting.seed,
         setting.tolerance,
         if model.turns {
-            " and so many radians"
+            " and the same number of radians"
         } else {
             ""
         },
@@ -66,9 +66,9 @@ fn heading(results: &Results) -> String {
 fn all_runs(results: &Results) -> String {
     let mut text = String::from(
         "## All solvers by all derivative routes\n\nTimes, steps and evaluations are medians over \
-         the problems that were solved, in microseconds; `p90` is what nine of ten stay below. Misses: the median error of the \
-         others, as a share of the size or in radians. On a limit: solved with a joint on its limit. \
-         Late: answers that the time limit discards.\n\n\
+         the solved problems, with times in microseconds; `p90` is the 90th percentile. Misses: the median error of all \
+         other problems, relative to the size or in radians. On a limit: solved with a joint on its limit. \
+         Late: results after the time limit, which are discarded.\n\n\
          | solver | derivatives | solved | µs | p90 µs | steps | residuals | Jacobians | gradients | misses | on a limit | late |\n\
          |---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
     );
@@ -106,8 +106,8 @@ fn all_runs(results: &Results) -> String {
 fn accuracies(results: &Results) -> String {
     let wanted = &results.setting.accuracies;
     let mut text = String::from(
-        "## When which accuracy was reached\n\nEach solver by its best route: the share of problems \
-         that came within so much of the size (or so many radians), and the median time until then \
+        "## Time to each accuracy\n\nEach solver by its best route: the share of problems with an error \
+         below this fraction of the size (or this number of radians), and the median time until then \
          in microseconds.\n\n| solver |",
     );
     for accuracy in wanted {
@@ -128,7 +128,7 @@ fn accuracies(results: &Results) -> String {
         text.push('\n');
     }
     if choice::best_routes(results).iter().any(|run| !run.traced) {
-        text.push_str("\n\\* known at its end only.\n");
+        text.push_str("\n\\* measured at the end only.\n");
     }
     text.push('\n');
     text

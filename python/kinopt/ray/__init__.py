@@ -1,7 +1,7 @@
 """Datasets of targets on several processes and machines, by Ray Data: ``pip install 'kinopt[ray]'``.
 
-``solve`` maps a dataset of targets to one of solutions; ``solve_files`` maps a folder of Parquet files to another one
-and can be interrupted and continued; ``retarget_files`` retargets a folder of motion captures. Workers hold a
+``solve`` maps a dataset of targets to one of solutions. ``solve_files`` maps a folder of Parquet files to another one
+and can be interrupted and continued. ``retarget_files`` retargets a folder of motion captures. Workers hold a
 ``SolveArm`` or a ``SolveProblem``, with an arm or a problem. ``table`` and ``numbers`` convert numpy arrays to Arrow
 tables and back.
 """

@@ -35,8 +35,8 @@ def solve(
     """Maps a dataset of targets (``ray.data.read_parquet``, ``from_arrow``, ...) to one of solutions, by
     ``map_batches``.
 
-    ``solver`` is a ``SolveArm`` or ``SolveProblem``, held by each of ``workers`` processes: a number, or (minimum,
-    maximum); None is up to one for each core of the cluster. ``options`` go to ``map_batches``: ``memory``,
+    ``solver`` is a ``SolveArm`` or ``SolveProblem``, held by each of ``workers`` processes. ``workers`` is a number, or
+    (minimum, maximum); None is up to one for each core of the cluster. ``options`` go to ``map_batches``: ``memory``,
     ``max_restarts``, ``num_cpus`` (default one core, less if no core would remain for reading), ...
 
     Like every dataset it is computed when it is read, written or materialised. Rows equal those without Ray exactly, at

@@ -49,7 +49,7 @@ def solve_files(
     """Solves every Parquet file of a folder of ``targets`` into a file of equal name in ``answers``.
 
     The folders are paths or URIs that all workers can access. Rows and their order are those of the targets' files, so
-    that the tables can be joined by row, and equal exactly the results of ``solver`` without Ray. Each of ``workers``
+    that the tables can be joined by row. Rows equal exactly the results of ``solver`` without Ray. Each of ``workers``
     (None: one for each core of the cluster) reads, solves and writes one file at a time. ``options`` go to Ray's
     ``map_batches``. Returns the solutions, unread: an Arrow dataset, whose ``to_table()`` has the rows in order; for a
     dataset of Ray, use ``ray.data.read_parquet(answers)``.
@@ -106,7 +106,7 @@ class _Job:
         # Compared as text, which is exact and treats NaN as equal.
         if repr(again.to_pydict()) != repr(before.to_pydict()):
             raise InvalidValueError(
-                f"{name} in {self.into.name} answers another question: give another folder, or delete it"
+                f"{name} in {self.into.name} belongs to another query: use another folder, or delete it"
             )
 
     def solve(self, name: str) -> str | None:

@@ -22,15 +22,15 @@ class SolveArm:
     """Solves tables of targets of an arm: the solver that ``solve`` and ``solve_files`` hold in every worker.
 
     ``target`` names the column of base_from_tool, 16 numbers for each row, row-major, metres. ``start`` is a common
-    start, shape (dof,), radians and metres (None: the one nearest to all zeros); or ``starts`` names a column of them,
+    start, shape (dof,), radians and metres (None: the one nearest to all zeros). Or ``starts`` names a column of them,
     dof numbers for each row. ``keep`` names the columns that are copied to the solutions; None is all except those of
     targets and starts. ``threads`` is for each worker.
 
-    A call with a table returns a table with an equal number and order of rows: ``q`` (dof numbers for each row, radians
-    and metres, within the limits), ``reached``, ``position_error`` (metres), ``orientation_error`` (radians),
-    ``attempts``, ``iterations``, exactly as ``arm.solve_batch``. Subclass it to add columns.
+    A call with a table returns a table with an equal number and order of rows. Its columns are ``q`` (dof numbers for
+    each row, radians and metres, within the limits), ``reached``, ``position_error`` (metres), ``orientation_error``
+    (radians), ``attempts``, ``iterations``, exactly as ``arm.solve_batch``. Subclass it to add columns.
 
-    Raises ``InvalidValueError`` for a start of another shape; when called, for columns that are missing or of other
+    Raises ``InvalidValueError`` for a start of another shape. A call raises it for columns that are missing or of other
     shapes, for targets that are not placements, and for a kept column with the name of a result.
     """
 
@@ -45,7 +45,7 @@ class SolveArm:
         threads: int | None = 1,
     ) -> None:
         if start is not None and starts is not None:
-            raise InvalidValueError("there is one start for all, or a column of starts, not both")
+            raise InvalidValueError("give start or starts, not both")
         # An empty batch validates the start, before it reaches a worker.
         arm.solve_batch(np.empty((0, 4, 4)), start, threads)
         self.arm = arm
@@ -66,18 +66,18 @@ class SolveProblem:
     """Solves tables of targets of a problem: the solver that ``solve`` and ``solve_files`` hold in every worker.
 
     ``targets`` names the column of each task's targets: {"hand": "hand_target"}; other tasks keep the problem's
-    targets. A row holds the numbers of a target, row-major: 3 for a point, 16 for a pose, 9 for an orientation, 6 for a
-    plane (point, normal) or a ray (eye, through), 1 for a distance, nq for a posture. ``start`` is a common start,
-    shape (nq,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move`` the largest
-    displacement of joints from their start, as in its ``solve_batch``; ``keep`` and ``threads`` are as for
-    ``SolveArm``.
+    targets. A row holds the numbers of a target, row-major. These are 3 for a point, 16 for a pose, 9 for an
+    orientation, 6 for a plane (point, normal) or a ray (eye, through). They are 1 for a distance and nq for a posture.
+    ``start`` is a common start, shape (nq,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``,
+    ``max_move`` the largest displacement of joints from their start, as in its ``solve_batch``; ``keep`` and
+    ``threads`` are as for ``SolveArm``.
 
     A call with a table returns a table with an equal number and order of rows, with the columns of ``SolveArm``,
-    exactly as ``solver.solve_batch``; errors are empty if no required task has their unit. It can be sent to workers if
+    exactly as ``solver.solve_batch``. Errors are empty if no required task has their unit. It can be sent to workers if
     the residuals of the problem can be pickled.
 
-    Raises ``UnknownNameError`` for unknown tasks and ``InvalidValueError`` for a start of another shape; when called,
-    for columns that are missing or of other shapes and for invalid targets and moves.
+    Raises ``UnknownNameError`` for unknown tasks and ``InvalidValueError`` for a start of another shape. A call raises
+    the latter for columns that are missing or of other shapes and for invalid targets and moves.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class SolveProblem:
         threads: int | None = 1,
     ) -> None:
         if (start is None) == (starts is None):
-            raise InvalidValueError("there is one start for all, or a column of starts: one of them")
+            raise InvalidValueError("give either start or starts")
         self.problem = problem
         self.start = None if start is None else np.asarray(start, dtype=np.float64)
         self.targets = dict(targets or {})
@@ -148,7 +148,7 @@ def kept(table: pa.Table, keep: Sequence[str] | None, used: Sequence[str | None]
     if missing:
         raise InvalidValueError(f"there is no column {missing[0]!r} among {table.column_names}")
     if hidden:
-        raise InvalidValueError(f"column {hidden[0]!r} would be hidden by the answers': rename or drop it")
+        raise InvalidValueError(f"column {hidden[0]!r} has the name of a result: rename or drop it")
     return table.select(keep)
 
 

@@ -49,7 +49,7 @@ def numbers(table: pa.Table, name: str, shape: Sequence[int] = (-1,)) -> Floats:
     values = values.chunk(0) if values.num_chunks == 1 else values.combine_chunks()
     while not _is_flat(values):
         if values.null_count:
-            raise InvalidValueError(f"column {name!r} has empty places")
+            raise InvalidValueError(f"column {name!r} has empty entries")
         if isinstance(values, pa.ExtensionArray):
             values = values.storage
             continue
@@ -58,7 +58,7 @@ def numbers(table: pa.Table, name: str, shape: Sequence[int] = (-1,)) -> Floats:
             raise InvalidValueError(f"column {name!r} has rows of different lengths")
         values = values.flatten()
     if values.null_count or not _is_number(values.type):
-        problem = "empty places" if values.null_count else f"{values.type} for numbers"
+        problem = "empty entries" if values.null_count else f"{values.type} for numbers"
         raise InvalidValueError(f"column {name!r} has {problem}")
     array = np.asarray(values.to_numpy(zero_copy_only=False), dtype=np.float64)
     rows = table.num_rows

@@ -126,12 +126,13 @@ def retarget_folder(
 
     Each of ``threads`` (None: one for each core) processes one file at a time; other arguments are as in ``retarget``.
     A file appears when it is complete. After an interruption, an equal call, or ``kinopt retarget`` with equal
-    arguments, continues the job. Changed inputs are done overwrite, or with ``again`` all of them. A failure does not
+    arguments, continues the job. Changed inputs are processed again, or with ``again`` all of them. A failure does not
     affect other files: its report has the error. ``progress`` shows a tqdm bar if True, or is called with (done,
     total). ``kinopt.ray.retarget_files`` runs on several machines.
 
-    Raises ``FileError`` for folders that cannot be read or written or contain no motion capture, ``InvalidValueError``
-    for an output folder of another job and for two inputs of one name, and the errors of the target.
+    Raises ``FileError`` for folders that cannot be read or written or contain no motion capture. Raises
+    ``InvalidValueError`` for an output folder of another job and for two inputs of one name, and the errors of the
+    target.
     """
     job = folder_job(
         source,
@@ -151,7 +152,7 @@ def retarget_folder(
         margin=margin,
     )
     if threads is not None and threads < 1:
-        raise InvalidValueError(f"threads is {threads}: at least 1, or None for all cores")
+        raise InvalidValueError(f"threads is {threads}, expected at least 1, or None for all cores")
     begun = job.begin(overwrite)
     report = bars.bar() if progress is True else progress or (lambda done, total: None)
     pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)

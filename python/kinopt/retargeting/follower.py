@@ -21,7 +21,7 @@ class RetargetFollower:
     """Retargets a live motion capture: from one frame's joint positions to its configuration, in a bounded number of
     steps.
 
-    ``measured`` is a motion capture of the subject, of any length: limbs and the ground are measured in it, and live
+    ``measured`` is a motion capture of the subject, of any length. Limbs and the ground are measured in it, and live
     frames have its order of joints. Other arguments are as in ``retarget``. Position limits hold in every frame, speed
     limits between successive frames at ``fps``. Contacts are detected from past frames only, so a foot lock starts some
     frames later than in ``retarget``.

@@ -102,16 +102,16 @@ def read_map(map: MapLike) -> dict[str, Any] | None:
     try:
         path = Path(map)
         if path.stat().st_size > MAX_BYTES:
-            raise InvalidFileError(f"{map}: is longer than {MAX_BYTES} bytes")
+            raise InvalidFileError(f"{map}: is larger than {MAX_BYTES} bytes")
         read = json.loads(path.read_text(encoding="utf-8"))
     except RecursionError:
-        raise InvalidFileError(f"{map}: is nested too deep") from None
+        raise InvalidFileError(f"{map}: is nested too deeply") from None
     except OSError as error:
         raise FileError(f"{map}: cannot be read: {error}") from None
     except ValueError as error:
         raise InvalidFileError(f"{map}: {error}") from None
     if not isinstance(read, dict):
-        raise InvalidFileError(f"{map}: a map is an object")
+        raise InvalidFileError(f"{map}: a map must be an object")
     return read
 
 

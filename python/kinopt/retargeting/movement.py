@@ -132,7 +132,7 @@ class Retargeted:
         """
         path = Path(path)
         if path.suffix != ".npz":
-            raise InvalidValueError(f"{path}: a .npz is written")
+            raise InvalidValueError(f"{path}: expected the extension .npz")
         # Written next to the target of a symbolic link.
         real = Path(os.path.realpath(path))
         part = unfinished(real)

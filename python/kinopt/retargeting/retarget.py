@@ -82,23 +82,23 @@ def retarget(
     """Retargets a motion capture to a robot or a rig, within its position and speed limits in every frame.
 
     ``source`` is as in ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``,
-    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, or a skeleton, which is
-    put on a free base (``q`` begins with x, y, z and w, x, y, z): a rig, a skeleton, a scene, a ``MotionCapture``, or a
-    ``FigureTarget`` with the upward axis of its file; or the path of a .urdf, MJCF .xml, .glb, .gltf, .bvh or rig's
-    .json file. ``Retargeted.clip`` converts the motion of a skeleton to a clip.
+    ``fps``, ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, or a skeleton. A
+    skeleton is put on a free base (``q`` begins with x, y, z and w, x, y, z); it is a rig, a skeleton, a scene, a
+    ``MotionCapture``, or a ``FigureTarget`` with the upward axis of its file. It may also be the path of a .urdf, MJCF
+    .xml, .glb, .gltf, .bvh or rig's .json file. ``Retargeted.clip`` converts the motion of a skeleton to a clip.
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the capture's skeleton ("cmu",
-    "lafan1", "mixamo", "smpl"), or None, for a guess by ``guess_map``; the result contains it. One file may hold the
-    maps of several robots, by the names of their files; drives that it lacks for this robot are guessed.
+    "lafan1", "mixamo", "smpl"), or None, for a guess by ``guess_map``. The result contains the map. One file may hold
+    the maps of several robots, by the names of their files; drives that it lacks for this robot are guessed.
 
     Limbs are scaled by their lengths, the ground is detected, feet are locked during contacts. By default frames are
-    solved one by one, without knowledge of later frames; with ``whole`` all are solved as one problem, with smooth
+    solved one by one, without knowledge of later frames. With ``whole`` all are solved as one problem, with smooth
     motion and equally firm foot locks (``slip`` is the drift). ``contact_speed`` (m/s) and ``contact_height`` (metres
-    over the ground) are the thresholds of foot contacts; ``acceleration`` is the cost of 1 rad/s² with ``whole``, as a
+    over the ground) are the thresholds of foot contacts. ``acceleration`` is the cost of 1 rad/s² with ``whole``, as a
     position error in metres. ``keep_clear``: smallest distance between links of a ``Robot`` in every frame, metres, by
-    the exact distances of its collision shapes; ``touching`` lists frames that violate it. ``world``: a ``World`` to
-    avoid collisions with, and with itself, in metres at the scale of the robot (obstacles of the subject scale by
-    ``stride``), by ``margin``; feet stand on obstacles as on the ground.
+    the exact distances of its collision shapes. ``touching`` lists frames that violate it. ``world``: a ``World`` to
+    avoid collisions with, and with itself, by ``margin``. It is in metres at the scale of the robot; obstacles of the
+    subject scale by ``stride``. Feet are in contact with obstacles as with the ground.
 
     ``progress``: True shows a tqdm bar; a function is called with the number of finished frames and of all frames.
     Ctrl-C interrupts the computation. The GIL is released.
@@ -135,7 +135,7 @@ def retarget(
     mean_error, slip, ground_penetration, stride = measured
     notes = list(own.notes)
     if stands_along is not None:
-        notes.append("the target stands along another axis than the one that is taken for upward")
+        notes.append("the target is upright along another axis than its upward axis")
     if has_fixed_base:
         notes.append('the target has legs but a fixed base, so it stays in place: read the robot with base_joint="free"')
     return Retargeted(

@@ -39,15 +39,15 @@ def read_capture(
 ) -> Capture:
     """Creates a ``Capture`` of a motion.
 
-    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or "smpl")
-    in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, of whose clips
-    ``clip`` names one (None: the first). ``fps``: of an array the frames a second that it has (None: 120), of
-    everything else those that are taken (None: the file's own, of clips 60). ``up``: the axis that points upward (None: the one
-    along which the body stands, from its ankles to its pelvis, else z of arrays and y of files of animation).
+    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or
+    "smpl") in its order. It may also be a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file.
+    ``clip`` names one of a file's clips (None: the first). ``fps``: the frame rate of an array (None: 120), or the
+    sampling rate of any other source (None: the file's own, of clips 60). ``up``: the upward axis. None selects the
+    axis from the ankles to the pelvis of an upright subject, else z for arrays and y for animation files.
 
-    Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton,
-    ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame and
-    joint.
+    Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton.
+    Raises ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame
+    and joint.
     """
     if isinstance(source, Capture):
         return source
@@ -76,14 +76,14 @@ def _held_by(path: Path, clip: str | None) -> Any:
     if kind in (".glb", ".gltf"):
         return _clip(path, clip)
     if kind != ".npy":
-        raise InvalidValueError(f"{path}: a movement is read of {_FILES}")
+        raise InvalidValueError(f"{path}: unsupported motion, expected {_FILES}")
     return _array(path)
 
 
 def _clip(path: Path, name: str | None) -> Clip:
     clips = Scene.read(path).clips
     if not clips:
-        raise InvalidFileError(f"{path}: there is no clip")
+        raise InvalidFileError(f"{path}: has no clip")
     return clips[0] if name is None else Clip.named(clips, name)
 
 
@@ -91,7 +91,7 @@ def _array(path: Path) -> Any:
     try:
         size = path.stat().st_size
         if size > MAX_BYTES:
-            raise InvalidFileError(f"{path}: is longer than {MAX_BYTES} bytes")
+            raise InvalidFileError(f"{path}: is larger than {MAX_BYTES} bytes")
         with path.open("rb") as file, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return _numbers(file, size)
@@ -101,7 +101,7 @@ def _array(path: Path) -> Any:
         raise
     except Exception:  # noqa: BLE001 - NumPy parses the header as Python, which raises what it likes of damaged text
         # NumPy's own message advises to unpickle the file.
-        raise InvalidFileError(f"{path}: no NumPy array, or a damaged one") from None
+        raise InvalidFileError(f"{path}: not a valid NumPy array") from None
 
 
 def _numbers(file: BinaryIO, size: int) -> Any:
@@ -126,7 +126,7 @@ def _joints_of(array: Any, skeleton: str | None) -> list[str]:
             raise InvalidValueError(f"an array of {shape[1]} joints is not of the skeleton {skeleton!r}")
         return known
     raise InvalidValueError(
-        f"nobody says what the {shape[1]} joints are called: joints=[...], a map's \"joints\", or a map of a skeleton: "
+        f"the {shape[1]} joints have no names: set joints=[...], a map's \"joints\", or a map of a skeleton: "
         + ", ".join(skeleton_names())
     )
 

@@ -35,7 +35,7 @@ def read_target(target: TargetLike) -> Target:
         return MotionCapture.read(path)
     if kind == ".json":
         return Rig.read(path)
-    raise InvalidFileError(f"{path}: a target is {_FILES}")
+    raise InvalidFileError(f"{path}: unsupported target, expected {_FILES}")
 
 
 __all__ = ["Target", "TargetLike", "read_target"]

@@ -50,8 +50,8 @@ class CharacterBody(Figure):
         self.cut = self._shown.cut
         if self.cut > 0.0:
             self.missing.append(
-                f"drawn with four bones a vertex: up to {self.cut:.0%} of a vertex's weight is left out "
-                "(not of what is saved)"
+                f"drawn with four influences per vertex: up to {self.cut:.0%} of a vertex's weight is omitted "
+                "(not in saved files)"
             )
         self._place(self._q)
 

@@ -23,8 +23,7 @@ class MeshFiles:
         packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
         confine: bool = False,
     ) -> None:
-        """`beside` is the folder of the robot; `packages` are folders of packages by name, or folders that contain
-        packages.
+        """Arguments: the folder of the robot, and folders of packages by name, or folders that contain packages.
 
         With `confine` no file outside these folders is opened.
         """
@@ -83,7 +82,7 @@ class MeshFiles:
 
         path = self.find(file)
         if path is None:
-            self.missing.append(f"{file}: not at hand")
+            self.missing.append(f"{file}: not found")
             return None
         try:
             # Materials and buffers of the mesh are opened only below its own folder.
@@ -101,7 +100,7 @@ class MeshFiles:
             solid = Solid(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.uint32))
             pieces.append((solid, _color(mesh)))
         if not pieces:
-            self.missing.append(f"{path}: holds no triangles")
+            self.missing.append(f"{path}: contains no triangles")
             return None
         return pieces
 

@@ -50,9 +50,9 @@ class MeshOnBones:
             self._by_bones = SkinOnPage(body.scene, name, scaled, color, opacity=opacity)
             if self._by_bones.cut > 0.0:
                 cut = f"{self._by_bones.cut:.0%} of a vertex's weight"
-                self.notes.append(f"{name} is drawn with four bones a vertex: up to {cut} is left out")
+                self.notes.append(f"{name} is drawn with four influences per vertex: up to {cut} is omitted")
             return
-        self.notes.append(f"{name} scales or changes its shape: its vertices travel instead of its bones")
+        self.notes.append(f"{name} has scaled bones or morph targets: its vertices are sent instead of bone transforms")
         self._by_vertices = body.scene.server.scene.add_mesh_simple(
             f"/{name}",
             vertices=(skin.vertices * self._drawn).astype(np.float32),

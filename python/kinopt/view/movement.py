@@ -74,7 +74,7 @@ class Movement:
         self._base = movement.q.shape[1] - len(body.q)
         if self._base not in (0, 7):
             raise kinopt.InvalidValueError(
-                f"a movement of {movement.q.shape[1]} numbers is not of {body.name}, which has {len(body.q)}"
+                f"the motion has {movement.q.shape[1]} numbers for each frame, {body.name} has {len(body.q)}"
             )
 
     def show(self, seconds: float) -> None:

@@ -50,7 +50,7 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
     """
     path = Path(path)
     if base_joint is not None and path.suffix.lower() not in (".urdf", ".xml", ".mjcf"):
-        raise kinopt.InvalidValueError(f"{path}: a base joint is for robots (.urdf, .xml)")
+        raise kinopt.InvalidValueError(f"{path}: a base joint applies to robots only (.urdf, .xml)")
     match path.suffix.lower():
         case ".urdf":
             try:
@@ -71,12 +71,12 @@ def open_model(path: str | Path, base_joint: BaseJoint | None = None) -> Opened:
             return Opened(
                 capture, "+y", tolerance=_below(_extent(capture.armature)), notes=list(capture.notes)
             )
-    raise kinopt.InvalidValueError(f"{path}: there are pages for {SUPPORTED}")
+    raise kinopt.InvalidValueError(f"{path}: unsupported file, expected {SUPPORTED}")
 
 
 def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
-    """Initial pose: an arm in the middle of its ranges, bent if it would be stretched; others at rest, a body on a free
-    base with its knees slightly bent over the held frames.
+    """Initial pose: an arm in the middle of its ranges, bent if it would be stretched. Others are at rest, a body on a
+    free base with its knees slightly bent over the held frames.
 
     At full stretch, where many files have all zeros, an arm cannot be pushed back.
     """
@@ -148,7 +148,7 @@ def open_page(
     whole: bool = False,
     keep_clear: float | None = None,
 ) -> Page:
-    """Opens the page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`,
+    """Opens the page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`. Raises
     `UnknownNameError` for an unknown frame to hold, `InvalidValueError` for a world with a model without shapes, and as
     `kinopt.retarget` for a motion."""
     path = Path(path)
@@ -173,7 +173,7 @@ def open_page(
         )
         opened.notes += movement.notes
         if movement.touching:
-            opened.notes.append(f"something touches in {len(movement.touching)} of {len(movement)} frames")
+            opened.notes.append(f"collisions in {len(movement.touching)} of {len(movement)} frames")
     if world is not None:
         # Checks the world with the model before a page opens.
         kinopt.Problem(opened.thing, world=world, margin=margin)

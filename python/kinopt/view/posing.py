@@ -24,9 +24,9 @@ Array = NDArray[np.float64]
 FOLLOW = "follow the mouse"
 #: Searches for arms only, independent for each target.
 ARM_SEARCHES = {
-    "arm: next to where it stands": "start",
+    "arm: from the current pose": "start",
     "arm: nearest": "nearest",
-    "arm: first found": "first",
+    "arm: first solution": "first",
 }
 #: Methods for any problem, independent for each target.
 GEOMETRIC = ("ccd", "fabrik")
@@ -34,7 +34,7 @@ METHODS = ("levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd", "
 #: Largest joint displacement in a frame of a body at rest, radians or metres.
 STILL = 1e-6
 #: Nominal postures in the null space of the targets.
-POSTURES = ("as it was grabbed", "rest", "none")
+POSTURES = ("pose when grabbed", "rest", "none")
 
 
 @dataclass(frozen=True)

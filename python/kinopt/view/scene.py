@@ -79,7 +79,7 @@ class Scene(Canvas):
         """Shows a robot, rig, skeleton, model, glTF scene or motion capture: a `Body`, whose `q` moves it.
 
         `at` is world_from_model, 4 x 4 or three numbers, in the model's unit. `style="file"` draws a robot with the
-        shapes of its file; its meshes are searched in the folder `beside` (and above it), in `packages` (folders by
+        shapes of its file. Its meshes are searched in the folder `beside` (and above it), in `packages` (folders by
         package, or folders that contain packages) and in `ROS_PACKAGE_PATH`. Capsules replace missing meshes.
         "capsules" draws capsules only; "collision" draws the collision shapes; "auto" is "capsules" for files with
         cylinders only. `color` is red, green, blue up to 255, `opacity` from 0 to 1. An object replaces another one of
@@ -134,7 +134,7 @@ class Scene(Canvas):
     ) -> Movement:
         """Adds a retargeted motion of a body: a clip, whose `show(seconds)` moves it and which `play` plays.
 
-        The subject is drawn next to it, at a distance of `beside` times its size and with legs as long as the body's;
+        The subject is drawn next to it, at a distance of `beside` times its size and with legs as long as the body's.
         None omits it. The camera views the whole path. Raises `InvalidValueError` for a motion of another body.
         """
         return show_movement(self, movement, body, beside, name)

@@ -24,19 +24,19 @@ class SolverPanel:
                 "Tolerance",
                 tuple(f"{10.0**-exponent:.0e}" for exponent in range(2, 10)),
                 initial_value=f"{choices.tolerance:.0e}",
-                hint="within which a target counts as reached: the model's unit of length, and radians",
+                hint="error within which a target counts as reached: the model's unit of length, and radians",
             )
             self.posture = gui.add_dropdown(
                 "Posture",
                 POSTURES,
                 initial_value=choices.posture,
-                hint="what a body leans to where its targets leave room",
+                hint="nominal posture in the null space of the targets",
             )
             self.holds = gui.add_checkbox(
                 "Hold the rest",
                 choices.holds,
                 visible=page.body.can_hold,
-                hint="the trunk and the ends of limbs that are not dragged stay",
+                hint="keeps the trunk and the ends of all other limbs in place",
             )
         self._on(self.solver, lambda: {"solver": str(self.solver.value)})
         self._on(self.tolerance, lambda: {"tolerance": float(self.tolerance.value)})

@@ -13,9 +13,9 @@ from .dragging import Dragging
 COLORS = {
     "": "#9aa5b1",
     "Reached": "#2f9e60",
-    "On its way": "#d9a514",
+    "Moving": "#d9a514",
     "Missed": "#d63a3a",
-    "No answer": "#8d5bbd",
+    "No solution": "#8d5bbd",
 }
 
 
@@ -46,14 +46,14 @@ class StatusPanel:
         """Heading, text of the library, and duration."""
         answer = self._page.answer
         if self._page.problem:
-            return "No answer", self._page.problem, ""
+            return "No solution", self._page.problem, ""
         if answer is None or answer.solution is None:
             return "", "Drag a gizmo, or move a joint.", ""
         solution = answer.solution
-        head = "Reached" if solution.reached else "On its way" if answer.goes_on else "Missed"
+        head = "Reached" if solution.reached else "Moving" if answer.goes_on else "Missed"
         body = solution.explain()
         if answer.jump_text:
-            body += f"\nA jump: {answer.jump_text}."
+            body += f"\nJump: {answer.jump_text}."
         return head, body, f"solved in {duration(answer.seconds)}"
 
     def _draw_misses(self) -> None:

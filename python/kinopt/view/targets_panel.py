@@ -17,12 +17,12 @@ class TargetsPanel:
         self._pins: dict[str, Any] = {}
         with self._folder:
             self._turns = gui.add_checkbox(
-                "Orientation too", page.turns, hint="whether targets ask how a frame is turned"
+                "Orientation too", page.turns, hint="targets include the orientation of their frames"
             )
             self._frame = gui.add_dropdown(
                 "Frame", tuple(page.body.frame_names), hint="any frame can be dragged"
             )
-            self._change = gui.add_button_group("", ("Add", "Remove", "Let go"))
+            self._change = gui.add_button_group("", ("Add", "Remove", "Release"))
 
         @self._turns.on_update
         def _(event: Any) -> None:
@@ -39,7 +39,7 @@ class TargetsPanel:
         page = self._page
         if change == "Add":
             page.add_target(frame)
-        elif change == "Let go":
+        elif change == "Release":
             page.let_go()
         elif frame in page.targets:
             page.remove_target(frame)
@@ -58,7 +58,7 @@ class TargetsPanel:
         page = self._page
         with self._folder:
             pin = page.scene.server.gui.add_checkbox(
-                f"pin {frame}", frame in page.pinned, hint="stays there while others are dragged"
+                f"pin {frame}", frame in page.pinned, hint="keeps the frame in place while others are dragged"
             )
 
         @pin.on_update

@@ -30,7 +30,7 @@ class TimePanel:
             self._choice: Any = gui.add_dropdown("Clip", tuple(self._clips), visible=len(self._clips) > 1)
             start, end = self._clip.span
             self._slider: Any = gui.add_slider("Seconds", start, max(end, start + 1e-3), 1e-3, start)
-            self._play: Any = gui.add_button("Play", hint="plays the clip again and again")
+            self._play: Any = gui.add_button("Play", hint="plays the clip in a loop")
             self._speed: Any = gui.add_dropdown("Speed", SPEEDS, initial_value="1")
         self._panel.float(x=16, y=-16, width=360)
         self._listen()

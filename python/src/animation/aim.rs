@@ -14,7 +14,7 @@ use crate::transforms::{finite_vector, shaped, vector};
 
 /// Rotates a bone so that one of its axes points at a target: a looking head, an aiming hand.
 ///
-/// `forward` is the axis that points, in the bone's coordinates; `up` is the axis that goals may keep upright, `offset`
+/// `forward` is the axis that points, in the bone's coordinates. `up` is the axis that goals may keep upright, `offset`
 /// an offset point from which it points instead of from its joint. All have shape (3,).
 ///
 /// Raises `UnknownNameError` for a bone, `InvalidValueError` for axes of zero length or parallel axes.
@@ -93,8 +93,8 @@ impl Aim {
 /// Target of an `Aim`.
 ///
 /// It points at `target`, shape (3,), in model coordinates. `up`, shape (3,), is the direction for the bone's up axis,
-/// as far as possible (None: the shortest arc); `twist` is an additional rotation about the direction to the target,
-/// radians; `weight` is the fraction of the angle, within [0, 1].
+/// as far as possible (None: the shortest arc). `twist` is an additional rotation about the direction to the target,
+/// radians. `weight` is the fraction of the angle, within [0, 1].
 ///
 /// The weight is clamped to [0, 1]. Raises `InvalidValueError` for other shapes and numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]

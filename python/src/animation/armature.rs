@@ -156,16 +156,16 @@ impl Armature {
         Pose::of(&self.inner, self.inner.rest().clone())
     }
 
-    /// A line for each bone with children whose scale at rest a skeleton does not have: an uneven scale shears the bones that
-    /// turn below it, a negative one mirrors them.
+    /// A line for each bone with children whose rest scale a skeleton cannot have. An uneven scale shears the bones
+    /// that rotate below it, a negative one mirrors them.
     #[getter]
     fn scale_notes(&self) -> Vec<String> {
         let notes = self.inner.scale_notes();
         notes.iter().map(ToString::to_string).collect()
     }
 
-    /// The same bones with scales of 1 at rest. Translations and rotations in the parents stay, so that joints below a scaled
-    /// bone move in the model.
+    /// The same bones with scales of 1 at rest. Translations and rotations in the parents stay, so joints below a
+    /// scaled bone move in the model.
     fn without_scale(&self) -> Self {
         Bones::clone(&self.inner).without_scale().into()
     }
@@ -210,7 +210,7 @@ impl Armature {
     }
 
     /// Skinning matrices of `model_from_bone`, shape (bones, 4, 4) or (N, bones, 4, 4): from the model at rest to the
-    /// posed model; float32 of that shape. `out` receives the result.
+    /// posed model. The result is float32 of that shape. `out` receives the result.
     ///
     /// Raises `InvalidValueError` for another shape and for an `out` of another shape or type.
     #[pyo3(signature = (model_from_bone, *, out = None))]
@@ -304,8 +304,8 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// Sets the model-space rotation of a bone of `pose` by a quaternion of shape (4,), x, y, z, w as `xyzw` or w, x,
-    /// y, z as `wxyz`. Its local translation and scale stay.
+    /// Sets the model-space rotation of a bone of `pose` by a quaternion of shape (4,). It is x, y, z, w as `xyzw`, or
+    /// w, x, y, z as `wxyz`. Its local translation and scale stay.
     ///
     /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a quaternion of length 0, and as
     /// `set_model_from_bone`.
@@ -345,9 +345,9 @@ impl Armature {
     /// are the ranges of first twist, bend and second twist about the bone's own x, z and x, radians (None: no limits).
     /// Bones have length zero, with the tip at the tail.
     ///
-    /// Scales of the rest pose are part of the bones' lengths, and mirrored bones turn as the armature's do. Below a bone
-    /// that scales unevenly the armature shears and the skeleton does not: `scale_notes` names those, `ReachLayer` and `ClipIk`
-    /// solve for the joints of the armature, and `without_scale` drops the scales.
+    /// Scales of the rest pose are part of the bones' lengths, and mirrored bones rotate as the armature's do. Below a
+    /// bone with an uneven scale the armature shears and the skeleton does not. `scale_notes` names those bones,
+    /// `ReachLayer` and `ClipIk` solve for the joints of the armature, and `without_scale` drops the scales.
     ///
     /// Raises `InvalidValueError` for limits of another shape or out of order.
     #[pyo3(signature = (name = "armature", limits = None))]

@@ -10,8 +10,8 @@ use crate::error::invalid;
 /// A tree of bones for character animation, parents before children, with their rest pose and the names of morph
 /// targets, in single precision.
 ///
-/// An armature of bones: `names`; `parents`, shape (bones,), the index of each bone's parent, which precedes it, or -1;
-/// and the rest pose: `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz` (bones, 4) and `scales` (bones,
+/// An armature of bones: `names`; `parents`, shape (bones,), the index of each bone's parent, which precedes it, or -1.
+/// The rest pose has `translations` (bones, 3), `rotations_xyzw` or `rotations_wxyz` (bones, 4) and `scales` (bones,
 /// 3), default the identity; `morph_targets` are names.
 ///
 /// Raises `InvalidValueError` with the bone.

@@ -113,8 +113,8 @@ impl Clip {
             .collect()
     }
 
-    /// The pose at `time`, in seconds of the file as in `span` and `events`: a `Pose` for a number, `Poses` for N of
-    /// them, shape (N,).
+    /// The pose at `time`, in seconds of the file as in `span` and `events`. It is a `Pose` for a number, `Poses` for N
+    /// of them, shape (N,).
     ///
     /// `playback` selects the behaviour outside the span: "hold", "loop" or "ping_pong". `out`, a `Pose`, receives the
     /// result of a single time.
@@ -200,7 +200,7 @@ impl Clip {
                 Channel::Euler(inner) => {
                     ("rotation", Bound::new(py, EulerCurve { inner })?.into_any())
                 }
-                _ => return Err(invalid("a channel of a kind that is not known here")),
+                _ => return Err(invalid("a channel of an unknown kind")),
             };
             Ok((name, property.to_owned(), curve))
         };
@@ -255,8 +255,8 @@ impl Clip {
     }
 
     /// The clip with fewer keys. At each original key, every bone stays within `translation` (the file's unit),
-    /// `rotation` (radians) and `scale` of its original local transform, and morph target weights within `scale`. Step,
-    /// cubic and eased curves do not change.
+    /// `rotation` (radians) and `scale` of its original local transform. Morph target weights stay within `scale`.
+    /// Step, cubic and eased curves do not change.
     #[pyo3(signature = (translation = 0.0, rotation = 0.0, scale = 0.0))]
     fn with_fewer_keys(
         &self,
@@ -289,15 +289,15 @@ impl Clip {
         })
     }
 
-    /// Inverse kinematics over the clip. `reach` is a list of `Reach`: bones that go to points, or along curves, over
+    /// Inverse kinematics over the clip. `reach` is a list of `Reach`: bones that reach points, or follow curves, over
     /// spans. `plant` are bones, such as feet, that are locked in place while they hardly move. Each sample stays as
     /// close to the clip as possible. The root `root` moves only if limbs are too short; by default it is the first
     /// branching bone from the top above all these bones.
     ///
-    /// `up` is the upward axis. Feet stand on the `ground`: a `World`, or a function of x, y, z that returns its height
-    /// over the level of the clip's walk. A clip in place travels with the velocity `root_velocity`, in units a second; "feet"
-    /// computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and the tips of bones reach
-    /// and stand. `keys_per_second` samples are solved and keyed.
+    /// `up` is the upward axis. Feet are in contact with the `ground`. It is a `World`, or a function of x, y, z that
+    /// returns its height over the level of the clip's walk. A clip in place travels with the velocity `root_velocity`, in
+    /// units a second; "feet" computes it from its feet. For a clip of a rig, `skeleton` adds joints and limits, and
+    /// the tips of bones reach and are planted. `keys_per_second` samples are solved and keyed.
     ///
     /// Raises `UnknownNameError` for bones, `InvalidValueError` for spans and numbers out of range and for conflicting
     /// requests. Exceptions of the ground function propagate.

@@ -82,7 +82,7 @@ impl EditedClip {
         let stances = self.stances.iter();
         let slides = stances.map(|stance| stance.slide.max(stance.stray));
         format!(
-            "EditedClip({} stances that slide by {:.2e} at most, the root moves by {:.2e})",
+            "EditedClip({} foot plants, largest slide {:.2e}, root moved {:.2e})",
             self.stances.len(),
             slides.fold(0.0, f64::max),
             self.root_moved
@@ -144,7 +144,7 @@ impl ClipIkRequest<'_> {
                 }
                 Ok(word) => {
                     return Err(invalid(format!(
-                        "root_velocity is {word:?}: \"feet\" or x, y, z a second"
+                        "root_velocity is {word:?}, expected \"feet\" or x, y, z per second"
                     )));
                 }
                 Err(_) => DVec3::from(arrays::array(root_velocity, "root_velocity")?).as_vec3(),
@@ -174,7 +174,7 @@ fn on_ground<'a>(
     }
     if !ground.is_callable() {
         return Err(invalid(
-            "ground must be a World, or a function of x, y, z that gives a height",
+            "ground must be a World, or a function of x, y, z that returns a height",
         ));
     }
     let (function, raised) = (ground.clone().unbind(), Arc::clone(raised));
@@ -197,7 +197,7 @@ fn reach(given: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<
     let get = |name: &str| match given.getattr_opt(name)? {
         Some(value) => Ok(value),
         None => Err(invalid(format!(
-            "reach holds {}, which is no Reach",
+            "reach contains {}, expected Reach",
             given.repr()?
         ))),
     };

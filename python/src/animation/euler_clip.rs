@@ -23,8 +23,8 @@ const SAMPLES_AT_A_TIME: usize = 1024;
 /// A clip of `tracks`, {bone: (times, angles)}: times of shape (K,), seconds, ascending; angles of shape (K, 3),
 /// radians: first twist, bend, second twist.
 ///
-/// `interpolation` between keys is one value for all bones or {bone: value}: "linear", "catmull-rom" or an array of
-/// shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
+/// `interpolation` between keys is one value for all bones or {bone: value}. A value is "linear", "catmull-rom" or an
+/// array of shape (K, 3) of tension, continuity and bias at each key (a Kochanek-Bartels spline).
 ///
 /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for keys that do not ascend or are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
@@ -202,7 +202,9 @@ impl EulerClip {
         let skeleton = Arc::clone(&skeleton.get().inner);
         let last = inner.tracks().last().map(|track| track.bone.index());
         if last.is_some_and(|bone| bone >= skeleton.bones().len()) {
-            return Err(invalid("the clip moves bones that the skeleton has not"));
+            return Err(invalid(
+                "the clip moves bones that the skeleton does not have",
+            ));
         }
         let inner = Arc::new(inner);
         Ok(Self { inner, skeleton })

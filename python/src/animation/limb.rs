@@ -19,8 +19,8 @@ use crate::transforms::{finite_quaternion, finite_vector, given, shaped, vector}
 /// (3,).
 ///
 /// `hinge`, shape (3,), is the bend axis of the elbow or knee, in the lower bone's coordinates: positive rotations are
-/// allowed. `softening` slows the end down beyond that fraction of the limb's length, so that the elbow does not snap:
-/// 0.95 to 0.98, or 1 for none.
+/// allowed. `softening` slows the end down beyond that fraction of the limb's length, so that the elbow does not snap.
+/// Use 0.95 to 0.98, or 1 for none.
 ///
 /// Raises `UnknownNameError` for a bone, `InvalidValueError` for bones that are not descendants of each other, an axis
 /// of zero length, a fraction that is not within [0, 1].
@@ -90,7 +90,7 @@ impl Limb {
     }
 
     /// Rotates the two bones of a pose so that the end moves by the weight's fraction towards the target, or as near as
-    /// the limb reaches; then rotates the end bone.
+    /// the limb reaches. Then it rotates the end bone.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     fn reach(&self, pose: &Bound<'_, Pose>, goal: &Bound<'_, LimbGoal>) -> PyResult<()> {
@@ -137,8 +137,8 @@ impl Limb {
 ///
 /// The end goes to `target`, shape (3,), in model coordinates.
 ///
-/// `weight` is the blend weight from 0, the pose itself, to 1, the target; `pole`, shape (3,), is a point towards which
-/// the elbow or knee bends (None keeps the bend direction of the pose); `twist` is an additional rotation of the limb
+/// `weight` is the blend weight from 0, the pose itself, to 1, the target. `pole`, shape (3,), is a point towards which
+/// the elbow or knee bends (None keeps the bend direction of the pose). `twist` is an additional rotation of the limb
 /// about the direction to the target, radians.
 ///
 /// By default the end bone rotates with the limb. `hold` is the blend weight of its rotation before, `rotation_weight`
@@ -181,7 +181,7 @@ impl LimbGoal {
         let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
         let end = match (hold, rotation) {
             (Some(_), Some(_)) => {
-                return Err(invalid("the bone at the end is held or turned, not both"));
+                return Err(invalid("hold and a rotation are given: use one of them"));
             }
             (Some(weight), None) => EndRotation::Hold { weight },
             (None, Some((q, order))) => EndRotation::Goal {

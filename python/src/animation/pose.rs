@@ -119,7 +119,7 @@ impl Pose {
     }
 
     /// Sets parts of the local transform of a bone; missing arguments keep their values. A quaternion of shape (4,), x,
-    /// y, z, w as `rotation_xyzw` or w, x, y, z as `rotation_wxyz`, of any length, is normalised; `translation` and
+    /// y, z, w as `rotation_xyzw` or w, x, y, z as `rotation_wxyz`, of any length, is normalised. `translation` and
     /// `scale` have shape (3,).
     ///
     /// Raises `UnknownNameError`, and `InvalidValueError` for numbers that are not finite.

@@ -102,8 +102,8 @@ impl ReachLayer {
     /// Rotates the bones of a pose so that the tips move by their weights' fractions towards their targets, within the
     /// joint limits. Returns the `Solution`, with the errors of missed targets; None if all weights are 0.
     ///
-    /// Below bones that the pose scales unevenly, it is solved again until the tips of the posed bones are at their targets;
-    /// the solution is that of the posed bones.
+    /// Below bones that the pose scales unevenly, it is solved again until the tips of the posed bones are at their
+    /// targets. The solution is that of the posed bones.
     ///
     /// Raises `InvalidValueError` for a pose of another armature; the pose stays as it is.
     fn apply(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Option<Solution>> {

@@ -32,8 +32,8 @@ use crate::pickling;
 ///         {"from": "blow", "to": "idle", "seconds": 0.25, "after": 0.8, "easing": "quadratic_in_out"},
 ///         {"to": "idle", "seconds": 0.3, "when": [{"parameter": "speed", "above": 0.5}]}]}
 ///
-/// A transition without "from" leaves any state; "seconds" is the duration of its cross-fade, "after" the fraction of
-/// the clip that must have played; a condition is "is", "above" or "below" a value, and nothing for a trigger.
+/// A transition without "from" leaves any state. "seconds" is the duration of its cross-fade, "after" the fraction of
+/// the clip that must have played. A condition is "is", "above" or "below" a value, and nothing for a trigger.
 /// "playback" is "hold", "loop" or "ping_pong", "speed" a factor.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct StateMachine {

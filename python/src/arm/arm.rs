@@ -237,8 +237,8 @@ impl Arm {
     }
 
     /// The start of `solve`, `solve_batch`, `distinct`, `track` and `follower` without one, shape (dof,), radians or
-    /// metres. It is the state "ready" or "home" of `srdf`, else the middle of each joint's limits, or the value
-    /// closest to 0 for a joint without a limit on one side.
+    /// metres. It is the state "ready" or "home" of `srdf`, else the middle of each joint's limits. For a joint without
+    /// a limit on one side it is the value closest to 0.
     #[getter]
     fn default_start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.default_start().iter().copied())
@@ -311,7 +311,7 @@ impl Arm {
     /// Jacobian of the tool: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
     ///
     /// Rows are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the axes of the
-    /// base; columns are the free joints, with their mimic joints. Raises `InvalidValueError` for another shape and for
+    /// base. Columns are the free joints, with their mimic joints. Raises `InvalidValueError` for another shape and for
     /// numbers that are not finite.
     fn jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let pool = match self.jacobian.get() {
@@ -324,8 +324,8 @@ impl Arm {
         jacobians(q, pool, 1)
     }
 
-    /// Derivative of the solution `q` (shape (dof,)) with respect to its target (4 x 4, metres): an `ArmDerivative`,
-    /// whose `by_target` has shape (dof, 6); for (N, dof) and (N, 4, 4) shape (N, dof, 6).
+    /// Derivative of the solution `q` (shape (dof,)) with respect to its target (4 x 4, metres). The `by_target` of the
+    /// `ArmDerivative` has shape (dof, 6), or (N, dof, 6) for (N, dof) and (N, 4, 4).
     ///
     /// Computed by the implicit function theorem with the active limits of the solution, reached or not. Check
     /// `differentiability` before use. Raises `InvalidValueError` as `solve` does, and for other shapes.
@@ -382,7 +382,7 @@ impl Arm {
     }
 
     /// Up to `k` solutions for one target, nearest to the start first, any two farther apart than `distance` (weighted
-    /// joint distance, radians); an empty list if the target is not reached.
+    /// joint distance, radians). The list is empty if the target is not reached.
     ///
     /// Raises `InvalidValueError` as `solve` does, and for a `k` of 0 or a negative `distance` or NaN.
     #[pyo3(signature = (target, start = None, *, k = 16, distance = 0.1))]
@@ -403,7 +403,7 @@ impl Arm {
 
     /// Solves a batch of targets: a `Batch` of arrays.
     ///
-    /// `targets` has shape (N, 4, 4), or is a list of placements; `starts` has shape (N, dof), or (dof,) for a common
+    /// `targets` has shape (N, 4, 4), or is a list of placements. `starts` has shape (N, dof), or (dof,) for a common
     /// start; None is `default_start`. Each result depends only on its target and start: q and errors equal those of
     /// `solve` exactly, on any number of `threads` (None: all cores). With the search "first", the lowest attempt is
     /// selected instead of the fastest. `out` is a float64 array of shape (N, dof) for the configurations. `progress`
@@ -428,8 +428,8 @@ impl Arm {
         batch::solve(slf, targets, &starts, threads, out, progress)
     }
 
-    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch as far as possible: a `Track`,
-    /// which lists every step in which a joint moves farther than 0.2 rad.
+    /// Follows a path of targets (shape (N, 4, 4) or a list) from `start`, on one branch as far as possible. The
+    /// `Track` lists every step in which a joint moves farther than 0.2 rad.
     ///
     /// Raises `InvalidValueError`, which names the target, as `solve` does.
     #[pyo3(signature = (targets, start = None))]
@@ -519,8 +519,8 @@ impl Arm {
         self.changed(goal.py(), arm, "goal", goal)
     }
 
-    /// Writes the arm's joints `q` (shape (dof,)) and their mimic joints into a configuration of the whole model: a new
-    /// array of shape (model's dof,), whose other numbers are those of `q_model`.
+    /// Writes the arm's joints `q` (shape (dof,)) and their mimic joints into a configuration of the whole model. The
+    /// result is a new array of shape (model's dof,), whose other numbers are those of `q_model`.
     ///
     /// Raises `InvalidValueError` for other lengths.
     fn configuration<'py>(

@@ -12,7 +12,7 @@ use crate::error::{OrRaise, invalid};
 use crate::goal::PoseBounds;
 use crate::placement::placement;
 
-/// All keywords; `held` goes with `only`, `margin` with `world`.
+/// All keywords; `held` requires `only`, `margin` requires `world`.
 const NAMES: [&str; 23] = [
     "attempts",
     "atlas",

@@ -180,7 +180,8 @@ impl CollisionModel {
         self.inner.is_checked(first, second).or_raise()
     }
 
-    /// The model with this collision pair disabled. `World.allow_collision` allows collisions of a link and an obstacle.
+    /// The model with this collision pair disabled. `World.allow_collision` allows collisions of a link and an
+    /// obstacle.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {
@@ -213,7 +214,7 @@ impl CollisionModel {
 
     /// The model without the pairs that cannot be in contact, and without those in contact in at least 95 % of
     /// `samples` random configurations. For a pair without contact in all samples, a descent minimises the distance
-    /// from the nearest sample; the pair is omitted only if the descent finds no contact.
+    /// from the nearest sample. The pair is omitted only if the descent finds no contact.
     ///
     /// Raises `InvalidValueError` if the model has lengths that are not finite.
     #[pyo3(signature = (samples = 10_000, seed = 0))]

@@ -57,7 +57,7 @@ impl Obstacles {
             rig.get().checker()?
         } else {
             return Err(invalid(
-                "world and margin are for a Robot, which has collision shapes, or a Rig, which has a skin, or take a collision_model",
+                "world and margin need a Robot with collision shapes, a Rig with a skin, or a collision_model",
             ));
         };
         let world = self.world.clone().unwrap_or_default();

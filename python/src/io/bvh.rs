@@ -34,11 +34,11 @@ fn format_of(rate: f64, channels: Option<&[Vec<BvhChannel>]>) -> BvhFormat<'_> {
     }
 }
 
-/// A clip as BVH text, `rate` frames a second from its start to its end; what is left after the last whole
-/// frame is not written. `channels` names the channels of each bone in their order, as `MotionCapture.channels` does; by default
-/// rotations are about z, x and y. `MotionCapture.to_text` writes a capture with its own.
+/// A clip as BVH text, with `rate` frames a second from its start to its end. The rest after the last whole frame is
+/// not written. `channels` names the channels of each bone in their order, as `MotionCapture.channels` does. By default
+/// rotations are about z, x and y. `MotionCapture.to_text` writes a capture with its own channels.
 ///
-/// Raises `InvalidValueError`: no bones, a name the format cannot say, a scaled bone, a clip of another
+/// Raises `InvalidValueError`: no bones, a name that the format cannot represent, a scaled bone, a clip of another
 /// armature's size, a rate that is not positive, a channel twice.
 #[pyfunction]
 #[pyo3(signature = (armature, clip, rate, channels = None))]
@@ -57,8 +57,8 @@ pub(crate) fn bvh_to_text(
         .or_raise()
 }
 
-/// Poses (`Poses` or a list of `Pose`) as BVH text, `rate` of them a second, for example the results of blending, layers or inverse
-/// kinematics. `channels` are as of `bvh_to_text`.
+/// Poses (`Poses` or a list of `Pose`) as BVH text, `rate` of them a second, for example the results of blending,
+/// layers or inverse kinematics. `channels` are as in `bvh_to_text`.
 ///
 /// Raises `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
@@ -78,9 +78,10 @@ pub(crate) fn bvh_poses_to_text(
         .or_raise()
 }
 
-/// Writes a clip to the BVH file `path`: the armature as its hierarchy, in its own unit, and `rate` frames a
-/// second of translations and Euler angles (degrees, as the format has them) from the clip's start to its end.
-/// `MotionCapture.read` reads it back; what is left after the last whole frame is not written. `channels` are as of `bvh_to_text`.
+/// Writes a clip to the BVH file `path`. The armature is its hierarchy, in the armature's unit. It has `rate` frames a
+/// second of translations and Euler angles (degrees, as the format requires) from the clip's start to its end.
+/// `MotionCapture.read` reads it back; the rest after the last whole frame is not written. `channels` are as in
+/// `bvh_to_text`.
 ///
 /// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]
@@ -101,8 +102,8 @@ pub(crate) fn bvh_write(
         .or_raise()
 }
 
-/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, `rate` of them a second, for example the results of blending,
-/// layers or inverse kinematics. The file is as `bvh_write` has it.
+/// Writes poses (`Poses` or a list of `Pose`) to the BVH file `path`, `rate` of them a second. Poses may be results of
+/// blending, layers or inverse kinematics. The file is as from `bvh_write`.
 ///
 /// Raises `FileError`, and `InvalidValueError` as `bvh_to_text` does.
 #[pyfunction]

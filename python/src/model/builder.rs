@@ -84,9 +84,9 @@ impl ModelBuilder {
     /// Adds a joint.
     ///
     /// `kind` is "revolute", "continuous", "prismatic" or "fixed" (`ball`, `free`, `planar` and `universal` add the
-    /// others); `parent` is the name of an existing joint (None: the world); `parent_from_joint` a 4 x 4 placement,
-    /// metres (None: the identity); `axis` three numbers, in the joint's own frame, of any length; `lower` and `upper`
-    /// radians or metres.
+    /// others). `parent` is the name of an existing joint (None: the world). `parent_from_joint` is a 4 x 4 placement,
+    /// metres (None: the identity). `axis` has three numbers, in the joint's own frame, of any length. `lower` and
+    /// `upper` are radians or metres.
     ///
     /// Raises `UnknownNameError` for an unknown kind or parent, `InvalidValueError` for a placement of another shape.
     /// `build` raises errors of incompatible arguments.
@@ -223,9 +223,9 @@ impl ModelBuilder {
         Ok(())
     }
 
-    /// Adds a universal joint: `NAME/first`, which rotates about the first of two `axes` (each three numbers), and
-    /// `NAME/second`, which rotates about the second axis in the frame of the first, within `limits` ((lower, upper)
-    /// twice, radians). Children refer to it by its name.
+    /// Adds a universal joint. `NAME/first` rotates about the first of two `axes` (each three numbers), `NAME/second`
+    /// about the second axis in the frame of the first. Both are within `limits` ((lower, upper) twice, radians).
+    /// Children refer to it by its name.
     ///
     /// Raises as `ball`.
     #[pyo3(signature = (

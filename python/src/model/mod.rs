@@ -22,9 +22,9 @@ use crate::pickling;
 
 /// Immutable tree of joints and their frames.
 ///
-/// A configuration `q` has one number for each moving joint, in the order of `joint_names`: radians for revolute
-/// joints, metres (for rigs, the rig's unit) for prismatic ones. A ball joint has four numbers, its unit quaternion w,
-/// x, y, z.
+/// A configuration `q` has one number for each moving joint, in the order of `joint_names`. The units are radians for
+/// revolute joints, metres (for rigs, the rig's unit) for prismatic ones. A ball joint has four numbers, its unit
+/// quaternion w, x, y, z.
 #[pyclass(frozen, module = "kinopt")]
 #[derive(Clone)]
 pub(crate) struct Model {
@@ -136,8 +136,8 @@ impl Model {
         frames.map(|frame| Frame::of(&self.inner, frame)).collect()
     }
 
-    /// Loops that every problem on the model closes: tuples of (name, "connect" or "weld", the names of two frames, the
-    /// placements relative to them, shape (2, 4, 4)).
+    /// Loops that every problem on the model closes. They are tuples of (name, "connect" or "weld", the names of two
+    /// frames, the placements relative to them, shape (2, 4, 4)).
     #[getter]
     pub(crate) fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
         loops::loop_parts(py, &self.inner)

@@ -148,13 +148,13 @@ impl MotionProblem {
         names.map(str::to_owned).collect()
     }
 
-    /// Solves the trajectory from one configuration, shape (nq,), for which the samples are first solved one by one, or
-    /// from an initial trajectory, shape (frames, nq), which need not satisfy limits.
+    /// Solves the trajectory from one configuration, shape (nq,), or from an initial trajectory, shape (frames, nq).
+    /// From one configuration the samples are first solved one by one. An initial trajectory need not satisfy limits.
     ///
-    /// `tolerance` is the smallest relative decrease of the cost that a step must predict; `slip` the largest drift of
-    /// a contact between samples, metres; `curvature` selects the exact curvature of the samples, or JᵀJ, which is less
-    /// accurate far from targets and cheaper. `windows` = (frames, ahead) solves a long trajectory window by window.
-    /// The GIL is released.
+    /// `tolerance` is the smallest relative decrease of the cost that a step must predict. `slip` is the largest drift
+    /// of a contact between samples, metres. `curvature` selects the exact curvature of the samples, or JᵀJ, which is
+    /// less accurate far from targets and cheaper. `windows` = (frames, ahead) solves a long trajectory window by
+    /// window. The GIL is released.
     ///
     /// Raises `InvalidValueError` for starts that are not finite, options out of range, and fixed samples that conflict
     /// with speed limits.

@@ -35,8 +35,8 @@ impl Camera {
         Ok(Self { inner })
     }
 
-    /// A pinhole camera at `world_from_camera` (4 x 4), looking along its own +z, x to the right and y down, with
-    /// `focal_length` and `principal_point` in pixels, shape (2,) each.
+    /// A pinhole camera at `world_from_camera` (4 x 4), looking along its own +z, x to the right and y down.
+    /// `focal_length` and `principal_point` are in pixels, shape (2,) each.
     ///
     /// Raises `InvalidValueError` for other shapes, for a placement that is not rigid and for numbers that are not
     /// finite.
@@ -79,8 +79,8 @@ impl Camera {
         Ok(arrays::list(py, &self.inner.project(point.into())))
     }
 
-    /// Viewing ray through a pixel (u, v): the camera centre and the pixel unprojected to the point of depth one, shape
-    /// (2, 3), metres, as for `tasks.Ray`. None for a camera without a centre.
+    /// Viewing ray through a pixel (u, v). It has the camera centre and the pixel unprojected to the point of depth
+    /// one, shape (2, 3), metres, as for `tasks.Ray`. None for a camera without a centre.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn viewing_ray<'py>(

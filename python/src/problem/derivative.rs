@@ -17,12 +17,12 @@ use crate::has_model::model_of;
 use crate::pickling;
 
 /// The derivative of the solution `q` (shape (nq,), a configuration of the problem's model) with respect to the
-/// targets, weights and link lengths of a problem, by the implicit function theorem with the active limits.
+/// targets, weights and link lengths of a problem. It uses the implicit function theorem with the active limits.
 ///
-/// `targets` are those of the solve, as in `Solver.solve`. Check `differentiability` first: only if it is "unique" is the
-/// solution a smooth function of the parameters. Velocities are those of `Model.integrate`, shape (dof,). A pose target
-/// has six numbers: along and about its own axes, metres then radians; a position has three, a posture one for each
-/// joint and three for each ball.
+/// `targets` are those of the solve, as in `Solver.solve`. Check `differentiability` first: only if it is "unique" is
+/// the solution a smooth function of the parameters. Velocities are those of `Model.integrate`, shape (dof,). A pose
+/// target has six numbers: along and about its own axes, metres then radians. A position has three, a posture one for
+/// each joint and three for each ball.
 ///
 /// Raises `InvalidValueError` and `UnknownNameError` as `Solver.solve` does for its start and targets.
 #[pyclass(frozen, module = "kinopt")]
@@ -142,9 +142,9 @@ impl SolutionDerivative {
         arrays::list(py, numbers.as_slice()).reshape([rows, columns])
     }
 
-    /// Velocity of the solution, shape (dof,), for rates of the parameters: of `targets`, a dict by task; of `weights`,
-    /// shape (rows of `Solution.rows`,); of `joint_origins`, a dict by joint of three numbers, metres in the parent's
-    /// axes. Parameters that are not given are constant.
+    /// Velocity of the solution, shape (dof,), for rates of the parameters. The rates are those of `targets`, a dict by
+    /// task; of `weights`, shape (rows of `Solution.rows`,); of `joint_origins`, a dict by joint of three numbers,
+    /// metres in the parent's axes. Parameters that are not given are constant.
     ///
     /// Raises `UnknownNameError` for unknown tasks and joints, and `InvalidValueError` for other shapes.
     #[pyo3(signature = (targets = None, *, weights = None, joint_origins = None))]

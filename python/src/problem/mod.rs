@@ -39,19 +39,18 @@ pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 ///
 /// `model` is a robot, a rig, a skeleton or a model; `tasks` are those of `kinopt.tasks`, and `add` appends more.
 /// Arguments are validated immediately. Several threads can solve one problem, each with its own targets
-/// (`Solver.solve(problem, start, targets={"name": target})`); running solves and drags keep the tasks from their
+/// (`Solver.solve(problem, start, targets={"name": target})`). Running solves and drags keep the tasks from their
 /// start.
 ///
-/// `parameters` says which joints are free, locked or coupled; without it all are free but a robot's mimic
-/// joints, which follow. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or
-/// metres. `tolerance` is that of all tasks that set none: a number for metres and radians, or a dict by
-/// quantity; unset it is 1e-6 m (of a model in its own unit 1e-6 of its reach), 1e-6 rad and 1e-3 px, and infinite for joint
-/// units and ratios.
-/// `derivatives` is "analytic", "dual", "forward_difference" or "central_difference". `preferences` act
-/// "within_goals", costing them nothing, or are "traded" off against them by their weights.
+/// `parameters` defines the free, locked and coupled joints. By default all joints are free except a robot's mimic
+/// joints. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or metres. `tolerance` is that
+/// of all tasks that set none: a number for metres and radians, or a dict by quantity. The default is 1e-6 m (of a
+/// model in its own unit 1e-6 of its reach), 1e-6 rad and 1e-3 px. It is infinite for joint units and ratios.
+/// `derivatives` is "analytic", "dual", "forward_difference" or "central_difference". `preferences` act "within_goals",
+/// at no cost to required tasks, or are "traded": weighted against them.
 ///
 /// A `world` (copied at this moment), a `margin` in metres or a `collision_model` enables collision avoidance with the
-/// world's obstacles and within the body, with a distance of at least the margin for each pair. A solution in collision
+/// world's obstacles and within the body. The distance of each pair is at least the margin. A solution in collision
 /// lists the pairs (`Solution.collisions`); a `Drag` slides along obstacles. A robot has shapes, and a rig with a skin
 /// gets capsules along its bones; any other model needs a `collision_model`.
 ///
@@ -59,9 +58,9 @@ pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 /// metres and the parent's axes, replace those of the model, for other link lengths. A solution is differentiable with
 /// respect to both.
 ///
-/// Raises `UnknownNameError` for unknown frames and joints, and `InvalidValueError`, with the task's name, for targets
-/// that are not finite, weights and tolerances below 0, and empty bounds. Solving a problem without tasks raises
-/// `InvalidValueError`.
+/// Raises `UnknownNameError` for unknown frames and joints. Raises `InvalidValueError`, with the task's name, for
+/// targets that are not finite, weights and tolerances below 0, and empty bounds. Solving a problem without tasks
+/// raises `InvalidValueError`.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Problem {
     model: Py<PyAny>,
@@ -344,7 +343,7 @@ impl Problem {
         let q = arrays::copied(q, "q")?;
         let Some(checker) = &self.checker else {
             return Err(invalid(
-                "what touches is not known: the problem was made without a world or a margin to keep clear of",
+                "the problem has no collision avoidance: create it with world, margin or collision_model",
             ));
         };
         let found = py.detach(|| checker.collisions(&q)).or_raise()?;

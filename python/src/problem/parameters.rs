@@ -62,7 +62,7 @@ impl ParameterMap {
         }
         for (name, follows) in items(couple, "couple")? {
             let (master, ratio, offset): (String, f64, f64) = follows.extract().map_err(|_| {
-                invalid("couple must be a dict of (name of the master, ratio, offset)")
+                invalid("couple must be a dict of (name of the source joint, ratio, offset)")
             })?;
             let master = own.joint(&master).or_raise()?;
             builder = builder.with_coupled(joint(&name)?, master, ratio, offset);
@@ -79,7 +79,7 @@ impl ParameterMap {
             builder = builder.with_only(&free.or_raise()?, &q);
         } else if at.is_some() {
             return Err(invalid(
-                "at says where the joints that `only` leaves out are held",
+                "at needs `only`: it is the configuration of the joints that `only` omits",
             ));
         }
         let inner = builder.build().or_raise()?;

@@ -108,14 +108,14 @@ impl Stated {
             return match index < self.ids.len() {
                 true => Ok(index),
                 false => Err(invalid(format!(
-                    "targets speaks of task {index}, the problem has {}",
+                    "targets names task {index}, the problem has {} tasks",
                     self.ids.len()
                 ))),
             };
         }
         let Ok(name) = key.extract::<String>() else {
             return Err(invalid(
-                "targets must be a dict by the tasks' names or numbers",
+                "targets must be a dict by the tasks' names or indices",
             ));
         };
         let names: Vec<&str> = self.task_names().collect();
@@ -123,7 +123,7 @@ impl Stated {
         match (found.next(), found.next()) {
             (Some((index, _)), None) => Ok(index),
             (Some(_), Some(_)) => Err(invalid(format!(
-                "several tasks are named `{name}`: give targets by their numbers"
+                "several tasks are named `{name}`: give targets by index"
             ))),
             (None, _) => Err(kinopt::model::UnknownName::new("task", &name, names)).or_raise(),
         }
@@ -214,8 +214,8 @@ impl Stated {
             if (given - own).abs() > 1e-9 * (1.0 + given.abs()) {
                 let name = &self.model.joints()[id.index()].name;
                 return Err(invalid(format!(
-                    "x is a configuration that the problem cannot have: `{name}` is at {given} in it, and by what is locked, \
-                     follows or is limited at {own}"
+                    "x is not a configuration of the problem: `{name}` is at {given}, but locked joints, \
+                     mimic joints and bounds require {own}"
                 )));
             }
         }

@@ -119,7 +119,7 @@ impl Target for Numeric<PythonResidual> {
         match value.is_callable() {
             true => Ok(value.clone().unbind()),
             false => Err(invalid(format!(
-                "{what} must be a function: the target of a residual in Python is its own affair"
+                "{what} must be a function, which replaces that of the residual"
             ))),
         }
     }

@@ -227,9 +227,7 @@ fn residual<V: Visit>(given: &Given<'_, '_>, visitor: V) -> PyResult<Box<dyn Any
         }
         "limit centring" => visitor.visit(LimitCentring::new(model)),
         "custom" => visitor.visit(Numeric(PythonResidual::of(task, model)?)),
-        "bounded" => Err(invalid(
-            "room within room: give `Bounded` one interval instead",
-        )),
+        "bounded" => Err(invalid("nested `Bounded`: use one interval instead")),
         kind => body_tasks::residual(given, kind, visitor),
     }
 }
@@ -299,7 +297,7 @@ impl<'py> Given<'_, 'py> {
                 Some(k) => weights[k] = weight,
                 None => {
                     return Err(invalid(format!(
-                        "joint_weights names {joint}, which the task does not read"
+                        "joint_weights names {joint}, which is no joint of the task"
                     )));
                 }
             }

@@ -15,8 +15,9 @@ use crate::pickling;
 
 /// Positions of a subject's named joints in capture frames at a fixed rate, in any unit of length.
 ///
-/// `positions` of shape (T, J, 3) are of the joints that `joints` names in order, `fps` frames a second; `up` is the axis that
-/// points upward, "y" or "z"; None: the one along which the body stands, from its ankles to its pelvis, else z. `bones` are pairs of joints' numbers, where they are known; they are for drawing.
+/// `positions` of shape (T, J, 3) are those of `joints`, in order, at `fps` frames a second. `up` is the upward axis,
+/// "y" or "z". None selects the axis from the ankles to the pelvis of an upright subject, else z. `bones` are pairs of
+/// joint indices, if known, for drawing.
 ///
 /// Raises `InvalidValueError` for another shape, a duplicate name, and numbers that are not finite, with the frame and
 /// joint.
@@ -24,7 +25,7 @@ use crate::pickling;
 pub(crate) struct Capture {
     pub(super) inner: Arc<retarget::Capture>,
     pub(super) up: UpAxis,
-    /// Whether `up` was detected, and is not the usual axis of such captures.
+    /// True if `up` was detected, and is not the usual axis of such captures.
     pub(super) is_detected: bool,
     bones: Option<Vec<(usize, usize)>>,
 }
@@ -82,8 +83,8 @@ impl Capture {
         Ok(Self::of(capture.or_raise()?, up, UpAxis::Z, bones))
     }
 
-    /// What a clip's bones do, `fps` frames a second from its beginning to its end. `up` is as of `Capture`; where the body stands along
-    /// no axis it is y.
+    /// Positions of a clip's bones, at `fps` frames a second from its start to its end. `up` is as in `Capture`; it is
+    /// y if the body is upright along no axis.
     ///
     /// Raises `InvalidValueError` for a rate that is not positive, and for a clip of a file without frames.
     #[staticmethod]

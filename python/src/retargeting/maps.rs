@@ -19,11 +19,13 @@ fn guessed(mut guess: MapGuess, capture: &Capture) -> Guessed {
     let up = capture.up.name();
     if let Some(along) = guess.up.filter(|along| *along != capture.up) {
         let along = along.name();
-        let note = format!("the body stands along {along}, but {up} is taken for upward");
+        let note = format!("the body is upright along {along}, but the upward axis is {up}");
         guess.notes.push(note);
     }
     if capture.is_detected {
-        let note = format!("the body stands along {up}, which is taken for upward: up= sets it");
+        let note = format!(
+            "the body is upright along {up}, which is used as the upward axis: up= sets it"
+        );
         guess.notes.push(note);
     }
     (guess.map.to_json(), guess.skeleton, guess.body, guess.notes)

@@ -49,7 +49,7 @@ impl Options {
     pub(super) fn margin(&self) -> PyResult<Option<f64>> {
         match (self.keep_clear, self.margin) {
             (Some(_), Some(_)) => Err(invalid(
-                "keep_clear and margin both say how far links are kept apart: give one of them",
+                "keep_clear and margin are both the smallest distance of links: give one of them",
             )),
             (own, margin) => Ok(own.or(margin).or(self.world.is_some().then_some(0.0))),
         }
@@ -85,9 +85,8 @@ fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<C
         return Ok(None);
     };
     let robot = target.cast::<crate::robot::Robot>();
-    let robot = robot.map_err(|_| {
-        invalid("keep_clear, world and margin are for a Robot with collision shapes")
-    })?;
+    let robot = robot
+        .map_err(|_| invalid("keep_clear, world and margin need a Robot with collision shapes"))?;
     let world = options.world(target.py())?.unwrap_or_default();
     let checker = robot.get().checker()?.with_world(&world).or_raise()?;
     Ok(Some(checker.with_margin(margin).or_raise()?))

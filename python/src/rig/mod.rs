@@ -23,8 +23,8 @@ use crate::skinning::SkinWeights;
 
 /// A skeleton with its mesh, keyframes and pinned tips, in a length unit of its own.
 ///
-/// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the skeleton's; `clip` is
-/// of this skeleton; `constrained` are the names of bones with pinned tips.
+/// A rig of its parts. `weights` have a vertex for each of the mesh's and a bone for each of the skeleton's. `clip` is
+/// of this skeleton. `constrained` are the names of bones with pinned tips.
 ///
 /// Raises `InvalidValueError` for parts that do not match, `UnknownNameError` for an unknown bone.
 #[pyclass(frozen, module = "kinopt")]
@@ -47,7 +47,7 @@ impl Rig {
         let rig = &self.inner;
         let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
             return Err(invalid(
-                "world and margin need a rig with a mesh and weights, or take a collision_model",
+                "world and margin need a rig with a mesh and weights, or a collision_model",
             ));
         };
         let shapes = CollisionModel::of_skin(&rig.skeleton, mesh, weights).or_raise()?;
@@ -252,8 +252,8 @@ impl Rig {
             .map(TriangleMesh::from)
     }
 
-    /// Mass of each bone by the volume of the mesh, at 1000 kg a cubic metre: {"frame": (kg, (x, y, z))}, with the
-    /// centre in the frame's coordinates. Tasks of a skeleton of these bones on ball joints can use it:
+    /// Mass of each bone by the volume of the mesh, at 1000 kg a cubic metre. The result is {"frame": (kg, (x, y, z))},
+    /// with the centre in the frame's coordinates. Tasks of a skeleton of these bones on ball joints can use it:
     /// `masses=rig.masses`.
     ///
     /// Raises `InvalidValueError` as `center_of_mass`.

@@ -82,8 +82,9 @@ impl RigPosing {
         self.rig.get().inner.weights.is_none()
     }
 
-    /// Positions of the vertices in the unit of the rig, float32: shape (V, 3) for `q` of shape (3 * bones,), radians,
-    /// and (N, V, 3) for `q` of shape (N, 3 * bones). `out`, a float32 array of that shape, receives the result.
+    /// Positions of the vertices in the unit of the rig, float32. They have shape (V, 3) for `q` of shape (3 * bones,),
+    /// radians, and (N, V, 3) for `q` of shape (N, 3 * bones). `out`, a float32 array of that shape, receives the
+    /// result.
     ///
     /// Raises `InvalidValueError` for another number of angles or one that is not finite.
     #[pyo3(signature = (q, *, out = None))]

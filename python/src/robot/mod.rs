@@ -162,12 +162,12 @@ impl Robot {
 
     /// Reads an MJCF file (MuJoCo), with the files that it includes.
     ///
-    /// Bodies and sites are frames of their names (unnamed ones: `body/ID`, `BODY/site`; the world is `world`), and a
-    /// configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a ball's quaternion,
-    /// including `ref`. A joint `equality` of degree one makes a mimic joint; `connect` and `weld` are `loops`. Ignored
-    /// elements are in `repairs`. Mesh files are not opened here. `base_joint`, `base_bounds` and `mimic_limits` are as
-    /// in `from_urdf`. With `confine`, files are included, and meshes opened later, only below the folder of `path`,
-    /// for files that are not trusted.
+    /// Bodies and sites are frames of their names (unnamed ones: `body/ID`, `BODY/site`; the world is `world`). A
+    /// configuration is MuJoCo's `qpos`, including `ref`: a free joint's x, y, z and quaternion w, x, y, z, and a
+    /// ball's quaternion. A joint `equality` of degree one makes a mimic joint; `connect` and `weld` are `loops`.
+    /// Ignored elements are in `repairs`. Mesh files are not opened here. `base_joint`, `base_bounds` and
+    /// `mimic_limits` are as in `from_urdf`. With `confine`, files are included, and meshes opened later, only below
+    /// the folder of `path`, for files that are not trusted.
     ///
     /// Raises `FileError` if the file cannot be read, `InvalidFileError`, which names the element, if its content is
     /// invalid.
@@ -181,7 +181,7 @@ impl Robot {
         mimic_limits: &str,
         confine: bool,
     ) -> PyResult<Self> {
-        // Faults are told by the lines of the file, which the text of all files together has not.
+        // Errors refer to the lines of the file, which the combined text of all files does not have.
         let reader = kinopt::robot::Robot::mjcf_reader();
         let reader = if confine { reader.confined() } else { reader };
         reader.read(&path).or_raise()?;
@@ -337,8 +337,8 @@ impl Robot {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
     }
 
-    /// Acceleration limits in configuration order, shape (nq,), rad/s² or m/s²; inf for none. From the URDF's `<limit acceleration>`
-    /// or `with_joint_limits`.
+    /// Acceleration limits in configuration order, shape (nq,), rad/s² or m/s²; inf for none. From the URDF's `<limit
+    /// acceleration>` or `with_joint_limits`.
     #[getter]
     fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.acceleration_limit(id))
@@ -453,10 +453,10 @@ impl Robot {
             .collect())
     }
 
-    /// Crouched configuration: `q`, shape (n,), with a free base lower by a fifteenth of its height, the frames `feet`
-    /// at their poses and the other joints near `q`. The slightly bent knees avoid the singularity of straight legs.
-    /// `up` is the upward direction, shape (3,). Returns `q` for a robot without a free base, and if the feet cannot
-    /// stay.
+    /// Crouched configuration: `q`, shape (n,), with a free base lower by a fifteenth of its height. The frames `feet`
+    /// are at their poses, and all other joints near `q`. The slightly bent knees avoid the singularity of straight
+    /// legs. `up` is the upward direction, shape (3,). Returns `q` for a robot without a free base, and if the feet
+    /// cannot stay.
     ///
     /// Raises `UnknownNameError` for an unknown frame, `InvalidValueError` for another shape.
     #[pyo3(signature = (feet, q, *, up = None))]
@@ -497,9 +497,9 @@ impl Robot {
         Ok(shapes.iter().map(Shape::of).collect())
     }
 
-    /// Contact points of a foot, in its frame, shape (N, 3), metres: the origins of its link and of the links fixed to
-    /// it, and the corners of their collision shapes. `tasks.SupportPolygon(on={foot: robot.sole(foot)})` balances over
-    /// it. Mesh files are not opened, so meshes add no points.
+    /// Contact points of a foot, in its frame, shape (N, 3), metres. They are the origins of its link and of the links
+    /// fixed to it, and the corners of their collision shapes. `tasks.SupportPolygon(on={foot: robot.sole(foot)})`
+    /// balances over it. Mesh files are not opened, so meshes add no points.
     ///
     /// Raises `UnknownNameError` for an unknown frame.
     fn sole<'py>(&self, py: Python<'py>, foot: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -509,7 +509,7 @@ impl Robot {
     }
 
     /// Total mass of all links that joints move, kg. Raises `InvalidValueError` if the file states no masses, or if a
-    /// mass depends on the volume of a mesh (MJCF without `inertial`), because mesh files are not opened.
+    /// mass depends on the volume of a mesh (MJCF without `inertial`). Mesh files are not opened.
     #[getter]
     fn mass(&self) -> PyResult<f64> {
         self.inner.total_mass().or_raise()
@@ -524,8 +524,8 @@ impl Robot {
         centres(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
-    /// Jacobian of the centre of mass: three rows in m/s in world axes, a column for each number of a velocity; shape
-    /// (3, nv) for a configuration `q` of shape (nq,), (N, 3, nv) for (N, nq).
+    /// Jacobian of the centre of mass: three rows in m/s in world axes, a column for each number of a velocity. It has
+    /// shape (3, nv) for a configuration `q` of shape (nq,), (N, 3, nv) for (N, nq).
     ///
     /// Raises `InvalidValueError` as `center_of_mass`.
     fn center_of_mass_jacobian<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -598,8 +598,8 @@ impl Robot {
         self.model().normalise(q)
     }
 
-    /// True if a configuration, shape (nq,), is within all limits, including cones, and every mimic joint has the value
-    /// of its source joint's relation, up to 1e-9 rad or m.
+    /// True if a configuration, shape (nq,), is within all limits, including cones. Every mimic joint must have the
+    /// value of its source joint's relation, up to 1e-9 rad or m.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -620,9 +620,9 @@ impl Robot {
     }
 
     /// Converts a configuration to the order of Pinocchio's `buildModelFromUrdf` for the robot's URDF, with a root
-    /// joint for `base_joint`: joints depth first, siblings by name; quaternions x, y, z, w (here w, x, y, z); the
-    /// cosine and sine of a continuous joint (here its angle). Shape (n,) for `q` of shape (nq,), (N, n) for (N, nq),
-    /// radians and metres.
+    /// joint for `base_joint`. Joints are depth first, siblings by name. Quaternions are x, y, z, w (here w, x, y, z).
+    /// A continuous joint has its cosine and sine (here its angle). Shape (n,) for `q` of shape (nq,), (N, n) for (N,
+    /// nq), radians and metres.
     ///
     /// Raises `InvalidValueError` for other shapes and for a robot from MJCF.
     fn to_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -681,9 +681,9 @@ impl Robot {
         })
     }
 
-    /// The Jacobian of a frame, shape (6, nv) for a configuration `q` of shape (nq,), (N, 6, nv) for (N, nq): the
-    /// velocity of its origin (m/s), then its angular velocity (rad/s), in world axes, for velocities as in
-    /// `integrate`: Pinocchio's `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` computes several frames.
+    /// The Jacobian of a frame, shape (6, nv) for a configuration `q` of shape (nq,), (N, 6, nv) for (N, nq). Its rows
+    /// are the velocity of the origin (m/s), then the angular velocity (rad/s), in world axes. Its columns are
+    /// velocities as in `integrate`: Pinocchio's `LOCAL_WORLD_ALIGNED`. `kinopt.Jacobian` computes several frames.
     ///
     /// Raises `UnknownNameError` for an unknown frame, `InvalidValueError` as `integrate`.
     fn frame_jacobian<'py>(

@@ -48,9 +48,9 @@ impl Shape {
         }
     }
 
-    /// Dimensions by name: a box has `size` (full lengths along x, y, z), a cylinder and a capsule `radius` and
-    /// `length` (along z; for a capsule without its caps), a sphere `radius`, an ellipsoid `radii`, a mesh `file` (as
-    /// written in the robot's file) and `scale`.
+    /// Dimensions by name. A box has `size` (full lengths along x, y, z). A cylinder and a capsule have `radius` and
+    /// `length` (along z; for a capsule without its caps). A sphere has `radius`, an ellipsoid `radii`, a mesh `file`
+    /// (as written in the robot's file) and `scale`.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         use kinopt::robot::Geometry;

@@ -171,7 +171,7 @@ impl SceneMesh {
 
 /// A skin: the binding of a mesh to joints.
 ///
-/// A skin on bones of `armature`: `joints` are their names in the order of the weights' bones, `joint_from_mesh`, shape
+/// A skin on bones of `armature`. `joints` are their names in the order of the weights' bones, `joint_from_mesh`, shape
 /// (joints, 4, 4), the inverse bind matrices.
 ///
 /// Raises `UnknownNameError` for a bone.

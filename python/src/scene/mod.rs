@@ -134,7 +134,7 @@ impl Scene {
         let skin = match (mesh, weights) {
             (Some(mesh), Some(weights)) => Some((&*mesh.get().inner, &*weights.get().inner)),
             (None, None) => None,
-            _ => return Err(invalid("a mesh and its weights go together")),
+            _ => return Err(invalid("a mesh and its weights must be given together")),
         };
         let scene = gltf::Scene::of_skeleton(&skeleton.get().inner, skin);
         scene.or_raise().map(Self::from)

@@ -92,9 +92,9 @@ impl ScenePosing {
         numpy::PyArray1::from_vec(py, corners).reshape([count, 3])
     }
 
-    /// Positions of the vertices of all meshes in their order, in the scene's coordinates: float32, shape (V, 3) for a
-    /// `Pose` of the scene's armature, (N, V, 3) for `Poses`. `out`, a float32 array of that shape, receives the
-    /// result.
+    /// Positions of the vertices of all meshes in their order, in the scene's coordinates. They are float32, shape (V,
+    /// 3) for a `Pose` of the scene's armature, (N, V, 3) for `Poses`. `out`, a float32 array of that shape, receives
+    /// the result.
     ///
     /// Raises `InvalidValueError` for a pose of another armature.
     #[pyo3(signature = (pose, *, out = None))]

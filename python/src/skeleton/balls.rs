@@ -25,9 +25,9 @@ use crate::pool::Pool;
 /// Skeleton on ball joints with cone limits: a unit quaternion w, x, y, z for each bone.
 ///
 /// A configuration `q` has w, x, y, z for each moving bone, in their order: its rotation from rest in its own axes.
-/// With `root="free"`, x, y, z come before the root's quaternion: its displacement from rest along the model's axes,
-/// within `room`, a dict of (lower, upper) by axis; its rotation is in those axes too. The model's frames are those of
-/// the skeleton; its joints have the names of the bones.
+/// With `root="free"`, x, y, z come before the root's quaternion. They are its displacement from rest along the model's
+/// axes, within `room`, a dict of (lower, upper) by axis. Its rotation is in those axes too. The model's frames are
+/// those of the skeleton; its joints have the names of the bones.
 ///
 /// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians. "swing" is the
 /// largest tilt of the bone's axis, a number or two. "twist" is the range (lower, upper) about its axis. "angle" is the
@@ -36,7 +36,7 @@ use crate::pool::Pool;
 /// unlimited. `armature`, with the bones of the skeleton, is the armature of poses.
 ///
 /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for an empty cone and for a cone of a bone that
-/// does not rotate, `InvalidFileError` and `FileError` for a side file.
+/// does not rotate. Raises `InvalidFileError` and `FileError` for a side file.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct BallSkeleton {
     inner: Balls,
@@ -161,7 +161,9 @@ impl BallSkeleton {
         };
         let names = skeleton.bones().iter().map(|bone| bone.name.as_str());
         if !names.eq(armature.names().iter().map(String::as_str)) {
-            return Err(invalid("the armature's bones are not the skeleton's"));
+            return Err(invalid(
+                "the armature and the skeleton have different bones",
+            ));
         }
         let skeleton = kinopt::Skeleton::clone(skeleton);
         Self::make(skeleton, armature, cones_of(cones)?, Root::new(root, room)?)

@@ -143,7 +143,7 @@ impl Skeleton {
     /// Names of the model's frames at the tips of bones without children: hands, feet, a head.
     ///
     /// These are frames, for tasks and kinematics ("hand/tip" at the end of the bone "hand", whose own frame, "hand",
-    /// is at its tail); `ends` are these bones by their own names.
+    /// is at its tail). `ends` are these bones by their own names.
     #[getter]
     fn tips(&self) -> Vec<String> {
         let tips = self.last().map(|id| self.frame_name(self.inner.tip(id)));
@@ -243,8 +243,8 @@ impl Skeleton {
         self.inner.placed(placement).or_raise().map(Self::from)
     }
 
-    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
-    /// scales. Angles mean what they did.
+    /// The same skeleton with its joints and tips at their positions in a pose of its armature, by the pose's own
+    /// translations and scales. The meaning of the angles is unchanged.
     ///
     /// Raises `InvalidValueError` for a pose of fewer bones.
     fn standing_in(&self, pose: &Bound<'_, crate::animation::Pose>) -> PyResult<Self> {
@@ -252,8 +252,8 @@ impl Skeleton {
         self.inner.standing_in(&pose).or_raise().map(Self::from)
     }
 
-    /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and
-    /// (N, bones, 4, 4) for (N, 3 * bones); radians in, the rig's own unit out. `out` takes the result.
+    /// Bone transforms in the model: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and (N,
+    /// bones, 4, 4) for (N, 3 * bones). Angles are radians, lengths in the rig's own unit. `out` receives the result.
     ///
     /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` of another shape
     /// or type.

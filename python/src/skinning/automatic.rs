@@ -17,8 +17,8 @@ use crate::skeleton::Skeleton;
 /// Weights by distance: the influence of a bone decreases with distance and is smoothed over the surface. Distances are
 /// straight lines, also across gaps; `HeatWeights` follow the surface.
 ///
-/// `falloff` is the exponent of the decrease with distance, above 0; `smoothing_steps` the number of smoothing steps
-/// over the mesh's edges; `most` the largest number of influences of a vertex, at least 1.
+/// `falloff` is the exponent of the decrease with distance, above 0. `smoothing_steps` is the number of smoothing steps
+/// over the mesh's edges, `most` the largest number of influences of a vertex, at least 1.
 ///
 /// Raises `InvalidValueError` for counts below 0; other options out of range raise when weights are computed.
 #[pyclass(frozen, module = "kinopt.skinning")]

@@ -222,8 +222,8 @@ impl BoneBoxes {
     }
 
     /// A box that contains every vertex skinned by linear blend with these transforms, rest -> posed, shape (bones, 4,
-    /// 4): the lowest and the highest corner, shape (2, 3), float32; None without vertices. Not valid for dual
-    /// quaternions.
+    /// 4). The result is the lowest and the highest corner, shape (2, 3), float32, or None without vertices. Not valid
+    /// for dual quaternions.
     ///
     /// Raises `InvalidValueError` for transforms of another shape or another number of bones.
     fn linear_blend<'py>(

@@ -147,9 +147,9 @@ impl MeshWeights {
         pivots.map(|pivots| to_array(py, pivots, 3)).transpose()
     }
 
-    /// Skins positions at `rest`, shape (V, 3), by the bones' `transforms`, rest -> posed: float32, shape (V, 3) for
-    /// transforms of shape (bones, 4, 4), (N, V, 3) for (N, bones, 4, 4). `method` is "lbs" (linear blend) or "dqs"
-    /// (dual quaternions); `out` receives the result.
+    /// Skins positions at `rest`, shape (V, 3), by the bones' `transforms`, rest -> posed. The result is float32, shape
+    /// (V, 3) for transforms of shape (bones, 4, 4), (N, V, 3) for (N, bones, 4, 4). `method` is "lbs" (linear blend)
+    /// or "dqs" (dual quaternions); `out` receives the result.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, and transforms that are not rigid with
     /// dual quaternions and without pivots.

@@ -185,7 +185,7 @@ impl MorphTargets {
         self.inner.vertex_count()
     }
 
-    /// Adds the sum of the targets, by their `weights`, shape (targets,), to vertices at rest, in place: `positions`
+    /// Adds the sum of the targets, by their `weights`, shape (targets,), to vertices at rest, in place. `positions`
     /// (V, 3), `normals` (V, 3) and `tangents` (V, 4) are float32 arrays in C order. Changed normals and tangents are
     /// normalised.
     ///

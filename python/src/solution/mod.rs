@@ -95,7 +95,7 @@ impl Solution {
         self.inner.attempts
     }
 
-    /// Number of attempts that stopped at an equally low cost; 0 if the solution is reached, if the search was
+    /// Number of attempts that stopped at an equally low cost. It is 0 if the solution is reached, if the search was
     /// interrupted, or if attempts are not compared. A large number suggests that a target is unreachable, but does not
     /// prove it.
     #[getter]

@@ -88,7 +88,7 @@ impl Collision {
         self.0.depth()
     }
 
-    /// True if the pair blocks the motion to a configuration: a step of a path or of a drag, or a part of it, was not
+    /// True if the pair blocks the motion to a configuration. A step of a path or of a drag, or a part of it, was not
     /// made, because it is not proven collision-free. `distance` is that at the end of the motion, up to a micrometre
     /// more than the margin.
     #[getter]

@@ -20,10 +20,11 @@ const STEPS: usize = 40;
 /// Solves a problem repeatedly while its targets move, such as a hand dragged by a mouse.
 ///
 /// Each `advance` converges from the end of the last frame, on the current branch, in a bounded number of iterations
-/// and without restarts. In one frame no joint moves farther than `max_move`, radians (prismatic joints: the distance
-/// by which that angle moves a point at a quarter of the model's reach). If a target jumps or a branch ends, the body
-/// follows over several frames; `is_speed_limited` reports it. With `search`, a number of attempts, a frame that converges
-/// to a miss also searches from random configurations (sampled by `seed`); `jump` reports a jump to a better solution.
+/// and without restarts. In one frame no joint moves farther than `max_move`, radians. For a prismatic joint it is the
+/// distance by which that angle moves a point at a quarter of the model's reach. If a target jumps or a branch ends,
+/// the body follows over several frames; `is_speed_limited` reports it. With `search`, a number of attempts, a frame
+/// that converges to a miss also searches from random configurations (sampled by `seed`). `jump` reports a jump to a
+/// better solution.
 ///
 /// It starts at the configuration `start`, shape (nq,), which is projected into the limits. `solver` gives the method
 /// and the limits of a frame, by default 40 iterations. Raises `InvalidValueError` for a start of another shape, for a
@@ -31,10 +32,10 @@ const STEPS: usize = 40;
 /// not affect the drag.
 ///
 /// With a `time_step` between two frames, seconds, every frame satisfies velocity, acceleration and jerk limits, shape
-/// (nq,), rad/s or m/s (s², s³); by default those of a robot's files. The first three numbers of a free base limit the
-/// norm of its linear rates, the next four that of its angular rates. Limits have priority over all tasks: when targets
-/// jump, pinned frames move. Raises `InvalidValueError` for limits without a time step, for a bounded ball joint and
-/// for a problem that avoids collisions.
+/// (nq,), rad/s or m/s (s², s³). By default they are those of a robot's files. The first three numbers of a free base
+/// limit the norm of its linear rates, the next four that of its angular rates. Limits have priority over all tasks:
+/// when targets jump, pinned frames move. Raises `InvalidValueError` for limits without a time step, for a bounded ball
+/// joint and for a problem that avoids collisions.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Drag {
     problem: Py<Problem>,
@@ -202,9 +203,9 @@ impl Drag {
         py.detach(|| self.lock().set_configuration(&q).or_raise())
     }
 
-    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
-    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standing_in(pose).model` of its
-    /// pose after each frame.
+    /// Moves joints and frames on their parents to their placements in `model`, which has the joints of the problem's
+    /// model. The configuration stays. For a character whose scales shear its bones, use
+    /// `skeleton.standing_in(pose).model` of its pose after each frame.
     ///
     /// Raises `InvalidValueError` for a model of other joints and for a problem that avoids collisions.
     fn move_joints(&self, py: Python<'_>, model: &Bound<'_, crate::model::Model>) -> PyResult<()> {
@@ -212,7 +213,7 @@ impl Drag {
         py.detach(|| self.lock().move_joints(model).or_raise())
     }
 
-    /// Where the body stands, shape (nq,).
+    /// Current configuration, shape (nq,).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let q = self.look(py, |drag| drag.q().to_vec());
@@ -299,7 +300,7 @@ impl DragJump {
 
 fn at_least_one(frames: usize) -> PyResult<()> {
     match frames {
-        0 => Err(invalid("frames is 0: at least 1")),
+        0 => Err(invalid("frames is 0, expected at least 1")),
         _ => Ok(()),
     }
 }

@@ -168,7 +168,7 @@ impl Engine {
             "two_bone" => {
                 if limits.any_of_stopping() || limits.any_of_restarts() {
                     return Err(invalid(
-                        "the two-bone solution is found in one step: it takes no limits",
+                        "the two-bone method takes one step and has no limits",
                     ));
                 }
                 let elbow = method.getattr("elbow")?;

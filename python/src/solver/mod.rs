@@ -26,12 +26,12 @@ use watch::Watch;
 ///
 /// `method` is one of `kinopt.methods` or its name: "levenberg-marquardt", "gauss-newton", "projected-gradient", "ccd",
 /// "fabrik". The limits of each attempt are `max_iterations` (200; 500 sweeps of the geometric methods),
-/// `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`, the number of steps in which the cost must
-/// halve (none, inf; 60 for the geometric methods). `time_limit`, in seconds, is for all attempts together. At most
-/// `attempts` (32; 512 for a body on a free base with few more variables than equations) are made, including the one
-/// from the given start; the others start at configurations sampled by `seed` (0). The search ends at the first attempt
-/// that reaches, when `agreeing` attempts stopped at the same lowest cost, or one attempt after `restart_steps` steps
-/// of all together.
+/// `gradient_tolerance` (1e-9), `step_tolerance` (1e-15) and `patience`. Patience is the number of steps in which the
+/// cost must halve (none, inf; 60 for the geometric methods). `time_limit`, in seconds, is for all attempts together.
+/// At most `attempts` (32; 512 for a body on a free base with few more variables than equations) are made, including
+/// the one from the given start. All others start at configurations sampled by `seed` (0). The search ends at the first
+/// attempt that reaches, or when `agreeing` attempts stopped at the same lowest cost. It also ends one attempt after
+/// `restart_steps` steps of all attempts together.
 ///
 /// Results are bitwise reproducible on any machine, unless a time limit is set. Raises `InvalidValueError` for settings
 /// out of range.
@@ -130,10 +130,11 @@ impl Solver {
     /// and mimic joints take their values from the problem's parameters.
     ///
     /// `max_move` is a hard bound of each joint's displacement from `start`; of a ball joint, of its rotation angle. It
-    /// is one number for each number of a configuration, shape (nq,), radians or metres, inf for no limit and four
-    /// equal numbers for a ball (`robot.velocity_limits * dt` is the step of a controller); a dict of those by joint;
-    /// or one angle for all. A prismatic joint then moves at most the distance by which that angle moves a point at a
-    /// quarter of the model's reach. Active bounds of this kind are among the `active_limits`, with the kind "move".
+    /// is one number for each number of a configuration, shape (nq,), radians or metres, with inf for no limit and four
+    /// equal numbers for a ball. `robot.velocity_limits * dt` is the step of a controller. It may also be a dict of
+    /// those by joint, or one angle for all. A prismatic joint then moves at most the distance by which that angle
+    /// moves a point at a quarter of the model's reach. Active bounds of this kind are among the `active_limits`, with
+    /// the kind "move".
     ///
     /// `targets` replaces targets of the problem, by the tasks' names or indices: {"hand": [0.4, 0.1, 0.3]}; the
     /// problem itself does not change. `observer` is called with an `Iteration` before the first and after every step
@@ -142,7 +143,7 @@ impl Solver {
     ///
     /// A target that is not reached is no error: see `Solution.reached` and `Solution.explain()`. Raises
     /// `InvalidValueError` for a start of another length or one that is not finite, for targets and moves of another
-    /// shape, moves below 0, and for problems that a geometric method does not support.
+    /// shape, and for moves below 0. Raises it also for problems that a geometric method does not support.
     #[pyo3(signature = (problem, start, targets = None, *, max_move = None, observer = None))]
     fn solve(
         &self,

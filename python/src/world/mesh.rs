@@ -17,7 +17,7 @@ pub(super) fn mesh(
 ) -> PyResult<MeshFile> {
     match (vertices.extract::<PathBuf>(), triangles) {
         (Ok(file), None) => py.detach(|| MeshFile::read(file)).or_raise(),
-        (Ok(_), Some(_)) => Err(invalid("a mesh of a file has triangles of its own")),
+        (Ok(_), Some(_)) => Err(invalid("triangles must be omitted for a mesh file")),
         (Err(_), None) => Err(invalid(
             "triangles are missing: a mesh is vertices and triangles, or a file",
         )),

@@ -215,12 +215,12 @@ impl World {
     }
 
     /// Adds a triangle mesh of `vertices`, shape (V, 3), and `triangles`, shape (F, 3), whole numbers from 0,
-    /// counter-clockwise seen from outside; or a mesh file: OBJ, STL, DAE or PLY. `scale`, a number or one each for x,
-    /// y and z, converts its lengths to metres. A closed mesh is solid. An open mesh is a surface, and adds to the
-    /// obstacle's `notes`.
+    /// counter-clockwise seen from outside. It may also be a mesh file: OBJ, STL, DAE or PLY. `scale`, a number or one
+    /// each for x, y and z, converts its lengths to metres. A closed mesh is solid. An open mesh is a surface, and adds
+    /// to the obstacle's `notes`.
     ///
-    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists; `FileError` if a file
-    /// cannot be read, `InvalidFileError` if its content is invalid.
+    /// Raises `InvalidValueError` for an invalid shape or pose, and for a name that exists. Raises `FileError` if a
+    /// file cannot be read, `InvalidFileError` if its content is invalid.
     #[pyo3(signature = (name, vertices, triangles = None, pose = None, *, scale = None))]
     fn add_mesh(
         &self,
@@ -372,7 +372,7 @@ impl World {
             if let Some(frame) = &obstacle.attached {
                 let name = &obstacle.name;
                 return Err(invalid(format!(
-                    "obstacle {name:?} is attached to {frame:?}, so its place in the world is not known"
+                    "obstacle {name:?} is attached to {frame:?}, so its pose in the world is unknown"
                 )));
             }
         }

@@ -37,8 +37,8 @@ impl Obstacle {
         }
     }
 
-    /// Dimensions by name, as in `World.add_box` and the other methods; arrays for convex hulls (whose "points" are
-    /// their corners, with "triangles"), meshes, height fields and points.
+    /// Dimensions by name, as in `World.add_box` and the other methods. They are arrays for convex hulls (whose
+    /// "points" are their corners, with "triangles"), meshes, height fields and points.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measures = PyDict::new(py);

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn each_point_is_as_near_as_to_one_solid_after_another() {
+    fn distances_to_many_solids_equal_those_one_by_one() {
         let numbers = &mut Numbers(1);
         let mut placed = |number| {
             let shape = numbers.shape();

@@ -306,7 +306,7 @@ mod tests {
     /// deviation.
     #[test]
     #[allow(clippy::unwrap_used)]
-    fn the_first_bound_holds_and_is_close_where_a_chain_is_stretched() {
+    fn first_bound_of_a_stretched_chain_is_close() {
         let mut builder = Model::builder("two links");
         let z = Vector3::UNITS[2];
         let link = Placement::translation(Vector3::UNITS[0]);

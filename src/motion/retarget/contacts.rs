@@ -74,7 +74,7 @@ mod tests {
     use super::drawn;
 
     #[test]
-    fn a_stance_draws_what_is_beside_it_and_nothing_beyond_its_neighbours() {
+    fn stance_affects_frames_up_to_its_neighbours() {
         let spans = [5..10, 12..15, 40..50];
         let all = |lead: usize| [0, 1, 2].map(|k| drawn(&spans, k, lead, 52));
         assert_eq!(all(9), [0..12, 10..24, 31..52]);

@@ -138,7 +138,7 @@ mod tests {
     use crate::spatial::Vector3;
 
     #[test]
-    fn what_has_slipped_stands_again_only_after_it_was_let_go() {
+    fn slipped_contact_counts_again_only_after_release() {
         let mut measures = Measures::new(1);
         let mut take = |frame: usize, x: f64, stands: bool| {
             let at = Vector3::new(x, 0.0, 0.0);

@@ -53,7 +53,7 @@ impl Atlas {
         self.cell_number(self.bins(key))
     }
 
-    /// Number of the cell offset by `beside` from the key's cell; `None` outside the table.
+    /// Number of the cell at this offset from the key's cell; `None` outside the table.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn cell_beside(&self, key: &Key, beside: [i8; 4]) -> Option<usize> {
         let mut bins = self.bins(key);

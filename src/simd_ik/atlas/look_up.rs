@@ -23,7 +23,7 @@ impl TooledAtlas {
         self.look_up_beside::<V>(links, goal_from_first, [0; 4], found);
     }
 
-    /// Writes the start configurations of the cell offset by `beside` from the goal's cell, best first.
+    /// Writes the start configurations of the cell at an offset from the goal's cell, best first.
     ///
     /// `found` must be empty; it stays so if the table has no such cell.
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -145,7 +145,7 @@ mod tests {
     use super::RowSpan;
 
     #[test]
-    fn multipliers_rebuild_what_rows_span_and_nothing_of_the_rest() {
+    fn multipliers_rebuild_only_the_span_of_the_rows() {
         let rows = [[1.0, 2.0, 0.0, -1.0], [0.5, 0.0, 3.0, 1.0]];
         let mut space = RowSpan::default();
         for (number, row) in rows.iter().enumerate() {
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_complement_is_orthonormal_and_all_that_no_row_feels() {
+    fn complement_is_an_orthonormal_null_space_basis() {
         let rows = [[1.0, 2.0, 0.0, -1.0, 0.4], [0.5, 0.0, 0.0, 1.0, -0.3]];
         let mut space = RowSpan::default();
         for (number, row) in rows.iter().enumerate() {

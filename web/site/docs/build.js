@@ -1,4 +1,4 @@
-// Writes the documentation into dist/, beside the page to drag on: `node docs/build.js`.
+// Writes the documentation into dist/, next to the demo page: `node docs/build.js`.
 import { copyFileSync, cpSync, mkdirSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { REFERENCES, contents, pages, root, rustdoc, source } from "./contents.js";

@@ -1,10 +1,10 @@
-// The links of a built site that lead nowhere.
+// Broken links of a built site.
 import { existsSync, readFileSync, readdirSync, statSync } from "node:fs";
 import { join, posix } from "node:path";
 
 const plain = (text) => text.replace(/&amp;/g, "&").replace(/&quot;/g, '"').replace(/&lt;/g, "<").replace(/&gt;/g, ">");
 
-/** What a page links to and the anchors that it has, those that are there twice among the former's faults. */
+/** Links and anchors of a page; duplicate anchors are among the faults. */
 function read(text) {
     const markup = text.replace(/<script[\s\S]*?<\/script>/g, (script) => script.slice(0, script.indexOf(">") + 1));
     const attributes = (names) => [...markup.matchAll(new RegExp(`<[^>]*?\\s(?:${names})="([^"]*)"`, "g"))].map(([, value]) => plain(value));
@@ -12,7 +12,7 @@ function read(text) {
     return { links: [...attributes("href"), ...attributes("src")], ids: new Set(ids), twice: ids.filter((id, k) => ids.indexOf(id) !== k) };
 }
 
-/** Looks at every page below a folder, but for those of rustdoc, which has a check of its own. */
+/** Checks every page below a folder except those of rustdoc, which has its own check. */
 export function checked(folder) {
     const names = readdirSync(folder, { recursive: true }).map((name) => name.replace(/\\/g, "/")).filter((name) => name.endsWith(".html") && !name.startsWith("rust/"));
     const pages = new Map(names.map((name) => [name, read(readFileSync(join(folder, name), "utf8"))]));
@@ -20,7 +20,7 @@ export function checked(folder) {
     let links = 0;
     for (const [name, page] of pages) {
         from.set(name, new Set());
-        broken.push(...page.twice.map((id) => `${name}: id ${id} is there twice`));
+        broken.push(...page.twice.map((id) => `${name}: duplicate id ${id}`));
         for (const link of page.links) {
             links += 1;
             if (/^(data|mailto):/.test(link)) continue;

@@ -1,4 +1,4 @@
-// What the site shows: the pages that docs/README.md lists, in its groups and order.
+// Contents of the site: the pages that docs/README.md lists, in its groups and order.
 import { readFileSync } from "node:fs";
 import { posix } from "node:path";
 
@@ -8,16 +8,22 @@ export const repository = source("Cargo.toml").match(/^repository = "(.*)"/m)[1]
 
 const LIST = "docs/README.md";
 
-/** What is written from the sources of an interface, by what docs/README.md links to. */
+/** Pages generated from the sources of an interface, by the link target in docs/README.md. */
 export const REFERENCES = { "python/kinopt/_kinopt/__init__.pyi": "python/reference.html", "web/src": "web/reference.html" };
 
-/** Where a page of the repository stands on the site: READMEs are their folders' own pages, but for that beside the page to drag on. */
+/**
+ * Address of a repository page on the site. A README is its folder's index page. The main README is not, because the
+ * demo page is the index there.
+ */
 export function addressOf(path) {
     if (path === "README.md") return "readme.html";
     return path.replace(/(^|\/)README\.md$/, "$1index.html").replace(/[^/]*\.md$/, (name) => `${name.slice(0, -3).toLowerCase()}.html`);
 }
 
-/** Groups of entries: a title with an address on the site, an anchor there and the path of its source, or an address elsewhere. */
+/**
+ * Groups of entries: a title with an address on the site, an anchor there and the path of its source, or an external
+ * address.
+ */
 export function contents() {
     const groups = [];
     for (const line of source(LIST).split("\n")) {
@@ -29,7 +35,7 @@ export function contents() {
     return groups;
 }
 
-/** What rustdoc wrote, where that is said: its pages then stand on the site. */
+/** Folder of rustdoc's output, if set: its pages are then part of the site. */
 export const rustdoc = process.env.KINOPT_RUSTDOC;
 
 function place(link) {
@@ -39,7 +45,9 @@ function place(link) {
     return { path, address: REFERENCES[path] ?? addressOf(path) };
 }
 
-/** Every page by the path of its source: the list itself, what it has in its groups, and what it names beside those. */
+/**
+ * Pages by the path of their source: the list itself, the entries of its groups, and further pages that it links to.
+ */
 export function pages(groups) {
     const own = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
     const named = [...source(LIST).matchAll(/\[([^\]]+)\]\(([^)#\s]+\.md)\)/g)].map(([, title, link]) => ({ title, ...place(link) }));

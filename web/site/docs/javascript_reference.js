@@ -1,10 +1,10 @@
-// The classes of the npm package with what their types say, as a page of Markdown.
+// Reference of the npm package as a page of Markdown, from its types.
 import { readFileSync } from "node:fs";
 
 const read = (name) => readFileSync(new URL(`../../dist/${name}`, import.meta.url), "utf8");
 const comment = (lines) => lines.map((line) => line.replace(/^\s*\/?\*+\/? ?/, "").replace(/\*\/$/, "").trimEnd()).join("\n").trim();
 
-/** What stands in the braces of a declaration: each member with the comment before it. */
+/** Members in the braces of a declaration, each with the comment before it. */
 function members(lines) {
     const found = [];
     let said = [];
@@ -25,7 +25,7 @@ function members(lines) {
     return found;
 }
 
-/** The exported declarations of a file of types: name, kind, comment and members. */
+/** Exported declarations of a file of types: name, kind, comment and members. */
 export function declarations(text) {
     const found = [];
     const pattern = /((?:^\/\*\*[\s\S]*?\*\/\n)?)^export (?:declare )?(class|interface|type|function) (\w+)([\s\S]*?)(?=^\/\*\*|^export |^type |(?![\s\S]))/gm;
@@ -42,7 +42,7 @@ export function javascriptReference() {
     const all = declarations(read("kinopt.d.ts")).filter(({ name }) => !/^(Sync)?Init|^init/.test(name));
     const functions = ["placement.d.ts", "tasks.d.ts"].map((name) => declarations(read(name)).filter(({ kind }) => kind === "function"));
     const asLine = (own, prefix = "") => line({ signature: `${prefix}${own.name}${own.rest.replace(/\s+/g, " ").replace("( ", "(").replace(", )", ")")}`, told: own.told });
-    const text = ["# JavaScript reference", "", "What the npm package `kinopt` exports, from its types. How they are used together: [the package's page](https://github.com/kinopt/kinopt/blob/main/web/README.md).", ""];
+    const text = ["# JavaScript reference", "", "Exports of the npm package `kinopt`, with their types. Their use is shown on [the package's page](https://github.com/kinopt/kinopt/blob/main/web/README.md).", ""];
     for (const kind of ["class", "interface", "type"]) {
         for (const own of all.filter((one) => one.kind === kind).sort((a, b) => (a.name < b.name ? -1 : 1))) {
             text.push(`## ${own.name}`, "", own.told, "");
@@ -52,7 +52,7 @@ export function javascriptReference() {
             text.push(...own.members.filter((one) => !made.includes(one)).map(line), "");
         }
     }
-    text.push("## tasks", "", "What frames should do, for `new Problem(model, tasks)`.", "", ...functions[1].map((own) => asLine(own, "tasks.")), "");
+    text.push("## tasks", "", "Tasks of `new Problem(model, tasks)`.", "", ...functions[1].map((own) => asLine(own, "tasks.")), "");
     text.push("## Functions", "", ...[...functions[0], ...all.filter(({ kind }) => kind === "function")].map((own) => asLine(own)), "");
     return text.join("\n");
 }

@@ -1,4 +1,4 @@
-// The frame around every page: header, contents, the page's own headings, its neighbours.
+// Frame of every page: header, contents, headings of the page, next and previous page.
 import { repository } from "./contents.js";
 import { between } from "./links.js";
 
@@ -23,16 +23,16 @@ function neighbours(page, groups) {
     const order = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
     const at = order.findIndex(({ address }) => address === page.address);
     const to = (own, rel, says) => own ? `<a rel="${rel}" href="${between(page.address, own.address)}"><small>${says}</small>${escape(own.title)}</a>` : "<span></span>";
-    return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Before")}${to(order[at + 1], "next", "Next")}</nav>`;
+    return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Previous")}${to(order[at + 1], "next", "Next")}</nav>`;
 }
 
-/** Whether some table has more than a measure of text has room for: many columns of many letters. */
+/** True if a table is too wide for the text column: many columns with long rows. */
 const hasWideTable = (html) => html.split("<table>").slice(1).some((part) => {
     const rows = part.split("</table>")[0].split("</tr>").map((row) => row.replace(/<[^>]*>|&[a-z]+;/g, ""));
     return part.split("</thead>")[0].split("<th").length > 6 && rows.some((row) => row.length > 150);
 });
 
-/** How a page begins, without its markup. */
+/** First paragraph of a page without markup. */
 function firstWords(html) {
     const [, first = ""] = html.match(/<p>([\s\S]*?)<\/p>/) ?? [];
     const text = first.replace(/<[^>]*>/g, "").replace(/\s+/g, " ").replace(/&quot;/g, '"').replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&");
@@ -56,10 +56,10 @@ export function laidOut({ page, html, headings, groups }) {
 <script type="module" src="${at("docs/page.js")}"></script>
 </head>
 <body>
-<a class="skip" href="#text">To the text</a>
+<a class="skip" href="#text">Skip to the text</a>
 <header>
 <a class="name" href="${at("index.html")}">kinopt</a>
-<nav aria-label="Site"><a href="${at("index.html")}">Drag a body</a> <a href="${at("docs/index.html")}">Documentation</a> <a href="${repository}">Source</a></nav>
+<nav aria-label="Site"><a href="${at("index.html")}">Demo</a> <a href="${at("docs/index.html")}">Documentation</a> <a href="${repository}">Source</a></nav>
 <a class="button" id="menu" href="#contents">Contents</a>
 </header>
 <div id="page"${hasWideTable(html) ? ' class="wide"' : ""}>
@@ -70,7 +70,7 @@ ${groups.map(group(page)).join("\n")}
 <main id="text">
 ${html}
 ${neighbours(page, groups)}
-<footer><a href="${repository}/blob/main/${page.path}">The source of this page</a></footer>
+<footer><a href="${repository}/blob/main/${page.path}">Source of this page</a></footer>
 </main>
 ${onThisPage(headings)}
 </div>

@@ -1,21 +1,21 @@
-// What a link or a picture of a page's source is on the site.
+// Conversion of a page's links and pictures to addresses on the site.
 import { existsSync, statSync } from "node:fs";
 import { posix } from "node:path";
 import { repository, root } from "./contents.js";
 
 const OWN = new RegExp(`^(?:${repository}/(?:blob|tree|raw)/main|${repository.replace("//github.com", "//raw.githubusercontent.com")}/main)/`);
 
-/** From one place on the site to another. */
+/** Relative address from one page of the site to another. */
 export const between = (from, to) => posix.relative(posix.dirname(from), to) || posix.basename(to);
 
-/** Rewrites the links of a page; `pictures` collects what is to be copied. */
+/** Rewrites the links of a page; `pictures` collects the files to copy. */
 export class Links {
     constructor(pages, pictures) {
         this.pages = pages;
         this.pictures = pictures;
     }
 
-    /** The path in the repository that a link from a page means, and what follows it; nothing for addresses elsewhere. */
+    /** Path in the repository of a link of a page, and its anchor; undefined for external addresses. */
     #path(page, link) {
         const [whole, anchor = ""] = link.split(/(?=#)/);
         if (OWN.test(whole)) return { path: whole.replace(OWN, ""), anchor };
@@ -23,19 +23,19 @@ export class Links {
         return { path: posix.join(posix.dirname(page.path), decodeURI(whole)).replace(/\/$/, ""), anchor };
     }
 
-    /** The path of what is the repository's own. */
+    /** Path of a link into the repository. */
     pathOf(page, link) {
         return this.#path(page, link)?.path;
     }
 
-    /** The title of the page that a link leads to, if it leads to one. */
+    /** Title of the page that a link leads to, if it is a page of the site. */
     titleOf(page, link) {
         return this.pages.get(this.#path(page, link)?.path)?.title;
     }
 
     #there(page, path) {
         const file = new URL(path, root);
-        if (!existsSync(file)) throw new Error(`${page.path} links to ${path}, which is not there`);
+        if (!existsSync(file)) throw new Error(`${page.path} links to ${path}, which does not exist`);
         return statSync(file);
     }
 

@@ -1,4 +1,4 @@
-// Markdown to HTML: anchors as GitHub names them, code in colours, the same thing in several languages beside each other.
+// Markdown to HTML: anchors as on GitHub, highlighted code, tabs for equivalent code in several languages.
 import { readFileSync } from "node:fs";
 import highlighter from "highlight.js/lib/core";
 import bash from "highlight.js/lib/languages/bash";
@@ -19,7 +19,7 @@ const GRAMMARS = { sh: "bash", js: "javascript", ts: "typescript", yaml: "ini", 
 const markdown = new MarkdownIt({ html: false, linkify: false, typographer: false });
 const escape = markdown.utils.escapeHtml;
 
-/** The anchor of a heading, of which there are `seen` on the page. */
+/** Anchor of a heading; `seen` counts repeated headings of the page. */
 export function anchorOf(text, seen) {
     const plain = text.trim().toLowerCase().replace(/[^\p{L}\p{N}\s_-]/gu, "").replace(/\s/g, "-");
     const before = seen.get(plain) ?? 0;
@@ -27,7 +27,7 @@ export function anchorOf(text, seen) {
     return before ? `${plain}-${before}` : plain;
 }
 
-/** What rustdoc hides. */
+/** Removes the lines that rustdoc hides. */
 const withoutHidden = (code) => code.split("\n").filter((line) => !/^\s*#( |$)/.test(line)).join("\n");
 
 export function coloured(code, language) {
@@ -43,7 +43,7 @@ function block(token) {
 
 const named = (token) => LANGUAGES[token.info.trim().split(/[\s,]+/)[0]];
 
-// Blocks that follow each other in different languages say the same thing: one is looked at.
+// Consecutive blocks in different languages are equivalent: one of them is shown.
 markdown.core.ruler.push("languages", ({ tokens, Token }) => {
     for (let begin = 0; begin < tokens.length; begin += 1) {
         let end = begin;
@@ -61,12 +61,12 @@ markdown.renderer.rules.languages = (tokens, index) => {
 };
 markdown.renderer.rules.fence = (tokens, index) => block(tokens[index]);
 markdown.renderer.rules.code_block = (tokens, index) => block({ info: "text", content: tokens[index].content });
-// The groups of a large number stand on one line.
+// The digit groups of a large number are not separated by a line break.
 markdown.renderer.rules.text = (tokens, index) => markdown.utils.escapeHtml(tokens[index].content.replace(/(\d) (?=\d{3}\b)/g, "$1\u00a0"));
 markdown.renderer.rules.table_open = () => '<div class="table" tabindex="0" role="region" aria-label="Table"><table>\n';
 markdown.renderer.rules.table_close = () => "</table></div>\n";
 
-// Links and pictures mean something else on the site; headings can be linked to.
+// Links and pictures are converted for the site; headings get anchors.
 markdown.core.ruler.push("site", ({ tokens, env }) => {
     env.headings = [];
     const seen = new Map();
@@ -88,7 +88,7 @@ markdown.renderer.rules.heading_close = (tokens, index) => {
     return ` <a class="anchor" href="#${anchor}" aria-label="Link to this section">#</a></${tokens[index].tag}>\n`;
 };
 
-/** Rewrites a link; one that shows the name of a page's file shows the page's title. */
+/** Rewrites a link; if its text is the file name of a page, the page's title replaces the text. */
 function linked(link, shown, env) {
     const to = link.attrGet("href");
     if (/^[\w./-]+\.md$/.test(shown.content)) shown.content = env.links.titleOf(env.page, to) ?? shown.content;
@@ -104,7 +104,7 @@ function picture(image, env) {
     if (size) for (const [name, value] of Object.entries(size)) image.attrSet(name, String(value));
 }
 
-/** How large a picture is, so that the page does not move when it comes. */
+/** Size of a picture, so that the page does not shift when it loads. */
 function sizeOf(path) {
     if (!path) return undefined;
     const bytes = readFileSync(new URL(path, root));
@@ -114,7 +114,7 @@ function sizeOf(path) {
     return width ? { width, height } : undefined;
 }
 
-/** What stands below each heading, for the search. */
+/** Text below each heading, for the search. */
 function sectionsOf(tokens, headings) {
     const sections = [];
     let next = 0;
@@ -126,7 +126,7 @@ function sectionsOf(tokens, headings) {
     return sections;
 }
 
-/** A page's text as HTML, its headings, and what stands below each. */
+/** HTML of a page, its headings, and the text below each heading. */
 export function rendered(text, page, links) {
     const env = { page, links };
     const tokens = markdown.parse(text, env);

@@ -1,17 +1,17 @@
-// What the pages of the documentation do: one language at a time, code that is copied, contents that open on small screens.
+// Behaviour of the documentation pages: language tabs, copy buttons, and a contents menu on small screens.
 const KEPT = "kinopt language";
 const remembered = () => {
     try {
         return localStorage.getItem(KEPT);
     } catch {
-        return null; // pages that are opened as files have no memory
+        return null; // pages opened as files have no storage
     }
 };
 const remember = (language) => {
     try {
         localStorage.setItem(KEPT, language);
     } catch {
-        // as above
+        // No storage, as above.
     }
 };
 
@@ -45,7 +45,7 @@ for (const [number, group] of document.querySelectorAll(".languages").entries())
         part.setAttribute("role", "tabpanel");
         part.setAttribute("aria-labelledby", tab.id);
         tab.addEventListener("click", () => {
-            // Groups above may change their height: what was pressed stays under the pointer.
+            // Groups above may change their height: the clicked tab stays under the pointer.
             const before = tab.getBoundingClientRect().top;
             choose(language);
             remember(language);
@@ -99,7 +99,7 @@ contents.addEventListener("keydown", (event) => {
     open(false);
     menu.focus();
 });
-// The search: sections that have all the words, those first that have them in their headings.
+// Search: sections that contain all words, with matches in headings first.
 const search = document.createElement("input");
 search.type = "search";
 search.placeholder = "Search";
@@ -132,7 +132,7 @@ search.addEventListener("input", async () => {
         item.append(link);
         return item;
     }));
-    if (words.length && !scored.length) results.textContent = "Nothing has these words.";
+    if (words.length && !scored.length) results.textContent = "No results.";
     contents.classList.toggle("searching", words.length > 0);
 });
 search.addEventListener("keydown", (event) => {

@@ -1,9 +1,9 @@
-// The classes and functions of the Python package, signatures from its stubs and words from where they are written, as a
-// page of Markdown.
+// Reference of the Python package as a page of Markdown: signatures from its stubs, texts from the doc comments and
+// docstrings.
 import { readdirSync } from "node:fs";
 import { root, source } from "./contents.js";
 
-/** Each module with the stub of what is compiled, and the folder or file of what is written in Python. */
+/** Each module with its stub, and the file or folder of its Python sources. */
 const MODULES = [
     ["kinopt", "__init__.py", "__init__", ["motion.py", "placements.py", "errors.py"]],
     ["kinopt.tasks", "tasks.py", "tasks", ["tasks.py"]],
@@ -23,7 +23,7 @@ function filesIn(folder) {
     return files.filter((file) => file.endsWith(".py")).sort().map((file) => `${folder}/${file}`);
 }
 
-/** The words above what Rust defines for Python: by class, and by class and member. */
+/** Doc comments of Python classes and functions in the Rust sources, by class, and by class and member. */
 function wordsOfRust() {
     const words = new Map();
     const files = readdirSync(new URL("python/src/", root), { recursive: true }).filter((file) => file.endsWith(".rs")).sort();
@@ -52,7 +52,7 @@ function wordsOfRust() {
     return words;
 }
 
-/** Statements of a stub or a module, those over several lines in one. */
+/** Statements of a stub or a module; those over several lines are joined. */
 function statements(text) {
     const whole = [];
     let depth = 0;
@@ -64,7 +64,7 @@ function statements(text) {
     return whole.map((line) => line.replace(/\( /g, "(").replace(/,? \)/g, ")"));
 }
 
-/** Words as Markdown: names in code; lines that say what keywords are become a list. */
+/** Doc text as Markdown: names as code; lines about keywords become a list. */
 function plain(words = "") {
     const lines = [];
     let listed = false;
@@ -80,7 +80,7 @@ function plain(words = "") {
 const line = (signature, told) => `- \`${signature}\`${told ? `  \n  ${plain(told).replace(/\s*\n\s*/g, " ")}` : ""}`;
 const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:\s*\.\.\.$/, "");
 
-/** A definition as a block of code, a parameter a line where it is long. */
+/** A signature as a code block; a long one has a line for each parameter. */
 function block(text) {
     const [, name, inside, rest] = text.match(/^(\w+)\(([\s\S]*)\)((?: -> .*)?)$/) ?? [];
     if (text.length < 90 || !inside) return ["```python", text, "```", ""];
@@ -111,7 +111,7 @@ function ofStub(file, words) {
     return found;
 }
 
-/** Classes and functions that are written in Python, by their own words. */
+/** Classes and functions of a Python source, with their docstrings. */
 function ofFile(file) {
     const text = source(`python/kinopt/${file}`);
     const found = [];
@@ -130,12 +130,12 @@ function ofFile(file) {
     return found;
 }
 
-/** What a module says it has. */
+/** Exported names of a module. */
 const exported = (file) => new Set([...source(`python/kinopt/${file}`).split("__all__ = [")[1].split("]")[0].matchAll(/"(\w+)"/g)].map(([, name]) => name));
 
 export function pythonReference() {
     const words = wordsOfRust();
-    const text = ["# Python reference", "", "The classes and functions of the package `kinopt`, in the words of their `help`. How they are used together: [the package's page](https://github.com/kinopt/kinopt/blob/main/python/README.md).", ""];
+    const text = ["# Python reference", "", "Classes and functions of the package `kinopt`, with their docstrings. Their use is shown on [the package's page](https://github.com/kinopt/kinopt/blob/main/python/README.md).", ""];
     for (const [module, exports, stub, files] of MODULES) {
         const names = exported(exports);
         const all = [...ofStub(stub, words), ...files.flatMap(ofFile)].filter(({ name }) => names.has(name));

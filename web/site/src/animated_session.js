@@ -1,9 +1,9 @@
-// A glTF scene or a capture: dragged from where its clip has it, on its feet; of several clips one is chosen.
+// A glTF scene or a motion capture: dragged from a pose of its clip; one of several clips is selected.
 import { Drag, Problem } from "kinopt";
 import { CharacterSession } from "./character_session.js";
 import { HeldOverClip } from "./held_over_clip.js";
 
-/** What of a scene the library leaves out and the page draws. */
+/** Parts of a scene that the library omits and the page draws. */
 const DRAWN = /^(images|materials|textures|samplers)\b|TEXCOORD/;
 
 export class AnimatedSession extends CharacterSession {
@@ -24,7 +24,7 @@ export class AnimatedSession extends CharacterSession {
         return this.described({ up: "y", from: [0.55, 0.3, 1], pins: [], triangles, seconds, clips, notes });
     }
 
-    /** Another of its clips, from its beginning. */
+    /** Selects another clip, at its start. */
     choose(clip) {
         this.clip = this.clips[clip];
         this.held = new HeldOverClip();
@@ -32,7 +32,7 @@ export class AnimatedSession extends CharacterSession {
         return { ...this.show(), seconds: this.clip.duration };
     }
 
-    /** Has it stand in a pose; its angles count from there. */
+    /** Sets the pose; the angles are relative to it. */
     stand(pose) {
         this.figure = this.thing.figure(pose);
         const { skeleton } = this.figure;
@@ -45,13 +45,13 @@ export class AnimatedSession extends CharacterSession {
         return this.show();
     }
 
-    /** What a figure without limits does not move is told by the library. */
+    /** Without limits, the library selects the bones that stay. */
     grab(handle, pins) {
         const held = [...this.skeleton.holds([handle]), ...pins];
         return this.drags(handle, held, (points) => Problem.holding(this.skeleton, [handle], points, this.q));
     }
 
-    /** The figure stands in the clip's pose, so that the clip has it at no angle. */
+    /** The figure is in the clip's pose, so all angles of the clip are zero. */
     clipAngles(seconds) {
         this.stand(this.clip.sample(this.clip.start + seconds, "loop"));
         return this.q;

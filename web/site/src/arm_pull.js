@@ -1,20 +1,26 @@
-// The tool of an arm in the hand: the arm's own engine follows it, and keeps how it is turned.
+// Drag of an arm's tool: a path follower keeps its orientation.
 import { Arm } from "kinopt";
 import { MARGIN } from "./body_pull.js";
 
-/** How far a joint stands from the middle of its limits, as a share of its range, and radians at most: straight arms are singular. */
+/**
+ * Initial offset of a joint from the middle of its limits, relative to its range and in radians at most: straight arms
+ * are singular.
+ */
 const [ASIDE, BENT] = [0.15, 0.6];
 
 export class ArmPull {
     constructor(robot, base, tip, joints, surroundings) {
-        // Few joints cannot turn a tool any way.
+        // Few joints cannot reach every orientation.
         const options = joints.length < 6 ? { goal: "position" } : {};
         this.arm = surroundings
             ? Arm.keepingClear(robot, base, tip, surroundings.shapes, surroundings.world, MARGIN, options)
             : new Arm(robot, base, tip, options);
     }
 
-    /** The whole robot with this arm where it begins: bent, to this side and that of the middle of its limits, unless told otherwise. */
+    /**
+     * The robot's configuration with this arm at its start: by default bent to alternating sides of the middle of its
+     * limits.
+     */
     bent(whole, start) {
         const { lower, upper } = this.arm;
         const begins = lower.map((low, k) => {
@@ -25,7 +31,7 @@ export class ArmPull {
         return this.arm.configuration(start ?? begins, whole);
     }
 
-    /** Goes on from where the whole robot stands. */
+    /** Continues from a configuration of the robot. */
     grab(_handle, _pins, whole) {
         this.whole = whole;
         this.q = this.arm.jointValues(whole);
@@ -33,7 +39,7 @@ export class ArmPull {
         this.target = this.arm.baseFromTool(this.q);
     }
 
-    /** A frame: the tool to a place. */
+    /** One frame: moves the tool to a position. */
     advance(place) {
         this.target.set(place, 12);
         const solution = this.follower.advance(this.target);

@@ -1,13 +1,16 @@
-// Any part of a robot in the hand: the whole of it follows, what is pinned stays, and who stands keeps the balance.
+// Drag of any frame of a robot: the whole body follows, pinned frames stay, and a robot on its feet keeps its balance.
 import { Drag, ForwardKinematics, Problem, tasks } from "kinopt";
 
-/** How far what is pulled keeps from what is in its way, metres. */
+/** Margin of collision avoidance, metres. */
 export const MARGIN = 0.01;
-/** Strict levels: what is pinned stays, and balance is kept, where the hand is out of reach. */
+/** Priority levels: pinned frames and balance have priority over an unreachable target. */
 const [PINNED, BALANCE, PULLED] = [0, 1, 2];
 
 export class BodyPull {
-    /** `soles` are those of the feet, by their names, of who stands; without masses in its file no balance is kept. */
+    /**
+     * `soles` are the contact points of the feet by name, for a robot on its feet. Without masses there is no balance
+     * task.
+     */
     constructor(robot, { soles = {}, surroundings } = {}) {
         this.model = robot.model;
         this.stands = Object.keys(soles).length > 0;
@@ -24,7 +27,9 @@ export class BodyPull {
         }
     }
 
-    /** Goes on from `q`; what is pinned keeps its place and how it is turned, what is pulled only where it was pinned. */
+    /**
+     * Continues from `q`. Pinned frames keep their poses; the dragged frame keeps its orientation only if it is pinned.
+     */
     grab(handle, pins, q) {
         const frames = [...new Set([...pins, handle])];
         const placed = new ForwardKinematics(this.model, frames).place(q).slice();
@@ -49,7 +54,7 @@ export class BodyPull {
         return surroundings ? Problem.keepingClear(model, stated, surroundings.shapes, surroundings.world, MARGIN) : new Problem(model, stated);
     }
 
-    /** A frame: what is pulled to a place. */
+    /** One frame: moves the dragged frame to a position. */
     advance(place) {
         this.turned?.set(place, 12);
         const solution = this.dragging.advance({ [this.handle]: this.turned ?? place });

@@ -1,4 +1,4 @@
-// What is drawn of what is open: a skin, bones or a robot's links; the places that are grabbed; what is in the way.
+// Drawing of the opened model: a skin, bones or a robot's links; handles; obstacles.
 import * as THREE from "three";
 import { extension } from "./files.js";
 import { StickFigure } from "./stick_figure.js";
@@ -8,34 +8,34 @@ const BONE = 0xcfa675;
 const LINK = 0xd8d5cd;
 const BOX = 0xb98a5b;
 const GROUND = 0x8f9aa3;
-/** Sides of the squares on the ground, for the size of what is seen, and how many there are. */
+/** Side length of the ground's squares relative to the size of the scene, and their number. */
 const [SQUARE, SQUARES] = [0.2, 40];
-/** How large what may be grabbed is drawn for the size of a body: joints, and the ends of a robot's limbs. */
+/** Radii of handles relative to the size of the model: of joints, and of the ends of a robot's limbs. */
 const [JOINT, END] = [0.009, 0.018];
-/** What may be grabbed: dark, as skins, sticks and links are light. */
+/** Colour of free handles: dark, because skins, sticks and links are light. */
 const FREE = 0x46525c;
 const PINNED = 0x1f6fb2;
 const GRABBED = 0xe08a1e;
 const UNDER_HAND = 0x8fa3b3;
 const LIMITED = 0xc8442f;
-/** How much larger what is grabbed is drawn, as its colour may be that of a pin. */
+/** Scale of a grabbed handle, because its colour may be that of a pinned one. */
 const IN_HAND = 1.4;
 
 const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
 
-/** How thick sticks are for the size of a figure. */
+/** Thickness of sticks relative to the size of a figure. */
 const STICK = 0.012;
 const sizeOf = (places) => new THREE.Box3().setFromArray(places).getSize(new THREE.Vector3()).length();
 
 export class BodyView {
-    /** `files` are those that it was opened from. */
+    /** `files` are the opened files. */
     constructor(stage, opened, files) {
         this.stage = stage;
         this.group = new THREE.Group();
         stage.scene.add(this.group);
         this.opened = opened;
         this.files = files;
-        /** The notes of what cannot be drawn, when all is drawn that comes later. */
+        /** Notes about parts that cannot be drawn, after all delayed parts are loaded. */
         this.dressed = Promise.resolve([]);
         this.count = opened.handles.length;
         if (opened.shapes) this.#links();
@@ -43,7 +43,7 @@ export class BodyView {
         else if (opened.parents) this.#bones();
         const extent = this.#extent();
         stage.frame(extent, opened);
-        // Who walks has it underfoot frame by frame.
+        // A walking subject moves the ground in every frame.
         if (opened.kind !== "movement") {
             this.grid = this.#ground(SQUARE * stage.size);
             this.grid.position[opened.up] = opened.floor ?? lowest(extent, opened.up);
@@ -62,7 +62,7 @@ export class BodyView {
         return [...this.#origins(links), ...person, ...filled.flatMap(corners)];
     }
 
-    /** Where links begin, three numbers each. */
+    /** Origins of the links, three numbers each. */
     #origins(links) {
         return Array.from({ length: links.length / 16 }, (_, k) => [...links.subarray(16 * k + 12, 16 * k + 15)]).flat();
     }
@@ -70,7 +70,7 @@ export class BodyView {
     #skin() {
         this.geometry = new THREE.BufferGeometry();
         this.geometry.setIndex(new THREE.BufferAttribute(this.opened.triangles, 1));
-        // What has no normals is lit face by face.
+        // Meshes without normals are flat-shaded.
         const flatShading = this.opened.normals.length === 0;
         for (const name of flatShading ? ["position"] : ["position", "normal"]) {
             const numbers = new Float32Array(this.opened.positions.length);
@@ -84,7 +84,7 @@ export class BodyView {
         if (Object.keys(this.files).some((name) => ["glb", "gltf"].includes(extension(name)))) this.dressed = this.#dress(plain, flatShading);
     }
 
-    /** A scene's own materials, as soon as they are there; without them it stays plain. */
+    /** Materials of a scene, once they are loaded; without them it is plain. */
     async #dress(plain, flatShading) {
         const { positions, triangles } = this.opened;
         const { sceneLook } = await import("./scene_look.js");
@@ -135,7 +135,7 @@ export class BodyView {
         });
     }
 
-    /** Of bodies of plain shapes that do not meet, as where a shoulder has none: those between them, each with what it hangs on. */
+    /** Bodies in the gaps between plain shapes that do not meet, each with its parent body. */
     #gaps() {
         const { gaps, links } = this.opened;
         if (!gaps) return undefined;
@@ -155,7 +155,7 @@ export class BodyView {
         return crossed.some((parent) => parent >= 0) ? crossed : undefined;
     }
 
-    /** What the files of meshes hold, `[file, where it goes]`. */
+    /** Loads mesh files, `[file, parent]`. */
     async #fill(meshes) {
         const { LinkMeshes } = await import("./link_meshes.js");
         const drawing = new LinkMeshes(this.files, solid(LINK));
@@ -183,7 +183,7 @@ export class BodyView {
         this.mark({ pins: new Set(this.opened.pins) });
     }
 
-    /** Colours the handles: what is pinned is blue in the hand too, so what is grabbed is larger. */
+    /** Colours the handles. A pinned handle stays blue when it is grabbed, so grabbed handles are larger. */
     mark({ pins, grabbed, hovered, limits = [] }) {
         this.grabbed = grabbed;
         this.#spread();
@@ -198,7 +198,7 @@ export class BodyView {
         this.stage.touch();
     }
 
-    /** Moves all to what the library answered. */
+    /** Updates the drawing to a result of the library. */
     show({ positions, normals, places, person, links, ground }) {
         this.places = places;
         this.person = person;
@@ -218,7 +218,7 @@ export class BodyView {
         this.stage.touch();
     }
 
-    /** Puts the handles where they stand. */
+    /** Moves the handles to their positions. */
     #spread() {
         const { handles, ends } = this.opened;
         const places = this.places ?? this.opened.places;
@@ -238,7 +238,7 @@ export class BodyView {
         });
     }
 
-    /** The view goes with who walks, and so does the ground, by whole squares. */
+    /** Moves the view with a walking subject, and the ground by whole squares. */
     #walk([x, y]) {
         const side = SQUARE * this.stage.size;
         this.grid ??= this.#ground(side);
@@ -255,12 +255,12 @@ export class BodyView {
         return grid;
     }
 
-    /** Where a handle stands. */
+    /** Position of a handle. */
     place(name) {
         return new THREE.Vector3().fromArray(this.places, 3 * this.opened.handles.indexOf(name));
     }
 
-    /** The handle next to a pixel, within reach of a finger. */
+    /** The handle nearest to a pixel, within a finger's size. */
     nearest(x, y) {
         let best;
         let least = 60;
@@ -285,18 +285,18 @@ export class BodyView {
     }
 }
 
-/** How high the lowest of points of three numbers is. */
+/** Height of the lowest of these points, three numbers each. */
 function lowest(points, up) {
     let least = Infinity;
     for (let k = up === "z" ? 2 : 1; k < points.length; k += 3) least = Math.min(least, points[k]);
     return least;
 }
 
-/** The eight corners of a box, three numbers each. */
+/** Corners of a box, three numbers each. */
 const corners = ({ min, max }) =>
     [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => [x, y, z]))).flat();
 
-/** The library's cylinders and capsules stand along z, three.js's along y. */
+/** Cylinders and capsules of the library are along z, those of three.js along y. */
 function primitive({ kind, size, radius, length, radii }, color) {
     const geometry = {
         box: () => new THREE.BoxGeometry(...size),

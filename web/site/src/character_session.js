@@ -1,15 +1,15 @@
-// What rigs and files of animation share: bones that are grabbed, a skin that follows, a clip that plays on.
+// Common code of rigs and animation files: bones that are dragged, a skin that follows, a clip that plays.
 import { Drag, tasks } from "kinopt";
 import { Handles, told } from "./handles.js";
 import { HeldOverClip } from "./held_over_clip.js";
 
-/** Seconds of a frame that came late count as so many. */
+/** Largest time step of a late frame, seconds. */
 const LATE = 0.1;
 
 export class CharacterSession {
     held = new HeldOverClip();
 
-    /** Stands at these angles of a skeleton. */
+    /** Sets the angles of a skeleton. */
     stands(skeleton, q) {
         this.skeleton = skeleton;
         this.model = skeleton.model;
@@ -22,12 +22,12 @@ export class CharacterSession {
         return { kind: "character", handles: this.handles.names, parents: this.skeleton.parents, ...more };
     }
 
-    /** Tasks that hold the tips of these bones where they stand at `q`. */
+    /** Point tasks that keep the tips of these bones at their positions at `q`. */
     points(names, q) {
         return [...new Set(names)].map((name) => tasks.point(this.handles.frames[name], this.handles.place(q, name), { name }));
     }
 
-    /** Drags `handle` by the problem that `state` makes of the points that are held. */
+    /** Starts a drag of `handle` with the problem that `state` creates from the point tasks. */
     drags(handle, held, state) {
         this.grabbed = handle;
         this.dragging = new Drag(state(this.points([...held, handle], this.q)), this.q);
@@ -42,12 +42,12 @@ export class CharacterSession {
         return { ...this.show(), ...told(solution, this.model.reach), solved, rests: this.dragging.isAtRest };
     }
 
-    /** Angles taken into the limits, where there are some. */
+    /** Clamps angles to the limits, if there are any. */
     within(q) {
         return q;
     }
 
-    /** A frame of the clip, with what is held, `[handle, place]`, where it should be. */
+    /** One frame of the clip, with held handles at their targets, `[handle, position]`. */
     play({ seconds, passed, held }) {
         const begun = performance.now();
         const angles = this.clipAngles(seconds);
@@ -70,7 +70,7 @@ export class CharacterSession {
         return { ...this.show(), ...words, solved };
     }
 
-    /** The skin as `deform` moves it, and the places of the bones. */
+    /** Skin after `deform`, and positions of the bones. */
     shown(deform) {
         const begun = performance.now();
         if (this.posing) deform(this.posing);

@@ -1,10 +1,10 @@
-// Files that were dropped, under the names by which other files ask for them.
+// Dropped files under the names by which other files refer to them.
 import * as THREE from "three";
 
-/** A picture of one white point, for those that are not there. */
+/** Picture of one white pixel, for missing pictures. */
 const WHITE = "data:image/gif;base64,R0lGODlhAQABAIAAAP///wAAACwAAAAAAQABAAACAkQBADs=";
 
-/** A manager for three.js's loaders that never asks a server. */
+/** A loading manager of three.js that sends no request to a server. */
 export function managerOf(files) {
     const urls = new Map();
     const manager = new THREE.LoadingManager();

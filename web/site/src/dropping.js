@@ -1,14 +1,14 @@
-// Files that come onto the page: dropped, or chosen.
+// Files that are dropped onto the page or chosen.
 import { dropped } from "./files.js";
 
 const element = (id) => document.getElementById(id);
 
-/** Gives `open` a list of files, or its promise, whenever some come. */
+/** Calls `open` with a list of files, or its promise, for every drop or choice. */
 export function dropping(open) {
     element("choose").onclick = () => element("file").click();
     element("file").onchange = ({ target }) => {
         open([...target.files]);
-        // The same file, mended, may be chosen again.
+        // An edited file of the same name may be chosen again.
         target.value = "";
     };
     const main = document.querySelector("main");

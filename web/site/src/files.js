@@ -1,4 +1,4 @@
-// Files that are chosen or dropped: their bytes by their names, without folders.
+// Chosen or dropped files: their bytes by name, without folders.
 
 export const extension = (name) => name.slice(name.lastIndexOf(".") + 1).toLowerCase();
 
@@ -8,7 +8,9 @@ export async function bytesOf(list) {
     return Object.fromEntries(await Promise.all(files));
 }
 
-/** What is dropped, whole folders too. It must be asked while the drop is told, as what is dropped is forgotten then. */
+/**
+ * Dropped files, including whole folders. Call it during the drop event, because its entries are discarded afterwards.
+ */
 export async function dropped({ items, files }) {
     const entries = [...items].map((item) => item.webkitGetAsEntry?.());
     if (!entries.some((entry) => entry?.isDirectory)) return [...files];
@@ -20,7 +22,7 @@ async function within(entry) {
     if (entry.isFile) return [await new Promise((resolve, reject) => entry.file(resolve, reject))];
     const reader = entry.createReader();
     const all = [];
-    // A reader gives a hundred entries at a time.
+    // A reader returns at most a hundred entries at a time.
     for (;;) {
         const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
         if (some.length === 0) break;
@@ -33,7 +35,7 @@ const isRobot = (name) => ["urdf", "xml"].includes(extension(name));
 const isCapture = (name) => extension(name) === "bvh";
 const without = (files, left) => Object.fromEntries(Object.entries(files).filter(([name]) => !left(name)));
 
-/** Files for a movement on a robot, of which only one is new: the other stays. */
+/** Files of a motion on a robot if only one of the two is new: the other one stays. */
 export function besideNew(before, files) {
     const names = Object.keys(files);
     if (names.some(isCapture) && !names.some(isRobot)) return { ...without(before, isCapture), ...files };

@@ -1,17 +1,17 @@
-// The pointer and the keys: what they grab, and where that should go.
+// Pointer and keyboard input: the grabbed handle and its target.
 
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-/** Radians that an arrow turns the view, and how much nearer a key comes. */
+/** Rotation of the view for an arrow key, radians, and zoom factor of a key. */
 const [TURN, NEARER] = [0.1, 1.1];
 const ZOOMS = { "+": NEARER, "=": NEARER, "-": 1 / NEARER };
 const BUTTONS = { p: "pin", s: "skin", " ": "play", r: "rest", w: "whole" };
 
-/** Listens on the page's canvas. */
+/** Adds the event listeners to the page's canvas. */
 export function hands({ page, grab, release, mark, tools, say, press }) {
     const { stage } = page;
     const { canvas } = stage;
 
-    /** Moves what is grabbed, and where it is kept. */
+    /** Moves the target of the grabbed handle, and its pin. */
     function aim(target) {
         page.target = target;
         page.moved = page.dragged = true;
@@ -20,7 +20,7 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
 
     const near = ({ clientX, clientY }) => (page.opening ? undefined : page.view?.nearest(clientX, clientY));
 
-    /** Shows what would be grabbed here, or is. */
+    /** Highlights the handle that is or would be grabbed. */
     function point(name) {
         canvas.style.cursor = page.held ? "grabbing" : name ? "grab" : "move";
         if (name === page.hovered) return;
@@ -28,12 +28,12 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         if (page.view) mark();
     }
 
-    /** The pointer that holds. */
+    /** Id of the pointer that drags. */
     let pointer;
 
-    // What is near enough is grabbed, all else turns the view.
+    // A press near a handle grabs it; any other press rotates the view.
     canvas.addEventListener("pointerdown", (event) => {
-        // A second finger does nothing to what the first one holds.
+        // A second pointer does not affect the first one's drag.
         if (page.held) return event.stopImmediatePropagation();
         const name = event.isPrimary && event.button === 0 ? near(event) : undefined;
         stage.orbit.enabled = !name;
@@ -59,7 +59,7 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         });
     }
 
-    // J goes to a joint, arrows move it; without one they turn the view.
+    // J selects a joint, arrow keys move it; without a selection they rotate the view.
     canvas.addEventListener("keydown", (event) => {
         if (!page.view || page.opening || event.ctrlKey || event.metaKey || event.altKey) return;
         const { handles } = page.opened;

@@ -1,16 +1,16 @@
-// What a hand does to a body whose clip goes on: its bones stand where the clip has them, and what is held stays in the hand.
+// Drag of a body during playback: bones follow the clip, and held handles stay at their targets.
 //
-// A body is turned away from its clip by some angles. In each frame those shrink a little and the clip moves on; from there
-// the points that are held are brought back. So a body comes to its clip again as nearly as what is held lets it, and all the
-// way when it is let go, without a leap.
+// A body deviates from its clip by some angles. In each frame those angles shrink a little and the clip advances; a
+// drag then brings the held points back. So a body returns to its clip as far as held points allow, and completely
+// after their release, without a jump.
 
-/** Seconds in which the angles away from the clip come to a third. */
+/** Time in which the deviation from the clip shrinks to 1/e, seconds. */
 const RETURN = 0.25;
-/** Seconds in which what is let go comes back to the clip. */
+/** Time in which a released handle returns to the clip, seconds. */
 const FADE = 0.4;
-/** While something is held no joint returns by more than this in a frame, radians: a drag brings back three times as much. */
+/** Largest return of a joint in a frame while something is held, radians; a drag moves back by three times as much. */
 const GENTLE = 0.05;
-/** Angles away from the clip that nobody sees, radians. */
+/** Negligible deviation from the clip, radians. */
 const UNSEEN = 1e-4;
 
 const smooth = (share) => share * share * (3 - 2 * share);
@@ -20,12 +20,15 @@ export class HeldOverClip {
     #letGo = new Map();
     #held = new Map();
 
-    /** Whether the body stands elsewhere than its clip has it, or will. */
+    /** True if the body deviates from its clip, or will. */
     get active() {
         return this.#away !== undefined || this.#held.size > 0 || this.#letGo.size > 0;
     }
 
-    /** Goes on by `seconds`, with these points held, `[handle, place]`: where each should be, by the places that the clip gives. */
+    /**
+     * Advances by `seconds` with these held points, `[handle, position]`. Returns the target of each, by the clip's
+     * positions.
+     */
     targets(held, seconds, placeInClip) {
         const now = new Map(held);
         for (const [handle, place] of this.#held) if (!now.has(handle)) this.#letGo.set(handle, { place, left: 1 });
@@ -43,7 +46,7 @@ export class HeldOverClip {
         return targets;
     }
 
-    /** Where a frame begins: `seconds` nearer to the clip's angles. */
+    /** Start of a frame: angles `seconds` nearer to those of the clip. */
     start(angles, seconds) {
         if (!this.#away) return angles;
         const most = Math.max(...this.#away.map(Math.abs));
@@ -54,7 +57,7 @@ export class HeldOverClip {
         return angles.map((value, k) => value + away[k]);
     }
 
-    /** Where it ended. */
+    /** Result of a frame. */
     ended(angles, q) {
         this.#away = q.map((value, k) => value - angles[k]);
     }

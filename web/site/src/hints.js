@@ -1,15 +1,15 @@
-// What can be done with what is open, and what can be dropped, in a line each.
+// Hints: actions for the opened model, and files that can be dropped.
 
 const DROP = "Drop your own robot (.urdf, .xml, meshes), character (.glb, .gltf, .bvh) or rig here.";
 const HINTS = {
-    character: ["Grab any joint and pull, while its clip plays too. Blue is pinned, red is at a limit.", DROP],
-    clip: ["The clip plays: grab any joint and pull, and pin it there if you like. Pause, then pull, and the pins hold again.", DROP],
-    robot: ["Grab its tool or any joint and pull; a pinned tool stays. Red is at a limit.", DROP],
-    body: ["Grab any joint and pull. Blue is pinned, red is at a limit.", DROP],
-    movement: ["A robot follows a captured person, live.", "Drop a .bvh for it to follow, or another robot's .urdf."],
+    character: ["Drag any joint, also while the clip plays. Blue joints are pinned, red joints are at a limit.", DROP],
+    clip: ["The clip plays: drag any joint, and pin it there. Pause to drag with the earlier pins.", DROP],
+    robot: ["Drag the tool or any joint; a pinned tool stays. Red joints are at a limit.", DROP],
+    body: ["Drag any joint. Blue joints are pinned, red joints are at a limit.", DROP],
+    movement: ["A robot follows a captured subject, live.", "Drop a .bvh file for it to follow, or the .urdf of another robot."],
 };
 
-/** Of what is open, if anything is: what can be done, what can be dropped. */
+/** Hints for the opened model, if any: possible actions, and files that can be dropped. */
 export function hints({ kind, pins = [] } = {}, plays) {
     const what = { character: plays ? "clip" : kind, robot: pins.length > 0 ? "body" : kind }[kind] ?? kind;
     return HINTS[what] ?? ["", ""];

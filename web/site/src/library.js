@@ -1,6 +1,6 @@
-// The worker, asked one thing at a time. Stopping it ends whatever it is at.
+// The worker, with one request at a time. Stopping it ends its current work.
 
-/** What is said of what was stopped. */
+/** Message of a stopped request. */
 export const STOPPED = "Stopped.";
 
 export class Library {
@@ -26,11 +26,11 @@ export class Library {
         };
         this.#worker.onerror = ({ message }) => {
             const unfetched = !message || /fetch/i.test(message);
-            this.#fail(new Error(unfetched ? "The library cannot be fetched: is the server still there? Then load the page again." : message));
+            this.#fail(new Error(unfetched ? "The library cannot be fetched. Check that the server is running, and reload the page." : message));
         };
     }
 
-    /** What the worker answers; `hear` is told how far it is, by what takes long. */
+    /** Sends a request; resolves to the worker's result. `hear` receives the progress of long requests. */
     ask(ask, what = {}, hear) {
         const id = (this.#next += 1);
         return new Promise((resolve, reject) => {
@@ -39,13 +39,13 @@ export class Library {
         });
     }
 
-    /** Ends what goes on, and begins anew with nothing open. */
+    /** Ends the current request, and starts a new worker without a model. */
     stop() {
         this.end();
         this.#begin();
     }
 
-    /** Ends for good. */
+    /** Ends the worker. */
     end() {
         this.#worker.terminate();
         this.#fail(new Error(STOPPED));

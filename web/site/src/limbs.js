@@ -1,12 +1,15 @@
-// What of a robot can be grabbed: the ends of its limbs and the joints between, and on which of them it stands.
+// Handles of a robot: the ends of its limbs and the joints between, and the limbs that are its feet.
 import { ForwardKinematics } from "kinopt";
 
-/** Places nearer to each other than this share of the robot's size are one to a hand. */
+/** Frames nearer to each other than this share one handle, relative to the robot's size. */
 const APART = 0.05;
-/** Feet are so level with the lowest end of a limb, and so far below the body, as shares of the robot's height. */
+/** Feet are nearly level with the lowest end of a limb, and far below the body, relative to the robot's height. */
 const [LEVEL, BELOW] = [0.05, 0.25];
 
-/** Frames at the ends of limbs, one of each chain of joints that is no part of another; of a robot with a flange that alone. */
+/**
+ * Frames at the ends of limbs, one for each joint chain that is not part of another. A flange is the only end of its
+ * robot.
+ */
 function ends({ model, tips }, chainOf, linkOf) {
     if (model.frameNames.includes("flange")) return ["flange"];
     const byChain = new Map();
@@ -15,9 +18,9 @@ function ends({ model, tips }, chainOf, linkOf) {
         if (chain) byChain.set(chain, [...(byChain.get(chain) ?? []), tip]);
     }
     const goesOn = (chain) => [...byChain.keys()].some((other) => other.startsWith(`${chain}\n`));
-    // Where many things end on one link, as toes on a foot, that is the limb's end.
+    // If several tips are on one link, such as toes on a foot, the link is the end of the limb.
     const found = [...byChain].filter(([chain]) => !goesOn(chain)).map(([, own]) => (own.length > 1 ? linkOf(own[0]) : own[0]));
-    // Of what has no joints the library says so.
+    // The library reports robots without joints.
     return found.length > 0 ? found : tips.slice(0, 1);
 }
 
@@ -37,13 +40,13 @@ export class Limbs {
 
         for (const name of names) this.#chains.set(name, robot.chain(this.base, name));
         const rigid = (one, other) => this.chain(one).join() === this.chain(other).join();
-        /** What of the frames that are fixed to each other has a body, else the first of them. */
+        /** Of the frames that are fixed to each other, one with shapes, else the first. */
         const link = (name) => {
             const own = names.filter((other) => rigid(name, other));
             return own.find((other) => robot.shapes(other).length > 0) ?? own[0];
         };
         const tips = ends(robot, (name) => this.chain(name), link);
-        /** Ends of limbs first, then the joints between, one at a place. */
+        /** Ends of limbs first, then the joints between, one at each position. */
         this.handles = [];
         for (const name of new Set([...tips, ...names.map(link)])) {
             const seen = this.handles.some((other) => rigid(name, other) || away(name, other) < apart);
@@ -53,23 +56,25 @@ export class Limbs {
         const high = (name) => at.get(name)[2];
         const lowest = Math.min(...this.tips.map(high));
         const low = this.tips.filter((name) => high(name) < lowest + LEVEL * this.height);
-        /** What carries the robot, if two limbs or more do: the lowest ends, well below what they hang on. */
+        /** Feet, for robots with at least two: the lowest ends of limbs, far below the body. */
         this.feet = low.length > 1 && this.#body(robot, at) > lowest + BELOW * this.height ? low : [];
     }
 
-    /** How high the body is that limbs hang on: where the file begins, else what moves first of it, as under MuJoCo's world. */
+    /**
+     * Height of the body that carries the limbs: the file's first frame, or the first moving one below MuJoCo's world.
+     */
     #body(robot, at) {
         const [first, second] = robot.model.frameNames;
         const name = first === "world" ? second : first;
         return at.get(name)?.[2] ?? 0;
     }
 
-    /** The joints from the base to a frame. */
+    /** Joints from the base to a frame. */
     chain(name) {
         return this.#chains.get(name);
     }
 
-    /** Where a joint is seen: the handle with the fewest joints behind it. */
+    /** The handle that shows a joint: of the handles that it moves, the one with the fewest joints. */
     handleOf(joint) {
         const behind = this.handles.filter((name) => this.chain(name).includes(joint));
         const length = (name) => this.chain(name).length;

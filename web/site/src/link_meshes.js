@@ -1,4 +1,4 @@
-// The meshes that a robot's file names, of the files that were dropped with it; only for the picture.
+// Meshes that a robot's file names, from the dropped files; for drawing only.
 import * as THREE from "three";
 import { ColladaLoader } from "three/addons/loaders/ColladaLoader.js";
 import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
@@ -17,13 +17,13 @@ export class LinkMeshes {
         this.#loading = managerOf(files);
     }
 
-    /** What is drawn of a mesh's file, in the file's own unit. */
+    /** The object of a mesh file, in the file's own unit. */
     drawn(name) {
         if (!this.#read.has(name)) this.#read.set(name, this.#parse(name));
         return this.#read.get(name).clone();
     }
 
-    /** Lets go of the pictures on them. */
+    /** Frees the textures. */
     forget() {
         this.#loading.forget();
     }
@@ -37,7 +37,8 @@ export class LinkMeshes {
                 return new THREE.Mesh(new STLLoader().parse(buffer.slice(byteOffset, byteOffset + byteLength)), this.material);
             }
             case "dae": {
-                // Whichever axis it calls up: a link's axes are its mesh's, and y is what the loader leaves alone.
+                // The file's up axis is ignored: a link's axes are those of its mesh, and the loader does not rotate
+                // files with y up.
                 const upright = text().replace(/<up_axis>.*?<\/up_axis>/s, "<up_axis>Y_UP</up_axis>");
                 const { scene } = new ColladaLoader(this.#loading.manager).parse(upright, "");
                 return scene;
@@ -48,7 +49,7 @@ export class LinkMeshes {
                 return object;
             }
             default:
-                throw new Error(`${name}: meshes are drawn of .stl, .dae and .obj files`);
+                throw new Error(`${name}: unsupported mesh format, expected .stl, .dae or .obj`);
         }
     }
 }

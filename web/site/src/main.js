@@ -1,4 +1,4 @@
-// The page: what is open, what is grabbed, what plays, and the loop that has the body follow.
+// The page: the opened model, the grabbed handle, playback, and the frame loop.
 import { BodyView } from "./body_view.js";
 import { dropping } from "./dropping.js";
 import { besideNew, bytesOf } from "./files.js";
@@ -12,12 +12,12 @@ import { WholeMovement } from "./whole_movement.js";
 
 const element = (id) => document.getElementById(id);
 
-/** Where all is drawn; a browser that draws nothing is told. */
+/** Creates the stage; reports a browser without WebGL. */
 function staged() {
     try {
         return new Stage(element("stage"));
     } catch (error) {
-        say("This page draws by WebGL, which this browser has not, or has switched off.", true);
+        say("This page needs WebGL, which this browser does not support or has disabled.", true);
         throw error;
     }
 }
@@ -28,32 +28,32 @@ const whole = new WholeMovement();
 const page = {
     view: undefined,
     opened: undefined,
-    /** What the library was asked for it. */
+    /** The request that opened the model. */
     asked: undefined,
     pins: new Set(),
-    /** While a clip plays: where what is pinned stays. */
+    /** Positions of the pinned handles during playback. */
     kept: new Map(),
     grabbed: undefined,
-    /** Where what is grabbed should go. */
+    /** Target of the grabbed handle. */
     target: undefined,
-    /** Whether a hand moved the body since it stood as its file or its clip has it. */
+    /** True if a drag moved the body away from the pose of its file or clip. */
     dragged: false,
-    /** What is said until something is grabbed, where a frame says nothing. */
+    /** Message until a handle is grabbed, for frames without a message. */
     note: "",
     limits: [],
     method: "lbs",
     playback: new Playback(),
-    /** Of a movement that was solved as a whole: how well. */
+    /** Errors of a motion that was solved as a whole. */
     whole: undefined,
     busy: false,
-    /** Milliseconds of solving and posing, frame by frame, for the test and the curious. */
+    /** Milliseconds of solving and posing by frame, for tests. */
     frames: [],
     stage,
 };
 globalThis.kinoptPage = page;
 const { playback } = page;
 
-/** Between notes. */
+/** Separator of notes. */
 const BETWEEN = " · ";
 
 function say(words, bad = false) {
@@ -63,10 +63,10 @@ function say(words, bad = false) {
 
 const isBad = () => element("status").classList.contains("bad");
 
-/** Whether the page moves by itself: not where the visitor's system says that nothing should. */
+/** True if playback starts at once: not if the system prefers reduced motion. */
 const begins = ({ kind }) => kind === "movement" && !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
-/** What is open, if all goes well; the library's message if not, and the page as it was. */
+/** Opens a model. After an error the page shows the library's message and keeps its model. */
 async function open(wanted, name) {
     page.opening = true;
     say(`Opening ${name}…`);
@@ -92,12 +92,12 @@ async function open(wanted, name) {
         for (const button of document.querySelectorAll("[data-open]")) {
             button.setAttribute("aria-pressed", String(button.dataset.open === name));
         }
-        // What the page brings itself is as it should be.
+        // Notes about the page's own models are not shown.
         say(name in MODELS ? "" : opened.notes.join(BETWEEN));
         const { view } = page;
         view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(BETWEEN)));
     } catch (error) {
-        say(/not given/.test(error.message) ? `${error.message}. Drop it too.` : error.message, true);
+        say(/not given/.test(error.message) ? `${error.message}. Drop this file too.` : error.message, true);
         if (page.asked && error.message === STOPPED) await anew();
     } finally {
         page.opening = false;
@@ -107,7 +107,7 @@ async function open(wanted, name) {
     }
 }
 
-/** A library that was stopped has forgotten what it had: it is opened again, at rest. */
+/** A restarted library has no model: the model is opened again, at rest. */
 async function anew() {
     release();
     forget();
@@ -118,16 +118,16 @@ async function anew() {
     mark();
 }
 
-/** What the tools say and do of what is open. */
+/** Updates the tools to the opened model. */
 function tools() {
     const { kind, triangles, seconds, clips } = page.opened ?? {};
     const [toDo, toDrop] = hints(page.opened, playback.running);
-    element("to-do").textContent = toDo && `${toDo} Drag beside it to turn the view.`;
+    element("to-do").textContent = toDo && `${toDo} Drag the background to rotate the view.`;
     element("to-drop").textContent = toDrop;
     element("pin").hidden = kind === "movement";
     element("skin").hidden = !(triangles?.length > 0);
     element("play").hidden = kind === "robot";
-    element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Free" : "Pin";
+    element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Unpin" : "Pin";
     element("skin").disabled = element("skin").hidden;
     element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
     element("play").disabled = !(seconds > 0);
@@ -139,7 +139,7 @@ function tools() {
     element("whole").setAttribute("aria-pressed", String(page.whole !== undefined));
 }
 
-/** Asks the library, and shows what it answers. */
+/** Sends a request to the library, and shows the result. */
 async function shown(ask, what) {
     if (!page.view) return undefined;
     page.busy = true;
@@ -164,7 +164,7 @@ function release() {
     page.held = page.nudged = false;
 }
 
-/** What a hand did before is over. */
+/** Discards the state of earlier drags. */
 function forget() {
     page.kept.clear();
     page.dragged = false;
@@ -172,7 +172,7 @@ function forget() {
 }
 
 async function grab(name) {
-    // What went wrong was read by who goes on.
+    // A new action clears an error.
     if (isBad()) say("");
     page.grabbed = name;
     page.note = "";
@@ -186,7 +186,7 @@ async function grab(name) {
 
 const mark = () => page.view.mark({ ...page, pins: playback.running ? page.kept : page.pins });
 
-/** What stays in the hand, or where it was pinned, while the clip goes on. */
+/** Held and pinned handles during playback, with their targets. */
 function heldOverClip() {
     const held = new Map([...page.kept].map(([name, place]) => [name, place.toArray()]));
     if (page.grabbed && (page.held || page.nudged)) held.set(page.grabbed, page.target.toArray());
@@ -197,7 +197,7 @@ async function step() {
     if (page.busy || page.opening || !page.view) return;
     if (playback.running) follow(await shown("play", { ...playback.advance(page.opened.seconds), held: heldOverClip() }));
     else if (page.target && page.moved) {
-        // What is aimed at meanwhile counts in the next frame.
+        // Targets that change meanwhile apply in the next frame.
         page.moved = false;
         const told = await shown("drag", { target: page.target.toArray() });
         if (!told) return;
@@ -206,11 +206,11 @@ async function step() {
     }
 }
 
-/** Tells what a frame came to. */
+/** Shows the messages of a frame. */
 function follow(told) {
     if (!told) return;
     page.frames.push({ solved: told.solved, posed: told.posed, steps: told.steps });
-    // Hours of it are not kept.
+    // Bounds the memory of long sessions.
     if (page.frames.length > 100_000) page.frames.splice(0, 50_000);
     if (page.opened.handles.length === 0) return;
     page.limits = told.limits;
@@ -226,7 +226,7 @@ hands({ page, grab, release, mark, tools, say, press: (id) => element(id).click(
 
 element("pin").onclick = () => {
     const { grabbed } = page;
-    if (!grabbed) return say("Grab a joint first.");
+    if (!grabbed) return say("Select a joint first.");
     if (playback.running) {
         if (!page.kept.delete(grabbed)) page.kept.set(grabbed, page.held || page.nudged ? page.target : page.view.place(grabbed));
         page.nudged = false;
@@ -243,12 +243,12 @@ element("skin").onclick = () => {
 };
 element("play").onclick = () => {
     release();
-    // A clip moves every joint, so that nothing of a pose could stay; what a hand did is not lost without a word.
+    // A clip moves every joint, so no part of a pose can stay; a message reports a lost pose.
     const lost = page.dragged && !playback.running;
     forget();
     page.limits = [];
     playback.toggle();
-    page.note = lost ? "The clip takes over: the pose from before is let go." : "";
+    page.note = lost ? "The clip replaces the dragged pose." : "";
     say(page.note);
     mark();
     tools();
@@ -258,7 +258,7 @@ element("clip").onchange = async ({ target }) => {
     release();
     forget();
     page.limits = [];
-    // A library that is stopped opens it with this one.
+    // A restarted library opens the model with this clip.
     page.asked.clip = clip;
     const { view } = page;
     const told = await shown("choose", { clip });
@@ -288,13 +288,13 @@ element("whole").onclick = async () => {
     }
     element("stop").hidden = false;
     try {
-        const solving = whole.solve(page.asked.files, ({ done, total }) => say(`The whole movement: ${done} of ${total} frames`));
-        say("The whole movement…");
+        const solving = whole.solve(page.asked.files, ({ done, total }) => say(`Whole motion: ${done} of ${total} frames`));
+        say("Whole motion…");
         tools();
         const { movement, meanError, slip } = await solving;
         if (view !== page.view) return undefined;
         page.whole = { meanError, slip };
-        say(`The whole movement: ${(1000 * meanError).toFixed(0)} mm off in the mean, what stands slips by ${(1000 * slip).toFixed(1)} mm at most.`);
+        say(`Whole motion: mean error ${(1000 * meanError).toFixed(0)} mm, largest drift of a foot contact ${(1000 * slip).toFixed(1)} mm.`);
         return await shown("follow", { movement });
     } catch (error) {
         if (view === page.view) say(error.message, error.message !== STOPPED);
@@ -310,7 +310,7 @@ for (const button of document.querySelectorAll("[data-open]")) {
     button.onclick = () => open(MODELS[name](), name);
 }
 
-// Files: dropped, or chosen.
+// Dropped or chosen files.
 async function openFiles(list) {
     const files = [...(await list)];
     if (files.length === 0) return;

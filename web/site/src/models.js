@@ -1,22 +1,24 @@
-// What the page opens by itself.
+// Models of the page.
 
-/** Boxes about a Panda: whole lengths and places, metres. */
+/** Boxes around a Panda: full lengths and positions, metres. */
 const BOXES = [
     { name: "table", size: [0.5, 1.0, 0.04], at: [0.55, 0, 0.12] },
     { name: "crate", size: [0.16, 0.16, 0.3], at: [0.5, -0.3, 0.29] },
     { name: "shelf", size: [0.3, 0.3, 0.03], at: [0.55, 0.35, 0.6] },
 ];
 
-/** Where the ground is under it, metres: its base too keeps so far off as all of it does (`MARGIN`, a centimetre). */
+/** Height of the ground, metres. The base also keeps the margin (`MARGIN`, 1 cm) from it. */
 const FLOOR = -0.011;
 
-/** Where the Panda begins, radians: its shoulder is bent too, so that its elbow swings while its tool is held. */
+/**
+ * Start configuration of the Panda, radians: its shoulder is bent too, so that its elbow swings while the tool stays.
+ */
 const BENT = [0, -0.4, 0, -2, 0, 1.6, 0.8];
 
 async function fetched(...names) {
     const files = names.map(async (name) => {
         const answer = await fetch(new URL(`./models/${name}`, import.meta.url)).catch(() => {
-            throw new Error(`${name} cannot be fetched: is the server still there?`);
+            throw new Error(`${name} cannot be fetched: check that the server is running`);
         });
         if (!answer.ok) throw new Error(`${name}: ${answer.status}`);
         return [name, new Uint8Array(await answer.arrayBuffer())];

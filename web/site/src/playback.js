@@ -1,15 +1,15 @@
-// The time of what plays.
+// Playback time.
 
-/** Seconds that a picture which comes late counts as: a page that was out of sight goes on from where it was. */
+/** Largest time step of a late frame, seconds: a hidden page continues from its last time. */
 const LATE = 0.25;
 
 export class Playback {
     running = false;
-    /** Where it is. */
+    /** Current time, seconds. */
     seconds = 0;
     #last = 0;
 
-    /** Plays from the beginning, or not at all. */
+    /** Starts playback from the beginning, or stops it. */
     begin(running) {
         this.seconds = 0;
         this.running = running;
@@ -21,7 +21,7 @@ export class Playback {
         this.#last = performance.now();
     }
 
-    /** Goes on: where something so long is now, and how much later than before. */
+    /** Advances the time of a clip of this duration; returns the time and the step. */
     advance(length) {
         const now = performance.now();
         const passed = Math.min((now - this.#last) / 1000, LATE);

@@ -1,12 +1,12 @@
-// A person's movement on a robot: live, frame after frame as it plays, or as a whole that was solved before.
+// A subject's motion on a robot: online, frame by frame, or solved as a whole before.
 import { ForwardKinematics, retarget, RetargetFollower } from "kinopt";
 import { shapesOf } from "./robot_shapes.js";
 
-/** Frames a second. */
+/** Frames per second. */
 const FPS = 30;
-/** Frames that one answer catches up with at most; what is missed beyond is left out. */
+/** Largest number of frames that one request processes; earlier ones are skipped. */
 const BEHIND = 15;
-/** A foot of a person of this height, metres, stands where it is slower than this, m/s. */
+/** Height of a subject, metres, and the speed below which its feet are in contact, m/s. */
 const [TALL, STANDS] = [1.75, 0.25];
 
 export class RetargetSession {
@@ -19,11 +19,11 @@ export class RetargetSession {
         this.kinematics = new ForwardKinematics(robot.model);
         const { stride, up } = new RetargetFollower(robot, this.clip, undefined, { fps: FPS });
         const heights = this.#places(0).filter((_, k) => k % 3 === (up === "y" ? 1 : 2));
-        /** How tall the person is in the robot's steps, metres; a small robot's feet are slower when they still walk. */
+        /** Height of the subject at the robot's scale, metres; the feet of a small robot are slower while walking. */
         const tall = stride * (Math.max(...heights) - Math.min(...heights));
         this.options = { fps: FPS, contactSpeed: (STANDS * tall) / TALL };
         this.follower = new RetargetFollower(robot, this.clip, undefined, this.options);
-        /** Where the person is drawn: beside the robot, as large as its steps are. */
+        /** Offset of the drawn subject, next to the robot and at the robot's scale. */
         this.aside = -tall;
         this.#step(0);
     }
@@ -47,7 +47,7 @@ export class RetargetSession {
         };
     }
 
-    /** Follows to a time: every frame on the way, as a live source would bring them. */
+    /** Advances to a time, through every frame, as from a live source. */
     play({ seconds }) {
         const frame = Math.min(Math.floor(seconds * FPS), this.frames - 1);
         const begun = performance.now();
@@ -70,14 +70,14 @@ export class RetargetSession {
         this.q = movement ? movement.subarray(frame * width, (frame + 1) * width) : this.follower.step(this.person);
     }
 
-    /** Goes by a movement that was solved as a whole, or live without one. */
+    /** Uses a motion that was solved as a whole, or the online retargeter without one. */
     follow({ movement }) {
         this.movement = movement;
         this.#step(this.frame);
         return this.show();
     }
 
-    /** Solves the whole movement; `tell` hears how many frames are done. */
+    /** Solves the whole motion; `tell` receives the number of finished frames. */
     whole(tell) {
         const options = { ...this.options, whole: true, progress: (done, total) => tell({ done, total }) };
         const found = retarget(this.robot, this.clip, undefined, options);

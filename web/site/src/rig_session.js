@@ -1,4 +1,4 @@
-// A rig: its tips are pinned, any bone is grabbed, its skin follows.
+// A rig: its tips are pinned, any bone can be dragged, its skin follows.
 import { Drag, Problem } from "kinopt";
 import { CharacterSession } from "./character_session.js";
 
@@ -37,12 +37,12 @@ export class RigSession extends CharacterSession {
         return this.rig.clip.sample(seconds, "loop");
     }
 
-    /** The pinned tips go with the clip, but those that are held. */
+    /** The pinned tips follow the clip, except the held ones. */
     stillBut(handles) {
         return this.rig.constrained.filter((name) => !handles.includes(name));
     }
 
-    /** One problem for as long as the same points are held. */
+    /** One problem for as long as the held points are the same. */
     draggingOver(_handles, points) {
         const key = points.join();
         if (this.over?.key !== key) {

@@ -1,4 +1,4 @@
-// A robot: any part of it is pulled, around what is in the way where there is a world; feet, or what else is pinned, stay.
+// A robot: any part of it can be dragged, around obstacles if there is a world; feet and pinned frames stay.
 import { CollisionModel, ForwardKinematics, World } from "kinopt";
 import { ArmPull } from "./arm_pull.js";
 import { BodyPull } from "./body_pull.js";
@@ -6,17 +6,17 @@ import { told } from "./handles.js";
 import { Limbs } from "./limbs.js";
 import { shapesOf } from "./robot_shapes.js";
 
-/** More limbs than these make a body, which begins as its file has it; arms begin bent. */
+/** With more limbs than this a robot starts in the pose of its file; arms start bent. */
 const ARMS = 2;
 
 export class RobotSession {
     #arms = new Map();
 
-    /** `read` reads the robot, on the base that it is told. */
+    /** `read` reads the robot with the given base. */
     constructor(read, files, { world, floor, start }) {
         this.robot = read({});
         this.limbs = new Limbs(this.robot);
-        // Who stands is held by its feet, not by the file's first link.
+        // A robot on its feet has a free base, not one at the file's first link.
         if (this.limbs.feet.length > 0) this.robot = read({ baseJoint: "free" });
         const { robot, limbs } = this;
         this.drawn = shapesOf(robot, files);
@@ -31,7 +31,7 @@ export class RobotSession {
         this.rest();
     }
 
-    /** The arm that ends in `tip`, made when it is first asked for. */
+    /** The arm that ends in `tip`; created when it is first used. */
     #arm(tip) {
         const { robot, limbs } = this;
         if (!this.#arms.has(tip)) this.#arms.set(tip, new ArmPull(robot, limbs.base, tip, limbs.chain(tip), this.surroundings));
@@ -69,7 +69,7 @@ export class RobotSession {
         return this.show();
     }
 
-    /** The tool of an arm is followed by the arm's own engine, as long as nothing else of it is pinned. */
+    /** A path follower drags the tool of an arm, unless another frame is pinned. */
     grab(handle, pins) {
         const { tips, feet } = this.limbs;
         const alone = pins.every((name) => name === handle);
@@ -95,7 +95,7 @@ export class RobotSession {
     }
 }
 
-/** What is in a robot's way, `{ shapes, world }`: boxes, and the ground at a height. */
+/** Surroundings of a robot, `{ shapes, world }`: boxes, and the ground at a height. */
 function surrounded(robot, boxes, floor) {
     const world = new World();
     if (floor !== undefined) world.addPlane("floor", [0, 0, floor]);

@@ -1,13 +1,13 @@
-// What a robot looks like: its meshes where their files are there, else the primitive shapes that it has.
+// Shapes of a robot: its meshes if their files exist, else its primitive shapes.
 
 const DRAWN = ["stl", "dae", "obj"];
 
-/** The name of a file without its folders. */
+/** Name of a file without its folders. */
 const bare = (file) => file.split(/[\\/]/).pop();
 
 /**
- * The shapes of each frame of a robot's model; notes of what is missing, and sticks that are drawn for it; of plain shapes what may
- * leave gaps; `names` are those of the files that are there.
+ * Shapes of each frame of a robot's model. Missing meshes give notes, and sticks that replace them; plain shapes may
+ * leave gaps. `names` are those of the available files.
  */
 export function shapesOf(robot, names) {
     const missing = new Set();
@@ -18,22 +18,22 @@ export function shapesOf(robot, names) {
         const lost = meshes.filter(({ file }) => !drawable(file));
         for (const { file } of lost) missing.add(file);
         if (meshes.length > lost.length) return shown.filter((shape) => !lost.includes(shape));
-        // Of a robot of plain shapes those that it bumps into things with, as what it shows are mostly lines.
+        // Collision shapes of a robot without meshes, because its visual shapes are mostly thin.
         const plain = (list) => list.filter(({ kind }) => kind !== "mesh");
         const solid = plain(robot.shapes(link, true));
         return solid.length > 0 ? solid : plain(shown);
     });
     const some = [...missing].slice(0, 3).join(", ");
-    const note = `${missing.size} meshes were not dropped with it, or are none that can be drawn: ${some}${missing.size > 3 ? ", …" : ""}.`;
+    const note = `${missing.size} meshes are missing or have an unsupported format: ${some}${missing.size > 3 ? ", …" : ""}.`;
     if (missing.size > 0) return { shapes, notes: [note], sticks: parents(robot) };
-    if (shapes.every((own) => own.length === 0)) return { shapes, notes: ["It has no shapes, so sticks stand for its links."], sticks: parents(robot) };
+    if (shapes.every((own) => own.length === 0)) return { shapes, notes: ["The robot has no shapes: sticks represent its links."], sticks: parents(robot) };
     return { shapes, notes: [], gaps: shapes.flat().some(({ kind }) => kind === "mesh") ? undefined : tree(robot) };
 }
 
-/** The number of the frame that each one hangs on, -1 where none does: the first of those to which one joint less leads. */
+/** Index of the parent frame of each frame, or -1: the first frame with one joint fewer in its chain. */
 const parents = (robot) => tree(robot).parents;
 
-/** These, and the number of the first frame of the body that each one is of: to which the same joints lead. */
+/** Parents, and for each frame the index of the first frame of its body, which has the same joint chain. */
 function tree(robot) {
     const names = robot.model.frameNames;
     const chains = names.map((name) => robot.chain(names[0], name));

@@ -1,11 +1,11 @@
-// The materials and texture coordinates of a glTF file, by three.js; the library has its shape.
+// Materials and texture coordinates of a glTF file, by three.js; the library reads its geometry.
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { managerOf } from "./dropped_urls.js";
 import { extension } from "./files.js";
 
 const TRIANGLES = 4;
 
-/** The look of a scene of so many vertices and corners, or nothing where it cannot be told which part of the file is which. */
+/** Materials of a scene with this number of vertices and corners; undefined if parts of the file cannot be matched. */
 export async function sceneLook(files, vertices, corners) {
     const name = Object.keys(files).find((own) => ["glb", "gltf"].includes(extension(own)));
     if (!name) return undefined;
@@ -20,7 +20,7 @@ export async function sceneLook(files, vertices, corners) {
     }
 }
 
-/** The nodes as the library has its bones: parents before children, else as in the file. */
+/** Nodes in the library's order of bones: parents before children, else as in the file. */
 function order(nodes) {
     const below = new Set(nodes.flatMap(({ children = [] }) => children));
     const ready = nodes.map((_, index) => index).filter((index) => !below.has(index));

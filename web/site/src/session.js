@@ -1,4 +1,4 @@
-// What a set of files is: told by the extensions of those that are there.
+// Selection of a session by the extensions of the files.
 import { AnimatedSession } from "./animated_session.js";
 import { extension } from "./files.js";
 import { RetargetSession } from "./retarget_session.js";
@@ -13,7 +13,7 @@ export function openSession(files, options) {
     const names = Object.keys(files);
     const of = (kind) => names.find((own) => extension(own) === kind);
     const name = KINDS.map(of).find(Boolean);
-    if (!name) throw new Error(`${names.join(", ")}: a model is a .urdf, an MJCF's .xml, a .glb, .gltf, .bvh or a rig's .json file`);
+    if (!name) throw new Error(`${names.join(", ")}: no model, expected a .urdf, .xml (MJCF), .glb, .gltf, .bvh or .json (rig) file`);
     // Files are dropped without their folders.
     const open = (file) => files[decodeURIComponent(file).split("/").pop()];
     const bytes = files[name];

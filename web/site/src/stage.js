@@ -1,8 +1,8 @@
-// The scene, its camera and its light; draws when something changed.
+// The scene, its camera and its light; draws after changes.
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-/** The share of a way that the view goes in a frame. */
+/** Fraction of the distance by which the view follows in a frame. */
 const FOLLOW = 0.05;
 
 export class Stage {
@@ -22,7 +22,7 @@ export class Stage {
         this.#resize();
     }
 
-    /** Asks for a picture. */
+    /** Requests a new picture. */
     touch() {
         if (this.asked) return;
         this.asked = requestAnimationFrame(() => {
@@ -41,8 +41,8 @@ export class Stage {
     }
 
     /**
-     * Looks at points of three numbers, all of them seen, from a direction in which the figure looks back; `room` is how much
-     * farther away than that it stands: less on an upright screen, which is narrow enough.
+     * Moves the camera to show all points, three numbers each, from a direction in front of the figure. A factor
+     * enlarges the distance; it is smaller on an upright screen, which is narrow.
      */
     frame(points, { up, from, room = this.camera.aspect < 1 ? 1.2 : 1.4 }) {
         const box = new THREE.Box3().setFromArray(points);
@@ -60,7 +60,7 @@ export class Stage {
         this.touch();
     }
 
-    /** How far back from `centre` all points are seen. */
+    /** Distance from `centre` at which all points are visible. */
     #away(points, centre, back) {
         const high = Math.tan(0.5 * THREE.MathUtils.degToRad(this.camera.fov));
         const wide = high * this.camera.aspect;
@@ -76,7 +76,7 @@ export class Stage {
         return away;
     }
 
-    /** Goes gently along with who walks over the ground at x and y. */
+    /** Follows a walking subject at x and y smoothly. */
     follow(x, y) {
         const step = new THREE.Vector3(x - this.orbit.target.x, y - this.orbit.target.y, 0).multiplyScalar(FOLLOW);
         this.orbit.target.add(step);
@@ -84,7 +84,7 @@ export class Stage {
         this.orbit.update();
     }
 
-    /** Turns the view about what it looks at, radians: to the right and upward, not over the top. */
+    /** Rotates the view about its target, radians: to the right and up, not over the top. */
     turn(right, up) {
         const back = this.camera.position.clone().sub(this.orbit.target).applyAxisAngle(this.camera.up, right);
         const aside = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
@@ -93,7 +93,7 @@ export class Stage {
         this.#stand(back);
     }
 
-    /** Comes so many times as near. */
+    /** Divides the camera's distance by `times`. */
     nearer(times) {
         this.#stand(this.camera.position.clone().sub(this.orbit.target).divideScalar(times));
     }
@@ -104,14 +104,14 @@ export class Stage {
         this.touch();
     }
 
-    /** Where a place is on the page, in pixels. */
+    /** Position on the page, in pixels. */
     toScreen(place) {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();
         const seen = place.clone().project(this.camera);
         return { x: left + 0.5 * (seen.x + 1) * width, y: top + 0.5 * (1 - seen.y) * height };
     }
 
-    /** The place under the pointer as far away as another one is. */
+    /** Position under the pointer at the depth of another position. */
     under(x, y, depthOf) {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();
         const at = new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);

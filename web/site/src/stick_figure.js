@@ -1,4 +1,4 @@
-// A person of sticks: one from each joint to the one that it hangs on.
+// A figure of sticks: one from each joint to its parent.
 import * as THREE from "three";
 
 export class StickFigure {
@@ -9,7 +9,7 @@ export class StickFigure {
         this.sticks.frustumCulled = false;
     }
 
-    /** `places` has three numbers a joint. */
+    /** `places` has three numbers for each joint. */
     show(places) {
         const [from, to, along, turned, matrix] = [...Array(3)].map(() => new THREE.Vector3()).concat(new THREE.Quaternion(), new THREE.Matrix4());
         const up = new THREE.Vector3(0, 1, 0);
@@ -18,7 +18,7 @@ export class StickFigure {
             along.subVectors(to.fromArray(places, 3 * bone), from);
             const length = along.length();
             turned.setFromUnitVectors(up, length > 0 ? along.divideScalar(length) : up);
-            // The capsule is three long, with a ball at either end.
+            // The capsule has a length of three, with half a sphere at either end.
             matrix.compose(from.lerp(to, 0.5), turned, new THREE.Vector3(this.radius, (length + 2 * this.radius) / 3, this.radius));
             this.sticks.setMatrixAt(k, matrix);
         });

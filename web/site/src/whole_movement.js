@@ -1,4 +1,4 @@
-// A whole movement, solved in a worker of its own, so that what plays goes on and stopping ends nothing else.
+// A whole motion, solved in a separate worker, so that playback continues and only this request is stopped.
 import { Library } from "./library.js";
 
 export class WholeMovement {
@@ -8,7 +8,7 @@ export class WholeMovement {
         return this.#library !== undefined;
     }
 
-    /** The movement of these files; `hear` is told how far it is. Fails where it is stopped. */
+    /** Solves the motion of these files; `hear` receives the progress. Rejects if it is stopped. */
     async solve(files, hear) {
         const library = new Library();
         this.#library = library;

@@ -1,4 +1,4 @@
-// The library's side of the page: whatever is open, asked by messages, so that nothing here ever holds the page up.
+// The library in a worker: requests and results are messages, so that the page never waits.
 import { openSession } from "./session.js";
 
 let session;
@@ -15,7 +15,7 @@ const answers = {
     play: (frame) => session.play(frame),
     follow: ({ movement }) => session.follow({ movement }),
     rest: () => session.rest(),
-    /** Takes long: for a worker of its own. */
+    /** Long request, for a separate worker. */
     whole: ({ files }, tell) => openSession(files, {}).whole(tell),
 };
 
@@ -29,5 +29,5 @@ onmessage = ({ data: { id, ask, ...what } }) => {
     }
 };
 
-// What is posted before the module is there is lost.
+// Messages before the module is loaded would be lost.
 postMessage({ ready: true });

@@ -1,4 +1,4 @@
-// A hand is dragged along 300 points at 60 frames a second; what is pinned stays.
+// A hand is dragged along 300 points at 60 frames a second; pinned tips stay.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -25,7 +25,7 @@ test("a hand is dragged along 300 points", { skip }, async () => {
     const frames = await page.evaluate(() => kinoptPage.frames);
     assert.ok(frames.length > 30, `${frames.length} frames`);
     const back = await seen(page, "left_hand");
-    assert.ok(Math.hypot(back.x - hand.x, back.y - hand.y) < 4, "the hand comes back with the mouse");
+    assert.ok(Math.hypot(back.x - hand.x, back.y - hand.y) < 4, "the hand returns with the mouse");
     const held = await page.evaluate(() => kinoptPage.view.place("left_foot").toArray());
     held.forEach((value, k) => assert.ok(Math.abs(value - foot[k]) < 1e-3, "the pinned foot stays"));
     const of = (what) => frames.map(what).sort((a, b) => a - b);

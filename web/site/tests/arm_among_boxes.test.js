@@ -8,7 +8,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("an arm's tool follows among boxes and touches none", { skip }, async () => {
+test("an arm's tool follows among boxes without contact", { skip }, async () => {
     const { page, said } = await opened();
     await page.locator('[data-open="panda"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "robot", undefined, { timeout: 60_000 });
@@ -27,7 +27,7 @@ test("an arm's tool follows among boxes and touches none", { skip }, async () =>
     assert.ok(low > 0.14, `the flange stops above the table, at ${low} m`);
     const frames = await page.evaluate(() => kinoptPage.frames.map(({ solved }) => solved).sort((a, b) => a - b));
     console.log(`${frames.length} steps: ${frames[frames.length >> 1].toFixed(2)} ms in the median`);
-    // Nor does it go through the ground beside the table.
+    // It does not penetrate the ground next to the table either.
     const floor = await page.evaluate(() => kinoptPage.opened.floor);
     const at = await seen(page, "flange");
     await page.mouse.move(at.x, at.y);

@@ -1,4 +1,4 @@
-// The built site behind a plain static server, and a browser to look at it.
+// The built site on a static server, and a browser.
 import { createReadStream, existsSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
@@ -9,7 +9,7 @@ const dist = fileURLToPath(new URL("../dist/", import.meta.url));
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm" };
 const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
 
-/** Why tests in a browser are skipped, or false. */
+/** Reason why browser tests are skipped, or false. */
 export const skip = executablePath ? false : "no Chromium is installed here";
 
 /** Serves the site, or another folder, and starts a browser; `close` ends both. */
@@ -21,7 +21,7 @@ export async function started({ folder = dist, args: more = [] } = {}) {
         return createReadStream(path).pipe(response);
     });
     await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-    // Software drawing, so that no graphics card is needed.
+    // Software rendering, so that no graphics card is needed.
     const args = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
         "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...more];
     const browser = await chromium.launch({ executablePath, args });

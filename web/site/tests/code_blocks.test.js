@@ -1,25 +1,25 @@
-// Every block of code on the site's pages is run by some test.
+// Every code block on the site's pages is run by a test.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { contents, pages, REFERENCES, source } from "../docs/contents.js";
 
 const library = source("src/lib.rs");
-/** Who runs a language's blocks, and on which pages. */
+/** Test that runs the blocks of a language, by page. */
 const RUNNERS = {
-    // Tests of the documentation, of the pages that the library names.
+    // Doc tests of the pages that the library includes.
     rust: (path) => library.includes(`include_str!("../${path}")`),
-    // python/tests/test_readme.py: all of docs/ and the package's page; test_ray.py what is with Ray.
+    // python/tests/test_readme.py: all of docs/ and the package's page; test_ray.py the blocks with Ray.
     python: (path) => path.startsWith("docs/") || path === "README.md" || path === "python/README.md",
     // web/tests/pages.test.js: all of docs/; web/tests/package.test.js: the package's page.
     js: (path) => path.startsWith("docs/") || path === "web/README.md",
-    // package.test.js beside this.
+    // package.test.js in this folder.
     html: (path) => path === "web/README.md",
     // cli/tests/command/pages.rs.
     sh: (path) => path.startsWith("docs/") || path === "README.md",
 };
-/** Who runs what is said to be run in another way, by what its fence says of it. */
+/** Test that runs a block with a special fence, by the text of the fence. */
 const WAYS = {
-    // python/tests/test_readme.py; package.test.js beside this.
+    // python/tests/test_readme.py; package.test.js in this folder.
     "until its page answers": (path) => RUNNERS.python(path) || path === "README.md",
     // python/tests/test_ray.py.
     "with Ray": (path) => path === "python/README.md",
@@ -27,14 +27,14 @@ const WAYS = {
     "in an empty project": (path) => path === "web/README.md",
 };
 
-/** Which commands of a block a script of the gate does not have. */
+/** Commands of a block that a script of the gate lacks. */
 function missing(script, text) {
-    // A step says what it runs, more quietly.
+    // The scripts prefix commands with `step`, and add quiet flags.
     const steps = source(script).replaceAll(/\bstep /g, "").replaceAll(/ --quiet\b/g, "");
     const commands = text.split(/\n|&&/).map((command) => command.replace(/ +#.*/, "").trim());
     return commands.filter((command) => command && !command.startsWith("cd ") && !steps.includes(command));
 }
-// Nothing to run.
+// Blocks without commands.
 const DATA = new Set(["json", "yaml", "xml", "toml", "text"]);
 
 export function blocks(text) {
@@ -49,7 +49,7 @@ export function blocks(text) {
     return found;
 }
 
-test("every block of code has a runner", () => {
+test("every code block is run by a test", () => {
     const unrun = [];
     let run = 0;
     for (const { path } of pages(contents()).values()) {

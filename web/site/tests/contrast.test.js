@@ -1,4 +1,4 @@
-// Words are told from what is behind them, by light and by dark: 4.5 to 1, as WCAG 2.2 asks (1.4.3).
+// Contrast of text in the light and dark schemes: at least 4.5 to 1, as in WCAG 2.2 (1.4.3).
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -18,7 +18,7 @@ function contrast(one, other) {
 }
 
 for (const [name, own] of Object.entries({ light, dark })) {
-    test(`words on the page and in code, ${name}`, () => {
+    test(`contrast of text and code, ${name}`, () => {
         for (const back of ["back", "code"]) {
             for (const word of ["text", "mark", "bad", "soft", "key", "text-of", "number", "comment", "type"]) {
                 assert.ok(contrast(own[word], own[back]) >= 4.5, `${word} on ${back}: ${contrast(own[word], own[back]).toFixed(2)}`);

@@ -1,5 +1,6 @@
-// The documentation in a browser: nothing is wider than a small screen and no table than a desk's, languages are chosen once for all
-// pages, the search finds, nothing is said on the console, and all of it is readable without scripts.
+// The documentation in a browser. Nothing is wider than a small screen, and no table wider than a desktop's. A language
+// choice applies to all pages, the search finds sections, the console has no messages, and pages are readable without
+// scripts.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { contents, pages } from "../docs/contents.js";
@@ -23,7 +24,7 @@ async function opened(address, options = {}) {
     return { page, said, context };
 }
 
-test("no page is wider than a small screen, and none says anything", { skip }, async () => {
+test("pages fit a small screen without console messages", { skip }, async () => {
     const { page, said, context } = await opened("docs/index.html", PHONE);
     for (const { address } of pages(contents()).values()) {
         await page.goto(site.address + address, { waitUntil: "domcontentloaded" });
@@ -34,7 +35,7 @@ test("no page is wider than a small screen, and none says anything", { skip }, a
     await context.close();
 });
 
-test("every table is whole on a desk's screen", { skip }, async () => {
+test("every table fits a desktop screen", { skip }, async () => {
     const { page, context } = await opened("docs/index.html", { viewport: { width: 1280, height: 800 } });
     for (const { address } of pages(contents()).values()) {
         await page.goto(site.address + address, { waitUntil: "domcontentloaded" });
@@ -44,7 +45,7 @@ test("every table is whole on a desk's screen", { skip }, async () => {
     await context.close();
 });
 
-test("a language is chosen once, by mouse or by keys", { skip }, async () => {
+test("a language is selected for all groups", { skip }, async () => {
     const { page, said, context } = await opened("docs/guide/arms.html");
     const shown = () => page.locator(".languages section:visible").evaluateAll((parts) => parts.map((part) => part.dataset.language));
     assert.deepEqual(new Set(await shown()), new Set(["Rust"]));
@@ -58,7 +59,7 @@ test("a language is chosen once, by mouse or by keys", { skip }, async () => {
     await context.close();
 });
 
-test("the search leads to a section", { skip }, async () => {
+test("the search finds a section", { skip }, async () => {
     const { page, said, context } = await opened("docs/index.html");
     await page.keyboard.press("/");
     await page.keyboard.type("priority levels");
@@ -69,7 +70,7 @@ test("the search leads to a section", { skip }, async () => {
     await context.close();
 });
 
-test("contents open on a small screen, and without scripts all is there", { skip }, async () => {
+test("contents open on a small screen, also without scripts", { skip }, async () => {
     const phone = await opened("docs/guide/arms.html", PHONE);
     const entry = phone.page.locator("#contents a", { hasText: "Options" });
     assert.equal(await entry.isVisible(), false);

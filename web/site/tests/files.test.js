@@ -1,4 +1,4 @@
-// Files are chosen, and bad ones are told in the library's words.
+// Files are chosen, and the page shows the library's error for invalid ones.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { join } from "node:path";
@@ -10,14 +10,14 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("files are chosen, and bad ones are told in the library's words", { skip }, async () => {
+test("invalid files show the library's error", { skip }, async () => {
     const { page, said } = await opened();
     const choose = async (...files) => page.locator("#file").setInputFiles(files);
     const panda = await readFile(join(models, "franka_panda.urdf"), "utf8");
     await choose(file("odd.urdf", panda.replace('type="revolute"', 'type="rotating"')));
     await page.waitForFunction(() => document.querySelector("#status.bad"));
     assert.match(await status(page), /odd\.urdf.*rotating/s);
-    assert.equal(await page.evaluate(() => kinoptPage.opened.kind), "character", "what was open stays");
+    assert.equal(await page.evaluate(() => kinoptPage.opened.kind), "character", "the model stays");
     await choose(file("notes.txt", "nothing"));
     await page.waitForFunction(() => /notes\.txt/.test(document.querySelector("#status").textContent));
     await choose(join(models, "universal_ur5e.urdf"));

@@ -1,4 +1,4 @@
-// What a visitor sees first: all of what is open, on any screen; words where nothing can be drawn.
+// First view of the page: the whole model on any screen, and a message if nothing can be drawn.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
@@ -19,7 +19,7 @@ async function opened(browser, options) {
     return page;
 }
 
-/** How far what is drawn goes beyond the picture, in pixels: the corners of each part's box. */
+/** Largest distance of the drawing beyond the picture, in pixels, by the corners of each part's box. */
 const beyond = (page) =>
     page.evaluate(() => {
         const { stage, view } = kinoptPage;
@@ -39,7 +39,7 @@ const beyond = (page) =>
     });
 
 for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["a telephone's", { width: 390, height: 844 }], ["a telephone's on its side", { width: 844, height: 390 }]]) {
-    test(`all of what is open is in view on ${screen} screen`, { skip }, async () => {
+    test(`the whole model is visible on ${screen} screen`, { skip }, async () => {
         const page = await opened(site.browser, { viewport });
         await page.waitForFunction(() => globalThis.kinoptPage?.view);
         assert.equal(await beyond(page), 0, "the humanoid");
@@ -47,19 +47,19 @@ for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["
             const { positions } = kinoptPage.opened;
             return [positions.filter((_, k) => k % 3 === 2).reduce((least, z) => Math.min(least, z)), kinoptPage.view.grid.position.z];
         });
-        assert.equal(lowest, ground, "it stands on the ground");
-        assert.match(await page.locator("#hint").innerText(), /Grab any joint/);
+        assert.equal(lowest, ground, "it is on the ground");
+        assert.match(await page.locator("#hint").innerText(), /Drag any joint/);
         await page.locator('[data-open="panda"]').click();
         await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
         assert.equal(await beyond(page), 0, "the arm and its boxes");
         await page.locator("#file").setInputFiles(join(models, "aldebaran_nao.urdf"));
         await page.waitForFunction(() => kinoptPage.opened.handles.includes("left_sole"), undefined, { timeout: 60_000 });
-        assert.equal(await beyond(page), 0, "a robot that was dropped");
+        assert.equal(await beyond(page), 0, "a dropped robot");
         await page.close();
     });
 }
 
-test("a file that was wrong is chosen again under its name", { skip }, async () => {
+test("a corrected file is chosen again by its name", { skip }, async () => {
     const page = await opened(site.browser);
     await page.waitForFunction(() => globalThis.kinoptPage?.view);
     await page.locator("#file").setInputFiles({ name: "a.urdf", mimeType: "text/plain", buffer: Buffer.from("<robot") });
@@ -68,7 +68,7 @@ test("a file that was wrong is chosen again under its name", { skip }, async () 
     await page.close();
 });
 
-test("a browser that cannot draw is told so", { skip }, async () => {
+test("a browser without WebGL gets a message", { skip }, async () => {
     const { browser, address, close } = await started({ args: ["--disable-3d-apis"] });
     const page = await browser.newPage();
     await page.goto(address);

@@ -1,4 +1,4 @@
-// A hand is dragged while the clip goes on, is pinned there, and comes back to the clip.
+// A hand is dragged during playback, pinned there, and returns to the clip.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -9,7 +9,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("a hand is dragged while the clip goes on, is pinned there, and comes back to the clip when it is let go", { skip }, async () => {
+test("a hand is dragged and pinned during playback, then returns", { skip }, async () => {
     const { page, said } = await opened();
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
@@ -26,18 +26,18 @@ test("a hand is dragged while the clip goes on, is pinned there, and comes back 
     }
     const target = await page.evaluate(() => kinoptPage.target.toArray());
     await page.waitForFunction((target) => kinoptPage.view.place("left_hand").toArray().every((value, k) => Math.abs(value - target[k]) < 0.01), target);
-    // The other hand waves on, from frame to frame.
+    // The other hand moves from frame to frame.
     const waving = [];
     for (let k = 0; k < 8; k += 1) {
         waving.push(await at("right_hand"));
         await page.waitForTimeout(150);
     }
-    assert.ok(Math.max(...waving.map((place) => away(place, waving[0]))) > 0.03, "the clip goes on");
+    assert.ok(Math.max(...waving.map((place) => away(place, waving[0]))) > 0.03, "the clip continues");
     await page.locator("#stage").focus();
     assert.equal(await colour(page, "left_hand"), ORANGE);
     await page.keyboard.press("p");
     await page.mouse.up();
-    assert.equal(await colour(page, "left_hand"), BLUE, "what is pinned is seen to be, while it is grabbed too");
+    assert.equal(await colour(page, "left_hand"), BLUE, "a pinned handle is blue, also while it is grabbed");
     await page.waitForTimeout(700);
     assert.ok(away(await at("left_hand"), target) < 0.01, "a pinned hand stays");
     await page.keyboard.press("p");
@@ -54,7 +54,7 @@ test("a hand is dragged while the clip goes on, is pinned there, and comes back 
     await page.close();
 });
 
-test("a pose that a clip takes over is not let go without a word", { skip }, async () => {
+test("playback reports the pose that it replaces", { skip }, async () => {
     const { page, said } = await opened();
     const hand = await seen(page, "left_hand");
     await page.mouse.click(hand.x, hand.y);
@@ -70,8 +70,8 @@ test("a pose that a clip takes over is not let go without a word", { skip }, asy
     await settled(page);
     await page.locator("#play").click();
     await page.waitForFunction(() => kinoptPage.playback.seconds > 0.5);
-    assert.match(await status(page), /pose from before is let go/);
-    // Until something is grabbed, or it stands still.
+    assert.match(await status(page), /replaces the dragged pose/);
+    // Until a handle is grabbed, or playback stops.
     await page.locator("#play").click();
     assert.equal(await status(page), "");
     assert.deepEqual(said, []);

@@ -1,4 +1,4 @@
-// Any joint, pins, keys, both skins, its clip.
+// Any joint, pins, keys, both skinning methods, and the clip.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -8,7 +8,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("any joint, pins, keys, both skins, its clip", { skip }, async () => {
+test("joints, pins, keys, skinning and clip", { skip }, async () => {
     const { page, said } = await opened();
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const canvas = page.locator("#stage");

@@ -1,4 +1,5 @@
-// What was pulled stays as it is when a file is bad; fingers that hold nothing end no drag; the page is used without a mouse.
+// The model and its pose are kept after an invalid file. Other pointers do not end a drag. The page works without a
+// mouse.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -11,7 +12,7 @@ after(end);
 const at = (page, name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
 const bad = file("odd.urdf", "<robot");
 
-test("a bad file leaves the pose, what is grabbed, and what plays", { skip }, async () => {
+test("an invalid file keeps pose, grabbed handle and playback", { skip }, async () => {
     const { page, said } = await opened();
     const hand = await seen(page, "left_hand");
     const rest = await at(page, "left_hand");
@@ -37,14 +38,14 @@ test("a bad file leaves the pose, what is grabbed, and what plays", { skip }, as
     await page.close();
 });
 
-test("what is wrong with a file stays to be read while a hand is out of reach, until something is grabbed", { skip }, async () => {
+test("a file's error stays until a handle is grabbed", { skip }, async () => {
     const { page } = await opened();
     const hand = await seen(page, "left_hand");
     await page.mouse.move(hand.x, hand.y);
     await page.mouse.down();
     await page.mouse.move(hand.x + 300, hand.y - 200, { steps: 20 });
     await page.waitForFunction(() => /Out of reach/.test(document.querySelector("#status").textContent));
-    assert.match(await status(page), /`pelvis`/, "a bone is told by its own name");
+    assert.match(await status(page), /`pelvis`/, "a bone is reported by its name");
     await page.locator("#file").setInputFiles([bad]);
     await page.waitForFunction(() => document.querySelector("#status.bad"));
     const frames = await page.evaluate(() => kinoptPage.frames.length);
@@ -60,12 +61,12 @@ test("what is wrong with a file stays to be read while a hand is out of reach, u
     await page.close();
 });
 
-test("a rig without the files that it names is told to bring them", { skip }, async () => {
+test("a rig without its files asks for them", { skip }, async () => {
     const { page } = await opened();
     const humanoid = await page.evaluate(async () => (await fetch("models/humanoid.json")).text());
     await page.locator("#file").setInputFiles([file("humanoid.json", humanoid)]);
     await page.waitForFunction(() => document.querySelector("#status.bad"));
-    assert.match(await status(page), /humanoid\.ply.*Drop it too/);
+    assert.match(await status(page), /humanoid\.ply.*Drop this file too/);
     await page.close();
 });
 
@@ -82,7 +83,7 @@ test("a robot without shapes has sticks", { skip }, async () => {
     await page.close();
 });
 
-test("plain shapes that do not meet are joined by sticks", { skip }, async () => {
+test("gaps between plain shapes are filled by sticks", { skip }, async () => {
     const { page } = await opened();
     const link = (name, radius) => `<link name="${name}">${radius ? `<visual><geometry><sphere radius="${radius}"/></geometry></visual>` : ""}</link>`;
     const joint = (parent, child) => `<joint name="${child}_joint" type="continuous"><parent link="${parent}"/><child link="${child}"/><origin xyz="0.5 0 0"/></joint>`;
@@ -97,9 +98,9 @@ test("plain shapes that do not meet are joined by sticks", { skip }, async () =>
     await page.close();
 });
 
-test("keys choose a file, joints and the view; the joints are one stop", { skip }, async () => {
+test("keys select a file and joints, and move the view", { skip }, async () => {
     const { page, said } = await opened();
-    // The chooser itself is the browser's.
+    // The file chooser belongs to the browser.
     await page.evaluate(() => {
         window.asked = 0;
         document.querySelector("#file").addEventListener("click", (event) => { event.preventDefault(); window.asked += 1; });
@@ -115,10 +116,10 @@ test("keys choose a file, joints and the view; the joints are one stop", { skip 
     const from = await camera();
     await page.keyboard.press("ArrowRight");
     const turned = await camera();
-    assert.ok(Math.hypot(...turned.map((value, k) => value - from[k])) > 0.05, "an arrow turns the view");
+    assert.ok(Math.hypot(...turned.map((value, k) => value - from[k])) > 0.05, "an arrow key rotates the view");
     await page.keyboard.press("+");
     const away = (place) => page.evaluate((place) => kinoptPage.stage.orbit.target.distanceTo({ x: place[0], y: place[1], z: place[2] }), place);
-    assert.ok((await away(await camera())) < 0.95 * (await away(turned)), "plus comes nearer");
+    assert.ok((await away(await camera())) < 0.95 * (await away(turned)), "plus zooms in");
     await page.keyboard.press("j");
     const first = await page.evaluate(() => kinoptPage.grabbed);
     await page.keyboard.press("j");
@@ -133,7 +134,7 @@ test("keys choose a file, joints and the view; the joints are one stop", { skip 
     await page.close();
 });
 
-test("a joint is seen to be grabbed before it is, and only its own pointer lets it go", { skip }, async () => {
+test("a hovered joint is marked; its own pointer releases it", { skip }, async () => {
     const { page } = await opened();
     const cursor = () => page.evaluate(() => getComputedStyle(kinoptPage.stage.canvas).cursor);
     const hand = await seen(page, "left_hand");
@@ -143,7 +144,7 @@ test("a joint is seen to be grabbed before it is, and only its own pointer lets 
     assert.equal(await cursor(), "grabbing");
     const other = (type) => page.evaluate((type) => kinoptPage.stage.canvas.dispatchEvent(new PointerEvent(type, { pointerId: 77, pointerType: "touch", clientX: 5, clientY: 300, bubbles: true })), type);
     await other("pointerdown");
-    assert.equal(await page.evaluate(() => kinoptPage.stage.orbit.enabled), false, "a second finger does not turn the view");
+    assert.equal(await page.evaluate(() => kinoptPage.stage.orbit.enabled), false, "a second finger does not rotate the view");
     await other("pointerup");
     assert.ok(await page.evaluate(() => kinoptPage.held));
     await page.mouse.up();
@@ -151,7 +152,7 @@ test("a joint is seen to be grabbed before it is, and only its own pointer lets 
     await page.close();
 });
 
-test("nothing moves by itself where the visitor wants it still", { skip }, async () => {
+test("reduced motion starts no playback", { skip }, async () => {
     const { page } = await opened({ reducedMotion: "reduce" });
     await page.locator('[data-open="capture"]').click();
     await page.waitForFunction(() => kinoptPage.opened.kind === "movement", undefined, { timeout: 60_000 });
@@ -159,7 +160,7 @@ test("nothing moves by itself where the visitor wants it still", { skip }, async
     await page.close();
 });
 
-test("what cannot be fetched is told", { skip }, async () => {
+test("a failed fetch is reported", { skip }, async () => {
     const { page } = await opened();
     await page.route("**/franka_panda.urdf", (route) => route.abort());
     await page.locator('[data-open="panda"]').click();

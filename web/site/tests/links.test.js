@@ -1,5 +1,5 @@
-// Every link of the built site leads somewhere: pages, anchors, pictures. Addresses elsewhere are listed, not asked, as the gate may be
-// offline.
+// Every link of the built site has a target: pages, anchors, pictures. External addresses are listed but not requested,
+// because the gate may be offline.
 import assert from "node:assert/strict";
 import { mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -11,14 +11,14 @@ import { contents, pages, root } from "../docs/contents.js";
 
 const dist = fileURLToPath(new URL("../dist/", import.meta.url));
 
-test("every link of the site leads somewhere", () => {
+test("every link of the site has a target", () => {
     const { broken, elsewhere, links } = checked(dist);
     assert.deepEqual(broken, []);
     assert.ok(links > 1000, `${links} links`);
     console.log(`${links} links; ${elsewhere.size} addresses elsewhere, not asked:\n${[...elsewhere].sort().join("\n")}`);
 });
 
-test("the contents have every page of docs/, and the page to drag on leads there", () => {
+test("contents and demo page link to every page of docs/", () => {
     const all = pages(contents());
     const folders = ["docs", "docs/guide", "docs/reference"];
     const own = folders.flatMap((folder) => readdirSync(new URL(`${folder}/`, root)).filter((name) => name.endsWith(".md")).map((name) => `${folder}/${name}`));
@@ -27,7 +27,7 @@ test("the contents have every page of docs/, and the page to drag on leads there
     assert.ok(checked(dist).from.get("docs/index.html").has("index.html"));
 });
 
-test("what leads nowhere is told", () => {
+test("broken links are reported", () => {
     const site = mkdtempSync(join(tmpdir(), "site-"));
     try {
         mkdirSync(join(site, "docs"));
@@ -41,7 +41,7 @@ test("what leads nowhere is told", () => {
             "docs/a.html: ../../outside.html",
             "docs/a.html: ../index.html#gone",
             "docs/a.html: b.html",
-            "docs/a.html: id there is there twice",
+            "docs/a.html: duplicate id there",
             "docs/a.html: none.png",
         ]);
         assert.deepEqual([...elsewhere], ["https://example.org/"]);

@@ -1,4 +1,4 @@
-// A robot's meshes are drawn of the files beside it, a scene in its own colours.
+// A robot is drawn with the meshes that are dropped with it, and a scene with its materials.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
@@ -9,7 +9,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("a robot's meshes are drawn of the files beside it, a scene in its own colours", { skip }, async () => {
+test("dropped meshes and scene materials are drawn", { skip }, async () => {
     const { page, said } = await opened();
     const corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]];
     const stl = `solid s\nfacet normal 0 0 1\nouter loop\n${corners.map((at) => `vertex ${at.join(" ")}`).join("\n")}\nendloop\nendfacet\nendsolid s\n`;
@@ -39,8 +39,8 @@ test("a robot's meshes are drawn of the files beside it, a scene in its own colo
         assert.ok(Math.abs(part.scale - 0.1) < 1e-6);
     }
     assert.equal(drawn[3], undefined);
-    assert.match(await status(page), /1 meshes were not dropped.*lost\.stl/);
-    assert.deepEqual(await page.evaluate(() => kinoptPage.view.limbs.pairs), [[0, 1], [1, 2], [2, 3]], "sticks stand for what is missing");
+    assert.match(await status(page), /1 meshes are missing.*lost\.stl/);
+    assert.deepEqual(await page.evaluate(() => kinoptPage.view.limbs.pairs), [[0, 1], [1, 2], [2, 3]], "sticks replace missing meshes");
 
     const numbers = [new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]), new Float32Array([0, 0, 1, 0, 0, 1])];
     const data = Buffer.concat(numbers.map(({ buffer }) => Buffer.from(buffer))).toString("base64");

@@ -1,4 +1,5 @@
-// The package in a browser without a bundler: its README's ten lines, and a hundred humanoids dragged at once; the site by the project's README.
+// The package in a browser without a bundler: the README's example, and a hundred humanoids dragged at once. The site
+// by the commands of the project's README.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -25,7 +26,7 @@ after(async () => {
     rmSync(project, { recursive: true });
 });
 
-/** What a page with this script says until it says what matches. */
+/** Text of a page with this script once it matches. */
 async function said(name, script, last) {
     writeFileSync(join(project, name), `<!doctype html><link rel="icon" href="data:,">${block("html")}<script type="module">\n${script}</script>`);
     const page = await site.browser.newPage();
@@ -38,13 +39,13 @@ async function said(name, script, last) {
     return words;
 }
 
-test("the README's ten lines run in a page", { skip }, async () => {
+test("the README's first example runs in a page", { skip }, async () => {
     const [word, ...more] = await said("ten.html", block("js"), /./);
     assert.match(word, /^true Float64Array\(7\)/);
     assert.deepEqual(more, []);
 });
 
-test("a hundred humanoids are dragged, each with its own hand, five tips pinned", { skip }, async () => {
+test("a hundred humanoids are dragged with pinned tips", { skip }, async () => {
     const script = `
         import { Drag, ForwardKinematics, Problem, Rig, tasks } from "kinopt";
         const bytes = async (file) => new Uint8Array(await (await fetch("humanoid/" + file)).arrayBuffer());
@@ -79,17 +80,17 @@ test("a hundred humanoids are dragged, each with its own hand, five tips pinned"
     assert.ok(reached > 0.95 * 30_000, `${reached} of 30 000 frames reached`);
 });
 
-test("the project's README serves the site", async () => {
+test("the command of the project's README serves the site", async () => {
     const root = fileURLToPath(new URL("../", own));
     const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/```sh until its page answers\n(.*)\n```/);
     const [build, serve] = line.split(" && ");
-    // It made what the other tests look at just now.
+    // The build under test is the result of this command.
     assert.equal(build, "web/site/build");
     const [command, ...words] = serve.split(" ");
     // Any free port.
     const server = spawn(command, ["-u", ...words, "0"], { cwd: root });
     try {
-        // It comes in pieces of any size.
+        // The output arrives in pieces of any size.
         let printed = "";
         const port = await new Promise((told) =>
             server.stdout.on("data", (text) => {

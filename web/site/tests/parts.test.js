@@ -1,4 +1,4 @@
-// What the page is made of and needs no browser: folders that are dropped, files that stay, what is held over a clip.
+// Parts of the page without a browser: dropped folders, files that stay, handles held during playback.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { besideNew, dropped } from "../src/files.js";
@@ -6,7 +6,7 @@ import { HeldOverClip } from "../src/held_over_clip.js";
 import { Playback } from "../src/playback.js";
 
 const file = (name) => ({ isFile: true, file: (resolve) => resolve({ name }) });
-/** A folder whose reader gives two entries at a time, as browsers give a hundred. */
+/** A folder whose reader returns two entries at a time; browsers return a hundred. */
 const folder = (...entries) => ({
     isDirectory: true,
     createReader() {
@@ -15,7 +15,7 @@ const folder = (...entries) => ({
     },
 });
 
-test("a folder is dropped with all that is in it", async () => {
+test("a folder is dropped with its contents", async () => {
     const items = [folder(file("arm.urdf"), file("a.stl"), folder(file("b.stl"), file("c.dae"), file("d.obj")))];
     const found = await dropped({ items: items.map((entry) => ({ webkitGetAsEntry: () => entry })), files: [] });
     assert.deepEqual(found.map(({ name }) => name).sort(), ["a.stl", "arm.urdf", "b.stl", "c.dae", "d.obj"]);
@@ -23,14 +23,14 @@ test("a folder is dropped with all that is in it", async () => {
     assert.deepEqual(await dropped({ items: [{ webkitGetAsEntry: () => file("walk.bvh") }], files: plain }), plain);
 });
 
-test("beside a new capture the robot stays with its meshes, beside a new robot the capture", () => {
+test("a new capture keeps the robot, a new robot the capture", () => {
     const before = { "nao.urdf": 1, "torso.stl": 2, "steps.bvh": 3 };
     assert.deepEqual(besideNew(before, { "mine.bvh": 4 }), { "nao.urdf": 1, "torso.stl": 2, "mine.bvh": 4 });
     assert.deepEqual(besideNew(before, { "g1.xml": 5 }), { "g1.xml": 5, "steps.bvh": 3 });
     assert.deepEqual(besideNew(before, { "fox.glb": 6 }), { "fox.glb": 6 });
 });
 
-test("what is let go comes back to the clip over a while, without a leap", () => {
+test("a released handle returns to the clip without a jump", () => {
     const held = new HeldOverClip();
     const home = [0, 0, 0];
     const frame = 1 / 60;
@@ -50,13 +50,13 @@ test("what is let go comes back to the clip over a while, without a leap", () =>
         away = angle;
     }
     assert.ok(place === 0 && away < 1e-3 && frames > 24 && frames < 240, `${frames} frames`);
-    // What is held again is no longer let go.
+    // A handle that is held again is no longer released.
     held.targets([["hand", [1, 0, 0]]], frame, () => home);
     held.targets([], frame, () => home);
     assert.deepEqual(held.targets([["hand", [0.5, 0, 0]]], frame, () => home).get("hand"), [0.5, 0, 0]);
 });
 
-test("while something is held no joint returns further in a frame than a drag brings back", () => {
+test("joints return slower than a drag moves back", () => {
     const held = new HeldOverClip();
     held.targets([["hand", [1, 0, 0]]], 0.1, () => [0, 0, 0]);
     held.ended([0, 0], [1.5, 0.2]);
@@ -64,7 +64,7 @@ test("while something is held no joint returns further in a frame than a drag br
     assert.ok(1.5 - most <= 0.0500001 && most < 1.5);
 });
 
-test("what plays stays within its length, and goes on from where it was", async () => {
+test("playback stays in the clip and continues from its time", async () => {
     const playback = new Playback();
     playback.begin(true);
     await new Promise((resolve) => setTimeout(resolve, 40));

@@ -1,4 +1,4 @@
-// The references have all that the packages export, each with its words.
+// The references contain all exports of the packages, each with its text.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -6,16 +6,16 @@ import { source } from "../docs/contents.js";
 import { javascriptReference } from "../docs/javascript_reference.js";
 import { pythonReference } from "../docs/python_reference.js";
 
-/** The parts of a page below its headings, by their names. */
+/** The parts of a page below its headings, by name. */
 function parts(page, sign) {
     const found = page.split(new RegExp(`^${sign} `, "m")).slice(1);
     return new Map(found.map((part) => [part.split("\n", 1)[0], part.slice(part.indexOf("\n"))]));
 }
 
-/** What is said in a part besides signatures. */
+/** The text of a part without signatures. */
 const words = (part) => part.replace(/```[\s\S]*?```/g, "").split("\n").filter((line) => line && !line.startsWith("- `") && !line.startsWith("  "));
 
-test("Python's has every class and function of the package, and says something of each", () => {
+test("the Python reference has a text for every export", () => {
     const all = parts(pythonReference(), "###");
     const exported = [...source("python/kinopt/__init__.py").split("__all__ = [")[1].matchAll(/"(\w+)"/g)].map(([, name]) => name);
     const modules = ["animation", "io", "methods", "retargeting", "skinning", "tasks"];
@@ -25,7 +25,7 @@ test("Python's has every class and function of the package, and says something o
     assert.ok(all.size > 150, `${all.size}`);
 });
 
-test("JavaScript's has every class of the package, and says something of each", () => {
+test("the JavaScript reference has a text for every class", () => {
     const all = parts(javascriptReference(), "##");
     const [, line] = readFileSync(new URL("../../dist/index.d.ts", import.meta.url), "utf8").match(/^export \{ (.*?) \}/m);
     const functions = all.get("Functions");

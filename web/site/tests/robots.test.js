@@ -1,4 +1,4 @@
-// A robot is held as a figure is: it stands on its feet, what is pinned of it stays, and the joints that hold it back are seen.
+// A robot is dragged like a figure: it is on its feet, pinned frames stay, and joints at limits are marked.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
@@ -9,12 +9,12 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-/** The page with a robot of these files open. */
+/** The page with a robot of these files. */
 async function robot(files, options) {
     const { page, said } = await opened(options);
     await page.locator("#file").setInputFiles(files);
     await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
-    // It is seen from elsewhere until it is drawn.
+    // The view changes until the robot is drawn.
     await settled(page);
     return { page, said };
 }
@@ -32,7 +32,7 @@ async function pull(page, name, right, down) {
     await settled(page);
 }
 
-/** Where a link is, and how it is turned: sixteen numbers. */
+/** Placement of a link: sixteen numbers. */
 const placed = (page, name) =>
     page.evaluate((name) => {
         const { view } = kinoptPage;
@@ -41,7 +41,7 @@ const placed = (page, name) =>
 const away = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
 const [RED, BLUE] = [0xc8442f, 0x1f6fb2];
 
-test("a robot with legs stands on its feet while any of it is pulled, and what is out of reach moves no foot", { skip }, async () => {
+test("a legged robot keeps its feet during any drag", { skip }, async () => {
     const { page, said } = await robot(join(models, "aldebaran_nao.urdf"));
     const feet = ["left_sole", "right_sole"];
     assert.deepEqual(await page.evaluate(() => [...kinoptPage.pins]), feet);
@@ -63,26 +63,26 @@ test("a robot with legs stands on its feet while any of it is pulled, and what i
     for (const name of red.filter((name) => name !== grabbed)) assert.equal(await colour(page, name), RED, name);
     for (const [k, foot] of feet.entries()) assert.ok(away(await placed(page, foot), stood[k]) < 1e-3, `${foot} stays though the hand is missed`);
     await pull(page, "left_sole", 200, -300);
-    assert.match(await status(page), /What is pinned, and the balance, leave it no more/);
+    assert.match(await status(page), /Pinned joints or the balance prevent it/);
     assert.doesNotMatch(await status(page), /[Ll]evels?\b/);
     assert.deepEqual(said, []);
     await page.close();
 });
 
-test("any part of a robot is pinned and freed", { skip }, async () => {
+test("any frame of a robot is pinned and unpinned", { skip }, async () => {
     const { page, said } = await robot(join(models, "aldebaran_nao.urdf"));
     const hand = await seen(page, "right_hand");
     await page.mouse.click(hand.x, hand.y);
     await page.locator("#pin").click();
-    assert.equal(await page.locator("#pin").textContent(), "Free");
+    assert.equal(await page.locator("#pin").textContent(), "Unpin");
     const before = await placed(page, "right_hand");
     await pull(page, "left_hand", 10, 60);
     assert.ok(away(await placed(page, "right_hand"), before) < 1e-3, "a pinned hand stays");
     await page.mouse.click(hand.x, hand.y);
     await page.locator("#pin").click();
     await pull(page, "right_hand", 10, 40);
-    assert.ok(away(await placed(page, "right_hand"), before) > 0.01, "a hand that was freed goes along");
-    // A foot that is pulled keeps its sole level, and the other stays.
+    assert.ok(away(await placed(page, "right_hand"), before) > 0.01, "an unpinned hand moves along");
+    // A dragged foot keeps its sole level, and the other foot stays.
     const [left, right] = await Promise.all(["left_sole", "right_sole"].map((foot) => placed(page, foot)));
     await pull(page, "left_sole", 0, -30);
     const [lifted, stood] = await Promise.all(["left_sole", "right_sole"].map((foot) => placed(page, foot)));
@@ -92,7 +92,7 @@ test("any part of a robot is pinned and freed", { skip }, async () => {
     await page.close();
 });
 
-test("an arm's elbow is pulled while its pinned tool stays where it is, and as it is turned", { skip }, async () => {
+test("an elbow is dragged while the pinned tool stays", { skip }, async () => {
     const { page, said } = await opened();
     await page.locator('[data-open="panda"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "robot", undefined, { timeout: 60_000 });
@@ -108,7 +108,7 @@ test("an arm's elbow is pulled while its pinned tool stays where it is, and as i
     await page.close();
 });
 
-test("the joint that holds an arm back is red", { skip }, async () => {
+test("a joint at an active limit is red", { skip }, async () => {
     const link = (name) => `<link name="${name}"><visual><origin xyz="0.25 0 0"/><geometry><box size="0.5 0.05 0.05"/></geometry></visual></link>`;
     const joint = (parent, child, x) => `<joint name="${child}_joint" type="revolute"><parent link="${parent}"/><child link="${child}"/><origin xyz="${x} 0 0"/>
         <axis xyz="0 1 0"/><limit lower="-0.4" upper="0.4" effort="1" velocity="1"/></joint>`;

@@ -1,4 +1,4 @@
-// A finger drags on a small screen, where nothing is wider than it.
+// A finger drags on a small screen, and nothing is wider than the screen.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
@@ -8,7 +8,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("a finger drags on a small screen, where nothing is wider than it", { skip }, async () => {
+test("a finger drags on a small screen", { skip }, async () => {
     const { page, said } = await opened({ viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true });
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 360));
     const hand = await seen(page, "left_hand");

@@ -1,4 +1,4 @@
-// What takes long is stopped, and what was open is there again.
+// A long request is stopped, and the previous model is shown again.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
@@ -9,7 +9,7 @@ const { opened, begin, end } = visiting();
 before(begin);
 after(end);
 
-test("what takes long is stopped, and what was open is there again", { skip }, async () => {
+test("a long request is stopped and the model kept", { skip }, async () => {
     const { page, said } = await opened();
     await page.evaluate(() => {
         const joints = Array.from({ length: 60 }, (_, k) => `JOINT j${k} {\nOFFSET 0 1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n`);

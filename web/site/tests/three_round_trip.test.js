@@ -1,5 +1,5 @@
-// Promise: a scene's file to which a clip was added is the same scene to others: Khronos' validator finds no error in it, three.js draws the same
-// picture of it and plays the clip as kinopt does, and what three.js writes of it comes back.
+// Promise: a scene file with an added clip is the same scene for other programs. Khronos' validator finds no error,
+// three.js draws an equal picture and plays the clip as kinopt does. A file written by three.js is read back.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -25,12 +25,12 @@ before(async () => {
 
 after(() => site?.close());
 
-/** What three.js answers. */
+/** Result of three.js. */
 const three = (name, bytes, ...rest) => page.evaluate(([name, bytes, rest]) => threeScene[name](bytes, ...rest), [name, [...bytes], rest]);
 
 const IMAGE = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
 
-/** A coloured, textured strip of two squares on two bones, with a camera, extras and an extension that nobody knows. */
+/** A coloured, textured strip of two squares on two bones, with a camera, extras and an unknown extension. */
 function strip() {
     const rows = [0, 1, 2];
     const parts = [
@@ -104,14 +104,14 @@ test("Khronos' validator finds no error in the file", async () => {
         const { issues } = await validateBytes(new Uint8Array(file));
         assert.equal(issues.numErrors, 0, JSON.stringify(issues.messages));
     }
-    // All that was there is there, as it was.
+    // All previous content is unchanged.
     const [before, now] = [bytes, amended].map((file) => JSON.parse(new TextDecoder().decode(file)));
     for (const part of ["asset", "scenes", "nodes", "cameras", "skins", "meshes", "materials", "textures", "images", "extensionsUsed"]) {
         assert.deepEqual(now[part], before[part], part);
     }
 });
 
-test("three.js draws the same picture, and another where the clip bends the strip", { skip }, async () => {
+test("three.js draws an equal picture, and a bent one", { skip }, async () => {
     const { bytes, amended } = bent();
     const pictures = [await three("picture", bytes), await three("picture", amended), await three("picture", amended, "bend", 1)];
     const drawn = (picture) => picture.filter((value, k) => k % 4 < 3 && value > 0).length;
@@ -121,7 +121,7 @@ test("three.js draws the same picture, and another where the clip bends the stri
     assert.deepEqual(said, []);
 });
 
-test("three.js plays the clip as kinopt does, and what it writes comes back", { skip }, async () => {
+test("three.js plays the clip equally and writes it back", { skip }, async () => {
     const { amended } = bent();
     const exported = Uint8Array.from(await three("written", amended));
     const { issues } = await validateBytes(exported);

@@ -1,9 +1,9 @@
-// What three.js makes of a file's bytes; bundled for the browser by three_round_trip.test.js.
+// Result of three.js for a file's bytes; bundled for the browser by three_round_trip.test.js.
 import * as THREE from "three";
 import { GLTFExporter } from "three/addons/exporters/GLTFExporter.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-/** A scene that stands where a clip has it; at rest without one. */
+/** A scene at a time of a clip; at rest without a clip. */
 async function posed(bytes, clip, seconds) {
     const { scene, animations } = await new GLTFLoader().parseAsync(Uint8Array.from(bytes).buffer, "");
     if (clip) {
@@ -15,7 +15,7 @@ async function posed(bytes, clip, seconds) {
     return { scene, animations };
 }
 
-/** Where nodes are, sixteen numbers each by their names. */
+/** Placements of nodes by name, sixteen numbers each. */
 export async function places(bytes, clip, seconds) {
     const { scene } = await posed(bytes, clip, seconds);
     const found = {};
@@ -23,7 +23,7 @@ export async function places(bytes, clip, seconds) {
     return found;
 }
 
-/** A picture of 96 by 96 points, four numbers each, of the scene from before it. */
+/** Picture of 96 by 96 pixels, four numbers each, of the scene from the front. */
 export async function picture(bytes, clip, seconds) {
     const { scene } = await posed(bytes, clip, seconds);
     const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
@@ -39,7 +39,7 @@ export async function picture(bytes, clip, seconds) {
     return [...points];
 }
 
-/** The scene as three.js writes it, a .glb. */
+/** The scene as a .glb written by three.js. */
 export async function written(bytes) {
     const { scene, animations } = await posed(bytes);
     return [...new Uint8Array(await new GLTFExporter().parseAsync(scene, { binary: true, animations }))];

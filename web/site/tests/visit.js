@@ -1,5 +1,5 @@
-// What tests of the page share: it is opened in a browser, and what it says on the console is kept. KINOPT_PICTURES=FOLDER has them
-// take the pictures of the README.
+// Common code of tests of the page: it is opened in a browser, and its console messages are recorded.
+// KINOPT_PICTURES=FOLDER writes the pictures of the README.
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { skip, started } from "./browser.js";
@@ -14,15 +14,15 @@ export function visiting() {
             if (!skip) site = await started();
         },
         end: () => site?.close(),
-        /** A page that opened the humanoid, and all that it said on the console. */
+        /** A page with the humanoid, and all its console messages. */
         async opened(options) {
-            // What software draws takes as long as it has points.
+            // The time of software rendering depends on the number of pixels.
             const deviceScaleFactor = process.env.KINOPT_PICTURES ? 1 : 0.5;
             const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", ...options });
-            // As a machine with much other work needs: no test is about time.
+            // Long, for machines with other load: no test measures time.
             page.setDefaultTimeout(300_000);
             const said = [];
-            // What software drawing says of itself is no word of the page, nor which version of Collada a file is of.
+            // Messages of software rendering and about Collada versions are not the page's.
             page.on("console", (message) => /GPU stall|GL Driver|ColladaLoader: File version/.test(message.text()) || said.push(message.text()));
             page.on("pageerror", (error) => said.push(String(error)));
             await page.goto(site.address);
@@ -32,7 +32,7 @@ export function visiting() {
     };
 }
 
-/** Where a handle is seen, in pixels. */
+/** Position of a handle on the page, in pixels. */
 export const seen = (page, name) =>
     page.evaluate((name) => {
         const { stage, view } = kinoptPage;
@@ -44,13 +44,13 @@ export const status = (page) => page.locator("#status").textContent();
 export const pictured = (page, name) =>
     process.env.KINOPT_PICTURES && page.screenshot({ path: join(process.env.KINOPT_PICTURES, name) });
 
-/** All that was asked is answered and drawn. */
+/** Waits until all requests are done and drawn. */
 export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved && !kinoptPage.stage.asked);
 
-/** A file of text, as it is chosen. */
+/** A text file as it is chosen. */
 export const file = (name, text) => ({ name, mimeType: "text/plain", buffer: Buffer.from(text) });
 
-/** The colour of a handle, as on the page. */
+/** Colour of a handle on the page. */
 export const colour = (page, name) =>
     page.evaluate((name) => {
         const { view, opened } = kinoptPage;

@@ -69,7 +69,7 @@ impl Arm {
     }
 
     /// Default start of searches, radians and metres: the SRDF state `ready` or `home` (`withSrdf`), else the middle of
-    /// each joint's limits, or the value closest to 0 for a joint without them.
+    /// each joint's limits. For a joint without limits it is the value closest to 0.
     #[wasm_bindgen(getter, js_name = defaultStart)]
     pub fn default_start(&self) -> Vec<f64> {
         self.inner.default_start().to_vec()

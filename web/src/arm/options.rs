@@ -16,9 +16,9 @@ export interface ArmOptions {
     attempts?: number;
     atlas?: boolean;
     globalSearchOnMiss?: boolean;
-    /** What of the target counts: "pose" (the default), "position", or half widths of room, metres and radians. */
+    /** Goal bounds: "pose" (the default), "position", or half widths along and about the axes, metres and radians. */
     goal?: "pose" | "position" | Numbers;
-    /** Where the joints stand that `only` leaves out. Default: the robot's neutral configuration. */
+    /** Configuration of the robot for the joints that `only` omits. Default: the neutral configuration. */
     held?: Numbers;
     iterations?: number;
     jointWeights?: Numbers;
@@ -32,7 +32,7 @@ export interface ArmOptions {
     posture?: Numbers;
     search?: "start" | "first" | "nearest";
     seed?: number;
-    /** Seconds for a question. Answers then depend on the machine. */
+    /** Seconds for a query. Results then depend on the machine. */
     timeLimit?: number;
     tool?: Placement;
 }
@@ -160,7 +160,7 @@ pub(crate) fn goal(value: &JsValue) -> Result<PoseBounds, JsError> {
             match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
                 None => Ok(PoseBounds::within(widths)),
                 Some(width) => Err(JsError::new(&format!(
-                    "goal holds {width}, which is no number of at least 0"
+                    "goal contains {width}, expected numbers of at least 0"
                 ))),
             }
         }

@@ -28,7 +28,7 @@ export interface ServoOptions {
     accelerationLimits?: Numbers;
     /** Jerk limits of the joints, rad/s³ or m/s³, infinite for none; default: those of the robot's files. */
     jerkLimits?: Numbers;
-    /** Keeps the tool on the straight line to its target, slower rather than off it; default false. */
+    /** Keeps the tool on the straight line to its target, at reduced speed if necessary; default false. */
     straightLine?: boolean;
     /** Damping near singular configurations, radians; default 0.01. */
     damping?: number;

@@ -9,12 +9,15 @@ use crate::view;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A step of a path in which a joint moves further than 0.2 rad (a slide by the metres that weigh as much). */
+/**
+ * A step of a path in which a joint moves farther than 0.2 rad, or a prismatic joint farther than the equivalent
+ * length.
+ */
 export interface Jump {
     step: number;
     joint: string;
     distance: number;
-    /** Whether small steps along the straight way lead there: a fast motion, no other branch. */
+    /** True if small steps along the straight segment lead there: a fast motion on the same branch. */
     continuous: boolean;
 }
 "#;

@@ -14,7 +14,7 @@ use crate::world::{CollisionModel, World};
 /// Retargets a live motion capture: from one frame's joint positions to its configuration, in a bounded number of
 /// steps.
 ///
-/// The clip is a motion of the subject, of any length: limbs and the ground are measured in it, and its bones are the
+/// The clip is a motion of the subject, of any length. Limbs and the ground are measured in it, and its bones are the
 /// joints of later frames. Position limits hold in every frame, speed limits between successive frames. Contacts are
 /// detected from past frames only, so a foot lock starts some frames later than in `retarget`.
 #[wasm_bindgen]

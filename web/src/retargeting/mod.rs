@@ -16,32 +16,35 @@ use crate::robot::Robot;
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 export interface FollowerOptions {
-    /** Frames a second; 30 unless told. */
+    /** Frames per second; default: 30. */
     fps?: number;
-    /** Which way is up in the capture, unless the map says it: "y" or "z". Without it that along which the body stands. */
+    /**
+     * Upward axis of the capture, "y" or "z", unless the map has it. The default is the axis from the ankles to the
+     * pelvis of an upright subject.
+     */
     up?: "y" | "z";
-    /** What stands moves slower than this, m/s … */
+    /** Speed below which a foot is in contact, m/s. */
     contactSpeed?: number;
-    /** … and is no higher than this over the ground, metres. */
+    /** Height over the ground below which a foot is in contact, metres. */
     contactHeight?: number;
 }
 
 export interface ClearFollowerOptions extends FollowerOptions {
-    /** How far all is to be apart at least, metres; 0 unless told. */
+    /** Smallest distance of all pairs, metres; default: 0. */
     margin?: number;
 }
 
 export interface RetargetingOptions extends FollowerOptions {
-    /** All frames as one problem, smooth and with feet that stand; frame after frame otherwise. */
+    /** Solves all frames as one problem, with smooth motion and foot locks; default: frame by frame. */
     whole?: boolean;
-    /** Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place. */
+    /** With `whole`: cost of an acceleration of 1 rad/s², as a position error in metres. */
     acceleration?: number;
-    /** Of whole movements: hears how many frames are done, of how many. */
+    /** With `whole`: called with the number of finished frames and of all frames. */
     progress?: (done: number, total: number) => void;
 }
 
 export interface ClearRetargetingOptions extends RetargetingOptions {
-    /** How far all is to be apart at least, metres; 0 unless told. */
+    /** Smallest distance of all pairs, metres; default: 0. */
     margin?: number;
 }
 "#;

@@ -21,8 +21,8 @@ pub struct Retargeted {
     notes: Vec<String>,
 }
 
-/// Retargets a clip to a robot with a free base, by a map in JSON from joints of the clip to frames (see the library's
-/// page on motions), or one guessed from names. Position and speed limits hold exactly.
+/// Retargets a clip to a robot with a free base, by a map in JSON from joints of the clip to frames. Without a map it
+/// is guessed from names; see the library's page on motions. Position and speed limits hold exactly.
 #[wasm_bindgen]
 pub fn retarget(
     robot: &Robot,
@@ -36,7 +36,7 @@ pub fn retarget(
 
 /// Retargets a clip with collision avoidance in every frame, with a world and the robot itself, by the exact distances
 /// of its shapes. The world is in metres at the scale of the robot: obstacles of the subject scale by `stride`. Feet
-/// stand on obstacles as on the ground; `touching` lists frames that are in collision all the same.
+/// are in contact with obstacles as with the ground; `touching` lists frames in collision in spite of that.
 #[wasm_bindgen(js_name = retargetClear)]
 pub fn retarget_clear(
     robot: &Robot,

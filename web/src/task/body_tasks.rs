@@ -129,7 +129,7 @@ fn points(value: Option<&JsValue>, what: &str) -> Result<Vec<Vector3<f64>>, JsEr
     let Some(value) = value else {
         return Ok(Vec::new());
     };
-    let no = || JsError::new(&format!("{what} must be a list of places"));
+    let no = || JsError::new(&format!("{what} must be a list of positions"));
     let places = given::list(value).ok_or_else(no)?;
     let places = places.iter().map(|place| given::vector::<3>(&place, what));
     let places = places.map(|place| place.map(Vector3::from));

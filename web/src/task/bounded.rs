@@ -19,7 +19,7 @@ pub(super) fn add(
     let inner = around.get("task").unwrap_or(JsValue::UNDEFINED);
     let kind = super::kind(&inner)?;
     if kind == "bounded" {
-        let message = "bounded(bounded(…)): give `bounded` one interval";
+        let message = "nested `bounded`: use one interval instead";
         return Err(JsError::new(message));
     }
     let given = residual::given(inner, &kind)?;

@@ -106,7 +106,7 @@ fn weights(
     for (name, weight) in given.by_name("jointWeights")? {
         let joint = model.inner.joint(name.as_str()).map_err(raise)?;
         let Some(at) = joints.iter().position(|own| *own == joint) else {
-            let message = format!("jointWeights names {name}, which the task does not read");
+            let message = format!("jointWeights names {name}, which is no joint of the task");
             return Err(JsError::new(&message));
         };
         weights[at] = weight;

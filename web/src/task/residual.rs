@@ -132,7 +132,7 @@ pub(super) fn read(
         kind => super::body_tasks::read(given, model, kind, visitor),
         #[cfg(not(feature = "bodies"))]
         kind => Err(JsError::new(&format!(
-            "tasks of kind {kind} are none of this build's: it is made without `bodies`"
+            "tasks of kind {kind} need a build with the feature `bodies`"
         ))),
     }
 }

@@ -50,7 +50,7 @@ fn both_swings_at_their_ends_are_on_the_cone() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_reached_for_within_the_cone() {
+fn unreachable_target_is_approached_within_the_cone() {
     let model = shoulder();
     let problem = reaching(&model, [0.8, -0.6, 0.0]);
     let unbounded = UnboundedProblem::new(&problem);

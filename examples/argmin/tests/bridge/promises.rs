@@ -159,7 +159,7 @@ fn projected_gradient_runs_the_same_and_resumes() {
 }
 
 #[test]
-fn spectral_projected_gradient_runs_the_same_and_resumes() {
+fn spectral_gradient_runs_the_same_and_resumes() {
     runs_the_same(ProjectedGradient::new(FirstStep::BarzilaiBorwein));
 }
 
@@ -227,7 +227,7 @@ where
 }
 
 #[test]
-fn a_run_ends_with_the_first_step_within_the_users_tolerance() {
+fn run_ends_at_the_first_step_within_the_tolerance() {
     ends_with_the_first_small_step(ProjectedGradient::default());
     ends_with_the_first_small_step(GaussNewton::default());
     ends_with_the_first_small_step(LevenbergMarquardt::default());
@@ -278,8 +278,8 @@ fn by_unbounded_solvers(problem: Problem, start: &[f64]) -> [Solution; 3] {
 }
 
 #[test]
-fn argmins_gradient_solvers_reach_the_target_within_the_limits() {
-    // Starts inside the limits, and with four joints on a limit, at which x(y) is flat.
+fn gradient_solvers_reach_the_target_within_limits() {
+    // From inside, and with four joints on a limit, where x(y) is flat.
     let cornered = [-2.9, -1.0, 0.0, -0.1, 0.2, 0.5, 0.0];
     for start in [START, cornered] {
         for solution in by_unbounded_solvers(reachable(), &start) {
@@ -292,7 +292,7 @@ fn argmins_gradient_solvers_reach_the_target_within_the_limits() {
 }
 
 #[test]
-fn argmins_gradient_solvers_find_the_minimum_that_limits_hold() {
+fn gradient_solvers_find_the_minimum_at_limits() {
     let problem = held_by_limits();
     let ours = Solver::default().solve_once(&problem, &START).unwrap();
     assert!(!ours.reached && ours.active_limits().count() > 0);
@@ -317,7 +317,7 @@ fn argmins_gradient_solvers_find_the_minimum_that_limits_hold() {
 }
 
 #[test]
-fn derivative_free_solvers_come_close_within_the_limits() {
+fn derivative_free_solvers_come_close_within_limits() {
     for problem in [point_within_reach(), held_by_limits()] {
         let once = Solver::default().with_restarts(Restarts::none());
         let ours = once.solve_once(&problem, &START).unwrap();
@@ -375,7 +375,7 @@ fn outside_the_limits_the_cost_is_that_of_the_limit() {
 }
 
 #[test]
-fn solutions_report_the_errors_of_their_own_configuration() {
+fn solutions_report_errors_of_their_configuration() {
     let problem = reachable();
     for solution in by_unbounded_solvers(reachable(), &START) {
         // Gauss-Newton, stopped before its first step, measures the given configuration.
@@ -399,7 +399,7 @@ fn solutions_report_the_errors_of_their_own_configuration() {
 }
 
 #[test]
-fn derivatives_through_the_change_of_variables_are_exact() {
+fn derivatives_by_changed_variables_are_exact() {
     for problem in [reachable(), held_by_limits(), two_tips()] {
         let unbounded = UnboundedProblem::new(&problem);
         for q in configurations(&problem, 6) {
@@ -452,7 +452,7 @@ fn the_hessian_is_exact_where_the_residual_vanishes() {
 
 /// The Hessian includes ∂cost/∂x · d²x/dy² only if that is not negative.
 #[test]
-fn the_hessian_has_the_bend_of_the_change_of_variables_where_error_is_left() {
+fn hessian_includes_the_curvature_of_the_variables() {
     let problem = held_by_limits();
     let unbounded = UnboundedProblem::new(&problem);
     let mut bends = 0;
@@ -482,7 +482,7 @@ fn the_hessian_has_the_bend_of_the_change_of_variables_where_error_is_left() {
 }
 
 #[test]
-fn a_line_search_that_fails_at_the_optimum_has_reached_it() {
+fn failed_line_search_at_the_optimum_is_a_success() {
     let problem = reachable();
     let unbounded = UnboundedProblem::new(&problem);
     let precise = Stopping::default().with_step_tolerance(0.0);
@@ -517,7 +517,7 @@ fn a_line_search_that_fails_at_the_optimum_has_reached_it() {
 }
 
 #[test]
-fn a_run_that_fails_where_nothing_can_improve_is_a_solution() {
+fn failed_run_at_a_stationary_point_is_a_solution() {
     let model = arm();
     let turning = model.joint("joint 2").unwrap();
     for (pulls, preferred, termination) in [

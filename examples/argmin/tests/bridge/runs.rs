@@ -198,7 +198,7 @@ impl Solver<UnboundedProblem<'_>, Everything> for EachOnce {
 }
 
 #[test]
-fn a_solution_has_the_counts_of_all_that_was_evaluated() {
+fn solution_counts_all_evaluations() {
     let problem = point_within_reach();
     let unbounded = UnboundedProblem::new(&problem);
     let y = unbounded.start(&START).unwrap();

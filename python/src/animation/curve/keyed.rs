@@ -229,7 +229,7 @@ impl KeyedCurve {
         )
     }
 
-    /// Bézier curve of animation editors (f-curve): `handle_times`, shape (K, 2), and `handle_values`, (K, 2) or (K, 2,
+    /// Bézier curve of animation editors (f-curve). `handle_times`, shape (K, 2), and `handle_values`, (K, 2) or (K, 2,
     /// 3), are the left and right handle of each key, relative to the key.
     ///
     /// Raises `InvalidValueError`, which names the key: times that do not ascend, numbers that are not finite, other

@@ -1,9 +1,10 @@
-//! Answers questions given as numbers, so that other languages can hold their answers against the library's
-//! bit by bit. Numbers are f64, least byte first, on standard input and output.
+//! Solves queries given as numbers, so that other languages can compare their results with the library's exactly.
+//! Numbers are little-endian f64 on standard input and output.
 //!
-//! `answers arm FILE.urdf BASE TIP`: sixteen numbers of a target, rows first, and a start, question after
-//! question; joint values come out. `answers rig FILE.json BONE...`: three numbers a bone, where its tip
-//! shall be; each question begins at rest.
+//! - `answers arm FILE.urdf BASE TIP`: each query is a target as a row-major 4 × 4 matrix and a start configuration.
+//! The result is the joint values.
+//! - `answers rig FILE.json BONE...`: each query is three coordinates per bone, the target of its tip. Each query
+//! starts at the rest pose.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::io::{Read, Write};
