@@ -105,7 +105,7 @@ test("the README's types are valid, wrong types are not", () => {
         // @ts-expect-error
         tasks.point("tip", [0, 0, 0], { wieght: 1 });
         // @ts-expect-error
-        tasks.within({ kind: "hover" }, { lower: 0 });
+        tasks.bounded({ kind: "hover" }, { lower: 0 });
         // @ts-expect-error
         tasks.posture([0, 1], { jointWeights: "by weight" });
         // @ts-expect-error

@@ -58,14 +58,14 @@ test("tasks: postures, weights, couplings, intervals", () => {
     const coupled = solved([tasks.jointCoupling({ [joints[1]]: 1, [joints[3]]: -0.5 }, 0.9)]);
     assert.ok(Math.abs(coupled[1] - 0.5 * coupled[3] - 0.9) < 1e-5);
     const floor = at("flange", start)[2] + 0.1;
-    const above = solved([tasks.within(tasks.plane("flange", [0, 0, 0], [0, 0, 1]), { lower: floor })]);
+    const above = solved([tasks.bounded(tasks.plane("flange", [0, 0, 0], [0, 0, 1]), { lower: floor })]);
     assert.ok(at("flange", above)[2] > floor - 1e-5);
     const slow = tasks.smoothness(start, 0.01, { weight: 1, role: "goal", tolerance: 1e-3 });
     assert.ok(apart(solved([slow], {}, model, start.map((value) => 0.95 * value)), start) < 1e-4);
     assert.throws(() => new Problem(model, [tasks.posture({ elbow: 1 })]), /elbow.*joint/s);
     assert.throws(() => new Problem(model, [tasks.posture(start, { jointWeights: "upright-ish" })]), /by range.*upright/s);
     assert.throws(() => new Problem(model, [{ kind: "hover" }]), /kind of task.*hover.*point/s);
-    assert.throws(() => new Problem(model, [tasks.within(tasks.within(tasks.limitCentring()))]), /nested `within`/);
+    assert.throws(() => new Problem(model, [tasks.bounded(tasks.bounded(tasks.limitCentring()))]), /nested `bounded`/);
     assert.throws(() => new Problem(model, [tasks.gaze("flange", [0, 0, 1], 0.1)]), /target or a direction/);
 });
 
