@@ -17,8 +17,9 @@ const NEAR_GROUND: f64 = 0.2;
 /// `up`, in the armature's unit of length per second. It is opposite to the median velocity of the feet while they are
 /// near the ground. Without feet it is zero.
 ///
-/// Returns an error if `up` has no direction, the rate is not positive, the clip is of another armature, or a bone is
-/// not in the armature.
+/// # Errors
+/// Returns an error if `up` has no direction or the rate is not positive. Returns an error if the clip is of another
+/// armature, or a bone is not in the armature.
 pub fn ground_speed(
     armature: &Armature,
     clip: &Clip,

@@ -1,4 +1,4 @@
-//! What is asked of a rig's keys, and what came of it.
+//! Options, entry point and result of inverse kinematics on keyframes.
 
 use nalgebra::DVector;
 
