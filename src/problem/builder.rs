@@ -397,7 +397,7 @@ fn compile_task(
         let ball = joints.find(|joint| joint.kind.is_ball());
         let problem = match ball {
             Some(ball) if expected == pending.joints.len() => format!(
-                "it has one number for each of its joints, but `{}` is a ball, which turns by a quaternion",
+                "it has one number per joint, but `{}` is a ball joint with a quaternion",
                 ball.name
             ),
             _ => format!(
@@ -445,7 +445,7 @@ fn compile_task(
         let rows = room.rows();
         return Err(ProblemError::BadTask {
             task: name,
-            problem: format!("it has a room of its rows {rows:?}, but {count} rows"),
+            problem: format!("it has an inequality of its rows {rows:?}, but {count} rows"),
         });
     }
     let mut task = CompiledTask {

@@ -289,7 +289,7 @@ fn invalid_clip_ik_is_named() {
     );
     assert!(
         says(ik().with_reach(reach("hand")).with_planted(id("hand")))
-            .contains("`hand` has two targets")
+            .contains("`hand` is given twice")
     );
     assert!(says(ik().with_reach(reach("hand")).with_reach(reach("hand"))).contains("twice"));
     assert!(

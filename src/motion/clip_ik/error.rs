@@ -15,7 +15,7 @@ use crate::problem::ProblemError;
 #[non_exhaustive]
 pub enum ClipIkError {
     /// There is no reach and no planted bone.
-    #[error("no reach and no planted bone: at least one is needed")]
+    #[error("nothing to solve: no reach and no planted bone")]
     Nothing,
     /// A bone is not in the armature.
     #[error("bone {bone} does not exist: the armature has {bones} bones")]
@@ -48,14 +48,14 @@ pub enum ClipIkError {
         travel: [f32; 3],
     },
     /// A bone has two tasks at one time.
-    #[error("bone `{bone}` has two targets at the same time: at most one is allowed")]
+    #[error("bone `{bone}` is given twice at the same time: only one target is allowed")]
     Twice {
         /// Bone with two tasks.
         bone: String,
     },
     /// A span is not within the clip, or is shorter than its fades.
     #[error(
-        "span [{from}, {to}] s, fades of {fade} s: must be within the clip's [{}, {}] s, both fades within the span",
+        "span from {from} s to {to} s with fades of {fade} s: must be within {} s to {} s, with both fades inside",
         clip[0], clip[1]
     )]
     BadSpan {

@@ -2,7 +2,7 @@
 
 use crate::solver::dot;
 
-/// Tile size of the inner loops in both directions. Blocks are padded to a multiple of it.
+/// Tile size of the inner loops in both directions. Blocks are padded to a multiple of this size.
 const TILE: usize = 4;
 /// Pivot, relative to the largest diagonal entry, below which the matrix is not positive definite.
 const NEGLIGIBLE: f64 = 1e-14;
