@@ -150,8 +150,8 @@ impl BoundedDescent {
         }
     }
 
-    /// Returns the cost after a second step from the end of the rejected one, if it is lower than at x (a watchdog:
-    /// Chamberlain, Powell, Lemarechal & Pedersen 1982).
+    /// Returns the cost after a second step from the end of the rejected one, if it is lower than at x. This is a
+    /// watchdog (Chamberlain, Powell, Lemarechal & Pedersen 1982).
     ///
     /// The second step uses the model at its start. The model at x lacks residuals that act only there, such as the
     /// ground under a foot at its edge. It would repeat the rejected step.
