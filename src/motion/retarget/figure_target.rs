@@ -102,7 +102,7 @@ impl FigureTarget {
     /// Returns poses of an armature in the axes of its file, one per configuration of the [robot](Self::robot).
     ///
     /// The first bones of the armature must be those of the skeleton. Bones that cannot rotate keep their transforms in
-    /// the pose `stands`.
+    /// the given pose.
     ///
     /// # Errors
     /// Returns an error if the armature or pose has other bones, or if a bone would need shear.

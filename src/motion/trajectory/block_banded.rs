@@ -139,7 +139,7 @@ impl BlockBanded {
         true
     }
 
-    /// Solves A x = b in place after [`factorise`](Self::factorise). `room` is a buffer.
+    /// Solves A x = b in place after [`factorise`](Self::factorise). The last argument is a buffer.
     pub(super) fn solve(&self, b: &mut [f64], room: &mut Vec<f64>) {
         let Self {
             blocks,

@@ -9,7 +9,7 @@ use super::interior::{Cost, minimise};
 
 /// Distance from its limits to which a clip is brought, radians: the slack for the targets.
 const ROOM: f64 = 1e-5;
-/// Weight of a change relative to an excess. It leaves less excess than [`ROOM`].
+/// Weight of a change relative to an excess, small enough that the remaining excess is less than the slack.
 const CHANGE: f64 = 1e-4;
 
 /// ½ ‖excess‖² and ½ λ² ‖x − clamped‖².
