@@ -53,9 +53,7 @@ pub enum ProblemError {
         weight: f64,
     },
     /// Weights whose number differs from the number of row blocks in reports.
-    #[error(
-        "{given} weights are given, the problem has {expected}: one per row of a solution"
-    )]
+    #[error("{given} weights are given, the problem has {expected}: one per row of a solution")]
     WeightCount {
         /// Number of given weights.
         given: usize,
@@ -63,7 +61,9 @@ pub enum ProblemError {
         expected: usize,
     },
     /// A model that differs from the problem's in joints or frames.
-    #[error("model `{given}` does not match the problem's model `{expected}`: only joint origins may differ")]
+    #[error(
+        "model `{given}` does not match the problem's model `{expected}`: only joint origins may differ"
+    )]
     ForeignModel {
         /// The given model.
         given: String,
@@ -103,7 +103,9 @@ pub enum ProblemError {
         tasks: Vec<String>,
     },
     /// Targets of a problem with other tasks.
-    #[error("{given} targets of another problem: the problem of model `{model}` has {expected} tasks")]
+    #[error(
+        "{given} targets of another problem: the problem of model `{model}` has {expected} tasks"
+    )]
     ForeignTargets {
         /// Number of tasks of the targets.
         given: usize,

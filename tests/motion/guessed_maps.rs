@@ -520,7 +520,10 @@ fn names_without_a_body_are_rejected() {
         &model(&["tail", "head", "jaw", "neck"]),
     )
     .unwrap_err();
-    assert!(refused.to_string().contains("match no body parts"), "{refused}");
+    assert!(
+        refused.to_string().contains("match no body parts"),
+        "{refused}"
+    );
     let unknown = KnownSkeleton::named("cmy").unwrap_err().to_string();
     assert!(unknown.contains("did you mean `cmu`"), "{unknown}");
     assert_eq!(smpl.joints_of_array(22).map(<[String]>::len), Some(22));

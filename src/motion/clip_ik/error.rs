@@ -26,7 +26,9 @@ pub enum ClipIkError {
         bones: usize,
     },
     /// The armature was not built from the skeleton.
-    #[error("bone `{bone}` of the skeleton differs from the armature: build the armature from this skeleton")]
+    #[error(
+        "bone `{bone}` of the skeleton differs from the armature: build the armature from this skeleton"
+    )]
     OtherSkeleton {
         /// First bone of the skeleton that differs from the armature.
         bone: String,

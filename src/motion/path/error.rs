@@ -35,9 +35,7 @@ pub enum PathError {
         points: usize,
     },
     /// A time is not finite or not after the previous one.
-    #[error(
-        "the time of point {index} is {value} s, after {before} s: times must increase"
-    )]
+    #[error("the time of point {index} is {value} s, after {before} s: times must increase")]
     Time {
         /// Index of the point.
         index: usize,

@@ -43,7 +43,9 @@ pub enum RetargetError {
     #[error(transparent)]
     Clip(#[from] ChannelError),
     /// The count of numbers does not match whole capture frames.
-    #[error("the capture has {numbers} numbers: each frame needs three for each of the {joints} joints")]
+    #[error(
+        "the capture has {numbers} numbers: each frame needs three for each of the {joints} joints"
+    )]
     NotFrames {
         /// Count of given numbers.
         numbers: usize,

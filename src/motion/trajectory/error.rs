@@ -88,9 +88,7 @@ pub enum MotionError {
         frames: usize,
     },
     /// A fixed sample is beyond a limit.
-    #[error(
-        "joint `{joint}`: value {value} of the fixed frame is outside [{lower}, {upper}]"
-    )]
+    #[error("joint `{joint}`: value {value} of the fixed frame is outside [{lower}, {upper}]")]
     FixedBeyond {
         /// Name of the joint.
         joint: String,
