@@ -88,7 +88,7 @@ impl Drag {
         (free, before): (bool, f64),
         found: &mut SearchResult,
     ) -> Option<Vec<f64>> {
-        // Soft tasks may make an end acceptable that the required tasks alone do not reach.
+        // Soft tasks may lead to an unacceptable end although the required tasks alone do not.
         for extent in [Extent::Frame, Extent::Goals] {
             self.solve_fenced(fence, room, extent, free);
             found.add(&room.fenced.solution);

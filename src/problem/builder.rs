@@ -128,8 +128,8 @@ impl<'m> ProblemBuilder<'m> {
 
     /// Sets the tolerance of a quantity for all tasks that do not set their own.
     ///
-    /// Default: 1e-6 m, 1e-6 rad, the corresponding velocities per second, and 1e-3 px. It is infinite for joint units
-    /// and ratios. For a model in its own unit of length it is 1e-6 of the reach instead of 1e-6 m.
+    /// Default: 1e-6 m, 1e-6 rad, 1e-6 m/s, 1e-6 rad/s and 1e-3 px. It is infinite for joint units and ratios. For a
+    /// model in its own unit of length it is 1e-6 of the reach instead of 1e-6 m.
     pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
         self.tolerances.push((quantity, tolerance));
         self

@@ -95,7 +95,7 @@ impl Row {
 /// Returns the rows of an angle's limits over the segments of its track that can change.
 ///
 /// The rows bound Bézier control points, whose convex hull contains the cubic. Each segment is cut into [`PIECES`]
-/// pieces. The control points of a piece are within a hundredth of the segment's curvature of the spline.
+/// pieces. The distance of a piece's control points from the cubic is then at most a hundredth of the segment's bend.
 ///
 /// Two kinds of rows allow an excess:
 ///
