@@ -172,9 +172,9 @@ impl BodyFollower {
 
     /// Solves one sample and returns the configuration.
     ///
-    /// `places` are the target positions of the driven points, in the model's unit. `stands` are their contacts, from 0
-    /// (free) to 1 (locked in place). Both are in the order of [`Retargeting::driven`](super::Retargeting::driven). If
-    /// a target is not finite, the configuration stays unchanged.
+    /// `places` are the target positions of the driven points, in the model's unit. The second list has their contacts,
+    /// from 0 (free) to 1 (locked in place). Both are in the order of
+    /// [`Retargeting::driven`](super::Retargeting::driven). If a target is not finite, the configuration stays unchanged.
     ///
     /// # Errors
     /// Returns an error if the number of targets or contacts is wrong.
