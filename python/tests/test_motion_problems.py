@@ -137,7 +137,7 @@ def test_what_is_wrong_is_named(arm: kinopt.Robot) -> None:
     tip = arm.frame_names[-1]
     says(kinopt.InvalidValueError, "0 to 99", contacts=[kinopt.Contact(tip, 0, 99)])
     says(kinopt.InvalidValueError, "first", first=np.zeros(3))
-    says(kinopt.InvalidValueError, "beyond its limits", last=np.full(6, 99.0))
+    says(kinopt.InvalidValueError, "fixed frame is outside", last=np.full(6, 99.0))
     with pytest.raises(kinopt.InvalidValueError, match="no frame"):
         kinopt.MotionProblem(arm, 0, STEP, [tasks.Posture(np.zeros(6))])
     with pytest.raises(kinopt.InvalidValueError, match="time_step"):

@@ -262,7 +262,7 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
         kinopt.retarget(sway()[:, :2, :2], nao, MAP, joints=["hips", "left"])
     with pytest.raises(InvalidValueError, match="what the 3 joints are called"):
         kinopt.retarget(sway(), nao)
-    with pytest.raises(InvalidValueError, match="tell of no body"):
+    with pytest.raises(InvalidValueError, match="match no body parts"):
         kinopt.retarget(sway(), nao, joints=["a", "b", "c"])
     with pytest.raises(InvalidValueError, match="no frame"):
         kinopt.retarget(np.zeros((0, 3, 3)), nao, MAP)
@@ -298,7 +298,7 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
     damaged = sway(4)
     damaged[2, 1, 0] = np.nan
     np.save(tmp_path / "nan.npy", damaged)
-    for name, words in [("empty.bvh", "no frames"), ("nan.npy", "frame 2: the place of joint")]:
+    for name, words in [("empty.bvh", "no frames"), ("nan.npy", "frame 2: the position of joint")]:
         with pytest.raises(InvalidValueError, match=f"{name}: .*{words}"):
             kinopt.retarget(tmp_path / name, nao, MAP)
     half = (tmp_path / "nan.npy").read_bytes()[:200]
@@ -408,7 +408,7 @@ def test_a_map_of_another_robot_is_completed_by_names(nao: kinopt.Robot) -> None
     found = kinopt.retarget(STEPS, nao, other, fps=30)
     guessed = kinopt.retarget(STEPS, nao, fps=30)
     assert np.array_equal(found.q, guessed.q) and found.map["drives"] == guessed.map["drives"]
-    assert "names tell" in found.notes[0]
+    assert "guessed from names" in found.notes[0]
 
 
 def test_what_is_no_figure_is_refused(nao: kinopt.Robot, tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
     second = files(into)
     assert set(second) == {*first, "lost.npz"} and second["one.npz"] == first["one.npz"]
     assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, again=True))
-    with pytest.raises(InvalidValueError, match="another question"):
+    with pytest.raises(InvalidValueError, match="results of other settings"):
         retarget_folder(folder, NAO, into, MAP, whole=True)
 
 
@@ -66,10 +66,10 @@ def test_what_is_asked_is_asked_of_every_movement(folder: Path, tmp_path: Path) 
     assert [report.error for report in reports] == [None]
     with np.load(into / "three.npz") as read:
         assert np.array_equal(read["q"], kinopt.retarget(sway(8), NAO, MAP, **asked).q)
-    with pytest.raises(InvalidValueError, match="another question"):
+    with pytest.raises(InvalidValueError, match="results of other settings"):
         retarget_folder(folder / "deeper", NAO, into, MAP)
     asked["world"].add_sphere("ball", 0.1, (3, 0, 0))
-    with pytest.raises(InvalidValueError, match=r"another question.*\(world\)"):
+    with pytest.raises(InvalidValueError, match=r"results of other settings.*\(world\)"):
         retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
 
 
@@ -80,7 +80,7 @@ def test_what_changed_of_a_map_is_another_question(folder: Path, tmp_path: Path)
     # An equal job, in another notation.
     assert all(report.done_before for report in retarget_folder(folder / "deeper", NAO, into, dict(MAP)))
     file.write_text(json.dumps({**MAP, "drives": {"left": "left_sole", "right": "right_sole"}}))
-    with pytest.raises(InvalidValueError, match=r"another question.*\(map\)"):
+    with pytest.raises(InvalidValueError, match=r"results of other settings.*\(map\)"):
         retarget_folder(folder / "deeper", NAO, into, file)
 
 
@@ -102,10 +102,10 @@ def test_what_is_interrupted_begins_nothing_more(tmp_path: Path) -> None:
 
 
 def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(FileError, match="no folder"):
+    with pytest.raises(FileError, match="not a folder"):
         retarget_folder(tmp_path / "none", NAO, tmp_path / "into")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(FileError, match="there is no"):
+    with pytest.raises(FileError, match="no motion file found"):
         retarget_folder(tmp_path / "empty", NAO, tmp_path / "into")
     (folder / "one.bvh").write_text(BVH)
     with pytest.raises(InvalidValueError, match="would both be written"):

@@ -1,4 +1,4 @@
-//! Dragging: one problem whose targets move from frame to frame.
+//! Drag: one problem whose targets move from frame to frame.
 
 use super::collision_avoidance::CollisionWorkspace;
 use super::depenetration::WayOutOfContact;
@@ -18,37 +18,36 @@ use crate::search::{check_start, slide_per_radian};
 use crate::solver::Stopping;
 use crate::task::Residual;
 
-/// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
-/// second.
+/// Default largest displacement of a joint per frame, radians: 9 rad/s at 60 frames per second.
 const MOST_MOVE: f64 = 0.15;
-/// Steps of a frame at most. A frame that is cut short goes on in the next.
+/// Default maximum number of steps per frame. A frame that is cut short continues in the next one.
 const STEPS: usize = 40;
-/// How far the nudge goes, in radians, and for how many steps it may show that it leads on.
+/// Size of a perturbation, radians, and maximum number of steps from it.
 const NUDGE: f64 = 0.01;
 const NUDGE_STEPS: usize = 10;
-/// A joint this near the middle of its range, as a share of it, has no side to go to.
+/// Distance from the middle of a range, relative to the range, below which a joint is perturbed to neither side.
 const CENTRED: f64 = 1e-6;
-/// The cost at which a nudge, or a search from elsewhere, has led to something better.
+/// Largest ratio of costs at which the result of a perturbation or search is accepted.
 pub(super) const BETTER: f64 = 1.0 - 1e-3;
 
-/// A problem that is solved again and again while its targets move, as a hand under a mouse does.
+/// Solver for a problem whose targets move from frame to frame, such as a hand that follows the mouse.
 ///
-/// Each [`advance`](Self::advance) settles from where the last one ended, on the same branch, in a
-/// bounded number of steps and without restarts, so that a frame that misses costs no more than a few
-/// that reach. No joint moves further in a frame than [`with_max_move`](Self::with_max_move) says:
-/// where a target leaps or a branch ends, the body follows over several frames, which
-/// [`is_speed_limited`](Self::is_speed_limited) tells. It leaps only where [`with_search`](Self::with_search)
-/// asks for a global search on a miss, and then [`jump`](Self::jump) says so.
+/// Each [`advance`](Self::advance) starts from the end of the last frame and stays on the same branch. It takes a
+/// bounded number of steps and no restarts, so a frame that does not reach costs no more than a few that do.
 ///
-/// A body that [keeps clear](crate::problem::ProblemBuilder::keep_clear) goes only where the straight way of each frame is free, on
-/// which all joints move evenly, and so slides along what is in the way; its solution is then not reached and names that
-/// ([`Solution::collisions`]). From a place that touches something every frame touches less, until nothing does; where
-/// no small step does, an arm in a plate being an example, the body goes straight to a free place not far away, through what it is in.
-/// It leaps nowhere.
+/// No joint moves further in a frame than [`with_max_move`](Self::with_max_move) allows. If a target jumps or a branch
+/// ends, the joints catch up over several frames; see [`is_speed_limited`](Self::is_speed_limited). Only
+/// [`with_search`](Self::with_search) enables a global search, whose result is a [`jump`](Self::jump).
 ///
-/// Where it comes to rest a little short of targets that it could reach, limits of several joints being in its way, the
-/// frames that follow look for a way out on the same branch, one attempt each, and go there as far in a frame as joints may
-/// move; [`is_at_rest`](Self::is_at_rest) waits for that.
+/// With [collision avoidance](crate::problem::ProblemBuilder::keep_clear) the linear joint-space motion of every frame
+/// is collision-free, so the model slides along obstacles. Such a frame is not reached, and [`Solution::collisions`]
+/// lists the blocking pairs. If the configuration is in collision, every frame reduces the penetration. If no small
+/// step does, as for an arm that pierces a plate, the drag finds a collision-free configuration nearby. It then moves
+/// there in a straight line, through the penetrated obstacle. The drag never jumps to another place.
+///
+/// A drag can stop short of reachable targets if several joints are at their limits. The following frames then attempt
+/// an escape on the same branch, one attempt each. They move to a better solution as fast as the joints may.
+/// [`is_at_rest`](Self::is_at_rest) is false until the attempts end.
 ///
 /// ```
 /// use kinopt::ik::Drag;
@@ -87,50 +86,49 @@ pub struct Drag {
     nudged: Solver,
     pub(super) search: Option<Solver>,
     pub(super) max_move: f64,
-    /// The bounds of a frame.
+    /// Joint displacement bounds of a frame.
     pub(super) moves: MoveLimits,
-    /// What a variable may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
+    /// Displacement of each variable for a `max_move` of 1: 1 rad, or the equivalent length.
     pub(super) unit: Vec<f64>,
-    /// Where the body stood before, and the way from there.
+    /// Variables before the frame, and the displacement from there.
     pub(super) before: [Vec<f64>; 2],
     pub(super) x: Vec<f64>,
     pub(super) q: Vec<f64>,
     pub(super) workspace: Workspace,
     pub(super) trial: Workspace,
-    /// Frames in a row that settled on a miss.
+    /// Number of consecutive frames that settled without reaching.
     pub(super) misses: usize,
-    /// The furthest that a joint moved in the last frame, in radians.
+    /// Largest displacement of a joint in the last frame, radians.
     pub(super) moved: f64,
     pub(super) way_out: LocalMinimumEscape,
     pub(super) way_out_solvers: WayOutSolvers,
     pub(super) way_out_of_contact: WayOutOfContact,
     pub(super) leap: Option<(usize, f64)>,
-    /// Where a frame of a body that keeps clear begins, and room for its checks.
+    /// Configuration at the start of a frame, and the workspace of collision avoidance.
     pub(super) q_before: Vec<f64>,
     pub(super) clear: Option<Box<CollisionWorkspace>>,
-    /// Whether something may touch where the body stands.
+    /// True if the configuration may be in collision.
     pub(super) touches: bool,
-    /// The commanded motion, if rates are limited; all other fields are then those of its goal.
+    /// Commanded motion, if there are motion limits. All other fields then describe its goal.
     pub(super) motion: Option<Box<DragMotion>>,
 }
 
-/// A joint that moved further in a frame than the drag allows, because a search from elsewhere was
-/// asked for and found better.
+/// Joint displacement that exceeds the bound of a frame, from the global search of [`Drag::with_search`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DragJump<'a> {
-    /// The joint that moved furthest for what it may.
+    /// Joint with the largest displacement relative to its bound.
     pub joint: &'a str,
-    /// How far, in radians or metres.
+    /// Displacement, radians or metres.
     pub distance: f64,
 }
 
 impl Drag {
-    /// A drag of `problem` from the configuration `start` (degrees of freedom; projected into the
-    /// limits). The problem's targets may be anywhere: the first [`advance`](Self::advance) looks.
+    /// Creates a drag of `problem` from the configuration `start`, which is projected into the joint limits. The
+    /// problem's targets may be anywhere. The first [`advance`](Self::advance) computes the first solution.
     ///
     /// # Errors
-    /// A start of the wrong length, or one that is not finite.
+    /// Returns an error if `start` has the wrong length or a number that is not finite.
     pub fn new(problem: Problem, start: &[f64]) -> Result<Self, SolveError> {
         check_start(&problem, start)?;
         let n = problem.variables();
@@ -164,7 +162,7 @@ impl Drag {
             problem,
         };
         drag.set_configuration(start)?;
-        // Its memory before the first frame that needs it, so that frames allocate nothing.
+        // Allocates the memory of all solves now, so that frames allocate nothing.
         let look = Stopping::default().with_max_iterations(0);
         let look = Solver::default().with_stopping(look);
         let look = look.with_restarts(Restarts::none());
@@ -173,11 +171,11 @@ impl Drag {
         Ok(drag.with_solver(Solver::default(), steps)?)
     }
 
-    /// The method of another solver, within these limits a frame: at most 40 steps unless set. Its
-    /// restarts are not used.
+    /// Sets the solver and the stopping criteria of a frame. The default maximum is 40 steps. The solver's restarts are
+    /// ignored.
     ///
     /// # Errors
-    /// An option out of its range.
+    /// Returns an error if an option is out of its range.
     pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Result<Self, BadOption> {
         stopping.check()?;
         self.way_out_solvers = WayOutSolvers::new(&solver, stopping);
@@ -190,12 +188,12 @@ impl Drag {
         Ok(self)
     }
 
-    /// How far a joint may move in a frame, in radians: 0.15 unless set; slides as far as a joint
-    /// would carry what is a quarter of the model's reach away. Infinity lets a joint go where its
-    /// branch takes it.
+    /// Sets the largest displacement of a joint per frame, radians. Default 0.15. The bound of a prismatic joint is the
+    /// displacement that this angle causes at a quarter of the model's reach. With infinity a joint may move anywhere
+    /// on its branch.
     ///
     /// # Errors
-    /// A number that is not above 0.
+    /// Returns an error if `radians` is not above 0.
     pub fn with_max_move(mut self, radians: f64) -> Result<Self, BadOption> {
         let above = |radians| radians > 0.0;
         BadOption::check("max_move", radians, (above, "a number above 0"))?;
@@ -211,20 +209,27 @@ impl Drag {
         }
     }
 
-    /// Keeps limits of velocity, acceleration and jerk in every frame, by finite differences of [`q`](Self::q) over the `time_step`
-    /// between two frames, seconds. The drag starts at rest.
+    /// Enforces limits of velocity, acceleration and jerk in every frame. The rates are finite differences of
+    /// [`q`](Self::q) over `time_step`, the time between two frames in seconds. The drag starts at rest.
     ///
-    /// A frame first finds its goal: the configuration that a drag without a time step goes to, no joint faster than its velocity limit.
-    /// Each joint then follows its own goal as closely as its limits allow, and always keeps the distance that it
-    /// needs to brake before a position limit. [`q`](Self::q) and [`solution`](Self::solution) are those of the commanded configuration.
+    /// A frame first computes its goal: the configuration of a drag without motion limits, with every joint within its
+    /// velocity limit. Each joint then follows its goal as closely as its limits allow. It always keeps the distance
+    /// that it needs to brake before a position limit. [`q`](Self::q) and [`solution`](Self::solution) describe the
+    /// commanded configuration.
     ///
-    /// The limits come before all tasks. Joints that lag behind their goals by different times move pinned frames: targets that are
-    /// themselves within the limits leave pinned frames in place, targets that jump do not. [`settle`](Self::settle) is
-    /// [`follow`](Self::follow), and [`set_configuration`](Self::set_configuration) starts again at rest.
+    /// The limits take precedence over all tasks. Joints that lag behind their goals by different times displace pinned
+    /// frames. Pinned frames stay in place if the targets move within the limits, but not if targets jump.
+    /// [`settle`](Self::settle) then acts like [`follow`](Self::follow). [`set_configuration`](Self::set_configuration)
+    /// restarts at rest.
     ///
     /// # Errors
-    /// A time step that is not a positive number; another number of limits than a configuration has numbers; a limit that is negative or
-    /// NaN, or an acceleration or jerk limit of 0; a ball joint with a bounded range; a problem that avoids collisions.
+    /// Returns an error for:
+    ///
+    /// - a time step that is not positive and finite,
+    /// - a number of limits that differs from the length of a configuration,
+    /// - a limit that is negative or NaN, or an acceleration or jerk limit of 0,
+    /// - a ball joint with a bounded range,
+    /// - a problem with collision avoidance.
     pub fn with_motion_limits(
         mut self,
         time_step: f64,
@@ -237,12 +242,12 @@ impl Drag {
         Ok(self)
     }
 
-    /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
-    /// a thousandth of the cost: reported as a [`jump`](Self::jump). Such a frame costs what a whole
-    /// solve costs. Without it a drag never leaps.
+    /// Enables a global search from other starts if a frame settles without reaching. Its result is used if it lowers
+    /// the cost by at least a thousandth, and may be a [`jump`](Self::jump). Such a frame takes as long as a whole
+    /// solve. By default there is no search, and a drag never jumps.
     ///
     /// # Errors
-    /// An option out of its range.
+    /// Returns an error if an option is out of its range.
     pub fn with_search(mut self, restarts: Restarts) -> Result<Self, BadOption> {
         restarts.check()?;
         self.search = Some(Solver::default().with_restarts(restarts));
@@ -250,11 +255,11 @@ impl Drag {
     }
 
     getters! {
-        /// What is dragged.
+        /// Problem of the drag.
         pub fn problem(&self) -> &Problem = &self.problem;
     }
 
-    /// Where the body stands (degrees of freedom): the commanded configuration.
+    /// Returns the commanded configuration.
     #[must_use]
     pub fn q(&self) -> &[f64] {
         match &self.motion {
@@ -263,9 +268,8 @@ impl Drag {
         }
     }
 
-    /// What the last frame came to: empty before the first. Its
-    /// [`active_limits`](Solution::active_limits) tell limits from the most that a joint may move in
-    /// a frame.
+    /// Returns the solution of the last frame; empty before the first one. Its
+    /// [`active_limits`](Solution::active_limits) distinguish joint limits from displacement bounds of the frame.
     #[must_use]
     pub fn solution(&self) -> &Solution {
         match &self.motion {
@@ -274,26 +278,27 @@ impl Drag {
         }
     }
 
-    /// Whether rates are limited and the commanded configuration is still on its way to the goal.
+    /// Returns whether there are motion limits and the commanded configuration has not arrived at the goal.
     fn lags(&self) -> bool {
         (self.motion.as_ref()).is_some_and(|motion| !motion.is_at_rest_on_goal())
     }
 
-    /// What is dragged, with the targets as they are now.
+    /// Returns the problem with the current targets.
     #[must_use]
     pub fn question(&self) -> ProblemInstance<'_> {
         self.moved_joints.question(&self.problem, &self.targets)
     }
 
-    /// A task's residual, to move its target; as [`Targets::get_mut`].
+    /// Returns the residual of a task, to move its target, like [`Targets::get_mut`].
     ///
     /// # Errors
-    /// As there.
+    /// Returns the errors of [`Targets::get_mut`].
     pub fn target_mut<R: Residual>(&mut self, task: TaskId<R>) -> Result<&mut R, ProblemError> {
         self.targets.get_mut(task)
     }
 
-    /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.
+    /// Returns whether a joint moved as far as a frame allows and is still catching up. The next frames continue the
+    /// motion.
     #[must_use]
     pub fn is_speed_limited(&self) -> bool {
         self.goal_catches_up() || self.lags()
@@ -304,7 +309,7 @@ impl Drag {
         limits.any(|limit| limit.kind == BoundKind::Move)
     }
 
-    /// The leap of the last frame, if it leapt.
+    /// Returns the jump of the last frame, if there was one.
     #[must_use]
     pub fn jump(&self) -> Option<DragJump<'_>> {
         let (variable, distance) = self.leap?;
@@ -312,10 +317,10 @@ impl Drag {
         Some(DragJump { joint, distance })
     }
 
-    /// Goes on from another configuration (degrees of freedom; projected into the limits).
+    /// Continues from another configuration, which is projected into the joint limits.
     ///
     /// # Errors
-    /// One of the wrong length, or one that is not finite.
+    /// Returns an error if `q` has the wrong length or a number that is not finite.
     pub fn set_configuration(&mut self, q: &[f64]) -> Result<(), SolveError> {
         check_start(&self.problem, q)?;
         self.problem.parameters().gather(q, &mut self.x);
@@ -332,14 +337,14 @@ impl Drag {
         Ok(())
     }
 
-    /// Moves joints and frames on their parents to where `model` has them, which has the joints and frames of the problem's
-    /// model in their order. The configuration stays, and the next frame goes on from it.
+    /// Moves joints and frames on their parents to their placements in `model`. Its joints and frames must be those of
+    /// the problem's model, in the same order. The configuration stays, and the next frame starts from it.
     ///
-    /// A character whose scales shear its bones is dragged by
-    /// [`Skeleton::standing_in`](crate::skeleton::Skeleton::standing_in) of its pose after each frame.
+    /// If scales shear the bones of a character, call this after each frame with the model of
+    /// [`Skeleton::standing_in`](crate::skeleton::Skeleton::standing_in) for its pose.
     ///
     /// # Errors
-    /// A model of other joints or frames; a problem that avoids collisions.
+    /// Returns an error if the joints or frames of `model` differ, or if the problem has collision avoidance.
     pub fn move_joints(&mut self, model: &Model) -> Result<(), SolveError> {
         let names = self.problem.names();
         let frames = self.problem.tree().frames().map(|frame| frame.index());
@@ -364,7 +369,7 @@ impl Drag {
         Ok(())
     }
 
-    /// One frame: follows the targets as they are now.
+    /// Computes one frame for the current targets.
     pub fn advance(&mut self) -> &Solution {
         self.leap = None;
         self.q_before.clone_from(&self.q);
@@ -390,14 +395,15 @@ impl Drag {
         self.solution()
     }
 
-    /// Puts the commanded configuration at rest on the goal.
+    /// Resets the commanded configuration to rest at the goal.
     fn command_at_rest(&mut self) {
         if let Some(motion) = &mut self.motion {
             motion.rest_at(&self.problem, &self.x);
         }
     }
 
-    /// Settles within the bounds of the frame, and where that misses looks around.
+    /// Solves within the bounds of the frame. If that settles without reaching, attempts a perturbation, a search and
+    /// an escape.
     fn settle_frame(&mut self) {
         let question = near(
             &self.problem,
@@ -419,8 +425,8 @@ impl Drag {
         }
     }
 
-    /// Whether the last frame moved no joint, nor did nudges where it missed, or reached its targets with
-    /// nothing else to come: the next would do nothing.
+    /// Returns whether further frames would change nothing. Either the targets are reached without soft tasks, or the
+    /// last frame moved no joint and no perturbation or escape is pending.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         let stays = !self.moved_joints.any() || self.moved < REST;
@@ -433,24 +439,23 @@ impl Drag {
         done || (self.moved < REST && nudged && !seeks)
     }
 
-    /// The variable that has moved furthest since `before`, and how far, in radians.
+    /// Returns the variable with the largest displacement since `before`, and that displacement in radians.
     fn furthest_move(&mut self) -> Option<(usize, f64)> {
         let [from, way] = &mut self.before;
         furthest_move(&self.problem, &self.unit, [from, &self.x], way)
     }
 
-    /// Sets off a little beside where the frame settled, and stays with what that leads to if it is
-    /// better.
+    /// Solves from a small perturbation of the settled configuration, and uses the result if it is better.
     fn nudge(&mut self) {
         let from = &self.workspace.solution.q;
         let map = self.problem.parameters();
-        // Into the other's memory, which has the right size after the first time.
+        // The buffer of the other workspace has the right size after the first use.
         let start = &mut self.trial.search.start;
         start.resize(self.x.len(), 0.0);
         map.gather(from, start);
         let mut random = RandomStream::new(0, self.misses as u64);
-        // First towards the middle of the joints' ranges, which is where both sides of a symmetric body bend
-        // alike, then anywhere.
+        // The first perturbation is towards the middle of the joint ranges, so that both sides of a symmetric model
+        // bend equally. Later ones are random.
         let inward = self.misses % (2 * NUDGE_EVERY) == 1;
         let (lower, upper) = (self.problem.lower(), self.problem.upper());
         for (j, value) in start.iter_mut().enumerate() {
@@ -479,7 +484,7 @@ impl Drag {
         self.take_trial();
     }
 
-    /// Searches from everywhere, where that is asked for.
+    /// Searches globally, if enabled.
     fn search(&mut self) {
         let Some(search) = &self.search else {
             return;
@@ -492,7 +497,7 @@ impl Drag {
             &mut self.trial,
         );
         if !self.take_trial() {
-            // It began where the frame settled, so what ended as near did so there.
+            // The search included the settled configuration, so its count of agreeing attempts also applies there.
             self.workspace.solution.agreeing = self.trial.solution.agreeing;
             return;
         }
@@ -508,7 +513,7 @@ impl Drag {
             .map(|(variable, moved)| (variable, moved * self.unit[variable]));
     }
 
-    /// Stays with the trial if it is better; either way the frame has made both.
+    /// Uses the trial if it is better. The effort of both solves counts.
     fn take_trial(&mut self) -> bool {
         let (kept, trial) = (&mut self.workspace, &mut self.trial);
         let better = trial.solution.reached || trial.is_better(&self.problem, BETTER, kept);

@@ -1,4 +1,4 @@
-//! Frames of a drag whose ways are free.
+//! Collision-free frames of a drag.
 
 use std::sync::Arc;
 
@@ -14,9 +14,11 @@ use crate::search::SearchResult;
 use crate::solver::Silent;
 
 impl Drag {
-    /// Keeps the frame's end where the straight way to it is free. Where it is not, the frame is solved again with the clearance among
-    /// its goals, each step no longer than that way is free, so that the body slides along what is in the way; the solution says what
-    /// that is, unless its goals are reached all the same. From a place that touches something the next one touches less.
+    /// Checks the linear joint-space motion of the frame, and replaces a blocked end.
+    ///
+    /// A blocked frame is solved again with collision avoidance among the required tasks. Each step is then limited to
+    /// its collision-free part, so that the model slides along obstacles. The solution lists the blocking pairs, unless
+    /// its targets are reached nevertheless. If the frame starts in collision, its end has less penetration.
     pub(super) fn keep_way_clear(&mut self) {
         let Some(fence) = self.problem.fence().map(Arc::clone) else {
             return;
@@ -41,7 +43,7 @@ impl Drag {
     }
 
     fn slide(&mut self, fence: &CollisionConstraint, room: &mut CollisionWorkspace, by: Collision) {
-        // What it only stands on does not keep it from going on.
+        // A mere contact at the start does not block the motion.
         let stays = room.engine.check.blocked(&self.q_before, &self.q_before);
         let free = stays.is_none();
         let before = match free {
@@ -77,8 +79,8 @@ impl Drag {
         }
     }
 
-    /// Where a frame solved with the clearance among its goals leads, by variable: on a way that is free from where the body stood, or
-    /// where that touches something, to less of it.
+    /// Returns the end of a frame solved with collision avoidance among the required tasks, by variable. The motion to
+    /// it is collision-free, or if the frame starts in collision, it has less penetration.
     fn slide_to(
         &mut self,
         fence: &CollisionConstraint,
@@ -86,7 +88,7 @@ impl Drag {
         (free, before): (bool, f64),
         found: &mut SearchResult,
     ) -> Option<Vec<f64>> {
-        // Preferences may lead where the goals alone do not.
+        // Soft tasks may lead to an unacceptable end although the required tasks alone do not.
         for extent in [Extent::Frame, Extent::Goals] {
             self.solve_fenced(fence, room, extent, free);
             found.add(&room.fenced.solution);
@@ -105,7 +107,8 @@ impl Drag {
         None
     }
 
-    /// Solves a frame with the clearance among its goals, from where the body stood; guarded from where that is free.
+    /// Solves a frame from its start with collision avoidance among the required tasks. If `guarded`, every step is
+    /// limited to its collision-free part.
     fn solve_fenced(
         &mut self,
         fence: &CollisionConstraint,

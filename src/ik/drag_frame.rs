@@ -1,4 +1,4 @@
-//! What a frame of a drag asks, and a solve of it.
+//! Problem instance of a frame of a drag, and its solve.
 
 use super::solver::Run;
 use super::{MoveLimits, Solver, Workspace};
@@ -7,13 +7,13 @@ use crate::model::Model;
 use crate::problem::{Problem, ProblemInstance, Targets};
 use crate::solver::Silent;
 
-/// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
-/// arm that is stretched out to the bit does not feel a target that comes back along it.
+/// Number of consecutive frames that settle without reaching, per perturbation. A perturbation distinguishes a minimum
+/// from a saddle point, such as a stretched arm whose target moves back along it.
 pub(super) const NUDGE_EVERY: usize = 4;
-/// A body whose joints move less in a frame rests, in radians.
+/// Largest joint displacement of a frame at rest, radians.
 pub(super) const REST: f64 = 1e-6;
 
-/// What a frame asks: the targets as they are now, within its bounds.
+/// Returns the problem instance of a frame: current targets, within the bounds of the frame.
 pub(super) fn near<'a>(
     problem: &'a Problem,
     targets: &'a Targets,
@@ -23,12 +23,12 @@ pub(super) fn near<'a>(
     moved.question(problem, targets).near(moves)
 }
 
-/// The kinematics of a drag whose joints moved on their parents.
+/// Kinematics of a drag whose joints have moved on their parents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MovedJoints(Option<Box<(Tree, TreeWorkspace)>>);
 
 impl MovedJoints {
-    /// Takes the positions of joints and frames from a model with the joints of the problem's.
+    /// Copies the placements of joints and frames from a model with the joints of the problem's model.
     pub(super) fn take(&mut self, problem: &Problem, model: &Model) {
         let moved = self.0.get_or_insert_with(|| {
             let tree = problem.tree().clone();
@@ -38,12 +38,12 @@ impl MovedJoints {
         tree.compile(model, problem.parameters(), memory);
     }
 
-    /// Whether joints moved.
+    /// Returns whether joints have moved on their parents.
     pub(super) fn any(&self) -> bool {
         self.0.is_some()
     }
 
-    /// The problem with these targets and joints.
+    /// Returns the problem with these targets and joint placements.
     pub(super) fn question<'a>(
         &'a self,
         problem: &'a Problem,
@@ -57,8 +57,8 @@ impl MovedJoints {
     }
 }
 
-/// A solve from a start of the right length. Where a number in it is not finite, which a residual of
-/// the caller's may bring about, the last solution stays.
+/// Solves from a start of the right length. If the solution is not finite, for example because of a user-defined
+/// residual, the previous solution is kept.
 pub(super) fn solve(
     solver: &Solver,
     question: ProblemInstance<'_>,

@@ -1,8 +1,8 @@
 //! Commanded motion of a drag within limits of velocity, acceleration and jerk.
 //!
-//! Each variable of a hinge or slide follows its goal by [`JointMotion`]. Of a ball joint the three components of the rotation vector
-//! in its own axes do, each within 1/√3 of the limits, so that the norm keeps them. The vector of a frame is that of the rotation
-//! from the last orientation to the next.
+//! Each variable of a revolute or prismatic joint follows its goal by [`JointMotion`]. For a ball joint, three
+//! components of a rotation vector in its own axes do. Each component has 1/√3 of the limits, so that the norm is
+//! within them. The vector of a frame is the rotation from the last orientation to the next.
 
 use super::drag_frame::{REST, solve};
 use super::{MotionLimits, Restarts, Solution, SolveError, Solver, Workspace};
@@ -12,13 +12,13 @@ use crate::problem::{Problem, ProblemInstance};
 use crate::solver::Stopping;
 use crate::spatial::{Quaternion, Vector3};
 
-/// Step of a variable without a velocity limit in a frame, radians or metres: more than any goal moves.
+/// Step of a variable without a velocity limit in a frame, radians or metres. It exceeds any displacement of a goal.
 const UNLIMITED_STEP: f64 = 1e3;
 
-/// Share of a limit of three rates that each has, so that their norm keeps the limit: 1/√3, less rounding.
+/// Fraction of a limit for each of three rates, so that their norm is within the limit: 1/√3, rounded down.
 const SHARE_OF_THREE: f64 = 0.577_350_269;
 
-/// A ball joint of the commanded motion.
+/// Ball joint of the commanded motion.
 #[derive(Clone, Debug)]
 struct Ball {
     /// First of its three variables.
@@ -30,16 +30,16 @@ struct Ball {
 /// Commanded motion of a drag.
 #[derive(Clone, Debug)]
 pub(super) struct DragMotion {
-    /// By variable; so are all others. Of a ball the whole angle.
+    /// Largest step of each variable in a frame; for a ball joint the whole angle. All lists are by variable.
     largest_steps: Vec<f64>,
     limits: Vec<CycleLimits>,
-    /// The position of a ball's variables counts from its orientation: it is zero.
+    /// Motion of each variable. The position of a ball joint's variables is relative to its orientation, so it is zero.
     joints: Vec<JointMotion>,
     balls: Vec<Ball>,
-    /// Goals by variable; of a ball the sum of the rotation vectors of its goal's frames.
+    /// Goals by variable; for a ball joint the sum of its goal's rotation vectors over all frames.
     goals: Vec<f64>,
     history: GoalHistory,
-    /// Goals by variable; of a ball the rotation vector from its orientation.
+    /// Goals by variable; for a ball joint the rotation vector from its orientation to the goal.
     towards: Vec<f64>,
     x: Vec<f64>,
     q: Vec<f64>,
@@ -114,7 +114,7 @@ impl DragMotion {
         pub(super) fn largest_steps(&self) -> &[f64] = &self.largest_steps;
     }
 
-    /// Starts again at rest.
+    /// Restarts at rest at `x`.
     pub(super) fn rest_at(&mut self, problem: &Problem, x: &[f64]) {
         self.x.copy_from_slice(x);
         self.goals.copy_from_slice(x);
@@ -138,7 +138,7 @@ impl DragMotion {
         map.scatter_within_limits(&self.x, &mut self.q);
     }
 
-    /// One frame towards a goal.
+    /// Moves one frame towards a goal.
     pub(super) fn follow(&mut self, problem: &Problem, goal: &[f64]) {
         let map = problem.parameters();
         for (k, goal) in goal.iter().enumerate() {
@@ -181,7 +181,7 @@ impl DragMotion {
         map.scatter_within_limits(&self.x, &mut self.q);
     }
 
-    /// Whether it is at rest on its goal.
+    /// Returns whether the commanded configuration is at rest at the goal.
     pub(super) fn is_at_rest_on_goal(&self) -> bool {
         let mut balls = self.balls.iter();
         let turned = |ball: &Ball| (ball.orientation.conjugate() * ball.goal).log().norm();
@@ -201,11 +201,11 @@ impl DragMotion {
         balls.any(|ball| (ball.first..ball.first + 3).contains(&variable))
     }
 
-    /// Reports on the commanded configuration, with the effort of the frame that found its goal.
+    /// Writes the solution of the commanded configuration, with the effort of the frame that computed its goal.
     pub(super) fn report(&mut self, question: ProblemInstance<'_>, goal: &Solution) {
         solve(&self.look, question, &self.q, &mut self.workspace);
         let solution = &mut self.workspace.solution;
-        // To the bit, and with its own sign of quaternions.
+        // Copies the values exactly, with the sign of the quaternions.
         solution.q.copy_from_slice(&self.q);
         solution.iterations = goal.iterations;
         solution.counts += goal.counts;
@@ -215,7 +215,7 @@ impl DragMotion {
     }
 }
 
-/// The limits of the variables, by those of the numbers of a configuration.
+/// Returns the limits of the variables from those of the numbers of a configuration.
 fn by_variable(
     problem: &Problem,
     option: &'static str,
@@ -253,7 +253,7 @@ fn by_variable(
     Ok(least)
 }
 
-/// A quaternion of length 1 of the same direction.
+/// Normalises a quaternion.
 fn unit(rotation: Quaternion<f64>) -> Quaternion<f64> {
     let length = (rotation.w * rotation.w + rotation.v.norm_squared()).sqrt();
     Quaternion {

@@ -1,16 +1,16 @@
-//! Dragging to where a body rests: for a single pose, and for the steps of a path.
+//! Repeated frames of a drag until it is at rest.
 
 use super::drag::{BETTER, Drag};
 use super::{Solution, Workspace};
 use crate::clock::is_past;
 use crate::solver::{Counts, Termination};
 
-/// A frame that was cut at its steps creeps where its cost is not below this share of the last one's.
+/// Ratio of successive costs above which a frame that was cut short makes slow progress.
 const CREEPS: f64 = 0.5;
-/// So many frames in a row: the end is flat, and another way may be shorter.
+/// Number of consecutive slow frames after which the cost counts as flat, so another motion may be shorter.
 const CREEPING: usize = 2;
 
-/// What some frames came to.
+/// Statistics of several frames.
 #[derive(Clone, Copy, Debug, Default)]
 struct Frames {
     frames: usize,
@@ -28,19 +28,19 @@ impl std::ops::AddAssign for Frames {
     }
 }
 
-/// What ended some frames.
+/// Reason why frames ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Ended {
-    /// There were no more, or no more time.
+    /// The number of frames or the time was exhausted.
     #[default]
     Spent,
-    /// As far as was wanted.
+    /// The requested state was reached.
     Done,
-    /// Its cost hardly falls.
+    /// The cost decreased too slowly.
     Creeping,
 }
 
-/// A way that was left for another one.
+/// State at the end of a motion, stored while another motion is tried.
 struct Standing {
     x: Vec<f64>,
     q: Vec<f64>,
@@ -50,12 +50,15 @@ struct Standing {
 }
 
 impl Drag {
-    /// Where the body comes to from where it stands, on its own way, without a search elsewhere: for a single
-    /// pose, and for targets that are far apart. At first joints move as far as their limits let them, which
-    /// keeps a symmetric body symmetric; where that misses, or creeps towards a flat end, the way is gone again
-    /// in steps of a frame, and the nearer end counts. Either goes on for so many frames at most, until the
-    /// body rests on its targets or where it comes no nearer to them. The solution's steps and evaluations are
-    /// those of all frames, which count as one attempt; a time limit is for all of them. At least one frame is computed. Allocates.
+    /// Moves to the targets until the drag is at rest, in at most `frames` frames per motion. Use it for a single pose,
+    /// or for targets that are far apart. There is no global search.
+    ///
+    /// The first motion has no displacement bound per frame, which keeps a symmetric model symmetric. If it does not
+    /// reach, or makes slow progress, a second motion with the usual bound starts again from the beginning. The end
+    /// with the lower cost counts. Each motion ends when the targets are reached or the cost no longer decreases.
+    ///
+    /// The iterations and evaluations of the solution are those of all frames, which count as one attempt. The time
+    /// limit applies to all frames together. At least one frame is computed. This method allocates.
     pub fn settle(&mut self, frames: usize) -> &Solution {
         let frames = frames.max(1);
         if self.motion.is_some() {
@@ -76,7 +79,7 @@ impl Drag {
             if !self.workspace.solution.reached {
                 let second = self.standing();
                 if creeping && !late() {
-                    // Neither way is short: the first one to its end after all.
+                    // Both motions are slow, so the first one is continued to its end.
                     self.stand(first);
                     all += self.stride(frames - strides, false, &late);
                     first = self.standing();
@@ -89,10 +92,12 @@ impl Drag {
         self.total(all)
     }
 
-    /// Goes on to the targets as they are now, in steps of a frame, at most so many: until they are reached
-    /// and no joint is catching up, or the body rests, or its cost hardly falls any more. For paths whose
-    /// steps are judged one by one. The solution's steps and evaluations are those of all frames; a time
-    /// limit is for all of them. At least one frame is computed.
+    /// Moves towards the current targets in steps of a frame, at most `frames`. The motion ends when the targets are
+    /// reached and no joint is catching up. It also ends when the drag is at rest, or the cost hardly decreases. Use it
+    /// for paths whose steps are checked one by one.
+    ///
+    /// The iterations and evaluations of the solution are those of all frames. The time limit applies to all frames
+    /// together. At least one frame is computed.
     pub fn follow(&mut self, frames: usize) -> &Solution {
         let frames = frames.max(1);
         let deadline = self.solver.stopping().deadline();
@@ -108,8 +113,8 @@ impl Drag {
         self.total(all)
     }
 
-    /// Frames whose joints move as far as their limits let them, until the body rests, or where that is
-    /// asked for creeps.
+    /// Computes frames without a displacement bound until the drag is at rest. With `up_to_creeping` set, slow progress
+    /// ends them too.
     fn stride(&mut self, frames: usize, up_to_creeping: bool, late: &dyn Fn() -> bool) -> Frames {
         let max_move = self.max_move;
         self.set_max_move(f64::INFINITY);
@@ -126,7 +131,8 @@ impl Drag {
         done
     }
 
-    /// Frames until they are ended by what is asked of each with the cost before it, or it is late.
+    /// Computes frames until `ended` returns a reason or the time is over. `ended` receives the drag and the cost of
+    /// the previous frame.
     fn go_on(
         &mut self,
         frames: usize,
@@ -152,13 +158,13 @@ impl Drag {
         done
     }
 
-    /// Whether the last frame was cut at its steps before it reached.
+    /// Returns whether the last frame was cut short before it reached.
     fn is_cut(&self) -> bool {
         let solution = &self.workspace.solution;
         !solution.reached && solution.termination == Termination::IterationLimit
     }
 
-    /// Keeps where the body stands, to come back to it.
+    /// Stores the current state.
     fn standing(&self) -> Standing {
         Standing {
             x: self.x.clone(),
@@ -175,7 +181,7 @@ impl Drag {
         self.touches = true;
     }
 
-    /// The last frame's solution, as that of all of them.
+    /// Returns the solution of the last frame with the statistics of all frames.
     fn total(&mut self, all: Frames) -> &Solution {
         let Workspace { solution, .. } = &mut self.workspace;
         (solution.iterations, solution.counts) = (all.iterations, all.counts);

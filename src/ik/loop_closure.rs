@@ -12,7 +12,7 @@ use crate::solver::LeastSquares;
 /// Number of random configurations from which closure is attempted.
 const DRAWS: u64 = 32;
 
-/// Forward kinematics of a model with loops: solves for the dependent joints, given the others.
+/// Forward kinematics of a model with loops: solves for the dependent joints from the values of the independent ones.
 ///
 /// ```
 /// use kinopt::ik::LoopClosure;

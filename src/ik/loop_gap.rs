@@ -81,7 +81,7 @@ pub enum LoopClosureError {
     Start(#[from] SolveError),
     /// No joint is given that closes the loops.
     #[error(
-        "`{model}` has loops, but no passive joints that close them: name some of {}",
+        "model `{model}` has loops but no passive joints that close them: name some of {}",
         joints.join(", ")
     )]
     NoPassiveJoints {
@@ -91,7 +91,7 @@ pub enum LoopClosureError {
         joints: Vec<String>,
     },
     /// The search found no values of the dependent joints that close a loop.
-    #[error("{}: no values of {} that were found close it", listed(open), dependent.join(", "))]
+    #[error("{}: no values of {} were found that close it", listed(open), dependent.join(", "))]
     Open {
         /// Open loops with their closure errors.
         open: Vec<LoopGap>,

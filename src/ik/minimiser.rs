@@ -22,12 +22,12 @@ pub(crate) struct Minimiser<'a> {
     pub(crate) memory: &'a mut SolverState,
     /// Collision check of the steps, if any.
     pub(crate) guard: Option<&'a mut dyn StepGuard>,
-    /// Memory for a search over the variables that the tasks move alone.
+    /// Memory for a search over only the variables that move a task.
     pub(crate) moved: Option<&'a mut MovedMemory>,
 }
 
 impl<'a> Minimiser<'a> {
-    /// The variables that are searched, where others are left out.
+    /// Returns the variables to search, if not all are searched.
     fn moved_variables(&self) -> Option<&'a MovedVariables> {
         let problem = self.question.problem;
         let whole = self.guard.is_some() || self.share != problem.search_share();

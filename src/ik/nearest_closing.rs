@@ -9,8 +9,8 @@ use crate::random::RandomStream;
 use crate::search::{slide_per_radian, variables_at};
 use crate::solver::half_squared;
 
-/// Number of additional starts, sampled no farther from the start than the nearest known closure, beyond which no
-/// nearer one exists.
+/// Number of additional starts, sampled no further from the start than the nearest known closure. Beyond this number,
+/// no nearer closure is assumed to exist.
 const PLACES: u64 = 32;
 /// Improvement below which two closures count as equally near, radians.
 const SAME_WAY: f64 = 1e-6;

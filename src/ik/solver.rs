@@ -175,7 +175,7 @@ impl Solver {
             scratch: &mut scratch,
             memory: &mut workspace.memory,
             guard: reborrowed(&mut run.guard),
-            // What leads out of contact reads where the whole search is.
+            // Collision avoidance needs all variables at the end of the search.
             moved: run.clear.is_none().then_some(&mut workspace.moved),
         };
         let search = &mut workspace.search;

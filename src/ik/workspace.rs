@@ -14,7 +14,7 @@ use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub(super) memory: SolverState,
-    /// Where tasks move few of the variables.
+    /// Memory for tasks that move only few of the variables.
     pub(super) moved: MovedMemory,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,

@@ -50,13 +50,13 @@ impl ContactDetection {
 
     /// Checks the ranges of all options.
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        BadOption::check("the speed of what stands", self.speed, AT_LEAST_0)?;
-        BadOption::check("the height of what stands", self.height, AT_LEAST_0)?;
+        BadOption::check("contact speed", self.speed, AT_LEAST_0)?;
+        BadOption::check("contact height", self.height, AT_LEAST_0)?;
         BadOption::check("shortest_s", self.shortest_s, NOT_NEGATIVE)?;
         BadOption::check("lead_s", self.lead_s, NOT_NEGATIVE)
     }
 
-    /// Returns the spans of capture frames in which a point is in contact.
+    /// Returns the capture frames in which a point is in contact, as ranges.
     ///
     /// `way` has the position of the point in each capture frame, metres. `height` returns its height above the ground,
     /// metres. `rate` is in capture frames per second.

@@ -126,9 +126,10 @@ impl<'m> ProblemBuilder<'m> {
         self
     }
 
-    /// The tolerance of all tasks that do not set their own. Unset, it is 1e-6 m and 1e-6 rad (also a
-    /// second) and 1e-3 px, and infinite for joint units and ratios. For a model in its own unit of length it is 1e-6 of the
-    /// reach instead of 1e-6 m.
+    /// Sets the tolerance of a quantity for all tasks that do not set their own.
+    ///
+    /// Default: 1e-6 m, 1e-6 rad, 1e-6 m/s, 1e-6 rad/s and 1e-3 px. It is infinite for joint units and ratios. For a
+    /// model in its own unit of length it is 1e-6 of the reach instead of 1e-6 m.
     pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
         self.tolerances.push((quantity, tolerance));
         self
@@ -169,7 +170,7 @@ impl<'m> ProblemBuilder<'m> {
         Ok(problem)
     }
 
-    /// The problem, with an optional clearance after all other tasks.
+    /// Builds the problem, with an optional clearance after all other tasks.
     pub(super) fn compile(
         mut self,
         clearance: Option<(PendingTask, ClearanceAs)>,
@@ -317,7 +318,8 @@ impl<'m> ProblemBuilder<'m> {
     }
 }
 
-/// What steps of the variables are measured in: slides of models in their own unit by a share of the reach.
+/// Returns the length equivalent to a radian by variable, a fraction of the reach for prismatic joints, 1 for angles.
+/// Empty unless the model has its own unit of length.
 fn step_scale(is_angle: &[bool], unit: LengthUnit, reach: f64) -> Vec<f64> {
     if unit != LengthUnit::Own || reach <= 0.0 || is_angle.iter().all(|is_angle| *is_angle) {
         return Vec::new();
@@ -329,7 +331,7 @@ fn step_scale(is_angle: &[bool], unit: LengthUnit, reach: f64) -> Vec<f64> {
     is_angle.iter().map(scale).collect()
 }
 
-/// Which variables move a free joint; empty where there is none.
+/// Returns for each variable whether it moves a free joint; empty if there is no free joint.
 fn floating(model: &Model, map: &ParameterMap) -> Vec<bool> {
     let free: Vec<usize> = model.free_coordinates().flatten().collect();
     match free.is_empty() {
@@ -397,7 +399,7 @@ fn compile_task(
         let ball = joints.find(|joint| joint.kind.is_ball());
         let problem = match ball {
             Some(ball) if expected == pending.joints.len() => format!(
-                "it has one number for each of its joints, but `{}` is a ball, which turns by a quaternion",
+                "it has one number per joint, but `{}` is a ball joint with a quaternion",
                 ball.name
             ),
             _ => format!(
@@ -445,7 +447,7 @@ fn compile_task(
         let rows = room.rows();
         return Err(ProblemError::BadTask {
             task: name,
-            problem: format!("it has a room of its rows {rows:?}, but {count} rows"),
+            problem: format!("it has an inequality of its rows {rows:?}, but {count} rows"),
         });
     }
     let mut task = CompiledTask {

@@ -8,7 +8,7 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Derivatives {
-    /// The geometric Jacobian, and reverse mode for the gradient: exact, and much faster than the others.
+    /// The geometric Jacobian, and reverse mode for the gradient: exact, and much faster than all other methods.
     #[default]
     Analytic,
     /// The forward pass on dual numbers, six variables at a time: exact.

@@ -19,7 +19,7 @@ pub enum ProblemError {
         model: String,
     },
     /// A problem without tasks.
-    #[error("no task: say what the frames of `{model}` should do")]
+    #[error("no task: the problem of model `{model}` needs at least one")]
     NoTasks {
         /// Name of the model.
         model: String,
@@ -53,9 +53,7 @@ pub enum ProblemError {
         weight: f64,
     },
     /// Weights whose number differs from the number of row blocks in reports.
-    #[error(
-        "{given} weights are given, the problem has {expected}: one for each of a solution's rows"
-    )]
+    #[error("{given} weights are given, the problem has {expected}: one per row of a solution")]
     WeightCount {
         /// Number of given weights.
         given: usize,
@@ -63,7 +61,9 @@ pub enum ProblemError {
         expected: usize,
     },
     /// A model that differs from the problem's in joints or frames.
-    #[error("model `{given}` is not the problem's `{expected}` with its joints elsewhere")]
+    #[error(
+        "model `{given}` does not match the problem's model `{expected}`: only joint origins may differ"
+    )]
     ForeignModel {
         /// The given model.
         given: String,
@@ -71,7 +71,7 @@ pub enum ProblemError {
         expected: String,
     },
     /// New weights or joint origins for a problem with collision avoidance, which depends on them.
-    #[error("a problem that keeps clear of something does not take other {what}: build it anew")]
+    #[error("a problem with collision avoidance does not accept other {what}: build a new problem")]
     KeepsClear {
         /// The rejected parameters: "weights" or "joint origins".
         what: &'static str,
@@ -95,7 +95,7 @@ pub enum ProblemError {
         quantity: Quantity,
     },
     /// A task id of another problem.
-    #[error("task number {task} is not one of these, or of another type: {}", tasks.join(", "))]
+    #[error("task number {task} does not exist or is of another type; tasks are {}", tasks.join(", "))]
     ForeignTask {
         /// The index of the id.
         task: usize,
@@ -103,7 +103,9 @@ pub enum ProblemError {
         tasks: Vec<String>,
     },
     /// Targets of a problem with other tasks.
-    #[error("{given} targets of another problem; that on `{model}` has {expected} tasks")]
+    #[error(
+        "{given} targets of another problem: the problem of model `{model}` has {expected} tasks"
+    )]
     ForeignTargets {
         /// Number of tasks of the targets.
         given: usize,
@@ -124,7 +126,7 @@ pub enum ProblemError {
     },
     /// A collision checker of another model, detected by its size.
     #[error(
-        "the checker is of configurations of {given} numbers, those of model `{model}` have {expected}"
+        "the checker is for configurations of {given} numbers: those of model `{model}` have {expected}"
     )]
     ForeignChecker {
         /// Number of coordinates that the checker expects.
@@ -142,14 +144,14 @@ pub enum ProblemError {
     },
     /// Extra bounds on a ball joint, which has several coordinates.
     #[error(
-        "joint `{joint}` is a ball, which bounds of one number do not limit: give it a cone, or limit its move"
+        "joint `{joint}` is a ball joint: bounds are not allowed, use a cone or a displacement limit"
     )]
     BoundOnBall {
         /// Name of the joint.
         joint: String,
     },
     /// Extra bounds that leave a joint no value.
-    #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave it no value")]
+    #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave no value")]
     EmptyRange {
         /// Name of the joint.
         joint: String,

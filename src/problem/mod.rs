@@ -112,11 +112,11 @@ pub struct Problem {
     spread: Vec<f64>,
     /// For each variable, true if a task depends on it.
     moving: Vec<bool>,
-    /// The variables among them, where leaving the others out is worth it.
+    /// The variables that a task depends on, if a search over them alone pays off.
     moved: Option<MovedVariables>,
     /// A length of the model's own scale, in metres.
     reach: f64,
-    /// What steps of slides are measured in, if the model's unit is its own.
+    /// The length equivalent to a radian by variable, 1 for angles; empty unless the model has its own unit of length.
     step_scale: Vec<f64>,
     derivatives: Derivatives,
     /// The collision constraint, if any.
@@ -178,7 +178,7 @@ impl Problem {
         /// The map from rates of the variables to a velocity of the model.
         pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
-        /// The length by which a slide weighs as much as a radian, by variable, 1 for angles; empty for models in metres.
+        /// The length equivalent to a radian by variable, 1 for angles; empty for models in metres.
         pub(crate) fn step_scale(&self) -> &[f64] = &self.step_scale;
         /// The order in which the tasks are met.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
@@ -232,7 +232,7 @@ impl Problem {
         }
     }
 
-    /// True if some task is soft, so that a reached solution may not be the minimum.
+    /// True if some task is soft, so that a reached solution is not always the minimum.
     #[must_use]
     pub fn has_preferences(&self) -> bool {
         self.tasks.iter().any(|task| task.role == Role::Preference)
@@ -519,8 +519,8 @@ impl Problem {
 
 /// Largest error of a near target at the start, radians (metres by their weight).
 ///
-/// For near targets the first attempt runs to its end before any other starts. For farther targets a stalled attempt is
-/// abandoned, because further attempts take less time than continuing it.
+/// For near targets the first attempt runs to its end before any other starts. For more distant targets a stalled
+/// attempt is abandoned, because further attempts take less time than continuing it.
 pub(crate) const NEARBY: f64 = 1.0;
 
 /// Ratio of joints visited frame by frame to those of a sweep, above which a task is swept.

@@ -1,6 +1,6 @@
 //! Reduced problem over the variables that move a task.
 //!
-//! The other variables keep their values. Most bones of a character move no task of a drag, and the cost of a step grows
+//! All other variables keep their values. Most bones of a character move no task of a drag. The cost of a step grows
 //! with the square and the cube of the number of variables.
 
 use std::ops::ControlFlow;

@@ -21,7 +21,7 @@ impl Problem {
     ///
     /// # Errors
     /// Returns an error for a wrong number of weights, or a weight that is negative or not finite. A problem with
-    /// collision avoidance is an error too, because the clearance's weight depends on the others.
+    /// collision avoidance is an error too, because the clearance's weight depends on the weights of the tasks.
     pub fn with_weights(mut self, weights: &[f64]) -> Result<Self, ProblemError> {
         let expected = self.tasks.iter().map(|task| task.blocks.len()).sum();
         if weights.len() != expected {
@@ -45,7 +45,7 @@ impl Problem {
 
     /// The problem with the joint origins of `model`: its own model [moved](Model::with_joint_origins).
     ///
-    /// Weights, limits and the reach stay. A residual with lengths of its own, such as
+    /// Weights, limits and the reach stay. A residual that stores lengths, such as
     /// [`Manipulability`](crate::task::Manipulability), keeps them.
     ///
     /// # Errors

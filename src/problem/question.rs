@@ -50,7 +50,7 @@ impl<'a> ProblemInstance<'a> {
         pub fn lower(&self) -> &'a [f64] = self.lower;
         /// Upper bounds of the variables.
         pub fn upper(&self) -> &'a [f64] = self.upper;
-        /// How far balls may go from where they stood.
+        /// Largest rotations of ball joints from their start.
         pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] = self.moves;
         /// The compiled kinematics that the tasks' slots refer to.
         pub(crate) fn tree(&self) -> &'a Tree = self.tree;

@@ -20,8 +20,8 @@ pub enum Side {
 /// - Two may be the swing of a ball joint, within an ellipse.
 /// - Three may be a ball joint within an angle of some rotation.
 ///
-/// At the edge of a group, one component of a step leads across it, outward, and the others along it. An edge thus
-/// holds one component, as a bound does, and the others are free.
+/// At the edge of a group, one component of a step points across the edge, outward. All other components point along
+/// the edge. An edge thus holds one component, as a bound does, and the rest are free.
 #[derive(Clone, Copy, Debug)]
 pub struct ConfigurationSpace<'a> {
     pub(super) lower: &'a [f64],

@@ -176,7 +176,7 @@ impl Curvature {
         self.in_use = true;
         refill(&mut self.matrix, n * n, 0.0);
         room.x.copy_from_slice(x);
-        // Evaluated like the others, so that rounding cancels: the gradient in memory may be Jᵀr.
+        // Evaluated like all later gradients, so that rounding cancels: the gradient in memory may be Jᵀr.
         room.gradient(problem);
         std::mem::swap(&mut room.gradient, &mut room.gradient_here);
         let columns = |j: usize| jacobian.column(j);
@@ -219,7 +219,7 @@ impl Curvature {
             *y = g - *y;
             *y_sharp = g - *y_sharp;
         }
-        // A step that hardly changed the slope is no basis for an update.
+        // A step that barely changed the slope is no basis for an update.
         let along = dot(change, &self.step);
         let negligible =
             NEGLIGIBLE_COSINE * (dot(change, change) * dot(&self.step, &self.step)).sqrt();

@@ -18,7 +18,7 @@ pub trait LeastSquares {
     /// Upper bounds, n numbers, each at least its lower bound; ∞ for none.
     fn upper(&self) -> &[f64];
 
-    /// What a step of each variable is measured in, n numbers: lengths that count as much as a radian. Empty where all are 1.
+    /// The unit of each variable's steps, n numbers: lengths that count as much as a radian. Empty if all are 1.
     fn step_scale(&self) -> &[f64] {
         &[]
     }

@@ -54,7 +54,8 @@ impl LevenbergMarquardt {
     setters! {
         /// Sets the initial damping, positive and finite. Default 1e-3 and 0.1.
         ///
-        /// It is τ in λ₀ = τ · max diag(JᵀJ) for the gain ratio, and μ in λ = μ · cost for the error-proportional rule.
+        /// For the gain ratio it is τ in λ₀ = τ · max diag(JᵀJ). For the error-proportional rule it is μ in λ = μ ·
+        /// cost.
         pub fn with_initial_damping(mut self, initial: f64) { self.initial = initial }
     }
 }

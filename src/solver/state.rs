@@ -41,7 +41,7 @@ pub struct SolverState {
     pub(super) gradient: Vec<f64>,
     pub(super) jacobian: DMatrix<f64>,
     pub(super) column_norm: f64,
-    /// What steps are measured in, as the problem says; empty where all are 1.
+    /// Units of the steps by variable, from [`LeastSquares::step_scale`]; empty if all are 1.
     pub(super) step_scale: Vec<f64>,
     pub(super) free: Vec<usize>,
     pub(super) step: Vec<f64>,

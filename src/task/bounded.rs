@@ -8,8 +8,8 @@ use crate::spatial::Placement;
 /// r_i − min(max(r_i, lower), upper) for each row of another residual r: zero inside an interval.
 ///
 /// The error is the distance beyond the interval. Examples are a floor, and a least or greatest distance. All rows
-/// share the interval, in their unit, so the residual should have one quantity. For a pose use [`PoseBounds`](super::PoseBounds).
-/// Dual numbers give the derivatives.
+/// share the interval, in their unit, so the residual should have one quantity. For a pose use
+/// [`PoseBounds`](super::PoseBounds). Dual numbers give the derivatives.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};

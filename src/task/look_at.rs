@@ -6,7 +6,7 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Quaternion, Vector3};
 
-/// r = θ (a × s)/‖a × s‖, with cos θ = a · s: the rotation vector that rotates the axis onto the line of sight.
+/// r = θ (a × s)/‖a × s‖ with cos θ = a · s. This rotation vector rotates the axis onto the line of sight.
 ///
 /// a is the unit axis, s = (target − x)/‖target − x‖ the line of sight. Three rows in radians, in world axes, of rank
 /// two. The norm is the angle between a and s, within [0, π].

@@ -296,11 +296,13 @@ impl Residual for Manipulability {
         let hinges = self.ways.iter().flatten();
         let freedom: usize = hinges.map(|hinge| hinge.kind.degrees_of_freedom()).sum();
         refuse(freedom < needed, || {
-            format!("its {freedom} degrees of freedom never move the frame in all of {needed} ways")
+            format!(
+                "its {freedom} degrees of freedom cannot move the frame along all {needed} directions"
+            )
         })?;
         let least = self.least;
         refuse(!(least > 0.0 && least.is_finite()), || {
-            format!("its least measure {least} is no number above 0")
+            format!("its least measure {least} is not a number above 0")
         })
     }
 }

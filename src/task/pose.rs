@@ -11,9 +11,9 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacob
 
 /// r = (x − x_target, log(R R_targetᵀ)): three rows in metres, then three of a rotation vector in radians.
 ///
-/// The rows are in world axes, or in those of the [base](Self::relative_to). With a [`PoseBounds`] they are in the target's
-/// axes: r = (R_targetᵀ (x − x_target), log(R_targetᵀ R)), each beyond its bounds. If a component is bounded or free,
-/// `2 v` replaces the logarithm. Here v is the vector part of the quaternion, so `2 v = 2 sin(θ/2) n`.
+/// The rows are in world axes, or in those of the [base](Self::relative_to). With a [`PoseBounds`] they are in the
+/// target's axes: r = (R_targetᵀ (x − x_target), log(R_targetᵀ R)), each beyond its bounds. If a component is bounded
+/// or free, `2 v` replaces the logarithm. Here v is the vector part of the quaternion, so `2 v = 2 sin(θ/2) n`.
 ///
 /// ```
 /// # use kinopt::model::{Limits, Model};

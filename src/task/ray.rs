@@ -6,7 +6,7 @@ use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 
-/// r = (I − d dᵀ)(x − m): the part of x − m perpendicular to the line of direction d = (e − m)/‖e − m‖.
+/// r = (I − d dᵀ)(x − m): the part of x − m perpendicular to the line. Its direction is d = (e − m)/‖e − m‖.
 ///
 /// Three rows in metres, of rank two.
 #[derive(Clone, Copy, Debug, PartialEq)]

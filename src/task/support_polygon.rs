@@ -293,7 +293,7 @@ impl Residual for SupportPolygon {
         })?;
         let margin = self.margin;
         refuse(!(margin >= 0.0 && margin.is_finite()), || {
-            format!("its margin {margin} m is no number of at least 0")
+            format!("its margin {margin} m is not a number of at least 0")
         })?;
         if !self.frames.is_empty() {
             return Ok(());

@@ -285,11 +285,11 @@ fn invalid_clip_ik_is_named() {
     assert_eq!(ik().solve(&walk).unwrap_err(), ClipIkError::Nothing);
     assert!(
         says(ik().with_reach(reach("hand")).with_root(id("shin.l")))
-            .contains("`hand` does not hang on the root `shin.l`")
+            .contains("`hand` is not below the root `shin.l`")
     );
     assert!(
         says(ik().with_reach(reach("hand")).with_planted(id("hand")))
-            .contains("`hand` is asked for twice")
+            .contains("`hand` is given twice")
     );
     assert!(says(ik().with_reach(reach("hand")).with_reach(reach("hand"))).contains("twice"));
     assert!(

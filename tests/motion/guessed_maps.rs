@@ -409,7 +409,7 @@ fn short_limb_is_noted_with_its_side() {
         {
             let mut lengths = [[0.4, 0.3]; 4];
             lengths[chain][limb] = 0.0;
-            let none = format!("the {side} {name} has no length: its ends are one place");
+            let none = format!("the {side} {name} has no length: its ends are at one position");
             assert_eq!(of_limbs(reported(&lengths)), [none]);
             let whole = [0.4, 0.3][limb];
             lengths[chain][limb] = 0.5 * whole;
@@ -442,7 +442,7 @@ fn map_of_another_robot_is_completed_by_names() {
         assert_eq!(drives(&completed.map), drives(&guess.map));
         assert_eq!(completed.map.contacts, guess.map.contacts);
         // The completion is noted first, followed by the guess's notes.
-        let lacking = "the map drives nothing of the target, so names tell what";
+        let lacking = "the map drives no frame of the target, so drives are guessed from names";
         assert_eq!(completed.notes[0], lacking);
         assert_eq!(completed.notes[1..], guess.notes[..]);
     }
@@ -520,7 +520,10 @@ fn names_without_a_body_are_rejected() {
         &model(&["tail", "head", "jaw", "neck"]),
     )
     .unwrap_err();
-    assert!(refused.to_string().contains("tell of no body"), "{refused}");
+    assert!(
+        refused.to_string().contains("match no body parts"),
+        "{refused}"
+    );
     let unknown = KnownSkeleton::named("cmy").unwrap_err().to_string();
     assert!(unknown.contains("did you mean `cmu`"), "{unknown}");
     assert_eq!(smpl.joints_of_array(22).map(<[String]>::len), Some(22));

@@ -88,7 +88,10 @@ fn invalid_motions_are_named() {
     first.add(Point::new(tip, [1.0, 1.0, 0.0]));
     let told_of_first = first.build().unwrap_err().to_string();
     assert!(told_of_first.contains("gaze"), "{told_of_first}");
-    assert_eq!(reported(0, &|_| {}), "a motion of no frames");
+    assert_eq!(
+        reported(0, &|_| {}),
+        "the trajectory has no frames: at least one is needed"
+    );
     for (weights, words) in [(&[1.0][..], "instead of 2"), (&[1.0, f64::NAN], "frame 1")] {
         let reported = reported(2, &|motion| {
             let point = motion.add(Point::new(tip, [0.0; 3]));

@@ -245,7 +245,7 @@ fn invalid_keyframe_ik_is_named() {
     let foot = rig.skeleton.bone("left_foot").unwrap();
     assert!(
         says(ik().with_reach(reach()).with_root(foot))
-            .contains("does not hang on the root `left_foot`")
+            .contains("is not below the root `left_foot`")
     );
     let still = Reach::to(foot, [0.0, 0.1, 0.1]).unwrap();
     assert!(says(ik().with_reach(still)).contains("no key"));

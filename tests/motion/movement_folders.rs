@@ -175,7 +175,9 @@ fn folder_without_a_valid_request_is_rejected() {
         fs::write(&half, "half").unwrap();
         let refused = folders.find().begin(&asked, false).unwrap_err();
         assert!(
-            refused.to_string().contains("answers another question"),
+            refused
+                .to_string()
+                .contains("has results of other settings"),
             "{refused}"
         );
         assert!(half.exists());

@@ -81,7 +81,7 @@ fn invalid_tables_are_reported_with_their_line() {
             "line 2: has 2 columns, the first line has 3",
         ),
         ("1,2,3,0,0,0,2\n", "line 1: its quaternion has length 2"),
-        ("time,x,y,z\n1,0,0,0\n0,0,0,0\n", "times rise"),
+        ("time,x,y,z\n1,0,0,0\n0,0,0,0\n", "times must increase"),
         (
             "x,y,z,tool\n1,2,3,0\n1,2,3,0.5\n",
             "line 3: its tool is 0.5",

@@ -285,7 +285,7 @@ fn inequality_rows_are_validated() {
             for _ in 0..before {
                 builder.add(Point::new(frame, [0.6, 0.4, 0.0]));
             }
-            let message = format!("a room of its rows {room:?}, but 1 rows");
+            let message = format!("an inequality of its rows {room:?}, but 1 rows");
             builder.add(Roomy { frame, room });
             match builder.build() {
                 Ok(_) => assert!(fits, "{before}: {message}"),

@@ -37,7 +37,7 @@ test("planted feet are motionless on the world's ground", () => {
 });
 
 test("invalid requests are errors", () => {
-    assert.throws(() => clip.withIk({}), /nothing to reach/);
+    assert.throws(() => clip.withIk({}), /no reach and no planted bone/);
     assert.throws(() => clip.withIk({ plant: ["LeftPaw"] }), /LeftPaw/);
     assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2] }] }), /target has 2 numbers/);
     assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2, 3], from: 1 }] }), /from.*span/s);

@@ -39,7 +39,7 @@ test("a captured motion is retargeted to a NAO", () => {
     // A map without drives is completed by names; one whose drives are empty is invalid.
     const completed = retarget(robot, capture.clip, "{}");
     assert.deepEqual(completed.q, q);
-    assert.deepEqual(completed.notes, ["the map drives nothing of the target, so names tell what", ...found.notes]);
+    assert.deepEqual(completed.notes, ["the map drives no frame of the target, so drives are guessed from names", ...found.notes]);
     assert.throws(() => retarget(robot, capture.clip, '{"drives": {}}'), /drives no frame/);
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
 });

@@ -142,7 +142,7 @@ fn keys_of_a_rig_are_solved() {
         }
     }
     assert!(changed > 0);
-    refused!("animate {rig} --fps=30 --out {out}" => 1, "nothing to reach");
+    refused!("animate {rig} --fps=30 --out {out}" => 1, "no reach and no planted bone");
     refused!("animate {rig} --fps=30 --plant left_foot --out {out}" => 2, "--plant");
 }
 

@@ -137,7 +137,7 @@ fn map_of_another_robot_is_completed_by_names() {
     let run = kinopt!("retarget {rig} {robot} --map {map} --base-joint free --fps 10 --out {out}");
     let told = String::from_utf8(run.stderr).unwrap();
     assert_eq!(run.status.code(), Some(0), "{told}");
-    says!(told => "humanoid.json: the map drives nothing of the target, so names tell what");
+    says!(told => "humanoid.json: the map drives no frame of the target, so drives are guessed from names");
     let guessed = folder.file("guessed.json");
     let _ = answer!("retarget {rig} {robot} --base-joint free --fps 10 --out {guessed}");
     assert_eq!(json(&out), json(&guessed));

@@ -61,7 +61,7 @@ fn interrupted_folder_is_continued() {
         .filter_map(|clip| clip["error"].as_str())
         .collect();
     assert!(
-        errors[0].contains("HIERARCHY") && errors[1].contains("tell of no body"),
+        errors[0].contains("HIERARCHY") && errors[1].contains("match no body parts"),
         "{errors:?}"
     );
     let written = |name: &str| Path::new(&into).join(name);
@@ -79,8 +79,8 @@ fn interrupted_folder_is_continued() {
     assert_eq!(std::fs::read(written("two.npz")).unwrap(), whole);
     assert!(!written(".part.two.npz").exists());
     assert_eq!(told("--overwrite", 0)["done"], 4);
-    // A different query.
-    refused!("{asked} --whole" => 1, "another question");
+    // Other options.
+    refused!("{asked} --whole" => 1, "results of other settings");
 }
 
 /// The command continues a folder that Python began through the library.
@@ -128,7 +128,7 @@ fn invalid_folders_are_rejected() {
     std::fs::create_dir_all(&from).unwrap();
     let robot = model("aldebaran_nao.urdf");
     let asked = format!("retarget {from} {robot} --base-joint free --out {into}");
-    refused!("{asked}" => 1, "there is no .npy");
+    refused!("{asked}" => 1, "allowed are .npy");
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
     refused!("{asked}" => 1, "would both be written");

@@ -106,7 +106,7 @@ pub(super) struct Ranked<'q, 'm> {
 }
 
 impl Ranked<'_, '_> {
-    /// Solves the levels one after the other after a search for all of them missed a target.
+    /// Solves the levels one after the other. Use it after a search for all levels together did not reach a target.
     ///
     /// `all` holds that search and receives the result. `found` accumulates its statistics.
     pub(super) fn solve_levels(&mut self, all: &mut Attempts, found: &mut SearchResult) {

@@ -1,9 +1,9 @@
 //! Newton's method for the descent of a level in the null space of the levels above.
 //!
-//! An unreached level keeps a residual, so JᵀJ misses curvature along the remaining directions. Differences of its
-//! gradient give the Hessian of L = ½‖r‖² + λᵀr↑ along them, with the multipliers λ of the levels above (Nocedal &
-//! Wright 2006, section 18.3). It is damped until the model has a minimum and predicts the decrease well. The active
-//! bounds are those of the last step, except those pulled inward. When that gains nothing more, the next step
+//! An unreached level keeps a residual, so JᵀJ lacks curvature along the remaining directions. Differences of its
+//! gradient give the Hessian of L = ½‖r‖² + λᵀr↑ along them. The multipliers λ are those of the levels above (Nocedal &
+//! Wright 2006, section 18.3). The Hessian is damped until the model has a minimum and predicts the decrease well. The
+//! active bounds are those of the last step, except those pulled inward. When that gains nothing more, the next step
 //! reconsiders all bounds.
 
 use super::descent::{Descended, Descent};

@@ -105,7 +105,8 @@ impl SlopeDifferences {
         std::mem::swap(&mut self.here, &mut self.there);
     }
 
-    /// Writes the derivative of the gradient along a unit direction. Call [`stand`](Self::stand) at `x` first.
+    /// Writes the derivative of the gradient along a unit direction. Needs the stored gradient at `x`, from the
+    /// preceding method.
     pub(super) fn along(
         &mut self,
         descent: &mut DescentProblem<'_, '_>,

@@ -48,7 +48,7 @@ impl std::fmt::Display for Differentiability {
             Self::Unique => f.write_str("the solution is differentiable"),
             Self::ShortestOfMany { directions } => write!(
                 f,
-                "the solution is one of many, free in {directions} directions: the shortest change is told"
+                "the solution is one of many, free in {directions} directions: the shortest change is returned"
             ),
             Self::DoesNotExist(reason) => write!(f, "the solution has no derivative: {reason}"),
         }

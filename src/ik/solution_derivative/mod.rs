@@ -260,7 +260,7 @@ impl Parts {
 #[non_exhaustive]
 pub enum DerivativeError {
     /// A velocity, or a gradient by one, has the wrong length.
-    #[error("{given} numbers were given for a velocity, which has {expected}")]
+    #[error("the velocity has {given} numbers: {expected} are needed")]
     Length {
         /// Number of given elements.
         given: usize,
@@ -268,7 +268,7 @@ pub enum DerivativeError {
         expected: usize,
     },
     /// A configuration, or a gradient by one, has the wrong length.
-    #[error("{given} numbers were given for a configuration, which has {expected}")]
+    #[error("the configuration has {given} numbers: {expected} are needed")]
     ConfigurationLength {
         /// Number of given elements.
         given: usize,
@@ -276,10 +276,10 @@ pub enum DerivativeError {
         expected: usize,
     },
     /// The parameters belong to another problem, or have joint origins although no model is set.
-    #[error("the parameters are not of this problem's shape: make them by `parameters`")]
+    #[error("the parameters do not fit this problem: create them by `parameters`")]
     ForeignParameters,
     /// The task does not exist.
-    #[error("there is no task {given}, the problem has {tasks}")]
+    #[error("task {given} does not exist: the problem has {tasks} tasks, counted from 0")]
     NoSuchTask {
         /// Given index.
         given: usize,
@@ -287,7 +287,7 @@ pub enum DerivativeError {
         tasks: usize,
     },
     /// The model is not that of the problem.
-    #[error("joints of model `{given}` were given, the problem is of `{expected}`")]
+    #[error("the joints are of model `{given}`: those of `{expected}` are needed")]
     ForeignModel {
         /// Name of the given model.
         given: String,

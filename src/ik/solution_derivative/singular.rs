@@ -22,7 +22,7 @@ pub(super) enum Flat {
 }
 
 impl System {
-    /// Returns the number of constrained rows that depend on the others only at this configuration.
+    /// Returns the number of constrained rows that are dependent only at this configuration.
     pub(super) fn lost_ranks(
         &mut self,
         evaluator: &mut Evaluator<'_, '_>,

@@ -7,14 +7,15 @@
 //! [C 0 ] [dλ] = − [∂ₚr_held dp]
 //! ```
 //!
-//! (Fiacco 1976, "Sensitivity analysis for nonlinear programming using penalty methods"). It is solved in the null
-//! space Z of C, dy = −C⁺ ∂ₚr + Z dw, which needs W along Z only (Nocedal & Wright 2006, section 16.2).
+//! The method is that of Fiacco 1976, "Sensitivity analysis for nonlinear programming using penalty methods". The
+//! system is solved in the null space Z of C, dy = −C⁺ ∂ₚr + Z dw. This needs W along Z only (Nocedal & Wright 2006,
+//! section 16.2).
 
 use super::kkt_point::{Evaluator, Place};
 use crate::buffer::refill;
 use crate::solver::{RowSpace, largest};
 
-/// Part of a row outside the span of the others, relative to the longest row, below which it is dependent.
+/// Part of a row outside the span of all other rows, relative to the longest row, below which it is dependent.
 const NO_RANK: f64 = 1e-9;
 /// Curvature, relative to the squared norm of the longest Jacobian column, below which the cost is flat.
 const FLAT: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! What is asked over a clip, and how it is solved.
+//! Options and entry point of inverse kinematics over a clip.
 
 use std::fmt;
 use std::sync::Arc;
@@ -17,20 +17,25 @@ use crate::motion::contact_detection::USUAL_LEG_M;
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 
-/// The height of a place in the model, along the axis up.
+/// Height of the ground at a position in the model, along the up axis.
 type Height = Arc<dyn Fn(Vector3<f64>) -> f64 + Send + Sync>;
 
-/// In single precision, as clips are.
+/// Converts a vector to single precision, the precision of clips.
 pub(super) fn single(vector: impl Into<Vector3<f64>>) -> Vec3 {
     DVec3::from(vector.into()).as_vec3()
 }
 
-/// Inverse kinematics over a clip.
+/// Inverse kinematics over an animation clip.
 ///
-/// A bone [reaches](Self::with_reach) for a point or along a curve over a span; feet are [planted](Self::with_planted) where they hardly
-/// move. Each frame keeps as near to the clip as that allows. The root, and with it the whole character, moves only where
-/// a limb would be too short, and as little as it must; on a [ground](Self::with_ground) that is not level it goes up and down with
-/// the feet. What hangs on neither is as the clip has it.
+/// Each frame is one solve:
+///
+/// - A bone [reaches](Self::with_reach) for a point, or follows a curve, over a span of the clip.
+/// - [Planted](Self::with_planted) feet are locked while the clip has them in contact with the ground.
+/// - All other joints keep as close to the clip as these tasks allow.
+/// - The root moves only as far as needed to bring a target within the length of its limb. On an uneven
+///   [ground](Self::with_ground) it follows the height of the feet.
+///
+/// Bones outside these limbs keep their channels.
 ///
 /// ```no_run
 /// use kinopt::io::gltf::SceneFile;
@@ -73,26 +78,27 @@ impl fmt::Debug for ClipIk<'_> {
     }
 }
 
-/// A foot that is further up than this share of its limb over where it is lowest does not stand.
+/// Largest height of a foot in contact above its lowest position, as a fraction of the limb's length.
 const RAISED: f64 = 0.125;
 
-/// What stands moves at no more than this share of the foot's mean speed: clips of games hardly stop a foot.
+/// Largest speed of a foot in contact, as a fraction of its mean speed. Feet in game clips rarely stop completely.
 const SLOW: f64 = 0.5;
 
-/// What a clip is to do, checked.
+/// Validated request to solve a clip.
 pub(super) struct ClipRequest {
-    /// Those that are planted first, in their order.
+    /// Planted bones first, in the order they were added, then the bones of the reaches.
     pub(super) bones: Vec<BoneId>,
     pub(super) root: Option<BoneId>,
-    /// The clip's, in seconds.
+    /// First and last time of the clip, seconds.
     pub(super) span: [f64; 2],
     pub(super) up: Vector3<f64>,
-    /// A second.
+    /// Displacement per second, in the armature's unit of length.
     pub(super) root_velocity: DVec3,
 }
 
 impl<'a> ClipIk<'a> {
-    /// Over clips of an armature, whose bones turn any way. At 60 frames a second, up is y.
+    /// Creates a solver without tasks for clips of an armature. Every bone is a ball joint without limits. The default
+    /// rate is 60 frames per second, and the default up axis is y.
     #[must_use]
     pub fn new(armature: &'a Armature) -> Self {
         Self {
@@ -110,49 +116,64 @@ impl<'a> ClipIk<'a> {
     }
 
     setters! {
-        /// Bones turn about the joints of a skeleton, within its limits, and it is their tips that reach and stand: of the
-        /// one that the armature [is of](Armature::of_skeleton), behind whose bones it may have others.
+        /// Uses the joints of a skeleton, within their limits. The tips of its bones, not their origins, are then the
+        /// end effectors.
+        ///
+        /// The armature must be [built from this skeleton](Armature::of_skeleton). It may have more bones after those
+        /// of the skeleton.
         pub fn with_joints_of(mut self, skeleton: &'a Skeleton) { self.skeleton = Some(skeleton) }
-        /// Something to reach for.
+        /// Adds a reach.
         pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
-        /// A bone, most often a foot or its toes, whose origin stands still where it hardly moves in the clip. It keeps how
-        /// it is turned in the model.
+        /// Adds a planted bone, most often a foot or its toes. Its origin is locked while it hardly moves in the clip.
+        /// It keeps its orientation in the model.
         pub fn with_planted(mut self, bone: BoneId) { self.planted.push(bone) }
-        /// The bone that moves where limbs are too short, and below which bones turn. Unless set, the first from the top
-        /// that carries all bones asked for and at which the armature branches; without one, all bones turn.
+        /// Sets the root: the bone that is translated if a limb is too short. Only bones below it rotate.
+        ///
+        /// Default: the topmost bone that carries all requested bones and has more than one child. If no bone does, all
+        /// bones rotate.
         pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
-        /// Which way is up in the model: y unless set, as in glTF.
+        /// Sets the up axis in the model. Default: y, as in glTF.
         pub fn with_up(mut self, axis: impl Into<Vector3<f64>>) { self.up = single(axis) }
-        /// How many frames a second are solved, and keys made: more where a foot that stands would stray by more than a
-        /// thousandth of its limb between two.
+        /// Sets the number of solved frames and of keys per second. Keys are denser where a foot in contact would
+        /// otherwise drift by more than a thousandth of its limb's length.
         pub fn with_keys_per_second(mut self, rate: f64) { self.rate = rate }
-        /// When a foot stands, in the armature's unit of length. Unless set, as long as it moves by less than 0.28 lengths of
-        /// its limb a second or half of its mean speed in the clip, and is no higher than an eighth of its limb over where
-        /// it is lowest, for a tenth of a second.
+        /// Sets the criteria of foot contact, in the armature's unit of length.
+        ///
+        /// Defaults, with the length L of the limb:
+        ///
+        /// - The speed is at most 0.28 L per second, or half of the foot's mean speed in the clip if that is larger.
+        /// - The height above the foot's lowest position is at most L/8.
+        /// - The contact lasts at least 0.1 s.
         pub fn with_detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
-        /// The clip walks on the spot, and the character travels by so much a second: the root carries it, and contacts are
-        /// those on the way. [`ground_speed`](super::ground_speed) tells it from the feet.
+        /// Sets the displacement per second of a character whose clip walks on the spot, in the armature's unit of
+        /// length. The root moves by it, and foot contacts are detected along the displaced motion.
+        /// [`ground_speed`](super::ground_speed) measures it from the feet.
         pub fn with_root_velocity(mut self, per_second: impl Into<Vector3<f64>>) {
             self.root_velocity = single(per_second);
         }
-        /// How high the ground is at a place, in a model whose clip walks on a ground of height 0. Feet stand on it, and the
-        /// root follows it.
+        /// Sets the height of the ground at a position, for a clip that walks on ground of height 0. Feet in contact
+        /// are on this ground, and the root follows it.
         pub fn with_ground(mut self, height: impl Fn(Vector3<f64>) -> f64 + Send + Sync + 'static) {
             self.ground = Some(Arc::new(height));
         }
     }
 
-    /// Solves over a clip.
+    /// Solves a clip.
     ///
     /// # Errors
-    /// Nothing is asked; a bone of another armature, asked for twice at one time, or not below the root; a span or fade that
-    /// is not within the clip; settings out of range. What cannot be reached is no error: [`EditedClip::led`] says by how much.
+    /// Returns an error for:
+    /// - no reach and no planted bone,
+    /// - a bone of another armature, a bone with two tasks at one time, or a bone that is not below the root,
+    /// - a span or fade that is not within the clip,
+    /// - options out of range.
+    ///
+    /// A target that is not reached is not an error: [`EditedClip::led`] has the distance.
     pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
         let request = self.check(clip)?;
         solve(self, &request, clip)
     }
 
-    /// Checks what is asked of a clip.
+    /// Checks the tasks and options against a clip.
     fn check(&self, clip: &Clip) -> Result<ClipRequest, ClipIkError> {
         SizeMismatch::check("bones in the clip", clip.bones(), self.armature.bones())?;
         for (index, bone) in self
@@ -238,7 +259,7 @@ impl<'a> ClipIk<'a> {
         })
     }
 
-    /// How a rig's bone turns.
+    /// Returns the joints of a skeleton's bone. `None` without a skeleton.
     pub(super) fn hinges(&self, bone: BoneId) -> Option<Hinges> {
         let own = self.skeleton?.bones().get(bone.index())?;
         let rest = self
@@ -255,7 +276,7 @@ impl<'a> ClipIk<'a> {
         })
     }
 
-    /// When a foot stands that goes along `way`, on a limb of some length.
+    /// Returns the contact criteria of a foot that moves along `way`, at the end of a limb of the given length.
     pub(super) fn detection_of(
         &self,
         way: &[Vector3<f64>],

@@ -1,48 +1,48 @@
-//! A clip that was solved over, and the truth about it.
+//! Result of inverse kinematics over a clip.
 
 use glam::DVec3;
 
 use crate::animation::Clip;
 use crate::skeleton::BoneId;
 
-/// A foot that stands over some seconds of a clip.
+/// Foot plant: interval of a clip in which a foot is in contact with the ground.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FootPlant {
-    /// Which bone.
+    /// Bone of the foot.
     pub bone: BoneId,
-    /// The first and last moment of the clip, in seconds.
+    /// First and last time in the clip, seconds.
     pub span: [f64; 2],
-    /// Where its origin stands, in the model.
+    /// Position of the bone's origin during contact, in the model.
     pub place: DVec3,
-    /// How far it is from there at most at any key of the new clip.
+    /// Largest distance from `place` at any key of the new clip.
     pub slide: f64,
-    /// How far it is from there at most between keys: lines turn joints and do not lead feet.
+    /// Largest distance from `place` between keys, where joints are interpolated.
     pub stray: f64,
 }
 
-/// A bone that was led, and how well.
+/// Largest error of a bone with a target.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ReachResult {
-    /// Which bone.
+    /// Bone with the target.
     pub bone: BoneId,
-    /// How far its origin is from where it should be, at most at any key of the new clip.
+    /// Largest distance of the bone's origin from its target at any key of the new clip.
     pub miss: f64,
-    /// When that is, in seconds of the clip.
+    /// Time of the largest distance, seconds in the clip.
     pub at: f64,
 }
 
-/// A new clip and what is true of it. Lengths are in the armature's unit.
+/// New clip with its errors. Lengths are in the armature's unit.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct EditedClip {
-    /// The clip: channels of bones that did not move are as they were, keys outside the spans as well.
+    /// New clip. Channels of bones that did not move are unchanged, as are keys outside the spans.
     pub clip: Clip,
-    /// Where feet stand, foot by foot.
+    /// Foot plants, grouped by foot.
     pub stances: Vec<FootPlant>,
-    /// What was asked for, planted feet first.
+    /// Results of the bones with targets, planted feet first.
     pub led: Vec<ReachResult>,
-    /// How far the root moves from where the clip has it, at most.
+    /// Largest displacement of the root from its position in the clip.
     pub root_moved: f64,
 }

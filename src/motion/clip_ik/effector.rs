@@ -1,4 +1,4 @@
-//! What is asked of a bone over a clip.
+//! Targets of a bone over a clip.
 
 use std::ops::RangeInclusive;
 
@@ -10,7 +10,8 @@ use crate::motion::contact_detection::smooth;
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
-/// A bone whose origin, of a rig's its tip, goes to a point, or along a curve, over a span of a clip.
+/// Target of a bone over a span of a clip: a point or a curve. The bone's origin reaches it; with a skeleton, the
+/// bone's tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     pub(super) bone: BoneId,
@@ -19,20 +20,20 @@ pub struct Reach {
     fade_s: Option<f64>,
 }
 
-/// How long a reach fades unless that is said, where its span is long enough.
+/// Default fade duration, seconds.
 const FADE_S: f64 = 0.2;
 
 impl Reach {
-    /// To a point in the model, over the whole clip.
+    /// Creates a reach to a point in the model, over the whole clip.
     ///
     /// # Errors
-    /// A point that is not finite.
+    /// Returns an error if the point is not finite.
     pub fn to(bone: BoneId, point: impl Into<Vector3<f64>>) -> Result<Self, ClipIkError> {
         let curve = KeyedCurve::step(vec![0.0], vec![DVec3::from(point.into())])?;
         Ok(Self::along(bone, curve))
     }
 
-    /// Along a curve in the model, by the clip's time in seconds, over the whole clip.
+    /// Creates a reach along a curve in the model over the clip's time in seconds, over the whole clip.
     #[must_use]
     pub fn along(bone: BoneId, curve: KeyedCurve<DVec3>) -> Self {
         Self {
@@ -44,16 +45,16 @@ impl Reach {
     }
 
     setters! {
-        /// Only within these seconds of the clip.
+        /// Limits the reach to an interval of the clip, seconds.
         pub fn with_span(mut self, seconds: RangeInclusive<f64>) {
             self.span = Some([*seconds.start(), *seconds.end()]);
         }
-        /// Duration of the blend in at the start of the span and out at its end, seconds. Default: 0.2, or half of a
-        /// shorter span. An end of the span that is an end of the clip has no blend.
+        /// Sets the duration of the blend at the start and at the end of the span, seconds. Default: 0.2, or half of a
+        /// shorter span. There is no blend at the start or end of the clip itself.
         pub fn with_fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
     }
 
-    /// Its span within a clip's.
+    /// Returns the span within a clip, seconds.
     pub(super) fn span(&self, clip: [f64; 2]) -> [f64; 2] {
         self.span.unwrap_or(clip)
     }
@@ -63,12 +64,12 @@ impl Reach {
         self.fade_s.unwrap_or(FADE_S.min(0.5 * (to - from)))
     }
 
-    /// Where it should be at a time.
+    /// Returns the target at a time, in the model.
     pub(super) fn target(&self, time: f64) -> DVec3 {
         self.target.at(time)
     }
 
-    /// How much of the way it goes there at a time: from 0 to 1.
+    /// Returns the weight of the target at a time, from 0 (pose of the clip) to 1 (target).
     pub(super) fn weight(&self, time: f64, clip: [f64; 2]) -> f64 {
         let [from, to] = self.span(clip);
         if time < from || time > to {
@@ -82,7 +83,7 @@ impl Reach {
         side(time - from, from <= clip[0]) * side(to - time, to >= clip[1])
     }
 
-    /// Whether span and fade are within a clip.
+    /// Checks that span and fade are within a clip.
     pub(super) fn check(&self, clip: [f64; 2]) -> Result<(), ClipIkError> {
         let [from, to] = self.span(clip);
         let fade = self.fade_s(clip);
@@ -98,7 +99,7 @@ impl Reach {
         }
     }
 
-    /// Whether both are asked of one bone at one time.
+    /// Returns whether two reaches of one bone overlap in time.
     pub(super) fn clashes(&self, other: &Self, clip: [f64; 2]) -> bool {
         let ([a, b], [c, d]) = (self.span(clip), other.span(clip));
         self.bone == other.bone && a < d && c < b

@@ -1,4 +1,4 @@
-//! What can be wrong with inverse kinematics over a clip.
+//! Errors of inverse kinematics over a clip.
 
 use crate::SizeMismatch;
 use crate::animation::curve::KeyError;
@@ -10,98 +10,100 @@ use crate::model::ModelError;
 use crate::motion::trajectory::MotionError;
 use crate::problem::ProblemError;
 
-/// Why nothing can be solved over a clip.
+/// Reason why a clip cannot be solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClipIkError {
-    /// Nothing is asked.
-    #[error("nothing to reach and nothing to plant")]
+    /// There is no reach and no planted bone.
+    #[error("nothing to solve: no reach and no planted bone")]
     Nothing,
-    /// A bone of another armature.
-    #[error("bone {bone} does not exist; the armature has {bones}")]
+    /// A bone is not in the armature.
+    #[error("bone {bone} does not exist: the armature has {bones} bones")]
     UnknownBone {
-        /// The bone's index.
+        /// Index of the bone.
         bone: usize,
-        /// How many bones there are.
+        /// Number of bones of the armature.
         bones: usize,
     },
-    /// A skeleton that the armature is not of.
-    #[error("bone `{bone}` of the skeleton is not the armature's at its place")]
+    /// The armature was not built from the skeleton.
+    #[error(
+        "bone `{bone}` of the skeleton differs from the armature: build the armature from this skeleton"
+    )]
     OtherSkeleton {
-        /// The skeleton's bone.
+        /// First bone of the skeleton that differs from the armature.
         bone: String,
     },
-    /// A bone that cannot be led as the root does not carry it.
-    #[error("bone `{bone}` does not hang on the root `{root}`")]
+    /// A bone with a target is not below the root.
+    #[error("bone `{bone}` is not below the root `{root}`")]
     NotBelowRoot {
-        /// The bone.
+        /// Bone with the target.
         bone: String,
-        /// The root.
+        /// Root bone.
         root: String,
     },
-    /// A way that is not finite, or no root to travel.
+    /// The displacement per second is not finite, or there is no root to move.
     #[error(
-        "root velocity {root_velocity:?} a second: it must be finite, and there must be a root that carries all bones asked for"
+        "root velocity {root_velocity:?} per second: must be finite, and needs a root that carries all requested bones"
     )]
     RootVelocity {
-        /// What was asked for.
+        /// Displacement per second.
         root_velocity: [f32; 3],
     },
-    /// Two things are asked of a bone at one time.
-    #[error("bone `{bone}` is asked for twice at the same time")]
+    /// A bone has two tasks at one time.
+    #[error("bone `{bone}` is given twice at the same time: only one target is allowed")]
     Twice {
-        /// The bone.
+        /// Bone with two tasks.
         bone: String,
     },
-    /// A span that is not within the clip, or that fades longer than it lasts.
+    /// A span is not within the clip, or is shorter than its fades.
     #[error(
-        "the span from {from} s to {to} s with fades of {fade} s: it must be within the clip's {} s to {} s, and its fades within it",
+        "span from {from} s to {to} s with fades of {fade} s: must be within {} s to {} s, with both fades inside",
         clip[0], clip[1]
     )]
     BadSpan {
-        /// In seconds.
+        /// Start of the span, seconds.
         from: f64,
-        /// In seconds.
+        /// End of the span, seconds.
         to: f64,
-        /// In seconds.
+        /// Duration of each fade, seconds.
         fade: f64,
-        /// From when to when the clip lasts, in seconds.
+        /// First and last time of the clip, seconds.
         clip: [f64; 2],
     },
-    /// The keys of a curve of targets.
-    #[error("the curve of targets: {0}")]
+    /// The keys of a target curve are invalid.
+    #[error("target curve: {0}")]
     Curve(#[from] KeyError),
-    /// No key that may change.
-    #[error("no key of a bone that carries what reaches lies within its span")]
+    /// No key within the span may change.
+    #[error("no key to change: no bone that carries a tip has a key within the span of its reach")]
     NoKeys,
-    /// Keys that make no clip.
-    #[error("the new keys: {0}")]
+    /// The new keys make no valid clip.
+    #[error("new keys: {0}")]
     Keys(#[from] ClipError),
-    /// A moment at which the keys cannot be sampled.
+    /// The clip cannot be sampled at some time.
     #[error(transparent)]
     Sample(#[from] SampleError),
-    /// A number out of its range.
+    /// An option is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// What the clip's channels refuse.
+    /// The clip's channels are invalid.
     #[error(transparent)]
     Channel(#[from] ChannelError),
-    /// A clip of another armature.
+    /// The clip is of another armature.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// Bones that make no model.
+    /// The bones make no valid model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// What the problem of a frame refuses.
+    /// The problem of a frame is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// A frame that cannot be started from.
+    /// A frame cannot be solved from its start configuration.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The root's way.
-    #[error("the way of the root: {0}")]
+    /// The motion of the root cannot be solved.
+    #[error("motion of the root: {0}")]
     Root(#[from] MotionError),
-    /// A place that is not finite.
+    /// A position is not finite.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
 }

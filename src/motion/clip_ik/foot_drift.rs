@@ -1,4 +1,4 @@
-//! How far standing feet stray between the keys of a clip: its lines turn joints from key to key, and do not lead feet.
+//! Drift of feet in contact between the keys of a clip, where interpolated joints do not keep a foot in place.
 
 use super::ClipIkError;
 use super::plan::{Moment, Plan, dvec};
@@ -7,18 +7,18 @@ use super::sampling::Poses;
 use super::solved_moments::SolvedMoments;
 use crate::animation::Clip;
 
-/// How far a foot that stands may be off between keys, in lengths of its limb: a millimetre on a leg of a metre.
+/// Largest allowed drift between keys, in lengths of the limb: 1 mm for a leg of 1 m.
 const ALLOWED: f64 = 1e-3;
-/// So many equal parts from key to key: between them is looked.
+/// Number of equal parts of a key interval; the drift is measured between them.
 const LOOKED_AT: usize = 4;
-/// Into no more parts are two keys parted at once.
+/// Largest number of parts into which one refinement splits a key interval.
 const MOST_PARTS: f64 = 8.0;
 
-/// Foot by foot, how far it is from where it stands at most between each key and the next, 0 where it does not stand.
+/// Largest drift by foot and key interval, in the armature's unit of length; 0 without contact.
 pub(super) struct Strays(Vec<Vec<f64>>);
 
 impl Strays {
-    /// Looks at a clip with keys at these moments.
+    /// Measures the drift of a clip with keys at these sample times.
     pub(super) fn measured(
         plan: &Plan<'_>,
         moments: &[Moment],
@@ -47,13 +47,14 @@ impl Strays {
         Ok(Self(strays))
     }
 
-    /// The most of a foot's between moments `from` and `to` of those looked at.
+    /// Returns the largest drift of a foot between the sample times with indices `from` and `to`.
     pub(super) fn most(&self, foot: usize, from: usize, to: usize) -> f64 {
         self.0[foot][from..to].iter().copied().fold(0.0, f64::max)
     }
 
-    /// As many more moments between two as bring a foot near enough that is not: a line's error goes with the square of its length. What a
-    /// foot is off at both of them already, no more of them help.
+    /// Returns the sample times to add so that the drift stays within [`ALLOWED`]. The error of linear interpolation
+    /// grows with the square of the interval. Errors at the keys themselves do not count, because more keys do not
+    /// reduce them.
     pub(super) fn more_moments(&self, plan: &Plan<'_>, solved: &SolvedMoments<'_>) -> Vec<Moment> {
         let moments = solved.moments();
         let misses: Vec<Vec<f64>> = (0..self.0.len())
@@ -73,7 +74,7 @@ impl Strays {
             let mut last = plan.time(pair[0]);
             for moment in pair[0].between(pair[1], parts(gap)) {
                 let time = plan.time(moment);
-                // What single precision tells apart.
+                // Only sample times that differ in single precision.
                 if last < time && time < plan.time(pair[1]) {
                     more.push(moment);
                     last = time;

@@ -1,4 +1,4 @@
-//! One frame: effectors brought to where they should be, the rest as near to the clip as that allows.
+//! Solver of one frame: end effectors at their targets, all other joints as close to the clip as possible.
 
 use glam::DVec3;
 
@@ -12,25 +12,25 @@ use crate::skeleton::BoneId;
 use crate::spatial::{Matrix3, Vector3};
 use crate::task::{Orientation, Point, Posture, Quantity, Task};
 
-/// Effectors count as there within this share of the longest limb: what single precision can hold.
+/// Tolerance of the end effectors, in lengths of the longest limb: the resolution of single precision.
 const TOLERANCE: f64 = 1e-6;
-/// How much more a foot keeps its turn in the model than joints keep theirs.
+/// Weight of a foot's orientation in the model relative to the posture of the joints.
 const KEPT_TURN: f64 = 10.0;
 
-/// Solves frames one by one, each from the clip's own pose, so that frames do not depend on each other.
+/// Solver of frames. Each frame starts from the pose of the clip, so frames do not depend on each other.
 #[derive(Debug)]
 pub(super) struct FrameSolver {
     problem: Problem,
     targets: Targets,
     tree: Tree,
     places: TreeWorkspace,
-    /// The bones of the points.
+    /// Bones of `points`, in the same order.
     effectors: Vec<BoneId>,
     points: Vec<TaskId<Point>>,
-    /// Of those that keep their turn.
+    /// Bones that keep their orientation.
     turns: Vec<(BoneId, TaskId<Orientation>)>,
     posture: TaskId<Posture>,
-    /// Distance at which a corrected effector is there.
+    /// Tolerance of an effector after shear correction, in the armature's unit of length.
     close: f64,
     solver: Solver,
     workspace: Workspace,
@@ -38,7 +38,8 @@ pub(super) struct FrameSolver {
 }
 
 impl FrameSolver {
-    /// For effectors, of which some keep how they are turned, on limbs of this length.
+    /// Creates a solver. `effectors` has each bone and whether it keeps its orientation; `longest` is the length of the
+    /// longest limb.
     pub(super) fn new(
         bones: &PosedBones,
         effectors: &[(BoneId, bool)],
@@ -83,11 +84,11 @@ impl FrameSolver {
         })
     }
 
-    /// Brings the effectors, in their order, to `places`, with the root moved by `moved`, from the pose that the bones have
-    /// last taken, and writes it into that pose.
+    /// Brings the effectors to `places`, which are in the order of the effectors, with the root displaced by `moved`.
+    /// Starts from the pose last taken by `bones` and writes the result to `pose`.
     ///
-    /// Uneven scales shear the bones that turn below them, which no joint does. Such a frame is solved again with its joints
-    /// at their new positions until they stay.
+    /// Non-uniform scales shear bones that rotate below them, which no joint model represents. Such a frame is solved
+    /// again from its updated joint positions until these converge.
     pub(super) fn solve(
         &mut self,
         (armature, bones): (&Armature, &mut PosedBones),
@@ -109,7 +110,7 @@ impl FrameSolver {
         Ok(())
     }
 
-    /// Solves again from a pose whose bones scales shear until the effectors of the posed bones are at their places.
+    /// Solves again from a sheared pose until the effectors of the posed bones are at their targets.
     fn correct(
         &mut self,
         (armature, bones): (&Armature, &mut PosedBones),
@@ -126,7 +127,7 @@ impl FrameSolver {
         let mut nearest = pose.clone();
         let mut before = pose.clone();
         while !(correction.off() <= self.close || correction.gives_up()) {
-            // The pose has the root where it moved.
+            // The pose already contains the displacement of the root.
             bones.stand(armature, DVec3::ZERO, &mut self.q);
             self.set_points(&correction.commands())?;
             let reached = self.solve_placed(bones)?;
@@ -155,7 +156,8 @@ impl FrameSolver {
         Ok(())
     }
 
-    /// Solves from `q` with the joints where the bones are placed. Returns whether the effectors are there.
+    /// Solves from `q` with the joints at the current placements of the bones. Returns whether the effectors reached
+    /// their targets.
     fn solve_placed(&mut self, bones: &PosedBones) -> Result<bool, ClipIkError> {
         self.tree
             .compile(bones.model(), self.problem.parameters(), &mut self.places);

@@ -1,4 +1,4 @@
-//! How fast the ground passes under feet that walk on the spot.
+//! Speed of the ground below a character that walks on the spot.
 
 use glam::{DVec3, Vec3};
 
@@ -10,14 +10,16 @@ use crate::animation::{Armature, ChannelError, Clip};
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
-/// A foot within this share of its range of heights from its lowest place is near the ground.
+/// Largest height of a foot near the ground above its lowest position, as a fraction of its range of heights.
 const NEAR_GROUND: f64 = 0.2;
 
-/// The way that a walk on the spot has to travel so that its feet stand still: across the axis `up`, in the armature's unit a
-/// second. It is against the median way of the feet while they are near the ground; zero of none.
+/// Returns the travel velocity that keeps the feet of a walk on the spot at rest on the ground. It is perpendicular to
+/// `up`, in the armature's unit of length per second. It is opposite to the median velocity of the feet while they are
+/// near the ground. Without feet it is zero.
 ///
 /// # Errors
-/// An axis up without a direction, a rate that is none, another armature, a bone of another one.
+/// Returns an error if `up` has no direction or the rate is not positive. Returns an error if the clip is of another
+/// armature, or a bone is not in the armature.
 pub fn ground_speed(
     armature: &Armature,
     clip: &Clip,

@@ -1,8 +1,9 @@
-//! Inverse kinematics over a clip: bones that reach over spans of it, and feet that stand where it has them stand.
+//! Inverse kinematics over an animation clip: targets of bones over spans, and foot plants.
 //!
-//! Each frame keeps as near to the clip as its goals allow, and the root moves only where limbs would be too short. A
-//! [`ClipIk`] says what is asked, its [`solve`](ClipIk::solve) makes an [`EditedClip`]; [`ground_speed`] tells how fast
-//! the ground passes under feet that walk on the spot. A [`KeyframeIk`] solves for a rig's own keys instead.
+//! Each frame keeps as close to the clip as its targets allow. The root moves only where limbs would be too short.
+//! [`ClipIk`] has the targets and options; [`solve`](ClipIk::solve) returns an [`EditedClip`]. [`ground_speed`]
+//! measures the speed of the ground below feet that walk on the spot. [`KeyframeIk`] edits the existing keys of a rig
+//! instead.
 
 mod clip_solver;
 mod edited;

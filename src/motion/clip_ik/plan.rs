@@ -1,4 +1,4 @@
-//! What is asked of every frame of a clip, and of moments between two.
+//! Targets of all bones in each frame of a clip, and between frames.
 
 use std::cmp::Ordering;
 
@@ -10,10 +10,10 @@ use super::sampling::LimbWay;
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
-/// Where a bone should be, and how much of the way it goes there.
+/// Target position in the model, and its weight from 0 to 1.
 pub(super) type Goal = (DVec3, f64);
 
-/// A frame, and a share of the way to the next.
+/// Sample time: a frame and a fraction of the interval to the next frame.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(super) struct Moment {
     pub(super) frame: usize,
@@ -30,12 +30,12 @@ impl Moment {
         of_frame.then(self.share.total_cmp(&other.share))
     }
 
-    /// Where it is among the frames.
+    /// Returns the sample time in frames.
     fn position(self) -> f64 {
         self.frame as f64 + self.share
     }
 
-    /// Moments that part what lies between this one and the next into so many equal parts.
+    /// Returns the sample times that split the interval to `next` into equal parts.
     pub(super) fn between(self, next: Self, parts: usize) -> impl Iterator<Item = Self> {
         let (from, to) = (self.position(), next.position());
         let frame = self.frame;
@@ -49,16 +49,16 @@ impl Moment {
     }
 }
 
-/// What is asked of each frame.
+/// Targets of all bones in each frame.
 pub(super) struct Plan<'a> {
     pub(super) ik: &'a ClipIk<'a>,
     pub(super) request: &'a ClipRequest,
-    /// Of the frames, in seconds.
+    /// Times of the frames, seconds.
     pub(super) times: &'a [f32],
     pub(super) limbs: &'a [LimbWay],
-    /// Of the first limbs.
+    /// Feet of the first limbs.
     pub(super) feet: &'a [Planted],
-    /// How far the root moves from where the clip has it and its travel.
+    /// Displacement of the root by frame, without the travel of the clip.
     pub(super) moved: Vec<DVec3>,
 }
 
@@ -74,7 +74,7 @@ impl Plan<'_> {
         }
     }
 
-    /// How far the clip has travelled by then.
+    /// Returns the travel of the clip until a sample time.
     pub(super) fn travelled(&self, moment: Moment) -> DVec3 {
         travelled(self.request, self.time(moment))
     }
@@ -86,7 +86,7 @@ impl Plan<'_> {
         }
     }
 
-    /// What is asked of a bone that the clip has at `free`, on its way.
+    /// Returns the target of a bone that is at `free` in the clip.
     pub(super) fn goal(&self, bone: usize, moment: Moment, free: DVec3) -> Goal {
         match self.feet.get(bone) {
             Some(foot) => {
@@ -109,18 +109,19 @@ impl Plan<'_> {
         }
     }
 
-    /// Where a bone should be that the clip has at `free`: what is not asked for goes with the root.
+    /// Returns the commanded position of a bone that is at `free` in the clip. The part without target weight moves
+    /// with the root.
     pub(super) fn place(&self, moment: Moment, free: DVec3, (at, weight): Goal) -> DVec3 {
         (free + self.moved(moment)).lerp(at, weight)
     }
 }
 
-/// How far a clip on the spot has travelled at a time of it, in seconds.
+/// Returns the travel of a clip on the spot until a time, seconds.
 pub(super) fn travelled(request: &ClipRequest, time: f32) -> DVec3 {
     request.root_velocity * (f64::from(time) - request.span[0])
 }
 
-/// What the reaches ask of a bone that the clip has at `free`.
+/// Returns the target from the reaches of a bone that is at `free` in the clip.
 fn reached(ik: &ClipIk<'_>, request: &ClipRequest, bone: BoneId, time: f64, free: DVec3) -> Goal {
     let own = ik.reaches.iter().filter(|reach| reach.bone == bone);
     let asked = own.map(|reach| (reach.target(time), reach.weight(time, request.span)));

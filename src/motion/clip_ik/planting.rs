@@ -1,4 +1,4 @@
-//! Feet that stand in a clip: where each does, and how it gets there and away.
+//! Positions of planted feet in contact, and their paths between contacts.
 
 use std::ops::Range;
 
@@ -6,28 +6,28 @@ use crate::motion::ContactDetection;
 use crate::motion::contact_detection::{mean_place, smooth};
 use crate::spatial::Vector3;
 
-/// The ground: how high it is over the clip's own at a place.
+/// Height of the ground at a position, relative to the ground of the clip.
 pub(super) type Ground<'a> = &'a dyn Fn(Vector3<f64>) -> f64;
 
-/// How much higher than a straight way a swinging foot goes at most to clear an edge, in heights of the step.
+/// Largest extra height of a swinging foot above the straight path, in heights of the step.
 const HIGHEST_ARC: f64 = 1.5;
 
-/// The share of a swing over which a foot goes up or down a step.
+/// Fraction of a swing over which a foot moves up or down a step.
 const STEPPING: f64 = 0.7;
 
-/// A foot over a clip.
+/// Motion of a planted foot over a clip.
 #[derive(Clone, Debug)]
 pub(super) struct Planted {
-    /// Where it stands, by frames, and the place.
+    /// Frames and position of each contact.
     pub(super) stances: Vec<(Range<usize>, Vector3<f64>)>,
-    /// Where it goes, by frame.
+    /// Position by frame.
     pub(super) way: Vec<Vector3<f64>>,
-    /// How high the ground is for it, by frame: where it stands, and evenly from one stance to the next.
+    /// Height of the ground by frame: at the contact position, and interpolated between contacts.
     pub(super) ground: Vec<f64>,
 }
 
 impl Planted {
-    /// Where it stands from a frame to the next.
+    /// Returns the contact position if the foot is in contact in `frame` and in the next frame.
     pub(super) fn stands_from(&self, frame: usize) -> Option<Vector3<f64>> {
         let mut stances = self.stances.iter();
         let own = stances.find(|(span, _)| span.contains(&frame) && span.contains(&(frame + 1)));
@@ -35,10 +35,11 @@ impl Planted {
     }
 }
 
-/// Plants a foot that a clip leads along `way`: in each stance at the middle of where it went, on the ground.
+/// Plants a foot that moves along `way` in the clip. Its position in each contact is the mean of its positions in the
+/// clip, raised to the ground.
 ///
-/// Out of a stance and into the next it is led over `detection.lead_s`, and over the whole swing where the ground rises
-/// or falls, high enough for the edges between.
+/// Between contacts the foot blends to and from the clip over `detection.lead_s`. If the ground rises or falls, the
+/// change of height covers the whole swing. The swing is raised above edges of the ground.
 pub(super) fn plant(
     detection: &ContactDetection,
     way: &[Vector3<f64>],
@@ -73,7 +74,7 @@ pub(super) fn plant(
         };
         let from = stand(gap.after, gap.frames.start.wrapping_sub(1));
         let to = stand(gap.before, gap.frames.end);
-        // Where the clip begins or ends in the air, the ground below counts.
+        // If the clip starts or ends without contact, the ground below the foot counts.
         let below = |frame: usize| way.get(frame).map_or(0.0, |at| height(*at));
         let first = from.map_or_else(|| below(gap.frames.start), |(_, lift)| lift);
         let last = to.map_or_else(|| below(gap.frames.end - 1), |(_, lift)| lift);
@@ -91,7 +92,7 @@ pub(super) fn plant(
         let stood = [gap.after, gap.before].into_iter().flatten();
         let sole = stood.map(|k| stands[k].0.dot(up)).reduce(f64::min);
         let sole = sole.unwrap_or(lowest);
-        // 1 in the middle, level at both ends.
+        // 1 in the middle of the swing, with zero slope at both ends.
         let arc = |frame: usize| {
             let share = since(frame) / steps;
             16.0 * share * share * (1.0 - share) * (1.0 - share)
@@ -122,13 +123,13 @@ pub(super) fn plant(
     }
 }
 
-/// How much of a step is risen or fallen by a share of the swing: up early, down late.
+/// Returns the fraction of a step's height change after a fraction of the swing. A foot rises early and descends late.
 fn risen(share: f64, up: bool) -> f64 {
     let begun = if up { 0.0 } else { 1.0 - STEPPING };
     smooth(((share - begun) / STEPPING).clamp(0.0, 1.0))
 }
 
-/// Frames between two stances, before the first or after the last.
+/// Frames between two contacts, before the first or after the last.
 struct Gap {
     frames: Range<usize>,
     after: Option<usize>,

@@ -1,4 +1,4 @@
-//! The bones between a root and what is led, as a model whose joints stand where a pose has them.
+//! Model of the bones between a root and the end effectors, with its joints at the placements of a pose.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -8,7 +8,7 @@ use crate::model::{FrameId, JointId, Limits, Model};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// A rig's bone: how it is turned at rest, the ranges of its three angles, and how long it is.
+/// Joints of a skeleton's bone: rest rotation, limits of the three angles, and length.
 #[derive(Clone, Debug)]
 pub(super) struct Hinges {
     pub(super) rest: DQuat,
@@ -16,45 +16,45 @@ pub(super) struct Hinges {
     pub(super) length: f64,
 }
 
-/// A bone that turns.
+/// Bone that rotates.
 #[derive(Clone, Debug)]
 struct TurningBone {
     bone: BoneId,
-    /// The one before it that turns.
+    /// Index of the parent among the rotating bones.
     parent: Option<usize>,
-    /// Its first joint, which stands on the parent's last.
+    /// First joint of the bone, a child of the parent's last joint.
     joint: JointId,
     frame: FrameId,
-    /// Where its numbers are in a configuration.
+    /// Index of its first value in a configuration.
     coordinate: usize,
-    /// `None` for one that turns any way, told by the turn from where the pose has it.
+    /// `None` for a ball joint without limits. Its rotation is relative to the pose last taken.
     hinges: Option<Hinges>,
 }
 
-/// What hangs between a root and effectors; the root itself and what it hangs on do not turn.
+/// Bones between a root and end effectors. The root and the bones above it do not rotate.
 #[derive(Clone, Debug)]
 pub(super) struct PosedBones {
-    /// `None` where the whole chain turns, from the top.
+    /// `None` if all bones rotate.
     root: Option<BoneId>,
     bones: Vec<TurningBone>,
     model: Model,
-    /// Bones that are placed: all above an effector, parents first.
+    /// All bones up to each effector with their parents, parents first.
     placed: Vec<(BoneId, Option<BoneId>)>,
     places: Vec<DAffine3>,
-    /// Rotations in the model without scales, in reflected axes below mirrored bones.
+    /// Rotations in the model without scales. Below mirrored bones the axes are reflected.
     turns: Vec<DQuat>,
-    /// Of each bone's children.
+    /// Mirror of the children of each bone.
     mirrors: Vec<Mirror>,
     stretches: Vec<Stretch>,
-    /// The rotations of the pose that frames keep near to: in the model, and in the bone's parent as the pose has them.
+    /// Rotations of the pose of the clip, in the model and in the bone's parent.
     clip_turns: Vec<DQuat>,
     clip_locals: Vec<DQuat>,
-    /// Where that pose has the root.
+    /// Position of the root in that pose, in the model.
     clip_root: DVec3,
 }
 
 impl PosedBones {
-    /// The bones from below `root` to `effectors`, all of which hang on it.
+    /// Builds the model of the bones from below `root` to `effectors`. All effectors must be below `root`.
     pub(super) fn new(
         armature: &Armature,
         root: Option<BoneId>,
@@ -126,18 +126,18 @@ impl PosedBones {
         pub(super) fn model(&self) -> &Model = &self.model;
     }
 
-    /// The frame of a bone that turns, with its axes, at what is led of it.
+    /// Returns the effector frame of a rotating bone, with the bone's axes.
     pub(super) fn frame(&self, bone: BoneId) -> Option<FrameId> {
         let own = self.bones.iter().find(|own| own.bone == bone)?;
         Some(own.frame)
     }
 
-    /// The bones that turn.
+    /// Returns the bones that rotate.
     pub(super) fn turning(&self) -> impl Iterator<Item = BoneId> + '_ {
         self.bones.iter().map(|own| own.bone)
     }
 
-    /// Takes up a pose that a frame keeps near to.
+    /// Stores the pose of the clip that a frame should stay close to.
     pub(super) fn take(&mut self, pose: &Pose) {
         self.place_bones(pose);
         self.clip_turns.clone_from(&self.turns);
@@ -147,7 +147,7 @@ impl PosedBones {
         self.clip_root = self.root.map_or(DVec3::ZERO, |root| self.origin(root));
     }
 
-    /// Places the bones as a pose has them.
+    /// Places the bones as in a pose.
     pub(super) fn place_bones(&mut self, pose: &Pose) {
         for &(bone, parent) in &self.placed {
             let local = pose.local_of(bone);
@@ -170,7 +170,7 @@ impl PosedBones {
         }
     }
 
-    /// Whether a bone of the pose shears others as they turn.
+    /// Returns whether a bone of the pose shears its children as they rotate.
     pub(super) fn shear(&self) -> bool {
         let mut carriers = self.bones.iter().filter_map(|own| own.parent);
         let sheared = |bone: BoneId| !self.stretches[bone.index()].is_even();
@@ -181,7 +181,8 @@ impl PosedBones {
         parent.map_or(Mirror::NONE, |parent| self.mirrors[parent.index()])
     }
 
-    /// Where what is led of a bone is in the model in the pose last taken: a rig's tip, another bone's origin.
+    /// Returns the end-effector position of a bone in the model, in the pose last placed: the tip of a skeleton's bone,
+    /// else its origin.
     pub(super) fn place(&self, bone: BoneId) -> DVec3 {
         let hinges = self.bones.iter().find(|own| own.bone == bone);
         let tip = hinges.map_or(Vector3::zero(), |own| tip_of(&own.hinges));
@@ -192,12 +193,13 @@ impl PosedBones {
         self.places[bone.index()].translation
     }
 
-    /// How it is turned there.
+    /// Returns the orientation of a bone in the model, in the pose last placed.
     pub(super) fn turn(&self, bone: BoneId) -> Matrix3<f64> {
         matrix(self.turns[bone.index()])
     }
 
-    /// Where the limb of an effector hangs on the root, and how long it is from there.
+    /// Returns the position of the first bone of an effector's limb, below the root, and the length of the limb from
+    /// there.
     pub(super) fn limb(&self, armature: &Armature, effector: BoneId) -> (DVec3, f64) {
         let mut first = effector;
         let mut length = self.place(effector).distance(self.origin(effector));
@@ -211,8 +213,8 @@ impl PosedBones {
         (self.origin(first), length)
     }
 
-    /// Puts the joints where the bones were last placed, with the root moved by `moved`, and writes the configuration of
-    /// that pose.
+    /// Moves the joints to the placements of the pose last placed, with the root displaced by `moved`. Writes the
+    /// configuration of that pose to `q`.
     pub(super) fn stand(&mut self, armature: &Armature, moved: DVec3, q: &mut [f64]) {
         for own in &self.bones {
             let at = own.bone.index();
@@ -261,7 +263,7 @@ impl PosedBones {
         }
     }
 
-    /// Turns the bones of the pose that was taken as a configuration has them, and moves the root.
+    /// Writes a configuration and the displacement of the root to a pose.
     pub(super) fn pose(&self, q: &[f64], moved: DVec3, armature: &Armature, pose: &mut Pose) {
         for own in &self.bones {
             let numbers = &q[own.coordinate..own.coordinate + own.numbers()];
@@ -276,7 +278,7 @@ impl PosedBones {
                 }
                 _ => continue,
             };
-            // A bone of this pose, a rotation of unit length.
+            // Cannot fail: the bone is in the pose, and the rotation has unit length.
             let _ = pose.set_rotation(own.bone, turned.normalize().as_quat().normalize());
         }
         if let Some(root) = self.root.filter(|_| moved != DVec3::ZERO) {
@@ -284,7 +286,7 @@ impl PosedBones {
             let above = above.map_or(DAffine3::IDENTITY, |above| self.places[above.index()]);
             let there = self.clip_root + moved;
             let local = above.inverse().transform_point3(there);
-            // Below a bone that flattens space the root stays.
+            // Below a singular scale the root keeps its translation.
             let _ = pose.set_translation(root, local.as_vec3a());
         }
     }
@@ -308,7 +310,7 @@ impl TurningBone {
     }
 }
 
-/// The tip of a rig's bone, along its own x.
+/// Returns the tip of a bone on its own x axis. Without a skeleton, the origin.
 fn tip_of(hinges: &Option<Hinges>) -> Vector3<f64> {
     let length = hinges.as_ref().map_or(0.0, |hinges| hinges.length);
     Vector3::new(length, 0.0, 0.0)

@@ -1,4 +1,4 @@
-//! How far the root moves so that every limb is long enough: as little as it must, and smoothly.
+//! Displacement of the root so that all limbs are long enough: minimal and smooth.
 
 use glam::DVec3;
 
@@ -10,20 +10,20 @@ use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 use crate::task::{Point, Quantity, Residual, RowBlock};
 
-/// The root follows its own way as smoothly as if it passed changes over so many seconds.
+/// Time constant of the smoothing, seconds.
 const SMOOTH_S: f64 = 0.1;
-/// What a limb that is too short costs, in what moving the root as far does.
+/// Weight of the missing length of a limb relative to a displacement of the root.
 const TOO_SHORT: f64 = 100.0;
 
-/// Where a limb must come to from where it hangs on the root, and how long it is.
+/// Required displacement from a limb's upper end to its target, and the length of the limb.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootDemand {
-    /// From the limb's upper end to its target while the root has not moved.
+    /// From the limb's upper end to its target, without displacement of the root.
     pub(super) apart: Vector3<f64>,
     pub(super) length: f64,
 }
 
-/// r = max(0, ‖d − a‖ − ℓ) of one limb, with d how far the root has moved.
+/// r = max(0, ‖d − a‖ − ℓ) of one limb, for a displacement d of the root.
 #[derive(Clone, Copy, Debug)]
 struct LongEnough {
     root: FrameId,
@@ -45,8 +45,10 @@ impl Residual for LongEnough {
     }
 }
 
-/// How far the root moves in each frame. `wanted` is its own way, which it leaves where a limb would be too short:
-/// `demands` has those of each limb by frame. Ends that are fixed do not move.
+/// Returns the displacement of the root by frame.
+///
+/// `wanted` is the preferred displacement by frame; the result differs from it where a limb would be too short.
+/// `demands` has the demands of each limb by frame. Fixed first or last frames have no displacement.
 pub(super) fn moves(
     wanted: &[DVec3],
     demands: Vec<Vec<RootDemand>>,
@@ -64,7 +66,7 @@ pub(super) fn moves(
     if frames == 0 || (level && !(0..frames).any(too_short)) {
         return Ok(wanted.to_vec());
     }
-    // In lengths of the longest limb, so that the unit does not matter.
+    // In lengths of the longest limb, so that the result does not depend on the unit of length.
     let lengths = demands.iter().flatten().map(|demand| demand.length);
     let size = lengths.fold(0.0, f64::max);
     let size = if size > 0.0 { size } else { 1.0 };

@@ -1,15 +1,15 @@
-//! The bone that carries all that is asked for.
+//! Choice of the root bone.
 
 use crate::animation::Armature;
 use crate::skeleton::BoneId;
 
-/// What a bone hangs on, from its parent up.
+/// Returns the ancestors of a bone, parent first.
 pub(super) fn above(armature: &Armature, bone: BoneId) -> Vec<BoneId> {
     let parent = |bone: &BoneId| armature.parent(*bone);
     std::iter::successors(parent(&bone), parent).collect()
 }
 
-/// The topmost bone that carries all of these and at which the armature branches.
+/// Returns the topmost common ancestor of the bones that has more than one child.
 pub(super) fn branching_above(armature: &Armature, bones: &[BoneId]) -> Option<BoneId> {
     let carried: Vec<Vec<BoneId>> = bones.iter().map(|&bone| above(armature, bone)).collect();
     let branches = |bone: &BoneId| {

@@ -1,4 +1,4 @@
-//! When a clip is looked at, and where its bones are then.
+//! Sample times of a clip, and the positions of its bones.
 
 use glam::DVec3;
 
@@ -7,13 +7,14 @@ use super::posed_bones::PosedBones;
 use crate::animation::{Armature, ChannelError, Clip, Cursor, Playback, Pose};
 use crate::skeleton::BoneId;
 
-/// More frames than this are a slip.
+/// Number of frames above which a rate is rejected as a mistake.
 const MOST_FRAMES: f64 = 4e6;
-/// Moments nearer to one another than this share of a frame are one.
+/// Smallest distance of two sample times, in frames.
 const SAME: f64 = 0.5;
 
-/// Evenly spaced times over a clip, at least so many a second, with those of `also` that are within it instead of their
-/// neighbours; and how many a second there are.
+/// Returns evenly spaced sample times of a clip, and their number per second.
+///
+/// The rate is at least `rate`. Each time of `also` within the clip replaces its neighbours.
 pub(super) fn sample_times(
     clip: &Clip,
     rate: f64,
@@ -44,7 +45,7 @@ pub(super) fn sample_times(
     Ok((times, rate))
 }
 
-/// The poses of a clip at rising times.
+/// Sampler of a clip at increasing times.
 #[derive(Debug)]
 pub(super) struct Poses<'a> {
     clip: &'a Clip,
@@ -67,18 +68,18 @@ impl<'a> Poses<'a> {
     }
 }
 
-/// A bone over the frames of a clip, and the limb that it ends.
+/// Positions of a bone and its limb over the frames of a clip.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LimbWay {
-    /// Where the bone is, by frame.
+    /// Position of the bone by frame.
     pub(super) way: Vec<DVec3>,
-    /// Where its limb hangs on the root, and how long it is.
+    /// Position of the limb's upper end by frame.
     pub(super) upper: Vec<DVec3>,
     pub(super) lengths: Vec<f64>,
 }
 
 impl LimbWay {
-    /// Takes it elsewhere in each frame.
+    /// Translates the limb in each frame.
     pub(super) fn move_by(&mut self, moved: &[DVec3]) {
         for places in [&mut self.way, &mut self.upper] {
             for (place, moved) in places.iter_mut().zip(moved) {
@@ -92,7 +93,7 @@ impl LimbWay {
     }
 }
 
-/// Where bones of a clip are.
+/// Samples the positions of bones and their limbs over a clip.
 pub(super) fn limb_ways(
     armature: &Armature,
     clip: &Clip,

@@ -1,4 +1,4 @@
-//! What came of each moment, and the keys that it makes.
+//! Solved sample times, and the keys from them.
 
 use glam::{DVec3, Quat, Vec3A};
 
@@ -11,19 +11,19 @@ use super::splice::NewKeys;
 use crate::animation::Clip;
 use crate::skeleton::BoneId;
 
-/// One moment.
+/// Result at one sample time.
 struct SolvedMoment {
     moment: Moment,
-    /// Of the bones that turn.
+    /// Rotations of the bones that rotate.
     rotations: Vec<Quat>,
-    /// Of the root, if there is one.
+    /// Translation of the root, if there is one.
     translation: Option<Vec3A>,
     root_moves: bool,
-    /// How far each bone that is led is from where it should be.
+    /// Distance of each bone with a target from its commanded position.
     misses: Vec<f64>,
 }
 
-/// Moments of a clip, in order.
+/// Solved sample times of a clip, in order.
 pub(super) struct SolvedMoments<'a> {
     plan: &'a Plan<'a>,
     clip: &'a Clip,
@@ -52,7 +52,7 @@ impl<'a> SolvedMoments<'a> {
         })
     }
 
-    /// Solves more of them, which rise.
+    /// Solves further sample times, which must increase.
     pub(super) fn add(
         &mut self,
         moments: impl IntoIterator<Item = Moment>,
@@ -100,12 +100,12 @@ impl<'a> SolvedMoments<'a> {
         self.all.iter().map(|own| own.moment).collect()
     }
 
-    /// How far a bone that is led is from where it should be, moment by moment.
+    /// Returns the distance of a bone from its commanded position, by sample time.
     pub(super) fn misses(&self, bone: usize) -> impl Iterator<Item = f64> + Clone + '_ {
         self.all.iter().map(move |own| own.misses[bone])
     }
 
-    /// The keys that they make.
+    /// Returns the keys at all sample times.
     pub(super) fn keys(&self) -> NewKeys {
         let all = self.all.iter();
         let rotations = self.turning.iter().enumerate();

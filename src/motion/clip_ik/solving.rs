@@ -1,4 +1,4 @@
-//! From what is asked to a new clip: where bones should be, how the root moves, then moment by moment.
+//! Steps of a solve: targets of the bones, displacement of the root, then each sample time.
 
 use std::ops::Range;
 
@@ -18,9 +18,9 @@ use super::splice::spliced;
 use crate::animation::Clip;
 use crate::spatial::Vector3;
 
-/// A limb counts as this share of its length, so that it need not be stretched.
+/// Usable fraction of a limb's length, so that limbs are not stretched straight.
 const NOT_STRETCHED: f64 = 0.998;
-/// How often keys are set more densely where a standing foot strays between them.
+/// Largest number of passes that add keys where a foot in contact drifts.
 const MOST_REFINEMENTS: usize = 3;
 
 pub(super) fn solve(
@@ -109,7 +109,7 @@ pub(super) fn solve(
     })
 }
 
-/// Where a planted foot goes.
+/// Computes the planted motion of a foot.
 fn foot(ik: &ClipIk<'_>, request: &ClipRequest, limb: &LimbWay, rate: f64) -> Planted {
     let way: Vec<Vector3<f64>> = limb.way.iter().map(|at| at.to_array().into()).collect();
     let detection = ik.detection_of(&way, limb.longest(), rate);
@@ -117,7 +117,7 @@ fn foot(ik: &ClipIk<'_>, request: &ClipRequest, limb: &LimbWay, rate: f64) -> Pl
     plant(&detection, &way, request.up, ground, rate)
 }
 
-/// Stretches of frames in which anything is asked, with a frame on either side that is as the clip has it.
+/// Returns ranges of frames with any target, each extended by one unchanged frame at both ends.
 fn runs(goals: &[Vec<Goal>]) -> Vec<Range<usize>> {
     let frames = goals.first().map_or(0, Vec::len);
     let asked = |frame: usize| goals.iter().any(|goals| goals[frame].1 > 0.0);
@@ -132,7 +132,7 @@ fn runs(goals: &[Vec<Goal>]) -> Vec<Range<usize>> {
     runs
 }
 
-/// How far the root moves in each frame.
+/// Computes the displacement of the root by frame.
 fn root_moves(
     request: &ClipRequest,
     (limbs, goals, feet): (&[LimbWay], &[Vec<Goal>], &[Planted]),
@@ -158,7 +158,7 @@ fn root_moves(
                 let in_clip = limb.way[frame].distance(limb.upper[frame]);
                 RootDemand {
                     apart: (place - limb.upper[frame]).to_array().into(),
-                    // Who is stretched in the clip may be.
+                    // A limb that is stretched in the clip may stay stretched.
                     length: (NOT_STRETCHED * limb.lengths[frame]).max(in_clip),
                 }
             });

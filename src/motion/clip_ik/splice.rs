@@ -1,4 +1,4 @@
-//! New keys in the stretches that were solved, a clip's own everywhere else.
+//! Insertion of solved keys into a clip.
 
 use std::ops::Range;
 
@@ -10,17 +10,20 @@ use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, Clip, Cursor, Playback, Property};
 use crate::skeleton::BoneId;
 
-/// The bones' new values, one at each of the times that were solved.
+/// New values of the bones at the solved sample times.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NewKeys {
-    /// In seconds of the clip.
+    /// Seconds in the clip.
     pub(super) times: Vec<f32>,
     pub(super) rotations: Vec<(BoneId, Vec<Quat>)>,
     pub(super) translations: Vec<(BoneId, Vec<Vec3A>)>,
 }
 
-/// A clip with new keys within the frames of `runs`, whose first and last are the clip's own unless the clip ends there. Channels
-/// of lines keep their other keys; others become lines through samples at their own keys and at all `times`, those of the frames.
+/// Returns a clip with new keys within the frames of `runs`. The first and last keys of a run equal the clip, except at
+/// the ends of the clip.
+///
+/// Linear channels keep their keys outside the runs. Other channels become linear, with keys at their own times and at
+/// all `times` of the frames.
 pub(super) fn spliced(
     clip: &Clip,
     armature: &Armature,
@@ -82,7 +85,7 @@ pub(super) fn spliced(
     Ok(builder.build())
 }
 
-/// Where new keys go.
+/// Inputs for the keys of a channel outside the solved runs.
 struct Lines<'a> {
     clip: &'a Clip,
     armature: &'a Armature,
@@ -91,7 +94,7 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// A channel's keys outside the stretches that were solved.
+    /// Returns the keys of a channel outside the solved runs.
     fn keys<V>(
         &self,
         own: &[f32],
@@ -108,7 +111,7 @@ impl Lines<'_> {
             let mut runs = self.runs.iter();
             !runs.any(|run| (self.times[run.start]..=self.times[run.end - 1]).contains(time))
         });
-        // One key is a value that does not change.
+        // A single key is a constant value.
         if own.len() < 2 {
             times.clear();
         }

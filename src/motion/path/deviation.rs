@@ -1,16 +1,16 @@
 //! Upper bound on the deviation of the tool from the path between two configurations.
 //!
 //! While all joints move at constant rates, the tool position is a curve x(t). Its second derivative is at most Σₖ |Δₖ|
-//! rₖ (|Δₖ| + 2 Σ_{j<k} |Δⱼ|), with rₖ the length of the chain from joint k to the tool (Siciliano et al. 2009,
+//! rₖ (|Δₖ| + 2 Σ_{j<k} |Δⱼ|). Here rₖ is the length of the chain from joint k to the tool (Siciliano et al. 2009,
 //! "Robotics", eq. 3.30, differentiated once more). The distance of a curve from a chord is at most an eighth of that,
 //! times the squared time between its ends. Measurements at a few points therefore bound all points in between, and
 //! more points tighten the bound.
 //!
-//! Through three points, the distance of a curve from a parabola is at most the maximum of |t (t − ½) (t − 1)| / 6
-//! times the third derivative (Davis 1975, "Interpolation and Approximation", ch. 3.1). The third derivative is at most
-//! Σₖ rₖ (Sₖ³ − Sₖ₋₁³) with Sₖ = Σ_{j≤k} |Δⱼ|. The Bézier points bound the parabola. Orientations are bounded by the
-//! vector part of the relative quaternion. Pose bounds are convex, so both ends within them imply all points within
-//! them.
+//! A parabola through three points bounds the curve more tightly. The distance of the curve from it is at most a factor
+//! times the third derivative. The factor is the maximum of |t (t − ½) (t − 1)| / 6 (Davis 1975, "Interpolation and
+//! Approximation", ch. 3.1). The third derivative is at most Σₖ rₖ (Sₖ³ − Sₖ₋₁³) with Sₖ = Σ_{j≤k} |Δⱼ|. The Bézier
+//! points bound the parabola. Orientations are bounded by the vector part of the relative quaternion. Pose bounds are
+//! convex, so both ends within them imply all points within them.
 
 use super::PathError;
 use super::cartesian_path::CartesianPath;

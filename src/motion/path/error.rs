@@ -35,9 +35,7 @@ pub enum PathError {
         points: usize,
     },
     /// A time is not finite or not after the previous one.
-    #[error(
-        "the time of point {index} is {value} s, after {before} s: times rise from point to point"
-    )]
+    #[error("the time of point {index} is {value} s, after {before} s: times must increase")]
     Time {
         /// Index of the point.
         index: usize,
@@ -50,7 +48,7 @@ pub enum PathError {
     #[error(transparent)]
     Curve(#[from] KeyError),
     /// The tool does not exist.
-    #[error("point {index} is for tool {tool}, and there are {tools} tools, counted from 0")]
+    #[error("point {index} is for tool {tool}: there are {tools} tools, counted from 0")]
     Tool {
         /// Index of the point.
         index: usize,
@@ -60,7 +58,7 @@ pub enum PathError {
         tools: usize,
     },
     /// A tool belongs to an arm with other joints.
-    #[error("tool {0} is of an arm with other joints: `Arm::with_tool` makes those of one arm")]
+    #[error("tool {0} is of an arm with other joints: create tools by `Arm::with_tool`")]
     OtherJoints(usize),
     /// An option is out of its range.
     #[error(transparent)]
@@ -99,7 +97,7 @@ pub enum PathError {
     },
     /// A step is not bounded by any acceleration limit.
     #[error(
-        "acceleration_limits: {joint} moves to row {row}, and no joint that moves there has a finite limit"
+        "acceleration_limits: {joint} moves to row {row}, but no joint of that step has a finite limit"
     )]
     Unbounded {
         /// Name of the joint that moves most, or its index.
@@ -115,8 +113,8 @@ pub enum PathError {
     },
     /// The given start or end configuration does not reach the path's first or last point.
     #[error(
-        "the {which} configuration does not stand at the path's {which} point: its tool is {metres:.2e} m and {radians:.2e} rad \
-         off (or a joint is beyond its limits, or it touches something)"
+        "the {which} configuration does not reach the path's {which} point: its tool is {metres:.2e} m and \
+         {radians:.2e} rad off (or a joint is outside its limits, or the arm is in collision)"
     )]
     End {
         /// Either `start` or `end`.

@@ -237,7 +237,7 @@ impl<'a> Growth<'a> {
         Ok(())
     }
 
-    /// Adds the candidates in `room` that are collision-free and new.
+    /// Adds the candidates of the last search that are collision-free and new.
     fn add(
         &self,
         layer: &mut Layer,

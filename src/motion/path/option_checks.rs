@@ -36,17 +36,17 @@ impl PathSolver<'_> {
         }
         if path.traversal != Traversal::Open && (self.end.is_some() || self.times_count) {
             return Err(PathError::Conflict(
-                "a path that is gone round ends where it begins, and has no times to keep: neither an end nor kept times go with it",
+                "a closed path ends at its start: it allows neither an end configuration nor kept times",
             ));
         }
         if path.traversal == Traversal::AnyStart && self.start.is_some() {
             return Err(PathError::Conflict(
-                "a path that may be entered anywhere has no start of its own",
+                "a path with any start allows no start configuration",
             ));
         }
         if self.times_count && path.times.is_empty() {
             return Err(PathError::Conflict(
-                "times are to be kept, but the path has none",
+                "times cannot be kept: the path has none",
             ));
         }
         self.check_end("start", self.start.as_deref(), path, 0)?;

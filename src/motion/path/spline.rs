@@ -73,8 +73,8 @@ impl CartesianPath {
 
 /// Returns a bound on the distance of a curve from the chord between two of its points.
 ///
-/// The second derivative is linear, so its maximum is at an end. The distance is at most an eighth of it, times the
-/// squared length of the interval.
+/// The second derivative is linear, so its maximum is at an end. The distance is at most an eighth of that maximum,
+/// times the squared length of the interval.
 fn bulge(curve: &Hermite<DVec3>, from: f64, to: f64) -> f64 {
     let bend = |t: f64| {
         (curve.start - curve.end) * (12.0 * t - 6.0)

@@ -1,7 +1,7 @@
 //! Block-tridiagonal least squares for a chain of configurations with free directions, within joint limits.
 //!
 //! Weighted steps pull neighbouring knots together. The system is solved by elimination from end to end (Golub & Van
-//! Loan 2013, ch. 4.5). A closed chain is bordered by its first knot. The others are solved as a chain for each
+//! Loan 2013, ch. 4.5). A closed chain is bordered by its first knot. All other knots are solved as a chain for each
 //! direction of the first. Its Schur complement then gives the first knot. Blocks are as large as the redundancy, one
 //! or two, so the banded matrix of clips would be mostly padding here.
 

@@ -57,14 +57,14 @@ impl UpAxis {
         }
     }
 
-    /// The turn that stands up along z what stands up along this axis: by a quarter about x, or none.
+    /// Returns the rotation that maps this axis to z: 90° about x for y, the identity for z.
     #[must_use]
     pub fn turned_to_z(self) -> Matrix3<f64> {
         let [x, y, z] = Vector3::UNITS.map(|axis| self.upright(axis));
         Matrix3::from_columns(x, y, z)
     }
 
-    /// Returns a vector rotated likewise, without a matrix product.
+    /// Returns a vector rotated by [`turned_to_z`](Self::turned_to_z), without a matrix product.
     pub(super) fn upright(self, at: Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Y => Vector3::new(at.x, -at.z, at.y),
@@ -227,7 +227,7 @@ impl BodyMap {
     pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
         let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
         if text.trim_start().starts_with('[') {
-            let list = "a map is an object whose `drives` say what drives what, not a list";
+            let list = "a map must be an object with `drives`, not a list";
             return Err(RetargetError::Map(list.to_owned()));
         }
         let file: File = serde_json::from_str(text).map_err(wrong)?;

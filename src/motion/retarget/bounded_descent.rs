@@ -13,7 +13,7 @@ use crate::solver::{BranchedMatrix, LeastSquares, dot, half_squared};
 const DAMPING: f64 = 1e-8;
 const LEAST_DAMPING: f64 = 1e-10;
 const MOST_DAMPING: f64 = 1.0;
-/// Damping up to which a step is hardly shortened.
+/// Damping up to which a step is almost as long as without damping.
 const LIGHT_DAMPING: f64 = 1e-7;
 const AFTER_SUCCESS: f64 = 0.2;
 const AFTER_FAILURE: f64 = 30.0;
@@ -150,10 +150,10 @@ impl BoundedDescent {
         }
     }
 
-    /// Returns the cost after a second step from the end of the rejected one, if it is lower than at x (a watchdog:
-    /// Chamberlain, Powell, Lemarechal & Pedersen 1982).
+    /// Returns the cost after a second step from the end of the rejected one, if it is lower than at x. This is a
+    /// watchdog (Chamberlain, Powell, Lemarechal & Pedersen 1982).
     ///
-    /// The second step uses the model at its start. The model at x misses residuals that act only there, such as the
+    /// The second step uses the model at its start. The model at x lacks residuals that act only there, such as the
     /// ground under a foot at its edge. It would repeat the rejected step.
     fn go_on(&mut self, problem: &mut Evaluation<'_>, x: &[f64], cost: f64) -> Option<f64> {
         self.trial.copy_from_slice(x);
@@ -202,8 +202,8 @@ impl BoundedDescent {
         let n = x.len();
         let (lower, upper) = (problem.lower(), problem.upper());
         self.step.fill(0.0);
-        // Variables at a bound stay there if the gradient pushes outward, until the step of the others pulls them
-        // inward.
+        // Variables at a bound stay there if the gradient pushes outward, until the step of the free variables pulls
+        // them inward.
         for (k, held) in self.held.iter_mut().enumerate() {
             let slope = self.equations.gradient()[k];
             *held = (x[k] <= lower[k] && slope > 0.0) || (x[k] >= upper[k] && slope < 0.0);

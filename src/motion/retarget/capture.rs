@@ -142,7 +142,7 @@ impl Capture {
         self.rest.as_deref()
     }
 
-    /// Where all joints are in a frame.
+    /// Returns the positions of all joints in a capture frame, or `None` beyond the last one.
     #[must_use]
     pub fn frame(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.names.len();

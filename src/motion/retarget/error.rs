@@ -26,7 +26,7 @@ pub enum RetargetError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The bones of the armature and the skeleton differ.
-    #[error("the armature has bone `{given}` where the figure has `{bone}`")]
+    #[error("the armature has bone `{given}` at the index of the skeleton's bone `{bone}`")]
     OtherBone {
         /// Bone of the armature; empty if it has fewer bones.
         given: String,
@@ -43,7 +43,9 @@ pub enum RetargetError {
     #[error(transparent)]
     Clip(#[from] ChannelError),
     /// The count of numbers does not match whole capture frames.
-    #[error("{numbers} numbers are no places of {joints} joints in whole frames")]
+    #[error(
+        "the capture has {numbers} numbers: each frame needs three for each of the {joints} joints"
+    )]
     NotFrames {
         /// Count of given numbers.
         numbers: usize,
@@ -57,7 +59,7 @@ pub enum RetargetError {
         joint: String,
     },
     /// A position is not finite.
-    #[error("frame {frame}: the place of joint `{joint}` is not finite")]
+    #[error("frame {frame}: the position of joint `{joint}` is not finite")]
     NotFinite {
         /// Index of the capture frame.
         frame: usize,
@@ -66,7 +68,7 @@ pub enum RetargetError {
     },
     /// A position is too far from the origin.
     #[error(
-        "frame {frame}: the place of joint `{joint}` is beyond ±{most:e}",
+        "frame {frame}: the position of joint `{joint}` is outside ±{most:e}",
         most = super::capture::FARTHEST
     )]
     TooFar {
@@ -76,11 +78,11 @@ pub enum RetargetError {
         joint: String,
     },
     /// The capture has no frames.
-    #[error("a capture of no frames")]
+    #[error("the capture has no frames: at least one is needed")]
     NoFrames,
     /// A clip has too many samples.
     #[error(
-        "{duration} s at {frame_rate} frames a second are more than {most} frames",
+        "{duration} s at {frame_rate} frames per second: at most {most} frames are allowed",
         most = super::capture::MOST_FRAMES
     )]
     TooManyFrames {
@@ -106,7 +108,7 @@ pub enum RetargetError {
         second: String,
     },
     /// The names match no body parts, so no map can be guessed.
-    #[error("{of} tell of no body, so a map must say which joint drives which frame: {names}")]
+    #[error("{of} match no body parts, so a map with `drives` is needed: {names}")]
     NoBody {
         /// Source of the names.
         of: &'static str,
@@ -114,7 +116,7 @@ pub enum RetargetError {
         names: String,
     },
     /// Capture and model have too few parts in common.
-    #[error("a capture of {capture} and a model of {model} have too little in common")]
+    #[error("a capture with {capture} and a model with {model} have too few body parts in common")]
     NothingInCommon {
         /// Parts of the capture.
         capture: String,
@@ -122,7 +124,7 @@ pub enum RetargetError {
         model: String,
     },
     /// The capture lacks joints of the given skeleton.
-    #[error("these are not the joints of `{skeleton}`: {joints}")]
+    #[error("the joints are not those of skeleton `{skeleton}`: {joints}")]
     OtherSkeleton {
         /// Name of the skeleton.
         skeleton: &'static str,

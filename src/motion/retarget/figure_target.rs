@@ -78,7 +78,7 @@ impl FigureTarget {
         })
     }
 
-    /// Creates a target from the bones of an armature. Bones in `turning` can rotate, the others are fixed.
+    /// Creates a target from the bones of an armature. Bones in `turning` can rotate, all other bones are fixed.
     ///
     /// For a scene, pass [those of its skins](crate::io::gltf::Scene::turning_bones).
     ///
@@ -101,7 +101,8 @@ impl FigureTarget {
 
     /// Returns poses of an armature in the axes of its file, one per configuration of the [robot](Self::robot).
     ///
-    /// The first bones of the armature must be those of the skeleton. Bones that cannot rotate are as in `stands`.
+    /// The first bones of the armature must be those of the skeleton. Bones that cannot rotate keep their transforms in
+    /// the given pose.
     ///
     /// # Errors
     /// Returns an error if the armature or pose has other bones, or if a bone would need shear.

@@ -15,7 +15,7 @@ use crate::solver::dot;
 use crate::spatial::Vector3;
 use crate::task::{Posture, Task};
 
-/// Maximum number of iterations of the first sample, and of the others.
+/// Maximum number of iterations of the first sample, and of each later sample.
 const FIRST_STEPS: usize = 300;
 const STEPS: usize = 3;
 /// Additional iterations if a contact slides or a foot penetrates the ground by more than `SLIPPED` metres.
@@ -25,7 +25,8 @@ const SLIPPED: f64 = 5e-4;
 const PUSHES: usize = 10;
 /// Penetration of a locked foot beyond which its orientation is locked, metres.
 const SUNK: f64 = 1e-3;
-/// Weight of a contact position, relative to the largest weight of a point, so that other points hardly move it.
+/// Weight of a contact position relative to the largest weight of a point, so that other points do not move it
+/// noticeably.
 const HELD: f64 = 300.0;
 
 /// Weight of the posture, in metres of position per radian.
@@ -44,7 +45,8 @@ pub struct BodyFollower {
     points: Vec<TaskId<DrivenPoint>>,
     hip_line: Option<TaskId<HipLine>>,
     feet: Feet,
-    /// Reference between the nominal posture and the previous configuration, and the nominal value of each coordinate.
+    /// Reference between the nominal posture and the previous configuration. `posture` has the nominal value of each
+    /// coordinate.
     stay: TaskId<Posture>,
     posture: Vec<(usize, f64)>,
     reference: Vec<f64>,
@@ -61,12 +63,12 @@ pub struct BodyFollower {
     lower: Vec<f64>,
     upper: Vec<f64>,
     x: Vec<f64>,
-    /// Of the body that is solved.
+    /// Configuration of the solved body, in its unit.
     body_q: Vec<f64>,
     unit: Unit,
-    /// The numbers of a configuration that are lengths.
+    /// Indices of the values of a configuration that are lengths.
     slides: Vec<usize>,
-    /// In the model's unit.
+    /// Configuration in the model's unit.
     q: Vec<f64>,
     followed: bool,
 }
@@ -159,7 +161,7 @@ impl BodyFollower {
         pub fn q(&self) -> &[f64] = &self.q;
         /// State of collision avoidance, if it is enabled.
         pub(super) fn clear(&self) -> Option<&ClearFrames> = self.clear.as_ref();
-        /// Number of points that it follows.
+        /// Number of points that are followed.
         pub fn places(&self) -> usize = self.points.len();
     }
 
@@ -168,9 +170,11 @@ impl BodyFollower {
         self.frame.problem().parameters().gather(q, &mut self.x);
     }
 
-    /// One frame: where the driven points should be, in the model's unit, and how firmly each stands, from 0, not at all, to 1, where it is
-    /// held in place; in the order of [`Retargeting::driven`](super::Retargeting::driven). Returns the configuration. Where
-    /// the targets are not finite, the body stays.
+    /// Solves one sample and returns the configuration.
+    ///
+    /// `places` are the target positions of the driven points, in the model's unit. The second list has their contacts,
+    /// from 0 (free) to 1 (locked in place). Both are in the order of
+    /// [`Retargeting::driven`](super::Retargeting::driven). If a target is not finite, the configuration stays unchanged.
     ///
     /// # Errors
     /// Returns an error if the number of targets or contacts is wrong.
@@ -190,7 +194,7 @@ impl BodyFollower {
         Ok(&self.q)
     }
 
-    /// The same in the unit of the body that is solved.
+    /// Solves one sample with targets in the unit of the solved body. Returns its configuration.
     pub(super) fn follow(
         &mut self,
         places: &[Vector3<f64>],
@@ -198,8 +202,8 @@ impl BodyFollower {
     ) -> Result<&[f64], RetargetError> {
         let n = self.points.len();
         for (given, what) in [
-            (places.len(), "places to follow"),
-            (stands.len(), "what stands"),
+            (places.len(), "target positions"),
+            (stands.len(), "contacts"),
         ] {
             if given != n {
                 return Err(RetargetError::Motion(MotionError::Length {

@@ -10,8 +10,8 @@ impl Retargeting<'_> {
         self.limbs.all.iter().map(|limb| limb.joint).collect()
     }
 
-    /// How far each driven point is from where it should be, in the model's unit: frame after frame, in the order of
-    /// [`driven`](Self::driven).
+    /// Returns the distance of each driven point from its target, in the model's unit. The distances are sorted by
+    /// sample, then in the order of [`driven`](Self::driven).
     ///
     /// # Errors
     /// Returns an error if the configurations do not fit the model.

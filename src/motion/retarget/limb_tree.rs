@@ -61,8 +61,8 @@ pub(super) fn order(model: &Model, all: &mut [Limb]) {
     }
 }
 
-/// Returns the limbs between contact points and the root, without hips and feet. Returns those of all ends if `stands`
-/// is false.
+/// Returns the limbs between contact points and the root, without hips and feet. Without the flag, returns the limbs of
+/// all ends, in contact or not.
 pub(super) fn leg_limbs(all: &[Limb], stands: bool) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
     for (end, limb) in all.iter().enumerate() {

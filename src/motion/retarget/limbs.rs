@@ -223,9 +223,10 @@ fn ground_of_stance(soles: &[Sole], stood: &[Vector3<f64>], placed: &[Placement<
     }
 }
 
-/// Where an ankle stands and so does what is beyond it, a toe, the foot stands: so the ankle's point is taken for one of the
-/// foot, where it is in a configuration. Ankles' frames are often on the shin, which would have to stand still as well. An ankle
-/// whose body has the heel stays.
+/// Moves the contact point of an ankle to the foot if a toe beyond it is in contact too.
+///
+/// The frame of an ankle is often on the shin, which would be locked with the foot. An ankle whose body reaches the
+/// ground with a heel keeps its frame. `placed` are the frames of the model in a configuration.
 fn put_heels_on_feet(
     model: &Model,
     all: &mut [Limb],

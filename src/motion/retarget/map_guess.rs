@@ -48,7 +48,7 @@ pub(super) fn parts_of_capture(
 }
 
 /// Warning about a map without assignments.
-const LACKING: &str = "the map drives nothing of the target, so names tell what";
+const LACKING: &str = "the map drives no frame of the target, so drives are guessed from names";
 
 impl BodyMap {
     /// Guesses the assignment of captured joints to frames of a model.

@@ -14,8 +14,8 @@ const TURNED: f64 = 1.5;
 /// Weight of the tilt of a foot with locked orientation: that of its position times the length of a foot.
 const TURNED_FIRMLY: f64 = 30.0;
 
-/// Residual r = w min(z − radius − height, 0) for each ball of a foot, then r = w ((R e)·z − tilt) for each level
-/// direction.
+/// Residual r = w min(z − radius − height, 0) for each ball of a foot. Rows r = w ((R e)·z − tilt) for each level
+/// direction follow.
 ///
 /// A locked foot keeps its tilt at touchdown. Online it has no ground rows, because their discontinuous slope would
 /// reject the few steps along a locked foot.

@@ -13,7 +13,8 @@ const NO_LINE: f64 = 1e-3;
 
 /// Residual r = w (a − b − target) of the vector from one hip to the other.
 ///
-/// Hips are so close that their positions alone hardly determine the heading of the pelvis, and legs would wind up.
+/// Hips are so close that their positions barely determine the heading of the pelvis. Without this task legs would wind
+/// up.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HipLine {
     limbs: [usize; 2],

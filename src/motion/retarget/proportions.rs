@@ -70,7 +70,7 @@ impl Proportions {
             for ([shortest, longest], side) in sides.iter().zip(["left", "right"]) {
                 if *longest == 0.0 {
                     faults.push(format!(
-                        "the {side} {name} has no length: its ends are one place"
+                        "the {side} {name} has no length: its ends are at one position"
                     ));
                 } else if *shortest < (1.0 - RIGID) * longest {
                     faults.push(format!(

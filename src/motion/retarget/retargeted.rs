@@ -98,7 +98,7 @@ impl Measures {
         }
     }
 
-    /// Adds one limb at one sample. `stands` is its planned contact. Returns whether it is in contact.
+    /// Adds one limb at one sample. The flag is its planned contact. Returns whether it is in contact.
     pub(super) fn take(
         &mut self,
         frame: usize,

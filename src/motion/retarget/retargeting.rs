@@ -31,8 +31,8 @@ use crate::spatial::Vector3;
 pub struct RetargetOptions {
     /// Upward axis of the capture, unless the map has one.
     pub up: UpAxis,
-    /// When feet stand. The speed is that of a body whose legs are 0.9 m long: others' is as much less as they are smaller. The
-    /// height is in the model's unit.
+    /// Criteria of contact of the feet. The speed limit is for a body with legs 0.9 m long, and scales with the leg
+    /// length. The height is in the model's unit.
     pub contacts: ContactDetection,
     /// Shapes of feet, used for the ground height and to avoid ground penetration.
     ///
@@ -43,8 +43,8 @@ pub struct RetargetOptions {
     /// During contact the point is locked at its touchdown position, because its target may be unreachable for other
     /// proportions.
     pub landing_weight: f64,
-    /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place; of a model in its own unit, metres of
-    /// a body whose legs are 0.9 m long.
+    /// For whole trajectories: cost of an acceleration of 1 rad/s², in metres of position error. For a model in its own
+    /// unit, metres of a body with legs 0.9 m long.
     pub acceleration: f64,
     /// For whole trajectories: tolerance of each window, relative to its cost.
     pub tolerance: f64,
@@ -89,7 +89,7 @@ impl RetargetOptions {
 #[derive(Clone, Debug)]
 pub struct Retargeting<'r> {
     pub(super) robot: &'r Robot,
-    /// What is solved: the robot, or one in its own unit at the size of a person.
+    /// Solved body: the robot, or for a model in its own unit a copy scaled to the size of a person.
     pub(super) body: Cow<'r, Robot>,
     pub(super) unit: Unit,
     pub(super) options: RetargetOptions,
@@ -97,9 +97,9 @@ pub struct Retargeting<'r> {
     pub(super) frame_rate: f64,
     /// Number of joints of a capture frame.
     pub(super) joints: usize,
-    /// Of the solved body, frame after frame.
+    /// Targets of the solved body, by capture frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
-    /// In the robot's unit.
+    /// Targets in the robot's unit, by capture frame.
     own_targets: Arc<[Vector3<f64>]>,
     pub(super) standing: Vec<Standing>,
     pub(super) obstacles: Option<Obstacles>,
@@ -186,8 +186,8 @@ impl<'r> Retargeting<'r> {
         self
     }
 
-    /// Cancels a solve with [`MotionError::Cancelled`](crate::motion::trajectory::MotionError::Cancelled) once another thread
-    /// sets the flag.
+    /// Sets a flag by which another thread can cancel a solve. A cancelled solve returns
+    /// [`MotionError::Cancelled`](crate::motion::trajectory::MotionError::Cancelled).
     ///
     /// Every sample and every iteration checks the flag.
     #[must_use]
@@ -211,21 +211,21 @@ impl<'r> Retargeting<'r> {
         pub fn frame_rate(&self) -> f64 = self.frame_rate;
         /// Driven frames of the model, in the order of [`targets`](Self::targets).
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
-        /// How many times as large as the person's the model's steps are.
+        /// Ratio of the model's steps to the subject's, in the model's unit.
         pub fn stride(&self) -> f64 = self.limbs.stride * self.unit.back();
-        /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
-        /// one upward; `None` where that cannot be told.
+        /// Axis along which the model's root is above its contact points in the neutral configuration. It is z unless
+        /// the model's file has another upward axis; `None` if it cannot be determined.
         pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
     }
 
-    /// Where the driven points should be in a frame, in the model's unit.
+    /// Returns the target positions of the driven points in a capture frame, in the model's unit.
     #[must_use]
     pub fn targets(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.limbs.all.len();
         self.own_targets.get(frame * n..(frame + 1) * n)
     }
 
-    /// Where those of the solved body should be.
+    /// Returns the target positions of the solved body, in its unit.
     fn body_targets(&self, frame: usize) -> &[Vector3<f64>] {
         let n = self.limbs.all.len();
         let targets = self.targets.get(frame * n..(frame + 1) * n);
@@ -285,7 +285,8 @@ impl<'r> Retargeting<'r> {
         self.measure(q)
     }
 
-    /// All configurations of a follower of the solved body, and the frames in which it was near to something.
+    /// Returns all configurations of an online retargeter of the solved body. Returns for each sample whether collision
+    /// avoidance was active.
     pub(super) fn follow_all(&self) -> Result<(Vec<f64>, Vec<bool>), RetargetError> {
         let mut follower = self.follower()?;
         let mut q = Vec::with_capacity(self.frames() * follower.q().len());
@@ -303,7 +304,7 @@ impl<'r> Retargeting<'r> {
         Ok((q, near))
     }
 
-    /// Measures how well configurations of the solved body follow, and scales them to the robot's unit.
+    /// Measures the errors of configurations of the solved body, and scales them to the robot's unit.
     pub(super) fn measure(&self, mut q: Vec<f64>) -> Result<Retargeted, RetargetError> {
         let model = self.body.model();
         let mut frames = self.driven();

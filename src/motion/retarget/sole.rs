@@ -1,4 +1,4 @@
-//! The soles of feet: the points of their shapes that come to the ground first.
+//! Soles of feet: the points of their shapes that reach the ground first.
 
 use super::foot_shapes::{Ball, FootShapes};
 use super::limb_tree::{joints_above, moving_joint};
@@ -7,40 +7,43 @@ use crate::model::{FrameId, Model};
 use crate::scalar::elementary;
 use crate::spatial::{Placement, Vector3};
 
-/// A foot's outermost points are looked for in so many directions around, each leaning from straight down by these angles.
+/// Number of horizontal directions in which the outermost points of a foot are searched, and their angles from straight
+/// down, radians.
 const AROUND: usize = 8;
 const LEANING: [f64; 2] = [0.5, 1.1];
 
-/// A body whose lowest point is over that of its foot by less than this share of the limb's height is a part of the sole.
+/// Largest height of a body of the sole above the lowest point of the foot, as a fraction of the limb's height.
 const NEAR_GROUND: f64 = 0.25;
 
-/// A foot with a shape, in the axes of a frame that is fixed to it.
+/// Contact geometry of a foot, in the axes of a frame that is fixed to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sole {
     pub(super) frame: FrameId,
-    /// Balls that come to the ground first, and the limb that each stands with: the nearest that stands.
+    /// Balls that reach the ground first, each with the index of the nearest limb in contact.
     pub(super) balls: Vec<(Ball, usize)>,
-    /// Directions that are level where the foot stands flat and its limbs do not tell: across it, and along it where it has
-    /// one point only.
+    /// Directions that are level if the foot is flat on the ground, and not determined by its contact points. One is
+    /// across the foot; for a single contact point there are two.
     pub(super) level: Vec<Vector3<f64>>,
 }
 
 impl Sole {
-    /// How far from level each of its directions is, where its frame is: the sine of the angle.
+    /// Returns the tilt of each level direction, as the sine of its angle from the horizontal.
     pub(super) fn tilts(&self, placed: &Placement<f64>) -> Vec<f64> {
         let tilted = self.level.iter().map(|way| (placed.rotation * *way).z);
         tilted.collect()
     }
 
-    /// How high its lowest point is, where its frame is.
+    /// Returns the height of the lowest point.
     pub(super) fn lowest(&self, placed: &Placement<f64>) -> f64 {
         let heights = self.balls.iter().map(|(ball, _)| ball.height(placed));
         heights.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The bodies that a limb stands on in a configuration: the lowest at its end or beyond it, as an ankle's frame may be of no foot
-/// yet, and those nearly as low, as the heel and the toes of a foot with a joint between them. Each by the frame of its lowest ball.
+/// Returns the bodies on which a limb is in contact in a configuration, each by the frame of its lowest ball.
+///
+/// The first is the lowest body at or beyond the limb's end, because an ankle's frame may be on the shin. Bodies almost
+/// as low follow, such as heel and toes of a foot with a joint between them.
 fn bodies_below(
     model: &Model,
     limb: &Limb,
@@ -72,7 +75,7 @@ fn bodies_below(
     bodies
 }
 
-/// Whether a limb ends on a body that stands on the ground, as an ankle does on a foot whose toes have a joint.
+/// Returns whether a limb ends on a body in contact with the ground. An example is an ankle on a foot with a toe joint.
 pub(super) fn ends_on_ground(
     model: &Model,
     limb: &Limb,
@@ -84,7 +87,8 @@ pub(super) fn ends_on_ground(
     bodies.any(|frame| moving_joint(model, frame) == own)
 }
 
-/// The soles of all that stands and has a shape, where the body is in a configuration.
+/// Returns the soles of all limbs that make contact and have shapes. `placed` are the frames of the model in a
+/// configuration.
 pub(super) fn soles(
     model: &Model,
     all: &[Limb],
@@ -132,14 +136,14 @@ pub(super) fn soles(
     feet.into_iter().map(sole).collect()
 }
 
-/// A limb that stands, and where its end is.
+/// Limb that makes contact, with the position of its end.
 #[derive(Clone, Copy, Debug)]
 struct Standing {
     limb: usize,
     at: Vector3<f64>,
 }
 
-/// The balls that are farthest out downward and aside.
+/// Returns the balls that are outermost downward and sideways.
 fn outermost(balls: &[(Vector3<f64>, f64)]) -> Vec<(Vector3<f64>, f64)> {
     let mut found: Vec<usize> = Vec::new();
     let turn = std::f64::consts::TAU / AROUND as f64;
@@ -156,10 +160,10 @@ fn outermost(balls: &[(Vector3<f64>, f64)]) -> Vec<(Vector3<f64>, f64)> {
     found.into_iter().map(|k| balls[k]).collect()
 }
 
-/// Across a foot, and along one of a single point.
+/// Returns the level directions: across a foot, or two for a single contact point.
 fn level_directions(limbs: &[Standing]) -> Vec<Vector3<f64>> {
     let [x, y, z] = Vector3::UNITS;
-    // Limbs come from the joint outward.
+    // Limbs are sorted from the joint outward.
     let along = match limbs {
         [first, .., last] => last.at - first.at,
         _ => Vector3::zero(),

@@ -1,7 +1,7 @@
-//! Bodies in a unit of their own, solved at the size of a person.
+//! Scaling of models without a known unit of length.
 //!
-//! Tolerances, weights and steps of retargeting are metres on a person. A rig says nothing about its unit, so a model in
-//! [`LengthUnit::Own`] is scaled until its legs are those of a person before it is solved, and what is found is scaled back.
+//! Tolerances, weights and steps of retargeting are in metres for a body of human size. A rig has no unit of length. A
+//! model in [`LengthUnit::Own`] is therefore scaled to human leg length, solved, and the result scaled back.
 
 use std::borrow::Cow;
 
@@ -15,12 +15,12 @@ use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use crate::task::{Quantity, Residual, Task};
 
-/// Lengths of the solved body to one of the model's.
+/// Ratio of lengths of the solved body to lengths of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit(f64);
 
 impl Unit {
-    /// Of a model whose limbs are these.
+    /// Returns the ratio for a model with these limbs.
     pub(super) fn of(model: &Model, limbs: &Limbs) -> Self {
         let [own, solved] = match limbs.leg > 0.0 {
             true => [limbs.leg, USUAL_LEG_M],
@@ -37,17 +37,17 @@ impl Unit {
         self.0 == 1.0
     }
 
-    /// From the model's unit to that of the solved body.
+    /// Factor from the model's unit to the unit of the solved body.
     pub(super) fn scale(self) -> f64 {
         self.0
     }
 
-    /// From the unit of the solved body to the model's.
+    /// Factor from the unit of the solved body to the model's unit.
     pub(super) fn back(self) -> f64 {
         1.0 / self.0
     }
 
-    /// The robot that is solved.
+    /// Returns the solved robot.
     pub(super) fn body(self, robot: &Robot) -> Result<Cow<'_, Robot>, RetargetError> {
         Ok(match self.is_identity() {
             true => Cow::Borrowed(robot),
@@ -55,7 +55,7 @@ impl Unit {
         })
     }
 
-    /// The map and the shapes of feet of the body that is solved.
+    /// Returns the map and the foot shapes of the solved body.
     pub(super) fn map_and_shapes(
         self,
         map: &BodyMap,
@@ -73,7 +73,7 @@ impl Unit {
     }
 }
 
-/// What a model keeps clear of, for the body that is solved.
+/// Collision avoidance of the solved body, from that of the model.
 #[derive(Clone, Debug)]
 pub(super) struct ScaledObstacles<C> {
     of: C,
@@ -82,7 +82,7 @@ pub(super) struct ScaledObstacles<C> {
 }
 
 impl<C> ScaledObstacles<C> {
-    /// `model` is that of the checker.
+    /// Wraps a checker. `model` is that of the checker.
     pub(super) fn new(of: C, unit: Unit, model: &Model) -> Self {
         let model = model.clone();
         Self { of, unit, model }
@@ -128,7 +128,7 @@ impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
     }
 }
 
-/// A clearance in the unit of the body that is solved.
+/// Clearance in the unit of the solved body.
 #[derive(Clone, Debug)]
 pub(super) struct ScaledClearance<R> {
     of: R,
@@ -162,7 +162,7 @@ impl<R: Residual> Residual for ScaledClearance<R> {
     }
 }
 
-/// A check of configurations of the body that is solved.
+/// Collision check of configurations of the solved body.
 #[derive(Clone, Debug)]
 pub(super) struct ScaledCheck<C> {
     of: C,

@@ -10,10 +10,10 @@ use crate::spatial::Vector3;
 const MIN_RATIO: f64 = 2.0;
 
 impl Capture {
-    /// The axis along which the body stands: from the ankles to the pelvis, known by the joints' names.
+    /// Returns the axis from the ankles to the pelvis. The joints are found by their names.
     ///
-    /// The mean over all frames counts. If the clip's rest pose stands along another axis, the result is `None`: a person who lies
-    /// in every frame does not stand. If the mean is along no axis, the rest pose decides.
+    /// The mean over all capture frames decides. If it is along no axis, the rest pose of the clip decides. If both
+    /// have an axis and these differ, the result is `None`, as for a subject that lies in every frame.
     ///
     /// ```
     /// use kinopt::motion::retarget::{Capture, UpAxis};
@@ -38,7 +38,7 @@ impl Capture {
     }
 }
 
-/// The axis along which the pelvis is above the ankles, in the mean over all frames.
+/// Returns the axis along which the pelvis is above the ankles, in the mean over all capture frames.
 pub(super) fn stands_along(
     capture: &Capture,
     joints: &BTreeMap<BodyPart, usize>,
@@ -51,7 +51,7 @@ pub(super) fn stands_along(
     upright(above)
 }
 
-/// The pelvis and both ankles.
+/// Returns the joint indices of the pelvis and both ankles.
 fn leg_joints(joints: &BTreeMap<BodyPart, usize>) -> Option<[usize; 3]> {
     let part = |part| joints.get(&part).copied();
     Some([
@@ -65,7 +65,7 @@ fn pelvis_above_ankles(at: &[Vector3<f64>], [pelvis, left, right]: [usize; 3]) -
     at[pelvis] - (at[left] + at[right]) * 0.5
 }
 
-/// The axis in whose positive direction something is above something else.
+/// Returns the axis in whose positive direction a displacement points, if one dominates.
 fn upright(above: Vector3<f64>) -> Option<UpAxis> {
     let [_, y, z] = above.to_array();
     upward(above).filter(|axis| match axis {
@@ -74,7 +74,7 @@ fn upright(above: Vector3<f64>) -> Option<UpAxis> {
     })
 }
 
-/// The axis along which something is above or below something else.
+/// Returns the axis along which a displacement points, up or down, if one dominates.
 pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
     let [x, y, z] = above.to_array().map(f64::abs);
     match () {

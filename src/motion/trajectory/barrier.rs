@@ -10,7 +10,7 @@ const TO_THE_BOUNDARY: f64 = 0.995;
 /// Number of slacks that are multiplied before one logarithm is taken.
 const TOGETHER: usize = 8;
 
-/// Bound 0 ≤ s = room − sign · (x[at] − x[before]).
+/// Bound sign · (x[at] − x[before]) ≤ limit, with slack s ≥ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bound {
     pub(super) at: usize,

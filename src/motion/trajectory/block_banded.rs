@@ -2,7 +2,7 @@
 
 use crate::solver::dot;
 
-/// Tile size of the inner loops in both directions. Blocks are padded to a multiple of it.
+/// Tile size of the inner loops in both directions. Blocks are padded to a multiple of this size.
 const TILE: usize = 4;
 /// Pivot, relative to the largest diagonal entry, below which the matrix is not positive definite.
 const NEGLIGIBLE: f64 = 1e-14;
@@ -139,7 +139,7 @@ impl BlockBanded {
         true
     }
 
-    /// Solves A x = b in place after [`factorise`](Self::factorise). `room` is a buffer.
+    /// Solves A x = b in place after [`factorise`](Self::factorise). The last argument is a buffer.
     pub(super) fn solve(&self, b: &mut [f64], room: &mut Vec<f64>) {
         let Self {
             blocks,

@@ -169,7 +169,7 @@ impl FrameBounds {
                 continue;
             }
             let free: Vec<usize> = (0..frames).filter(|&frame| !x.fixed[frame]).collect();
-            // A variable without a range of its own gets clear of its displacement bounds by staying constant.
+            // A variable with a single allowed value leaves its displacement bounds by staying constant.
             let still = free.first().map_or(0.0, |&frame| x.at(frame, variable));
             let anchored = x.fixed.contains(&true);
             for frame in free {

@@ -33,7 +33,7 @@ pub enum MotionError {
     #[error("the search was cancelled")]
     Cancelled,
     /// The trajectory has no samples.
-    #[error("a motion of no frames")]
+    #[error("the trajectory has no frames: at least one is needed")]
     NoFrames,
     /// A list has the wrong length.
     #[error("{what}: {given} numbers instead of {expected}")]
@@ -59,7 +59,7 @@ pub enum MotionError {
     },
     /// A required task has a lower level than others.
     #[error(
-        "task {task} is at level {level}: whole motions weigh all tasks together, so leave levels out and weigh it by `scale`"
+        "task {task} is at level {level}: trajectories have no levels, so weight the task by `scale`"
     )]
     Level {
         /// Name of the task.
@@ -69,7 +69,7 @@ pub enum MotionError {
     },
     /// A ball joint has a velocity limit, which the online retargeter does not support.
     #[error(
-        "joint `{joint}` turns as a ball, whose speed limit a follower does not keep: leave it out of the robot's file"
+        "ball joint `{joint}` has a velocity limit: online retargeting needs a robot file without it"
     )]
     SpeedOfBall {
         /// Name of the joint.
@@ -77,7 +77,7 @@ pub enum MotionError {
     },
     /// A contact spans fewer than two samples, or samples that do not exist.
     #[error(
-        "a contact over the frames {start} to {end}, end excluded: it needs two of the motion's {frames} frames"
+        "contact over the frames {start} to {end}, end excluded: at least two of the {frames} frames are needed"
     )]
     BadSpan {
         /// First sample of the span.
@@ -88,9 +88,7 @@ pub enum MotionError {
         frames: usize,
     },
     /// A fixed sample is beyond a limit.
-    #[error(
-        "joint `{joint}`: the fixed frame has it at {value}, beyond its limits [{lower}, {upper}]"
-    )]
+    #[error("joint `{joint}`: value {value} of the fixed frame is outside [{lower}, {upper}]")]
     FixedBeyond {
         /// Name of the joint.
         joint: String,
@@ -103,7 +101,7 @@ pub enum MotionError {
     },
     /// A joint cannot get from one fixed sample to the next within its velocity limit.
     #[error(
-        "joint `{joint}` cannot come from one fixed frame to the next as slowly as its speed limit wants"
+        "joint `{joint}` cannot move from one fixed frame to the next within its velocity limit"
     )]
     TooFar {
         /// Name of the joint.

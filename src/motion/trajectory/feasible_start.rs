@@ -1,7 +1,7 @@
 //! Feasible start for limits on several variables together.
 //!
-//! Variables are led from sample to sample within their displacement bounds, such that the next fixed sample stays
-//! reachable.
+//! The search moves the variables from sample to sample within their displacement bounds, such that the next fixed
+//! sample stays reachable.
 
 use std::f64::consts::TAU;
 

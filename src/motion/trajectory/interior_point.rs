@@ -1,9 +1,9 @@
 //! Primal-dual interior-point method for bounded nonlinear least squares over many samples.
 //!
-//! Every iterate is strictly feasible. A step solves the Newton equations of the barrier problem F(x) − μ Σ ln s with
-//! multipliers z (Nocedal & Wright 2006, "Numerical optimization", 19.3). μ decreases as fast as a step with μ = 0
-//! predicts (Mehrotra 1992, "On the implementation of a primal-dual interior point method"). The Hessian is that of
-//! Gauss-Newton at first.
+//! Every iterate is strictly feasible. A step solves the Newton equations of the barrier problem F(x) − μ Σ ln s. Its
+//! multipliers are z (Nocedal & Wright 2006, "Numerical optimization", 19.3). The parameter μ decreases as fast as a
+//! step with μ = 0 predicts (Mehrotra 1992, "On the implementation of a primal-dual interior point method"). The
+//! Hessian is that of Gauss-Newton at first.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -20,10 +20,10 @@ pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemEr
 ///
 /// ```text
 /// minimise    Σ_t ½ ‖w_t ∘ r_t(q_t)‖²  +  Σ_k ½ w_k² Σ_t ‖Δᵏ q_t / Δtᵏ‖²
-/// subject to  q_min ≤ q_t ≤ q_max,   |q_{t+1} − q_t| ≤ v_max Δt,   q_0 and q_{T−1} fixed if asked for,
-///             balls within their cones, ranges of twist and angles,   ‖log(R_tᵀ R_{t+1})‖ ≤ ω_max Δt,
-///             places of free joints ‖p_{t+1} − p_t‖ ≤ v_max Δt,
-///             points of frames standing still over their spans, the model's loops closed
+/// subject to  q_min ≤ q_t ≤ q_max,   |q_{t+1} − q_t| ≤ v_max Δt,   q_0 and q_{T−1} fixed on request,
+///             ball joints within their swing, twist and angle limits,   ‖log(R_tᵀ R_{t+1})‖ ≤ ω_max Δt,
+///             positions of free joints ‖p_{t+1} − p_t‖ ≤ v_max Δt,
+///             contact points fixed over their spans, the model's loops closed
 /// ```
 ///
 /// The r_t are the tasks at a sample. Their targets and weights change from sample to sample. The k-th difference Δᵏ,

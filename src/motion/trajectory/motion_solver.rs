@@ -141,7 +141,7 @@ impl MotionSolver {
         let n = motion.configuration_len();
         if start.len() != motion.frames * n {
             return Err(MotionError::Length {
-                what: "a motion to start from".to_owned(),
+                what: "the initial trajectory".to_owned(),
                 given: start.len(),
                 expected: motion.frames * n,
             });

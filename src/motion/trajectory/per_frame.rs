@@ -4,7 +4,7 @@ use super::frame_residuals::{FrameAlone, FrameResiduals};
 use super::{MotionError, MotionProblem};
 use crate::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};
 
-/// Maximum number of iterations of the first sample, and of the others.
+/// Maximum number of iterations of the first sample, and of each later sample.
 const FIRST_STEPS: usize = 200;
 const STEPS: usize = 8;
 /// Gradient tolerance; an initial trajectory need not be more accurate.

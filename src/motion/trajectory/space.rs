@@ -7,8 +7,8 @@ use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_log_jacobian};
 
 /// Variables of a sample as a manifold of numbers and rotations.
 ///
-/// Rotations are compared in the rotated frame, log(RᵀR'), and moved in it, R exp(δ) (Solà, Deray & Atchuthan 2018, "A
-/// micro Lie theory for state estimation in robotics"). A ball joint with swing or angle limits is moved by its
+/// Rotations are compared in the rotated frame, log(RᵀR'), and moved in it, R exp(δ). See Solà, Deray & Atchuthan 2018,
+/// "A micro Lie theory for state estimation in robotics". A ball joint with swing or angle limits is moved by its
 /// variables instead. The limits keep these away from singularities.
 #[derive(Clone, Debug)]
 pub(super) struct FrameSpace {

@@ -26,13 +26,13 @@ pub(in crate::solver) struct Near {
     pub(in crate::solver) normal: Vector3<f64>,
 }
 
-/// Length of a normal's part perpendicular to the others below which the normal is dependent.
+/// Length of a normal's part perpendicular to all other normals below which the normal is dependent.
 const DEPENDENT: f64 = 1e-6;
 
 /// Frame for steps of two or three consecutive variables at edges.
 ///
-/// One component leads across each nearby edge and along the others. Every edge thus holds one component, as a bound
-/// does, and the rest are free.
+/// One component points across each nearby edge and along all other edges. Every edge thus holds one component, as a
+/// bound does, and the rest are free.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) struct EdgeFrame {
     first: usize,
@@ -101,7 +101,7 @@ impl EdgeFrame {
         self.first..self.first + self.width
     }
 
-    /// Edge that a component leads across, if any.
+    /// Edge that a component crosses, if any.
     pub(in crate::solver) fn near(&self, component: usize) -> Option<&Near> {
         self.near[component - self.first].as_ref()
     }
@@ -175,7 +175,7 @@ struct Span {
 }
 
 impl Span {
-    /// Adds the part of a direction perpendicular to the others. Returns true if it is longer than `least`.
+    /// Adds the part of a direction perpendicular to the stored ones. Returns true if it is longer than `least`.
     fn take(&mut self, direction: Vector3<f64>, least: f64) -> bool {
         let rest = self.across(direction);
         let length = rest.norm();
@@ -189,7 +189,7 @@ impl Span {
         is_new
     }
 
-    /// Adds and returns a unit vector perpendicular to the others.
+    /// Adds and returns a unit vector perpendicular to the stored ones.
     fn take_any(&mut self) -> Vector3<f64> {
         let rests = Vector3::UNITS.map(|unit| self.across(unit));
         let [a, b, c] = rests;

@@ -122,7 +122,7 @@ impl<'a> ConfigurationSpace<'a> {
         on.map(|turn| turn.first)
     }
 
-    /// Edge that a component leads across, if one is near.
+    /// Edge that a component crosses, if one is near.
     pub(crate) fn edge_at(&self, x: &[f64], component: usize) -> Option<Edge> {
         let frame = self.frame_of(x, component)?;
         frame.near(component).map(|near| near.edge)

@@ -130,7 +130,7 @@ impl Swing {
         x[self.first..self.first + 2].copy_from_slice(&put);
     }
 
-    /// Nearest point of the ellipse: a_i² p_i / (t + a_i²) for the t ≥ 0 at which it is on the edge, by Newton's
+    /// Nearest point of the ellipse: a_i² p_i / (t + a_i²). The t ≥ 0 at which it is on the edge is found by Newton's
     /// method.
     fn nearest(&self, place: [f64; 2]) -> [f64; 2] {
         let squares = self.half_angles.map(|a| a * a);

@@ -81,7 +81,8 @@ impl TurnLimit {
         self.turn(own).norm()
     }
 
-    /// Returns true if the angle is certainly below the limit by more than `share` of it, without trigonometry.
+    /// Returns true if the angle is certainly below the limit by more than `share` times the limit, without
+    /// trigonometry.
     ///
     /// The angle is at most the distance of two rotation vectors, or the sum of the changes of swing and twist.
     fn is_well_within(&self, own: [f64; 3], share: f64) -> bool {

@@ -41,8 +41,8 @@ impl BoundedProjection {
 
     /// Computes the minimiser and returns the decrease of ½‖u + e‖².
     ///
-    /// `rows` holds `count` rows of the length of e, in sequence. `room` gives the largest decrease and increase of
-    /// each product.
+    /// `rows` holds `count` rows of the length of e, in sequence. The last argument returns the largest decrease and
+    /// increase of each product.
     pub(crate) fn project(
         &mut self,
         e: &[f64],

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use super::householder::HouseholderQr;
 use crate::buffer::{refill, vacate};
 
-/// Decomposition A P = Q [R; 0] with column pivoting, then Rᵀ = Z U, so that A P = Q [Uᵀ 0; 0 0] Zᵀ.
+/// Decomposition A P = Q [R; 0] with column pivoting, then Rᵀ = Z U. Together, A P = Q [Uᵀ 0; 0 0] Zᵀ.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solver) struct CompleteOrthogonal {
     columns: usize,

@@ -15,7 +15,7 @@ pub(in crate::solver) struct CurvedModel<'a> {
     pub(in crate::solver) curvature: &'a [f64],
     pub(in crate::solver) gradient: &'a [f64],
     pub(in crate::solver) free: &'a [usize],
-    /// What steps are measured in for λ; empty where all are 1.
+    /// Units of the steps for λ, by variable; empty if all are 1.
     pub(in crate::solver) scale: &'a [f64],
     pub(in crate::solver) x: &'a [f64],
     pub(in crate::solver) space: ConfigurationSpace<'a>,

@@ -7,7 +7,7 @@ use super::dense::{add_scaled, dot};
 use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
 
-/// Smallest stiffness of a variable, relative to the largest, for variables that hardly any row depends on.
+/// Smallest stiffness of a variable, relative to the largest, for variables on which almost no row depends.
 const LEAST_STIFFNESS: f64 = 1e-6;
 /// Relative regularisation of Newton's matrix, for dependent constraints.
 const WEAKEST: f64 = 1e-12;

@@ -9,10 +9,10 @@ use crate::buffer::refill;
 
 /// Factorisation Aᵀ P = Q [R; 0] with pivoting (Golub & Van Loan 2013, section 5.4.7).
 ///
-/// The first columns of Q span A's rows, the others its null space. If rows depend on each other, Rᵀ = Z U is computed,
-/// too. If they are clearly independent and the null space is not needed, A Aᵀ = L Lᵀ suffices, at a quarter of the
-/// cost. A step of refinement then restores the digits that it loses (Björck 1996, "Numerical Methods for Least Squares
-/// Problems", section 6.6.5).
+/// The first columns of Q span A's rows, and its other columns the null space. If rows depend on each other, Rᵀ = Z U
+/// is computed, too. If they are clearly independent and the null space is not needed, A Aᵀ = L Lᵀ suffices, at a
+/// quarter of the cost. A step of refinement then restores the digits that it loses (Björck 1996, "Numerical Methods
+/// for Least Squares Problems", section 6.6.5).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowSpace {
     columns: usize,

@@ -42,7 +42,7 @@ impl RowSpan {
         self.rows.clear();
     }
 
-    /// Adds a row by its number, unless at most `least` of its length is independent of the others.
+    /// Adds a row by its number, unless at most `least` of its length is independent of the stored rows.
     pub(crate) fn add(&mut self, number: usize, row: impl Iterator<Item = f64>, least: f64) {
         self.left.clear();
         self.left.extend(row);

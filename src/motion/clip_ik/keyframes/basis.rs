@@ -1,4 +1,4 @@
-//! How a clip's angles depend on its keys: linearly, whatever spline runs between them.
+//! Linear dependence of a clip's angles on its keys, for any spline between them.
 
 use nalgebra::DVector;
 
@@ -8,17 +8,17 @@ use crate::model::Limits;
 use crate::motion::clip_ik::ClipIkError;
 use crate::skeleton::{ANGLES_PER_BONE, BoneId};
 
-/// An angle of a key that may change.
+/// Angle of a key that may change.
 #[derive(Clone, Debug)]
 pub(super) struct KeyAngle {
     pub(super) track: usize,
     pub(super) key: usize,
     pub(super) angle: usize,
-    /// Which number of a configuration it is a key of.
+    /// Index of the angle in a configuration.
     pub(super) coordinate: usize,
-    /// What the angle gains at a time where the key gains a radian.
+    /// Derivative of the angle with respect to the key's angle, over time in seconds.
     gain: KeyedCurve<f64>,
-    /// Where that is not 0, in seconds: two segments on either side.
+    /// Interval in which `gain` is not zero, seconds: two segments on either side of the key.
     support: [f64; 2],
 }
 
@@ -33,7 +33,7 @@ impl KeyAngle {
         let mut unit = vec![0.0; own.keys.len()];
         unit[key] = 1.0;
         let times: Vec<f64> = own.keys.iter().map(|key| key.time).collect();
-        // The ends hold on.
+        // Before its first key and after its last key a track is constant.
         let ends = [key.checked_sub(2), Some(key + 2)];
         let [from, to] = ends.map(|key| key.and_then(|key| times.get(key).copied()));
         Ok(Self {
@@ -49,7 +49,7 @@ impl KeyAngle {
         })
     }
 
-    /// What the angle gains at a time, per radian of the key.
+    /// Returns the derivative of the angle at a time with respect to the key's angle.
     pub(super) fn gain(&self, time: f64) -> f64 {
         let [from, to] = self.support;
         if time <= from || time >= to {
@@ -59,30 +59,30 @@ impl KeyAngle {
     }
 }
 
-/// Pieces of a segment whose control points bound it.
+/// Number of pieces into which a segment is cut before its control points bound it.
 const PIECES: usize = 8;
 
-/// A row of the limits: base + Σ gainᵥ Δᵥ ≤ allowed.
+/// Row of the limits: base + Σ gainᵥ Δᵥ ≤ allowed.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     pub(super) base: f64,
-    /// By variable, those that are not 0.
+    /// Variables with a gain other than zero, and their gains.
     pub(super) gains: Vec<(usize, f64)>,
-    /// How far beyond the limit it may be; infinite where it is only told of.
+    /// Allowed excess over the limit, radians. Infinite for a row that is only reported.
     pub(super) allowed: f64,
     pub(super) bone: BoneId,
     pub(super) angle: usize,
-    /// Near which moment, in seconds.
+    /// Time of the row, seconds.
     pub(super) time: f64,
 }
 
 impl Row {
-    /// How far beyond the limit.
+    /// Returns the excess over the limit, radians.
     pub(super) fn beyond(&self, x: &DVector<f64>) -> f64 {
         self.base + self.change(x)
     }
 
-    /// How far beyond what is allowed: 0 or less where the row is kept.
+    /// Returns the excess over the allowed value, radians: 0 or less if the row is satisfied.
     pub(super) fn excess(&self, x: &DVector<f64>) -> f64 {
         self.base - self.allowed + self.change(x)
     }
@@ -92,11 +92,15 @@ impl Row {
     }
 }
 
-/// The limits of an angle over a stretch of its track, told of control points: a cubic lies within the hull of its Bézier
-/// points, and after it is cut in eight these are within a hundredth of how far it bends.
+/// Returns the rows of an angle's limits over the segments of its track that can change.
 ///
-/// Next to a key that stays beyond a limit nothing can keep that limit: such rows are only told of. Between two keys that stay
-/// within, where their spline itself is beyond, it may stay as far beyond.
+/// The rows bound Bézier control points, whose convex hull contains the cubic. Each segment is cut into [`PIECES`]
+/// pieces. The distance of a piece's control points from the cubic is then at most a hundredth of the segment's bend.
+///
+/// Two kinds of rows allow an excess:
+///
+/// - Next to an unchanged key beyond a limit no change can satisfy the limit. Such a row is only reported.
+/// - Between two unchanged keys within the limit the spline itself may exceed it. Such a row allows the present excess.
 pub(super) fn limit_rows(
     clip: &EulerClip,
     track: &EulerTrack,
@@ -121,7 +125,7 @@ pub(super) fn limit_rows(
     let solved = |key: usize| own.iter().find(|(_, own)| own.key == key);
     let over = |key: usize, (sign, limit): (f64, f64)| sign * track.keys[key].angles[angle] - limit;
     let mut rows = Vec::new();
-    // One key is the same at all times.
+    // A single key is a constant angle.
     if let ([time], Some((variable, _))) = (&times[..], solved(0)) {
         let own = sides.map(|side| row(over(0, side), vec![(*variable, side.0)], 0.0, *time));
         rows.extend(own.into_iter().filter(|row| row.base.is_finite()));
@@ -152,7 +156,7 @@ pub(super) fn limit_rows(
                 (*variable, controls(moments.map(|time| own.gain.at(time))))
             });
             let gains: Vec<(usize, [f64; 4])> = gains.collect();
-            // The last is the next piece's first.
+            // The last control point of a piece is the first of the next piece.
             let last = if piece + 1 == PIECES { 4 } else { 3 };
             for point in 0..last {
                 let at_key = match (piece, point) {
@@ -185,7 +189,7 @@ pub(super) fn limit_rows(
     Ok(rows)
 }
 
-/// The Bézier points of a cubic by its values at 0, 1/3, 2/3 and 1.
+/// Returns the Bézier control points of a cubic from its values at 0, 1/3, 2/3 and 1.
 fn controls([a, b, c, d]: [f64; 4]) -> [f64; 4] {
     let near = |a: f64, b: f64, c: f64, d: f64| (-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 6.0;
     [a, near(a, b, c, d), near(d, c, b, a), d]

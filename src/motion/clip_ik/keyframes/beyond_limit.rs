@@ -1,29 +1,29 @@
-//! Limits that a clip does not keep.
+//! Joint limits that solved keyframes exceed.
 
 use nalgebra::DVector;
 
 use super::basis::Row;
 use crate::skeleton::BoneId;
 
-/// A limit that solved keyframes are still beyond, as keys that were not solved for are.
+/// Joint limit that solved keyframes still exceed, for example because of a key that was not solved for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BeyondLimit {
-    /// Which bone.
+    /// Bone of the limit.
     pub bone: BoneId,
-    /// Which of its angles: 0, 1 or 2 for first twist, bend, second twist.
+    /// Index of the bone's angle: 0, 1 or 2 for first twist, bend and second twist.
     pub angle: usize,
-    /// By how much at most, in radians, told of the spline's control points.
+    /// Largest excess of the spline's control points over the limit, radians.
     pub by: f64,
-    /// When that is, in seconds of the clip.
+    /// Time of the largest excess, seconds in the clip.
     pub at: f64,
 }
 
-/// What rounding may hide, radians.
+/// Excess below which a limit counts as satisfied, radians: an allowance for rounding.
 const HIDDEN: f64 = 1e-9;
 
 impl BeyondLimit {
-    /// The most of each angle that is beyond, in the order of the rows.
+    /// Returns the largest excess of each angle, in the order of the rows.
     pub(super) fn all(rows: &[Row], x: &DVector<f64>) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for row in rows {

@@ -1,4 +1,4 @@
-//! How far bones are from where they should be at many moments of a clip, by its keys.
+//! Cost of keys: squared distances of bones from their targets at many sample times.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,19 +11,19 @@ use crate::skeleton::Skeleton;
 use crate::solver::LeastSquares;
 use crate::task::Point;
 
-/// A moment of the clip.
+/// Sample time of the clip.
 #[derive(Debug)]
 struct Moment {
-    /// The solver's variables as the clip has them.
+    /// Values of the problem's variables in the clip.
     x: Vec<f64>,
     targets: Targets,
-    /// What multiplies the rows of each reach.
+    /// Weights of the rows of each reach.
     weights: Vec<f64>,
-    /// Variable of the frame, key's angle, and what the one gains by the other.
+    /// Variable of the problem, index of the key's angle, and derivative of the former with respect to the latter.
     gains: Vec<(usize, usize, f64)>,
 }
 
-/// ½ Σ ‖w r‖² over moments, and ½ λ² ‖Δ‖².
+/// ½ Σ ‖w r‖² over sample times, and ½ λ² ‖Δ‖².
 #[derive(Debug)]
 pub(super) struct KeyCost {
     problem: Problem,
@@ -34,7 +34,7 @@ pub(super) struct KeyCost {
     jacobian: DMatrix<f64>,
 }
 
-/// Rows of a point.
+/// Number of rows of a point.
 const ROWS: usize = 3;
 
 impl KeyCost {
@@ -45,7 +45,7 @@ impl KeyCost {
         times: &[f64],
         (span, keep): ([f64; 2], f64),
     ) -> Result<Self, ClipIkError> {
-        // Keys may be beyond their limits, which are rows.
+        // Keys may exceed their limits, which are rows instead of bounds.
         let model = skeleton.model().without_limits();
         let mut builder = Problem::builder(&model);
         let tasks: Vec<TaskId<Point>> = reaches
@@ -92,7 +92,7 @@ impl KeyCost {
         })
     }
 
-    /// How far each reach is off at a moment where it counts fully.
+    /// Returns the distance of each reach from its target at sample times with full weight.
     pub(super) fn misses(
         &mut self,
         keys: &DVector<f64>,

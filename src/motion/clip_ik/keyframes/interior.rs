@@ -1,12 +1,14 @@
-//! Least squares within linear limits, from a start that may touch them: a primal-dual interior method (Nocedal & Wright 2006,
-//! "Numerical Optimization", section 19.3) whose Hessian is Gauss-Newton's, damped where a step does not help.
+//! Least squares within linear limits, from a start that may be at them.
+//!
+//! A primal-dual interior-point method (Nocedal & Wright 2006, "Numerical Optimization", section 19.3) with a
+//! Gauss-Newton Hessian. The damping grows after a step that does not reduce the merit function.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::basis::Row;
 use crate::scalar::elementary;
 
-/// What is minimised: ½ ‖r‖², with its gradient and JᵀJ.
+/// Cost ½ ‖r‖² with its gradient and JᵀJ.
 pub(super) trait Cost {
     type Error;
     fn value(&mut self, x: &DVector<f64>) -> Result<f64, Self::Error>;
@@ -19,17 +21,18 @@ pub(super) trait Cost {
 }
 
 const ITERATIONS: usize = 100;
-/// Steps stop short of a limit by this share of the way there.
+/// Fraction of the distance to a limit that one step may use.
 const TO_LIMIT: f64 = 0.995;
-/// The barrier falls to this share of itself, and at the end to this share of the cost at first.
+/// Factor of the barrier parameter per reduction.
 const FALL: f64 = 0.2;
 const LAST: f64 = 1e-10;
-/// Room that a row is given at first, radians.
+/// Smallest initial slack of a row, radians.
 const ROOM: f64 = 1e-2;
-/// A step this short ends, radians.
+/// Step length that ends the iteration, radians.
 const SHORT: f64 = 1e-10;
 
-/// Minimises within all rows, from a start that keeps them. What it returns keeps them too, and costs no more.
+/// Minimises the cost within all rows, from a start that satisfies them. The result satisfies them too, and its cost is
+/// not higher.
 pub(super) fn minimise<C: Cost>(
     cost: &mut C,
     rows: &[Row],
@@ -81,7 +84,7 @@ pub(super) fn minimise<C: Cost>(
         let after = merit(then, &next, (1.0 - share) * missed);
         if after.is_nan() || after > before + 1e-12 * before.abs() {
             damping *= 4.0;
-            // Nothing more to win at this barrier.
+            // The barrier problem cannot be improved further.
             if damping > 1e6 * hessian.diagonal().max() {
                 break;
             }
@@ -93,7 +96,7 @@ pub(super) fn minimise<C: Cost>(
             *push += forward * d;
         }
         (x, slack) = (tried, next);
-        // The barrier keeps off limits at a price, so a later place may cost more.
+        // The barrier pushes iterates away from limits, so a later iterate can have a higher cost.
         if then <= best.0 && rows.iter().all(|row| row.excess(&x) <= 0.0) {
             best = (then, x.clone());
         }
@@ -149,7 +152,7 @@ fn directions(
     each.unzip()
 }
 
-/// How much of a step keeps all of these above 0.
+/// Returns the largest fraction of a step that keeps all values positive.
 fn longest(values: &[f64], step: &[f64]) -> f64 {
     let shares = values.iter().zip(step).filter(|(_, d)| **d < 0.0);
     shares.map(|(v, d)| -TO_LIMIT * v / d).fold(1.0, f64::min)

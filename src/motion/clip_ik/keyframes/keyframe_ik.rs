@@ -1,4 +1,4 @@
-//! What is asked of a rig's keys, and what came of it.
+//! Options, entry point and result of inverse kinematics on keyframes.
 
 use nalgebra::DVector;
 
@@ -13,15 +13,17 @@ use crate::motion::clip_ik::root_bone::{above, branching_above};
 use crate::motion::clip_ik::{ClipIkError, Reach, ReachResult};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
-/// Inverse kinematics over a rig's keyframes, which are solved for themselves.
+/// Inverse kinematics that edits the existing keyframes of a rig.
 ///
-/// Tips reach for points and along curves over spans, as over a [clip](super::super::ClipIk); what changes are the rig's own keys
-/// within those spans, of the bones that carry the tips, and nothing else: no key is added, and between keys runs the
-/// spline that ran there. Joint limits hold between keys as well, told of the spline's control points. Where keys are
-/// few, tips come as near as these let them: the sum of squares over the span is least.
+/// Tips of bones reach points or follow curves over spans, as in [`ClipIk`](super::super::ClipIk). Only keys within
+/// those spans change, and only of bones that carry the tips. No key is added, and the spline between keys keeps its
+/// kind.
 ///
-/// Keys within those spans that are beyond a limit come within it, as little further as goals ask. Where others keep the clip beyond, next to
-/// a key outside the span, say, [`EditedKeys::beyond`] names the limit.
+/// Joint limits also hold between keys, because the spline's control points are bounded. With few keys a tip may not
+/// reach its target; the sum of squared distances over the span is minimal.
+///
+/// Keys within the spans that exceed a limit are brought within it. Other keys, such as one outside a span, may leave
+/// the clip beyond a limit. [`EditedKeys::beyond`] lists these limits.
 ///
 /// ```
 /// use kinopt::io::rig::Rig;
@@ -42,28 +44,28 @@ pub struct KeyframeIk<'a> {
     rate: f64,
 }
 
-/// Keyframes that were solved for. Lengths are in the rig's unit.
+/// Edited keyframes. Lengths are in the rig's unit.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct EditedKeys {
-    /// The keyframes.
+    /// Clip with the edited keyframes.
     pub clip: EulerClip,
-    /// How far each tip is from where it should be, at most at the moments that were looked at and where it counts fully.
+    /// Largest distance of each tip from its target, over the sample times with full weight.
     pub led: Vec<ReachResult>,
-    /// How many keys are not what they were.
+    /// Number of changed keys.
     pub keys_changed: usize,
-    /// Limits that the clip is beyond where what is solved for counts, an entry an angle: keys that stay are beyond them, or there is no
-    /// way of keeping all at once.
+    /// Exceeded limits within the spans, one entry per angle. Either unchanged keys exceed them, or no change satisfies
+    /// all of them at once.
     pub beyond: Vec<BeyondLimit>,
 }
 
-/// What a radian of a key costs, in shares of the skeleton's size.
+/// Weight of a key's displacement of one radian, as a fraction of the skeleton's size.
 const KEPT: f64 = 1e-3;
-/// More moments than this are a slip.
+/// Number of sample times above which a rate is rejected as a mistake.
 const MOST_MOMENTS: f64 = 1e6;
 
 impl<'a> KeyframeIk<'a> {
-    /// Of a rig's skeleton, looking at 60 moments a second.
+    /// Creates a solver for a skeleton without reaches, with 60 sample times per second.
     #[must_use]
     pub fn new(skeleton: &'a Skeleton) -> Self {
         Self {
@@ -75,20 +77,23 @@ impl<'a> KeyframeIk<'a> {
     }
 
     setters! {
-        /// Something to reach for.
+        /// Adds a reach.
         pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
-        /// Only keys of bones below this one change. Unless set, the first from the top that carries all tips and at which
-        /// the skeleton branches.
+        /// Sets the root: only keys of bones below it change. Default: the topmost bone that carries all tips and has
+        /// more than one child.
         pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
-        /// How many moments a second count.
+        /// Sets the number of sample times per second.
         pub fn with_moments_per_second(mut self, rate: f64) { self.rate = rate }
     }
 
-    /// Solves for keys.
+    /// Solves for the keys of a clip.
     ///
     /// # Errors
-    /// Nothing is asked, a bone of another skeleton or twice at one time, spans and fades that are not within the clip, no
-    /// key of a bone that carries a tip within its span, a rate out of range.
+    /// Returns an error for:
+    /// - no reach, or no key of a bone that carries a tip within its span,
+    /// - a bone of another skeleton, or a bone with two reaches at one time,
+    /// - spans and fades that are not within the clip,
+    /// - a rate out of range.
     pub fn solve(&self, clip: &EulerClip) -> Result<EditedKeys, ClipIkError> {
         BadOption::check("moments_per_second", self.rate, POSITIVE)?;
         let span = clip.time_span().ok_or(ClipIkError::NoKeys)?;
@@ -121,7 +126,7 @@ impl<'a> KeyframeIk<'a> {
         let kept = rows.iter().filter(|row| row.allowed.is_finite());
         let hard: Vec<Row> = kept.cloned().collect();
         let mut found = minimise(&mut cost, &hard, start)?;
-        // To the bit.
+        // Clamping makes the values satisfy the limits exactly.
         let values: Vec<f64> = keys
             .iter()
             .zip(&found)
@@ -197,7 +202,7 @@ impl<'a> KeyframeIk<'a> {
         Ok(())
     }
 
-    /// The keys that may change.
+    /// Returns the angles of the keys that may change.
     fn keys(
         &self,
         clip: &EulerClip,
@@ -236,7 +241,7 @@ impl<'a> KeyframeIk<'a> {
         Ok(keys)
     }
 
-    /// The moments that count.
+    /// Returns the sample times, seconds.
     fn times(&self, span: [f64; 2]) -> Result<Vec<f64>, ClipIkError> {
         let mut times = Vec::new();
         for reach in &self.reaches {
@@ -244,7 +249,7 @@ impl<'a> KeyframeIk<'a> {
             let (from, to) = (from.max(span[0]), to.min(span[1]));
             let steps = ((to - from) * self.rate).ceil().max(1.0);
             BadOption::check(
-                "the moments of a span",
+                "sample times of a span",
                 steps,
                 (|n| n <= MOST_MOMENTS, "at most a million"),
             )?;

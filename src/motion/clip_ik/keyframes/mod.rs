@@ -1,4 +1,4 @@
-//! Solving for a rig's own keys: between them runs what ran there before.
+//! Inverse kinematics on the existing keys of a rig, with unchanged splines between them.
 
 mod basis;
 mod beyond_limit;

@@ -1,4 +1,4 @@
-//! Keys that are beyond their limits, brought within them by the least change.
+//! Smallest change that brings keys within their limits.
 
 use std::convert::Infallible;
 
@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use super::basis::Row;
 use super::interior::{Cost, minimise};
 
-/// How far within its limits a clip is brought, radians: the room from which the goals are served.
+/// Distance from its limits to which a clip is brought, radians: the slack for the targets.
 const ROOM: f64 = 1e-5;
-/// What a change costs, next to what is beyond; it leaves less beyond than there is room.
+/// Weight of a change relative to an excess, small enough that the remaining excess is less than the slack.
 const CHANGE: f64 = 1e-4;
 
-/// ½ ‖what is beyond‖² and ½ λ² ‖x − clamped‖².
+/// ½ ‖excess‖² and ½ λ² ‖x − clamped‖².
 struct Gap<'a> {
     rows: &'a [Row],
     clamped: DVector<f64>,
@@ -59,8 +59,8 @@ impl Cost for Gap<'_> {
     }
 }
 
-/// From keys that are each within their limits to ones between which the spline is as well, by the least change. Rows that cannot
-/// be kept together are then asked no more than they can.
+/// Returns the smallest change that also brings the splines between the keys within their limits. `clamped` is the
+/// change that brings each key within its own limits. Rows that cannot be satisfied together get an allowed excess.
 pub(super) fn brought_within(rows: &mut [Row], clamped: DVector<f64>) -> DVector<f64> {
     if rows.iter().all(|row| row.excess(&clamped) <= 0.0) {
         return clamped;

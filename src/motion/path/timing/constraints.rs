@@ -1,7 +1,8 @@
 //! Bounds of the acceleration along a curve, as lines over the squared speed.
 //!
-//! With the squared speed x = ṡ² and the acceleration u = s̈ of the curve parameter, constant in a cell, a joint accelerates by
-//! q′ u + q″ x at the cell's first point and by q′ u + q″ (x + 2 Δ u) at its last. Both are linear in (u, x).
+//! Let x = ṡ² be the squared speed of the curve parameter, and u = s̈ its acceleration, constant in a cell. A joint
+//! accelerates by q′ u + q″ x at the cell's first point. At its last point it accelerates by q′ u + q″ (x + 2 Δ u).
+//! Both are linear in (u, x).
 
 use super::grid::Grid;
 use super::tool_motion::ToolMotion;

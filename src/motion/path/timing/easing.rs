@@ -6,8 +6,8 @@
 
 use super::cell::State;
 
-/// Curve parameter s over σ: s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays at 1, and falls
-/// likewise.
+/// Curve parameter s over σ. Its derivative s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays at 1,
+/// and falls likewise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Easing {
     /// First curve parameter.

@@ -1,9 +1,9 @@
 //! Speed profile along a curve under velocity, acceleration and jerk limits.
 //!
 //! The curve parameter is eased at both ends ([`Easing`]). The squared speed z = σ̇² of the eased parameter σ is a
-//! quadratic spline over σ, so accelerations are continuous. With w = z′ / 2, joints move with velocity q′ √z,
-//! acceleration q′ w + q″ z and jerk √z (q‴ z + 3 q″ w + q′ w′). Minimising the time is convex except for the jerk
-//! limits.
+//! quadratic spline over σ, so accelerations are continuous. With w = z′ / 2, joints move with velocity q′ √z and
+//! acceleration q′ w + q″ z. Their jerk is √z (q‴ z + 3 q″ w + q′ w′). Minimising the time is convex except for the
+//! jerk limits.
 //!
 //! A primal interior-point method minimises τ · time − Σ log(slack) for increasing τ by Gauss-Newton steps (Nocedal &
 //! Wright 2006, "Numerical optimization", ch. 19.6). The Hessian has five diagonals. Limits are sampled in every cell.

@@ -1,9 +1,9 @@
 //! Time-optimal speed profile along a curve under velocity and acceleration limits.
 //!
-//! Reachability analysis (Pham & Pham 2018, "A new approach to time-optimal path parameterization based on reachability
-//! analysis"): a backward pass finds at every grid point the largest squared speed from which the arm can still stop at
-//! the end. A forward pass then accelerates as much as these allow. Squared speed 0 is always controllable, so each
-//! controllable set is an interval from 0.
+//! The method is reachability analysis (Pham & Pham 2018, "A new approach to time-optimal path parameterization based
+//! on reachability analysis"). A backward pass finds at every grid point the largest squared speed from which the arm
+//! can still stop at the end. A forward pass then accelerates as much as these speeds allow. Squared speed 0 is always
+//! controllable, so each controllable set is an interval from 0.
 //!
 //! Linear constraints impose the limits at both ends of every cell. The extrema within a cell have a closed form. Cells
 //! that exceed a limit are tightened iteratively. The remaining excess slows the whole curve.

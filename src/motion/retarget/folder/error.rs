@@ -10,13 +10,13 @@ use crate::io::{ReadError, WriteError};
 #[non_exhaustive]
 pub enum FolderError {
     /// The source is not a folder.
-    #[error("{} is no folder", folder.display())]
+    #[error("{} is not a folder", folder.display())]
     NoFolder {
         /// Path of the source.
         folder: PathBuf,
     },
     /// The folder has no motions.
-    #[error("{}: there is no {kinds} in it", folder.display())]
+    #[error("{}: no motion file found, allowed are {kinds}", folder.display())]
     Empty {
         /// Path of the folder.
         folder: PathBuf,
@@ -34,13 +34,13 @@ pub enum FolderError {
         out: PathBuf,
     },
     /// Output files would be read as motions when the folder is continued.
-    #[error("{}: what is written would be among the movements that are read", folder.display())]
+    #[error("{}: output files would be read as motions, so another output folder is needed", folder.display())]
     IntoItself {
         /// Path of the folder.
         folder: PathBuf,
     },
     /// The folder has results of other settings.
-    #[error("{} answers another question, as {QUESTION} in it says{}", folder.display(), differing(differs))]
+    #[error("{} has results of other settings, as stored in its {QUESTION}{}", folder.display(), differing(differs))]
     OtherQuestion {
         /// Path of the folder.
         folder: PathBuf,
