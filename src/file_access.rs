@@ -126,7 +126,7 @@ impl AllowedFiles {
         read_bytes(&self.resolve(&path)?, self.max_bytes).map_err(renamed)
     }
 
-    /// Whether a path is below the allowed folders by its text; no link is followed.
+    /// Returns true if the text of a path is below an allowed folder. Links are not followed.
     #[cfg(feature = "collision")]
     pub(crate) fn are_above(&self, path: &Path) -> bool {
         let real_roots: Vec<PathBuf> = self.real_roots().collect();

@@ -38,7 +38,7 @@ pub(crate) fn until<T>(deadline: Option<Instant>, work: impl FnOnce() -> T) -> O
     })
 }
 
-/// Whether the work under way is to end, as its deadline is past.
+/// Returns true if the deadline is past.
 #[inline]
 pub(crate) fn is_over() -> bool {
     let Some(work) = WORK.get() else {
