@@ -25,7 +25,7 @@ impl Digest {
         };
         let mut next: Option<&dyn Error> = Some(&error);
         while let Some(told) = next {
-            self.bytes(format!("{told}\n"));
+            self.text(told.to_string());
             next = told.source();
         }
         None

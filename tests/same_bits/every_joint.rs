@@ -30,14 +30,8 @@ impl Digest {
     /// Everything that a solution says, in words and as it is written.
     pub(crate) fn told(&mut self, solution: &Solution) {
         self.solution(solution);
-        self.bytes(solution.explain());
-        let text = serde_json::to_string(solution).unwrap();
-        let words = text.as_bytes().chunks(8).map(|eight| {
-            let mut word = [0; 8];
-            word[..eight.len()].copy_from_slice(eight);
-            u64::from_le_bytes(word)
-        });
-        words.for_each(|word| self.word(word));
+        self.text(solution.explain());
+        self.bytes(serde_json::to_string(solution).unwrap());
         for task in solution.tasks() {
             let errors = (task.position_error(), task.orientation_error());
             self.noted(&(

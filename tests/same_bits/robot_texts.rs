@@ -9,21 +9,14 @@ use roxmltree::Document;
 
 use crate::digest::Digest;
 
-/// A text's bytes, eight at a time, in one word of the digest: there are megabytes of them.
+/// Adds a debug text or the text of a file.
 pub(crate) fn add_text(digest: &mut Digest, text: &str) {
-    let mut own = text.len() as u64;
-    for chunk in text.as_bytes().chunks(8) {
-        let mut word = [0; 8];
-        word[..chunk.len()].copy_from_slice(chunk);
-        own = (own ^ u64::from_le_bytes(word)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        own ^= own >> 29;
-    }
-    digest.word(own);
+    digest.bytes(text);
 }
 
-/// An error's text, whatever separates folders here.
+/// Adds an error message.
 pub(crate) fn add_error(digest: &mut Digest, error: &dyn std::fmt::Display) {
-    add_text(digest, &error.to_string().replace('\\', "/"));
+    digest.text(error.to_string().replace('\\', "/"));
 }
 
 /// Everything that a robot says of itself, but its file.

@@ -210,7 +210,7 @@ fn stopped() -> Value {
             solution.attempts,
             solution.reached,
         ));
-        digest.bytes(solution.explain());
+        digest.text(solution.explain());
     }
     let (problem, start) = &problems[0];
     let mut refused =
