@@ -318,7 +318,7 @@ def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
 
 def test_what_the_readme_shows_runs(cluster, tmp_path, monkeypatch, arm, start, targets):
     page = (Path(__file__).parents[1] / "README.md").read_text()
-    blocks = re.findall(r"^```python with Ray\n(.*?)^```", page, re.S | re.M)
+    blocks = re.findall(r"^<!-- with Ray -->\n```python\n(.*?)^```", page, re.S | re.M)
     monkeypatch.chdir(tmp_path)
     names = {"np": np, "arm": arm, "start": start, "targets": targets, "kinopt": kinopt}
     for block in blocks:
@@ -344,7 +344,7 @@ def test_the_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, ca
 
     # The command of python/README.md, at a lower resolution.
     page = (Path(__file__).parents[1] / "README.md").read_text()
-    (block,) = re.findall(r"^```sh with Ray\npython (.*)\n```", page, re.M)
+    (block,) = re.findall(r"^<!-- with Ray -->\n```sh\npython (.*)\n```", page, re.M)
     options = "--step 0.4 --directions 4 --turns 1 --starts 2 --workers 2 --picture map.png".split()
     (tmp_path / "models").symlink_to(MODELS)
     (tmp_path / "python").mkdir()

@@ -21,7 +21,7 @@ PAGES = ["README.md", "python/README.md", *sorted(f"{folder}/{page.name}" for fo
 def blocks_of(page):
     """Python blocks of a page, each with the output that the page shows for it, or None."""
     text = (ROOT / page).read_text()
-    blocks = list(re.finditer(r"^```python\n(.*?)^```", text, re.S | re.M))
+    blocks = list(re.finditer(r"(?<!-->\n)^```python\n(.*?)^```", text, re.S | re.M))
     ends = [block.start() for block in blocks[1:]] + [len(text)]
     for block, end in zip(blocks, ends):
         output = re.search(r"^Output in Python:\n\n```text\n(.*?)^```", text[block.end() : end], re.S | re.M)
@@ -49,7 +49,7 @@ OPENERS = [
     pytest.param(language, block, id=f"{page}-{number}")
     for page in PAGES[1:]  # The README's opens the web page, which `web/site/tests` opens.
     for number, (language, block) in enumerate(
-        re.findall(r"^```(sh|python) until its page answers\n(.*?)^```", (ROOT / page).read_text(), re.S | re.M)
+        re.findall(r"^<!-- until its page answers -->\n```(sh|python)\n(.*?)^```", (ROOT / page).read_text(), re.S | re.M)
     )
 ]
 

@@ -35,7 +35,7 @@ before(async () => {
     const [archive] = JSON.parse(run("npm", "pack", own, "--json"));
     writeFileSync(join(project, "package.json"), '{ "type": "module" }');
     const server = await registry(archive);
-    const [command, ...words] = readme.match(/```sh in an empty project\n(.*)\n```/)[1].split(" ");
+    const [command, ...words] = readme.match(/<!-- in an empty project -->\n```sh\n(.*)\n```/)[1].split(" ");
     const options = ["--no-audit", "--no-fund", "--registry", `http://127.0.0.1:${server.address().port}`];
     await promisify(execFile)(command, [...words, ...options], { cwd: project });
     server.close();

@@ -25,11 +25,12 @@ fn pages() -> Vec<(String, String)> {
     found
 }
 
-/// Fenced blocks of a language, except those that are marked as not run.
+/// Fenced blocks of a language, except those after an HTML comment, which other tests run.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let fence = format!("\n```{language}\n");
-    let parts = page.split(&fence).skip(1);
-    let blocks = parts.map(|part| part.split("\n```").next().unwrap_or_default());
+    let parts: Vec<&str> = page.split(&fence).collect();
+    let unmarked = parts.windows(2).filter(|pair| !pair[0].ends_with("-->"));
+    let blocks = unmarked.map(|pair| pair[1].split("\n```").next().unwrap_or_default());
     blocks.map(|block| block.replace("\\\n", " ")).collect()
 }
 

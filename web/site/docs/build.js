@@ -28,7 +28,7 @@ for (const page of all.values()) {
     writeFileSync(within(page.address), laidOut({ page, html, headings, groups }));
 }
 for (const path of pictures) copyFileSync(new URL(path, root), within(path));
-for (const own of ["page.css", "page.js"]) copyFileSync(new URL(own, import.meta.url), within(`docs/${own}`));
+for (const own of ["page.css", "page.js", "search.js"]) copyFileSync(new URL(own, import.meta.url), within(`docs/${own}`));
 if (rustdoc) cpSync(resolve(rustdoc), new URL("rust/", dist), { recursive: true });
 writeFileSync(within("docs/search.json"), JSON.stringify(found));
 console.log(`web/site/dist: ${all.size} pages of documentation, ${pictures.size} pictures`);

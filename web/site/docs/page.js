@@ -1,4 +1,6 @@
 // Behaviour of the documentation pages: language tabs, copy buttons, and a contents menu on small screens.
+import { ranked } from "./search.js";
+
 const KEPT = "kinopt language";
 const remembered = () => {
     try {
@@ -99,7 +101,6 @@ contents.addEventListener("keydown", (event) => {
     open(false);
     menu.focus();
 });
-// Search: sections that contain all words, with matches in headings first.
 const search = document.createElement("input");
 search.type = "search";
 search.placeholder = "Search";
@@ -113,16 +114,8 @@ let loading;
 const sections = () => (loading ??= fetch(new URL("docs/search.json", root)).then((answer) => answer.json()));
 search.addEventListener("focus", sections);
 search.addEventListener("input", async () => {
-    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const all = words.length ? await sections() : [];
-    const scored = [];
-    for (const [page, heading, address, text] of all) {
-        const [above, below] = [`${heading} ${page}`.toLowerCase(), text.toLowerCase()];
-        if (!words.every((word) => above.includes(word) || below.includes(word))) continue;
-        const own = words.filter((word) => above.includes(word)).length;
-        scored.push({ page, heading, address, score: 10 * own + (heading.toLowerCase() === words.join(" ") ? 5 : 0) });
-    }
-    scored.sort((a, b) => b.score - a.score);
+    const query = search.value.trim();
+    const scored = query ? ranked(await sections(), query) : [];
     results.replaceChildren(...scored.slice(0, 12).map(({ page, heading, address }) => {
         const [item, link, where] = ["li", "a", "small"].map((kind) => document.createElement(kind));
         link.href = new URL(address, root);
@@ -132,8 +125,8 @@ search.addEventListener("input", async () => {
         item.append(link);
         return item;
     }));
-    if (words.length && !scored.length) results.textContent = "No results.";
-    contents.classList.toggle("searching", words.length > 0);
+    if (query && !scored.length) results.textContent = "No results.";
+    contents.classList.toggle("searching", query !== "");
 });
 search.addEventListener("keydown", (event) => {
     if (event.key === "Enter") results.querySelector("a")?.click();

@@ -17,8 +17,8 @@ const RUNNERS = {
     // cli/tests/command/pages.rs.
     sh: (path) => path.startsWith("docs/") || path === "README.md",
 };
-/** Test that runs a block with a special fence, by the text of the fence. */
-const WAYS = {
+/** Test that runs a block after an HTML comment, by the text of the comment. */
+const MARKED = {
     // python/tests/test_readme.py; package.test.js in this folder.
     "until its page answers": (path) => RUNNERS.python(path) || path === "README.md",
     // python/tests/test_ray.py.
@@ -40,11 +40,13 @@ const DATA = new Set(["json", "yaml", "xml", "toml", "text"]);
 export function blocks(text) {
     const found = [];
     let open;
+    let marker = "";
     for (const [number, line] of text.split("\n").entries()) {
         const fence = line.match(/^\s*```(.*)/);
         if (!fence) open?.push(line);
         else if (open) open = undefined;
-        else found.push({ info: fence[1].trim(), line: number + 1, lines: (open = []) });
+        else found.push({ info: fence[1].trim(), marker, line: number + 1, lines: (open = []) });
+        marker = line.match(/^<!-- (.*) -->$/)?.[1] ?? "";
     }
     return found;
 }
@@ -54,12 +56,12 @@ test("every code block is run by a test", () => {
     let run = 0;
     for (const { path } of pages(contents()).values()) {
         if (REFERENCES[path]) continue;
-        for (const { info, line, lines } of blocks(source(path))) {
-            const [, language, way] = info.match(/^(\w*)[\s,]*(.*)/);
+        for (const { info, marker, line, lines } of blocks(source(path))) {
+            const [language] = info.match(/^\w*/);
             if (DATA.has(language)) continue;
-            const script = way.match(/^run by (\S+)$/)?.[1];
+            const script = marker.match(/^run by (\S+)$/)?.[1];
             const left = script ? missing(script, lines.join("\n")) : [];
-            const runner = script ? () => true : (WAYS[way] ?? RUNNERS[language]);
+            const runner = script ? () => true : (MARKED[marker] ?? RUNNERS[language]);
             if (runner?.(path) && left.length === 0) run += 1;
             else unrun.push(`${path}:${line} ${info || "(no language)"} ${left}`);
         }

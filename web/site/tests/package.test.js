@@ -82,7 +82,7 @@ test("a hundred humanoids are dragged with pinned tips", { skip }, async () => {
 
 test("the command of the project's README serves the site", async () => {
     const root = fileURLToPath(new URL("../", own));
-    const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/```sh until its page answers\n(.*)\n```/);
+    const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/<!-- until its page answers -->\n```sh\n(.*)\n```/);
     const [build, serve] = line.split(" && ");
     // The build under test is the result of this command.
     assert.equal(build, "web/site/build");
