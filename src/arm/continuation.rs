@@ -82,7 +82,7 @@ impl Arm {
             targets: std::slice::from_ref(target),
             starts,
             search: Prefer::Start,
-            attempts: Attempts::CarriedOn,
+            attempts: Attempts::Continued,
             deadline: None,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,

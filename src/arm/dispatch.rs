@@ -139,13 +139,13 @@ impl Arm {
         // The second half holds the best attempt, if the attempt from the start fails.
         solution.q.resize(2 * n, 0.0);
         let (q, best) = solution.q.split_at_mut(n);
-        let mut answer = simd_ik::Answer {
+        let mut output = simd_ik::QueryOutput {
             q,
             best,
             best_attempt: 0,
         };
-        let outcome = lanes.race(&self.first_attempts(query), false, &mut answer);
-        let best_attempt = answer.best_attempt;
+        let outcome = lanes.race(&self.first_attempts(query), false, &mut output);
+        let best_attempt = output.best_attempt;
         let mut found = self.found_by(&outcome);
         if outcome.reached {
             solution.q.truncate(n);
@@ -208,20 +208,20 @@ impl Arm {
         } = workspace;
         let mut first = self.first_attempts(query);
         // Within bounded motions the attempt from the start is finished before others begin.
-        let lone = self.options.max_move.is_some();
-        if lone {
+        let first_alone = self.options.max_move.is_some();
+        if first_alone {
             first.attempts.1 = 1;
         }
         let Some(lanes) = self.lanes_within(bounded_lanes) else {
             return SearchResult::default();
         };
-        let mut answer = simd_ik::Answer {
+        let mut output = simd_ik::QueryOutput {
             q: x,
             best,
             best_attempt: 0,
         };
-        let outcome = lanes.race(&first, lone, &mut answer);
-        let best_attempt = answer.best_attempt;
+        let outcome = lanes.race(&first, first_alone, &mut output);
+        let best_attempt = output.best_attempt;
         if self.options.search == Search::First {
             best.copy_from_slice(x);
         }

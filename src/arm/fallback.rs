@@ -200,9 +200,9 @@ impl Arm {
             return;
         }
         let left = self.lane_query(query, attempts, budget);
-        let mut answer = simd_ik::Answer::of(&mut workspace.trial);
-        let outcome = lanes.race(&left, false, &mut answer);
-        let best_attempt = answer.best_attempt as usize;
+        let mut output = simd_ik::QueryOutput::of(&mut workspace.trial);
+        let outcome = lanes.race(&left, false, &mut output);
+        let best_attempt = output.best_attempt as usize;
         let more = self.found_by(&outcome);
         found.iterations += more.iterations;
         found.attempts += more.attempts;

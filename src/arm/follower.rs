@@ -268,7 +268,7 @@ impl Follower<'_> {
         };
         self.fill_seed(target, towards);
         solution.q.resize(arm.joint_count(), 0.0);
-        let outcome = lanes.own_attempt(target, &self.seed, arm.deadline(), &mut solution.q);
+        let outcome = lanes.attempt_from_start(target, &self.seed, arm.deadline(), &mut solution.q);
         let kept = outcome.reached && arm.longest_move(&self.q, &solution.q).1 <= LONG_STEP;
         if kept {
             arm.record(&arm.found_by(&outcome), Errors::of(&outcome), solution);

@@ -9,7 +9,7 @@ use crate::ik::Restarts;
 use crate::problem::TaskSubset;
 use crate::random::RandomStream;
 use crate::search::{Schedule, SearchResult, run};
-use crate::simd_ik::turned_towards;
+use crate::simd_ik::nearest_revolution;
 use crate::solver::{LevenbergMarquardt, Silent, Stopping};
 
 /// Number of attempts from the start and from perturbations of it before the table is used.
@@ -224,7 +224,7 @@ impl Arm {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
             let bounds = (workspace.question.lower[i], workspace.question.upper[i]);
             if !joint.kind.slides() && !self.serial.followed[i] {
-                *value = turned_towards(start[i], *value, bounds);
+                *value = nearest_revolution(start[i], *value, bounds);
             }
         }
     }

@@ -156,7 +156,7 @@ impl Arm {
                 *target
             };
             let ArmWorkspace { x, trial, .. } = workspace;
-            let outcome = lanes.own_attempt(&pose, x, None, trial);
+            let outcome = lanes.attempt_from_start(&pose, x, None, trial);
             iterations += outcome.iterations as usize;
             if outcome.reached && self.longest_move(x, trial).1 <= SETTLING_STEP {
                 x.copy_from_slice(trial);

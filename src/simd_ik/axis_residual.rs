@@ -8,7 +8,7 @@
 //! ω + ω × v. The quaternion's sign does not matter: residual and derivative change sign together, and bands are
 //! symmetric.
 
-use super::evaluation::{Errors, Evaluation, Weighed};
+use super::evaluation::{Errors, Evaluation, WeightedResidual};
 use super::lane::LaneScalar;
 use super::settings::Settings;
 use crate::scalar::Scalar;
@@ -18,14 +18,14 @@ use crate::task::angle_of;
 /// Weights the residual, and replaces the Jacobian's columns by those of the residual's derivative.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn weigh<V: LaneScalar>(
-    at: &Evaluation<V>,
+    evaluation: &Evaluation<V>,
     linear: &mut [Vector3<V>],
     angular: &mut [Vector3<V>],
     settings: &Settings,
-) -> Weighed<V> {
+) -> WeightedResidual<V> {
     let axes = &settings.axes;
-    let p = at.position;
-    let quaternion = Quaternion::from_matrix(&at.rotation);
+    let p = evaluation.position;
+    let quaternion = Quaternion::from_matrix(&evaluation.rotation);
     let (w, v) = (quaternion.w, quaternion.v);
     let turn = v * V::constant(2.0);
     let (p_out, p_gate) = band(p, axes.position_half_widths);
@@ -43,7 +43,7 @@ pub(crate) fn weigh<V: LaneScalar>(
     }
     let p_residual = product(p_out, p_weight);
     let r_residual = product(r_out, r_weight);
-    Weighed {
+    WeightedResidual {
         twice_cost: p_residual.norm_squared() + r_residual.norm_squared(),
         position: counted(p_out, axes.position_weights).norm_squared(),
         orientation: counted(r_out, axes.orientation_weights).norm_squared(),

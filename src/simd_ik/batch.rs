@@ -1,17 +1,17 @@
 //! Batches of queries: each lane solves one query and then takes the next.
 
-use super::carry::carry;
 use super::chain::MAX_JOINTS;
+use super::continue_starts::continue_starts;
 use super::evaluation::Errors;
 use super::group::Group;
 use super::lane::LaneScalar;
-use super::lm_step::Ended;
+use super::lm_step::EndMasks;
 use super::options::{PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::query::Query;
+use super::revolutions::unwrap_towards;
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
-use super::whole_turns::unwrap_towards;
 use crate::clock::{Instant, is_past};
 use crate::spatial::Placement;
 
@@ -37,10 +37,10 @@ pub(crate) enum Attempts {
     UpTo(u32),
     /// Attempts of the single target from this number on, one per result.
     From(u32),
-    /// One attempt from each start to the single target, by [continuation](super::carry).
+    /// One attempt from each start to the single target, by [continuation](super::continue_starts).
     ///
     /// The outcomes report only whether it reaches.
-    CarriedOn,
+    Continued,
 }
 
 /// Runs the attempts of each query in sequence in one lane.
@@ -52,17 +52,17 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     prepared: &Prepared,
     work: Work<'_>,
 ) {
-    if matches!(work.attempts, Attempts::CarriedOn) {
-        carry::<V, L, N>(stages, prepared, work);
+    if matches!(work.attempts, Attempts::Continued) {
+        continue_starts::<V, L, N>(stages, prepared, work);
         return;
     }
     let mut batch = Batch::<V, L, N>::new(stages, prepared, work);
     // Initially every lane counts as finished, without a job.
-    let (mut over, mut ended) = ((1u32 << L) - 1, Ended::none());
+    let (mut finished, mut ended) = ((1u32 << L) - 1, EndMasks::none());
     loop {
-        while over != 0 {
-            let lane = over.trailing_zeros() as usize;
-            over &= over - 1;
+        while finished != 0 {
+            let lane = finished.trailing_zeros() as usize;
+            finished &= finished - 1;
             if batch.end_attempt(lane, &ended) {
                 batch.begin_attempt(lane);
             }
@@ -71,7 +71,7 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
             return;
         }
         ended = (stages.step)(&mut batch.group, &prepared.links, &prepared.settings);
-        over = batch.age(&ended);
+        finished = batch.count_step(&ended);
     }
 }
 
@@ -82,9 +82,9 @@ struct Job<'a> {
     goal_from_first: Placement<f64>,
     attempt: u32,
     /// Number of finished attempts.
-    ended: u32,
+    finished_attempts: u32,
     /// Iterations of the current attempt.
-    age: u32,
+    attempt_iterations: u32,
     /// Iterations of the finished attempts.
     iterations: u32,
     best_twice_cost: f64,
@@ -131,11 +131,11 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_job(&mut self) -> Option<Job<'a>> {
         let (work, index) = (&self.work, self.next);
-        let (source, attempt, most) = match work.attempts {
-            Attempts::UpTo(most) => (index, 0, most),
+        let (source, attempt, max_attempts) = match work.attempts {
+            Attempts::UpTo(max_attempts) => (index, 0, max_attempts),
             Attempts::From(first) => (0, first + index as u32, 1),
-            // `carry` has a loop for these.
-            Attempts::CarriedOn => return None,
+            // `continue_starts` has a loop for these.
+            Attempts::Continued => return None,
         };
         if source >= work.targets.len() || index >= work.outcomes.len() {
             return None;
@@ -155,13 +155,13 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
                 target,
                 start: &work.starts[source * n..(source + 1) * n],
                 search: work.search,
-                attempts: (0, most),
+                attempts: (0, max_attempts),
                 budget: self.prepared.options.total_iterations,
                 deadline: None,
             },
             attempt,
-            ended: 0,
-            age: 0,
+            finished_attempts: 0,
+            attempt_iterations: 0,
             iterations: 0,
             best_twice_cost: f64::INFINITY,
             nearby: false,
@@ -194,28 +194,30 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
 
     /// Counts a step of all lanes. Returns the bit mask of the lanes whose attempt may have ended.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn age(&mut self, ended: &Ended) -> u32 {
+    fn count_step(&mut self, ended: &EndMasks) -> u32 {
         self.is_late = is_past(self.work.deadline);
-        let late = if self.is_late { self.active } else { 0 };
-        let mut over = (ended.reached | ended.stalled | ended.closing) & self.active | late;
+        let late_lanes = if self.is_late { self.active } else { 0 };
+        let mut finished =
+            (ended.reached | ended.stalled | ended.closing) & self.active | late_lanes;
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             if let Some(job) = job {
-                job.age += 1;
+                job.attempt_iterations += 1;
                 // After one step the accepted point of a first attempt is still the start.
-                if job.age == 1 && job.attempt == 0 {
+                if job.attempt_iterations == 1 && job.attempt == 0 {
                     let twice_cost = self.group.twice_cost(lane);
                     job.nearby = job.query.search == Prefer::Start
                         && twice_cost < self.prepared.settings.nearby_twice_cost;
                 }
-                over |= u32::from(job.age >= self.prepared.options.iterations) << lane;
+                finished |=
+                    u32::from(job.attempt_iterations >= self.prepared.options.iterations) << lane;
             }
         }
-        over
+        finished
     }
 
     /// Ends the attempt of a lane, unless it is still converging. Returns true if the lane can start another attempt.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn end_attempt(&mut self, lane: usize, ended: &Ended) -> bool {
+    fn end_attempt(&mut self, lane: usize, ended: &EndMasks) -> bool {
         let (prepared, n) = (self.prepared, self.prepared.joints());
         let options = &prepared.options;
         let Some(job) = &mut self.jobs[lane] else {
@@ -228,13 +230,14 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             let point = &mut self.q[..n];
             self.group.next_point(lane, point);
             unwrap_towards(prepared, job.query.start, point);
-            let (close, found) = (self.stages.judge)(prepared, &job.goal_from_first, point);
-            if close {
+            let (point_reached, point_errors) =
+                (self.stages.judge)(prepared, &job.goal_from_first, point);
+            if point_reached {
                 reached = true;
-                errors = Some(found);
+                errors = Some(point_errors);
                 q.copy_from_slice(point);
             } else if ended.stalled >> lane & 1 == 0
-                && job.age < options.iterations
+                && job.attempt_iterations < options.iterations
                 && !self.is_late
             {
                 return false;
@@ -242,24 +245,26 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         }
         // A failed query keeps the first attempt's end or the best point, by preference. The first attempt is kept even
         // if its cost overflows.
-        let kept = match self.work.search {
-            Prefer::Start => job.ended == 0,
-            Prefer::First => job.ended == 0 || self.group.twice_cost(lane) < job.best_twice_cost,
+        let keep_end = match self.work.search {
+            Prefer::Start => job.finished_attempts == 0,
+            Prefer::First => {
+                job.finished_attempts == 0 || self.group.twice_cost(lane) < job.best_twice_cost
+            }
         };
-        if errors.is_none() && (reached || kept) {
+        if errors.is_none() && (reached || keep_end) {
             job.best_twice_cost = self.group.twice_cost(lane);
             self.group.point(lane, q);
         }
-        job.iterations += job.age;
-        job.age = 0;
+        job.iterations += job.attempt_iterations;
+        job.attempt_iterations = 0;
         job.attempt += 1;
-        job.ended += 1;
-        let over = reached
+        job.finished_attempts += 1;
+        let job_done = reached
             || job.nearby
             || self.is_late
-            || job.ended >= job.query.attempts.1
+            || job.finished_attempts >= job.query.attempts.1
             || job.iterations >= options.total_iterations;
-        if over {
+        if job_done {
             self.finish(lane, reached, errors);
         }
         true
@@ -286,7 +291,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             position_error: errors.position,
             orientation_error: errors.orientation,
             iterations: job.iterations,
-            attempts: job.ended,
+            attempts: job.finished_attempts,
             winner: won.then_some(job.attempt - 1),
         };
     }

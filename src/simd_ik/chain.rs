@@ -179,9 +179,11 @@ impl Chain {
 
 /// Sum of the lengths of the constant translations, metres.
 fn extent(joints: &[ChainJoint], joint_from_tip: &Placement<f64>) -> f64 {
-    let ways = joints.iter().map(|joint| &joint.parent_from_joint);
-    let ways = ways.chain([joint_from_tip]);
-    ways.map(|way| way.translation.norm()).sum()
+    let placements = joints.iter().map(|joint| &joint.parent_from_joint);
+    let placements = placements.chain([joint_from_tip]);
+    placements
+        .map(|placement| placement.translation.norm())
+        .sum()
 }
 
 /// Returns true if the numbers are finite and the rotation is orthonormal and right-handed, to 1e-6.
@@ -192,11 +194,11 @@ pub(crate) fn is_rigid(placement: &Placement<f64>) -> bool {
         .to_array()
         .iter()
         .all(|v| v.is_finite());
-    let near = |value: f64, wanted: f64| (value - wanted).abs() < 1e-6;
+    let is_close = |value: f64, expected: f64| (value - expected).abs() < 1e-6;
     finite
-        && near(r.x.norm_squared(), 1.0)
-        && near(r.y.norm_squared(), 1.0)
-        && near(r.x.cross(r.y).dot(r.z), 1.0)
-        && near(r.x.dot(r.y), 0.0)
-        && near(r.z.norm_squared(), 1.0)
+        && is_close(r.x.norm_squared(), 1.0)
+        && is_close(r.y.norm_squared(), 1.0)
+        && is_close(r.x.cross(r.y).dot(r.z), 1.0)
+        && is_close(r.x.dot(r.y), 0.0)
+        && is_close(r.z.norm_squared(), 1.0)
 }

@@ -22,13 +22,13 @@ pub(crate) fn batch(
 }
 
 /// Returns an error unless a slice has the expected length.
-pub(crate) fn length(what: &'static str, found: usize, expected: usize) -> Result<(), LaneError> {
-    if found == expected {
+pub(crate) fn length(what: &'static str, given: usize, expected: usize) -> Result<(), LaneError> {
+    if given == expected {
         Ok(())
     } else {
         Err(LaneError::Length {
             what,
-            found,
+            found: given,
             expected,
         })
     }

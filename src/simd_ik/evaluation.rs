@@ -9,7 +9,7 @@ pub(crate) struct Evaluation<V> {
 }
 
 /// Residual at a point. For weighted goals only components with a weight count, beyond their dead bands.
-pub(crate) struct Weighed<V> {
+pub(crate) struct WeightedResidual<V> {
     /// Twice the cost, lengths of the solver squared.
     pub(crate) twice_cost: V,
     /// Squared position error, lengths of the solver squared.

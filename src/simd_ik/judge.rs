@@ -28,9 +28,9 @@ pub(crate) fn judge<V: LaneScalar, const N: usize>(
     }
     let options = &prepared.options;
     // Rounding is small, and only decides errors near a tolerance.
-    let clear = errors.position <= 0.5 * options.position_tolerance
+    let is_clear = errors.position <= 0.5 * options.position_tolerance
         && errors.orientation <= 0.5 * options.orientation_tolerance;
-    if prepared.coarse || !clear {
+    if prepared.needs_resolution || !is_clear {
         let (metres, radians) = links.resolution(q.iter().map(|q| q.abs()));
         errors.position = resolved(errors.position, metres, options.position_tolerance);
         errors.orientation = resolved(errors.orientation, radians, options.orientation_tolerance);

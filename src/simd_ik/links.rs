@@ -50,7 +50,7 @@ pub(crate) struct Links {
     /// Orientation of the tip in the frame after the last joint; the last link includes its position.
     pub(crate) last_from_tip: Matrix3<f64>,
     /// Displacement of the first and the last origin along their axes, metres.
-    pub(crate) slid: (f64, f64),
+    pub(crate) origin_shifts: (f64, f64),
     /// True if every joint is revolute.
     pub(crate) all_revolute: bool,
     /// Metres per length of the solver.
@@ -82,7 +82,7 @@ impl Links {
     pub(crate) fn new(chain: &Chain) -> Self {
         let joints = chain.joints();
         let mut links: Vec<Link> = Vec::with_capacity(joints.len());
-        let mut ways: Vec<Vector3<f64>> = Vec::with_capacity(joints.len());
+        let mut translations: Vec<Vector3<f64>> = Vec::with_capacity(joints.len());
         let mut previous_alignment = Matrix3::identity();
         let mut base_from_first = Placement::identity();
         for (index, joint) in joints.iter().enumerate() {
@@ -93,11 +93,11 @@ impl Links {
             previous_alignment = alignment;
             let mut offset = 0.0;
             if let Some(before) = links.last_mut() {
-                let (beta, twist, gamma) = turn_twist_turn(&step.rotation);
+                let (beta, twist, gamma) = decompose_zxz(&step.rotation);
                 before.offset += beta;
                 before.twist = twist;
                 offset = gamma;
-                ways.push(
+                translations.push(
                     Matrix3::identity().rotated_about_z(elementary::sin_cos(-beta))
                         * step.translation,
                 );
@@ -119,22 +119,25 @@ impl Links {
             });
         }
         let tip = chain.joint_from_tip();
-        ways.push(previous_alignment.transpose() * tip.translation);
+        translations.push(previous_alignment.transpose() * tip.translation);
         let last_from_tip = previous_alignment.transpose() * tip.rotation;
 
         // Move origins along their axes, tip to base, until no translation has a z part.
-        let mut slid = (0.0, ways.last().map_or(0.0, |way| way.z));
+        let mut origin_shifts = (
+            0.0,
+            translations.last().map_or(0.0, |translation| translation.z),
+        );
         for index in (0..links.len()).rev() {
-            let z = ways[index].z;
+            let z = translations[index].z;
             if let Some(before) = index.checked_sub(1) {
                 let (sin, cos) = links[before].twist;
-                ways[before] += Vector3::new(0.0, -sin * z, cos * z);
+                translations[before] += Vector3::new(0.0, -sin * z, cos * z);
             } else {
                 base_from_first.translation += base_from_first.rotation.z * z;
-                slid.0 = z;
+                origin_shifts.0 = z;
             }
             let link = &mut links[index];
-            (link.along_x, link.along_y) = (ways[index].x, ways[index].y);
+            (link.along_x, link.along_y) = (translations[index].x, translations[index].y);
             link.offset_sin_cos = elementary::sin_cos(link.offset);
         }
         let all_revolute = links.iter().all(|link| link.kind.turns());
@@ -150,7 +153,7 @@ impl Links {
             links,
             base_from_first,
             last_from_tip,
-            slid,
+            origin_shifts,
             metres_per_length,
             lengths_per_metre,
             extent: chain.extent(),
@@ -281,7 +284,7 @@ pub(crate) fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Decomposes R = R_z(β) R_x(α) R_z(γ): returns β, (sin α, cos α) and γ, radians.
-fn turn_twist_turn(rotation: &Matrix3<f64>) -> (f64, (f64, f64), f64) {
+fn decompose_zxz(rotation: &Matrix3<f64>) -> (f64, (f64, f64), f64) {
     let z = rotation.z;
     let sin = elementary::hypot(z.x, z.y);
     let beta = if sin > 0.0 {

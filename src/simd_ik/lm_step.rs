@@ -6,7 +6,7 @@
 //! p_i is `(p_i × z_i, z_i)`, which depends on no later joint.
 
 use super::axis_residual;
-use super::evaluation::Weighed;
+use super::evaluation::WeightedResidual;
 use super::group::Group;
 use super::jacobian;
 use super::lane::LaneScalar;
@@ -17,31 +17,31 @@ use super::settings::Settings;
 use crate::spatial::{Matrix3, Vector3};
 
 /// Ratio of costs at which the error has halved.
-const HALVED: f64 = 0.25;
+const HALVED_COST_RATIO: f64 = 0.25;
 /// Factor on the damping after a step that halved the error.
-const DAMPED_LESS: f64 = 0.5;
+const DAMPING_FACTOR_WHEN_HALVED: f64 = 0.5;
 /// Factor on the damping after any other accepted step.
-const DAMPED_A_LITTLE_LESS: f64 = 0.8;
+const DAMPING_FACTOR_WHEN_ACCEPTED: f64 = 0.8;
 /// Factor on the damping after a rejected step.
-const DAMPED_MORE: f64 = 4.0;
+const DAMPING_FACTOR_WHEN_REJECTED: f64 = 4.0;
 /// Smallest λ, lengths of the solver squared; keeps the dual system regular at the goal.
-const LEAST_LAMBDA: f64 = 1e-14;
+const MIN_LAMBDA: f64 = 1e-14;
 /// Fraction of a rejected step that is tried next.
-const WAY_KEPT: f64 = 0.25;
+const REJECTED_STEP_FRACTION: f64 = 0.25;
 /// Twice the cost below which the goal is near, lengths of the solver squared.
 ///
 /// Convergence to a singular goal is slow but certain there, so iterations count less towards a stall.
-const NEAR: f64 = 1e-6;
+const NEAR_TWICE_COST: f64 = 1e-6;
 /// Largest step that may end a continuation: sum of all joint displacements, radians and lengths of the solver.
 ///
 /// The linear model of a step errs by at most half the step's square.
-const LONGEST_LAST_STEP: f64 = 0.02;
+const MAX_LAST_STEP: f64 = 0.02;
 /// Weight of an iteration near the goal in the count towards a stall.
-const ITERATION_WHEN_NEAR: f64 = 0.1;
+const NEAR_ITERATION_WEIGHT: f64 = 0.1;
 
 /// Bit masks of the lanes whose attempt may end.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ended {
+pub(crate) struct EndMasks {
     /// The evaluated point is within the tolerances.
     pub(crate) reached: u32,
     /// The error has not halved within the stall limit.
@@ -50,7 +50,7 @@ pub(crate) struct Ended {
     pub(crate) closing: u32,
 }
 
-impl Ended {
+impl EndMasks {
     /// Masks before the first step: no lanes.
     pub(crate) fn none() -> Self {
         Self {
@@ -70,25 +70,25 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
     group: &mut Group<V, N>,
     links: &Links,
     settings: &Settings,
-) -> Ended {
-    let weighed = weigh::<V, N, JOINTS, AXES>(group, links, settings);
+) -> EndMasks {
+    let residual = weigh::<V, N, JOINTS, AXES>(group, links, settings);
     let tp = settings.position_tolerance * settings.position_tolerance;
     let to = settings.orientation_tolerance * settings.orientation_tolerance;
-    let reached = weighed.position.less_than(V::constant(tp))
-        & weighed.orientation.less_than(V::constant(to));
-    let twice_cost = weighed.twice_cost;
+    let reached = residual.position.less_than(V::constant(tp))
+        & residual.orientation.less_than(V::constant(to));
+    let twice_cost = residual.twice_cost;
     let accept = twice_cost.less_than(group.accepted_twice_cost) | reached;
     adapt_damping(group, twice_cost, accept);
-    let stalled = note_progress(group, twice_cost, settings);
-    leave_out_blocked_joints::<V, N, JOINTS>(group, links, &weighed);
-    let y = solve_dual::<V, N, JOINTS, AXES>(group, &weighed, settings);
-    move_on::<V, N, JOINTS>(group, links, accept, y);
+    let stalled = count_since_progress(group, twice_cost, settings);
+    zero_blocked_columns::<V, N, JOINTS>(group, links, &residual);
+    let y = solve_dual::<V, N, JOINTS, AXES>(group, &residual, settings);
+    advance_points::<V, N, JOINTS>(group, links, accept, y);
     let closing = accept
-        & match settings.carries {
-            true => leads_on::<V, N, JOINTS>(group, weighed.twist, tp, to),
+        & match settings.is_continuation {
+            true => is_predicted_to_reach::<V, N, JOINTS>(group, residual.twist, tp, to),
             false => twice_cost.less_than(V::constant(settings.closing_twice_cost)),
         };
-    Ended {
+    EndMasks {
         reached: V::mask_bits(reached),
         stalled: V::mask_bits(stalled),
         closing: V::mask_bits(closing),
@@ -101,19 +101,22 @@ fn weigh<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     group: &mut Group<V, N>,
     links: &Links,
     settings: &Settings,
-) -> Weighed<V> {
+) -> WeightedResidual<V> {
     let n = group.joints::<JOINTS>();
-    let mut at = jacobian::evaluate::<V, N, JOINTS>(group, links);
+    let mut evaluation = jacobian::evaluate::<V, N, JOINTS>(group, links);
     if AXES {
-        at.rotation = at.rotation * Matrix3::constant(links.last_from_tip);
+        evaluation.rotation = evaluation.rotation * Matrix3::constant(links.last_from_tip);
         axis_residual::weigh(
-            &at,
+            &evaluation,
             &mut group.linear[..n],
             &mut group.angular[..n],
             settings,
         )
     } else {
-        pose::weigh(&at, settings.length_per_radian * settings.length_per_radian)
+        pose::weigh(
+            &evaluation,
+            settings.length_per_radian * settings.length_per_radian,
+        )
     }
 }
 
@@ -125,25 +128,29 @@ fn adapt_damping<V: LaneScalar, const N: usize>(
     accept: V::Mask,
 ) {
     let c = V::constant;
-    let halved = twice_cost.less_than(group.accepted_twice_cost * c(HALVED));
-    let factor = V::select(halved, c(DAMPED_LESS), c(DAMPED_A_LITTLE_LESS));
-    group.damping *= V::select(accept, factor, c(DAMPED_MORE));
+    let halved = twice_cost.less_than(group.accepted_twice_cost * c(HALVED_COST_RATIO));
+    let factor = V::select(
+        halved,
+        c(DAMPING_FACTOR_WHEN_HALVED),
+        c(DAMPING_FACTOR_WHEN_ACCEPTED),
+    );
+    group.damping *= V::select(accept, factor, c(DAMPING_FACTOR_WHEN_REJECTED));
     group.accepted_twice_cost = V::select(accept, twice_cost, group.accepted_twice_cost);
 }
 
 /// Counts iterations since the error last halved. Returns the mask of the stalled lanes.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn note_progress<V: LaneScalar, const N: usize>(
+fn count_since_progress<V: LaneScalar, const N: usize>(
     group: &mut Group<V, N>,
     twice_cost: V,
     settings: &Settings,
 ) -> V::Mask {
     let c = V::constant;
-    let progress = twice_cost.less_than(group.progress_twice_cost * c(HALVED));
+    let progress = twice_cost.less_than(group.progress_twice_cost * c(HALVED_COST_RATIO));
     group.progress_twice_cost = V::select(progress, twice_cost, group.progress_twice_cost);
     let iteration = V::select(
-        twice_cost.less_than(c(NEAR)),
-        c(ITERATION_WHEN_NEAR),
+        twice_cost.less_than(c(NEAR_TWICE_COST)),
+        c(NEAR_ITERATION_WEIGHT),
         V::one(),
     );
     group.since_progress = V::select(progress, V::zero(), group.since_progress + iteration);
@@ -153,15 +160,15 @@ fn note_progress<V: LaneScalar, const N: usize>(
 
 /// Zeroes the columns of joints at a bound whose descent direction points outward (Bertsekas 1982).
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn leave_out_blocked_joints<V: LaneScalar, const N: usize, const JOINTS: usize>(
+fn zero_blocked_columns<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
     links: &Links,
-    weighed: &Weighed<V>,
+    residual: &WeightedResidual<V>,
 ) {
     let c = V::constant;
     for i in 0..group.joints::<JOINTS>() {
         let (l, a) = (group.linear[i], group.angular[i]);
-        let gradient = l.dot(weighed.gradient.0) + a.dot(weighed.gradient.1);
+        let gradient = l.dot(residual.gradient.0) + a.dot(residual.gradient.1);
         let q = group.q[i];
         let (lower, upper) = (c(links.links[i].lower), c(links.links[i].upper));
         let at_lower = !lower.less_than(q) & V::zero().less_than(gradient);
@@ -183,12 +190,12 @@ fn leave_out_blocked_joints<V: LaneScalar, const N: usize, const JOINTS: usize>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bool>(
     group: &mut Group<V, N>,
-    weighed: &Weighed<V>,
+    residual: &WeightedResidual<V>,
     settings: &Settings,
 ) -> (Vector3<V>, Vector3<V>) {
     let c = V::constant;
     jacobian::normal_equations::<V, N, JOINTS>(group);
-    let lambda = (group.damping * weighed.twice_cost).max(c(LEAST_LAMBDA));
+    let lambda = (group.damping * residual.twice_cost).max(c(MIN_LAMBDA));
     let lambda_turn = if AXES {
         lambda
     } else {
@@ -200,7 +207,7 @@ fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bo
         m[k][k] += lambda;
         m[k + 3][k + 3] += lambda_turn;
     }
-    let (e, s) = weighed.twist;
+    let (e, s) = residual.twist;
     let [y] = ldlt::solve(group.normal, [[-e.x, -e.y, -e.z, -s.x, -s.y, -s.z]]);
     (
         Vector3::new(y[0], y[1], y[2]),
@@ -212,7 +219,7 @@ fn solve_dual<V: LaneScalar, const N: usize, const JOINTS: usize, const AXES: bo
 ///
 /// A rejected lane next tries a fraction of its last step from the accepted point, which needs no earlier Jacobian.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
+fn advance_points<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &mut Group<V, N>,
     links: &Links,
     accept: V::Mask,
@@ -224,10 +231,10 @@ fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
         let link = &links.links[i];
         let q = group.q[i];
         let moved = (q + delta).max(c(link.lower)).min(c(link.upper));
-        let old = group.accepted[i];
-        let back = (q - old).mul_add(c(WAY_KEPT), old);
-        group.accepted[i] = V::select(accept, q, old);
-        group.q[i] = V::select(accept, moved, back);
+        let accepted = group.accepted[i];
+        let shortened = (q - accepted).mul_add(c(REJECTED_STEP_FRACTION), accepted);
+        group.accepted[i] = V::select(accept, q, accepted);
+        group.q[i] = V::select(accept, moved, shortened);
     }
 }
 
@@ -235,20 +242,20 @@ fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
 ///
 /// The step includes the effect of bounds and damping.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn leads_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
+fn is_predicted_to_reach<V: LaneScalar, const N: usize, const JOINTS: usize>(
     group: &Group<V, N>,
     (mut p, mut s): (Vector3<V>, Vector3<V>),
     squared_position: f64,
     squared_orientation: f64,
 ) -> V::Mask {
-    let mut moved = V::zero();
+    let mut total_motion = V::zero();
     for i in 0..group.joints::<JOINTS>() {
-        let by = group.q[i] - group.accepted[i];
-        p = group.linear[i].mul_add(by, p);
-        s = group.angular[i].mul_add(by, s);
-        moved += by.abs();
+        let delta = group.q[i] - group.accepted[i];
+        p = group.linear[i].mul_add(delta, p);
+        s = group.angular[i].mul_add(delta, s);
+        total_motion += delta.abs();
     }
-    moved.less_than(V::constant(LONGEST_LAST_STEP))
+    total_motion.less_than(V::constant(MAX_LAST_STEP))
         & p.norm_squared().less_than(V::constant(squared_position))
         & s.norm_squared().less_than(V::constant(squared_orientation))
 }

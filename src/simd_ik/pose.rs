@@ -1,14 +1,14 @@
 //! Residual of the full pose.
 
-use super::evaluation::{Evaluation, Weighed};
+use super::evaluation::{Evaluation, WeightedResidual};
 use super::lane::LaneScalar;
 use crate::spatial::Vector3;
 
 /// Computes the residual of the full pose; `weight` is the squared length of the solver per radian.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V> {
+pub(crate) fn weigh<V: LaneScalar>(evaluation: &Evaluation<V>, weight: f64) -> WeightedResidual<V> {
     let c = V::constant;
-    let (p, r) = (at.position, &at.rotation);
+    let (p, r) = (evaluation.position, &evaluation.rotation);
     let half = c(0.5);
     let s = Vector3::new(
         (r.y.z - r.z.y) * half,
@@ -22,7 +22,7 @@ pub(crate) fn weigh<V: LaneScalar>(at: &Evaluation<V>, weight: f64) -> Weighed<V
     let series = ss.mul_add(ss.mul_add(series, c(0.25)), V::one()) * ss;
     let near = ss.less_than(c(1e-3)) & V::zero().less_than(cos);
     let turned = V::select(near, series, (V::one() - cos) * c(2.0));
-    Weighed {
+    WeightedResidual {
         twice_cost: turned.mul_add(c(weight), pp),
         position: pp,
         orientation: turned,

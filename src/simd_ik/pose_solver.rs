@@ -6,7 +6,7 @@ use super::check;
 use super::instruction_set;
 use super::options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 use super::prepared::Prepared;
-use super::query::{Answer, Query};
+use super::query::{Query, QueryOutput};
 use crate::clock::Instant;
 use crate::spatial::Placement;
 
@@ -87,7 +87,7 @@ impl PoseSolver {
         check::length("q", q.len(), n)?;
         check::query(0, base_from_target, start)?;
         let query = self.query(base_from_target, start, search, deadline);
-        Ok(self.race(&query, false, &mut Answer::of(q)))
+        Ok(self.race(&query, false, &mut QueryOutput::of(q)))
     }
 
     /// Query with the attempts and iterations that the options allow.
@@ -112,18 +112,18 @@ impl PoseSolver {
         self.prepared.options.attempts.max(1)
     }
 
-    /// Solves a query that is checked already. With `lone` the first attempt initially runs alone.
+    /// Solves a query that is checked already. With `first_alone` the first attempt initially runs alone.
     pub(crate) fn race(
         &self,
         query: &Query<'_>,
-        lone: bool,
-        answer: &mut Answer<'_>,
+        first_alone: bool,
+        output: &mut QueryOutput<'_>,
     ) -> PoseOutcome {
-        instruction_set::race(&self.prepared, query, lone, answer)
+        instruction_set::race(&self.prepared, query, first_alone, output)
     }
 
     /// Runs only the attempt from the start, on input that is checked already.
-    pub(crate) fn own_attempt(
+    pub(crate) fn attempt_from_start(
         &self,
         base_from_target: &Placement<f64>,
         start: &[f64],
@@ -138,7 +138,7 @@ impl PoseSolver {
             budget: u32::MAX,
             deadline,
         };
-        self.race(&query, true, &mut Answer::of(q))
+        self.race(&query, true, &mut QueryOutput::of(q))
     }
 
     /// Writes the geometric Jacobian at q (radians and metres), six entries per joint.
@@ -263,20 +263,20 @@ impl PoseSolver {
     ///
     /// Values are radians and metres within the bounds. Returns true if there are further cells.
     #[cfg(feature = "collision")]
-    pub(crate) fn seeds_about(
+    pub(crate) fn neighbour_seeds(
         &self,
         target: &Placement<f64>,
         cells: std::ops::Range<usize>,
         q: &mut Vec<f64>,
     ) -> bool {
-        self.prepared.seeds_about(target, cells, q)
+        self.prepared.neighbour_seeds(target, cells, q)
     }
 
     /// Adds whole revolutions to the joints that can make them, as near to the start as bounds allow; radians and
     /// metres.
     #[cfg(feature = "collision")]
     pub(crate) fn unwrap_towards(&self, start: &[f64], q: &mut [f64]) {
-        super::whole_turns::unwrap_towards(&self.prepared, start, q);
+        super::revolutions::unwrap_towards(&self.prepared, start, q);
     }
 
     /// Runs a batch that is checked already.
@@ -312,7 +312,7 @@ impl PoseSolver {
             .zip(outcomes);
         for ((target, q), outcome) in steps {
             let query = self.query(target, &last[..n], Prefer::Start, None);
-            *outcome = self.race(&query, true, &mut Answer::of(q));
+            *outcome = self.race(&query, true, &mut QueryOutput::of(q));
             last[..n].copy_from_slice(q);
         }
         Ok(())

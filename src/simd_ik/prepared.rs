@@ -17,9 +17,9 @@ pub(crate) struct Prepared {
     pub(crate) options: LaneOptions,
     pub(crate) atlas: Option<TooledAtlas>,
     /// True if some revolute joint has a range of a whole revolution.
-    pub(crate) wide: bool,
+    pub(crate) has_full_revolution: bool,
     /// True if rounding may exceed half a tolerance at some q within the initial bounds.
-    pub(crate) coarse: bool,
+    pub(crate) needs_resolution: bool,
 }
 
 impl Prepared {
@@ -40,21 +40,21 @@ impl Prepared {
         } else {
             None
         };
-        let wide = links
+        let has_full_revolution = links
             .links
             .iter()
             .any(|link| link.kind.turns() && link.upper - link.lower >= TAU);
-        let farthest = links.links.iter().map(|l| l.lower.abs().max(l.upper.abs()));
-        let (metres, radians) = links.resolution(farthest);
-        let coarse = !(metres < 0.5 * options.position_tolerance
+        let max_values = links.links.iter().map(|l| l.lower.abs().max(l.upper.abs()));
+        let (metres, radians) = links.resolution(max_values);
+        let needs_resolution = !(metres < 0.5 * options.position_tolerance
             && radians < 0.5 * options.orientation_tolerance);
         Ok(Self {
-            coarse,
+            needs_resolution,
             atlas,
             links,
             settings,
             options,
-            wide,
+            has_full_revolution,
         })
     }
 
@@ -65,8 +65,8 @@ impl Prepared {
             settings: self.settings,
             options: self.options.clone(),
             atlas: None,
-            wide: self.wide,
-            coarse: self.coarse,
+            has_full_revolution: self.has_full_revolution,
+            needs_resolution: self.needs_resolution,
         }
     }
 

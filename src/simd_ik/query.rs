@@ -20,7 +20,7 @@ pub(crate) struct Query<'a> {
 
 /// Output configurations of a query.
 #[derive(Default)]
-pub(crate) struct Answer<'a> {
+pub(crate) struct QueryOutput<'a> {
     /// The solution; if none was found, the end of the attempt from the start or the best of all attempts.
     ///
     /// The former applies under [`Prefer::Start`] if that attempt is among those run.
@@ -31,7 +31,7 @@ pub(crate) struct Answer<'a> {
     pub(crate) best_attempt: u32,
 }
 
-impl<'a> Answer<'a> {
+impl<'a> QueryOutput<'a> {
     /// Output without the best failed attempt.
     pub(crate) fn of(q: &'a mut [f64]) -> Self {
         Self {

@@ -8,7 +8,7 @@ use super::links::{Link, Links};
 use super::options::Prefer;
 use super::prepared::Prepared;
 use super::query::Query;
-use super::whole_turns::reduced;
+use super::revolutions::reduced;
 use crate::random::mix;
 use crate::spatial::Placement;
 
@@ -127,8 +127,8 @@ pub(super) fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
         *q = start_value(links, link, start);
         *q = q.max(link.lower).min(link.upper);
         if link.kind.turns() && q.abs() > LARGE_ANGLE {
-            let turned = *q - TAU * (*q / TAU).round();
-            *q = turned.max(link.lower).min(link.upper);
+            let wrapped = *q - TAU * (*q / TAU).round();
+            *q = wrapped.max(link.lower).min(link.upper);
         }
     }
 }

@@ -23,13 +23,13 @@ pub(crate) struct Settings {
     /// Twice the cost of a start below which only the first attempt is made, lengths of the solver squared.
     pub(crate) nearby_twice_cost: f64,
     /// True if any short step onto the goal by its linear model ends an attempt, not only one from a near point.
-    pub(crate) carries: bool,
+    pub(crate) is_continuation: bool,
     /// Number of iterations without halving the error after which an attempt ends.
     pub(crate) stall_limit: f64,
 }
 
 /// Twice the cost per tolerance below which one more step should reach the goal, in lengths of the solver.
-const CLOSING: f64 = 0.1;
+const CLOSING_TWICE_COST_PER_TOLERANCE: f64 = 0.1;
 
 impl Settings {
     /// Converts options that are checked already.
@@ -52,9 +52,9 @@ impl Settings {
             weighted: !options.axes.is_full_pose(),
             axes,
             // Convergence is quadratic: the error after a step is about its square, in lengths.
-            closing_twice_cost: CLOSING * smaller,
+            closing_twice_cost: CLOSING_TWICE_COST_PER_TOLERANCE * smaller,
             nearby_twice_cost: nearby * nearby,
-            carries: false,
+            is_continuation: false,
         }
     }
 }

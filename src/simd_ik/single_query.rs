@@ -6,13 +6,13 @@ use super::chain::MAX_JOINTS;
 use super::evaluation::Errors;
 use super::group::Group;
 use super::lane::LaneScalar;
-use super::lm_step::Ended;
+use super::lm_step::EndMasks;
 use super::options::{PoseOutcome, Prefer};
 use super::prepared::Prepared;
-use super::query::{Answer, Query};
+use super::query::{Query, QueryOutput};
+use super::revolutions::unwrap_towards;
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
-use super::whole_turns::unwrap_towards;
 use crate::spatial::Placement;
 
 /// Largest number of lanes of a single query.
@@ -24,20 +24,20 @@ const MAX_LANES: usize = 8;
 /// fewest iterations win, then the lowest attempt. A lane whose attempt fails takes the next attempt at once. The
 /// result depends on time only if a deadline is set.
 ///
-/// With `lone` the attempt from the start runs alone first, and the other lanes fill only if it fails. This suits
-/// tracking, where it rarely fails.
+/// With `first_alone` the attempt from the start runs alone first, and the other lanes fill only if it fails. This
+/// suits tracking, where it rarely fails.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn race<V: LaneScalar, const N: usize>(
     stages: &Stages<V, N>,
     prepared: &Prepared,
     query: &Query<'_>,
-    lone: bool,
-    answer: &mut Answer<'_>,
+    first_alone: bool,
+    output: &mut QueryOutput<'_>,
 ) -> PoseOutcome {
     // Outside `Race`, to avoid moving kilobytes.
     let mut group = Group::new(prepared.joints());
-    let mut race = Race::new(stages, prepared, query, answer, &mut group);
-    let mut lanes = if lone { 1 } else { V::WIDTH };
+    let mut race = Race::new(stages, prepared, query, output, &mut group);
+    let mut lanes = if first_alone { 1 } else { V::WIDTH };
     loop {
         race.fill(lanes);
         if race.active == 0 {
@@ -45,14 +45,14 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
         }
         let ended = (stages.step)(race.group, &prepared.links, &prepared.settings);
         race.note_start_cost();
-        let failed = race.age(&ended);
-        let close = (ended.reached | ended.closing) & race.active;
-        let mut over = close | failed;
-        while over != 0 {
-            let lane = over.trailing_zeros() as usize;
+        let failed = race.count_step(&ended);
+        let near_goal = (ended.reached | ended.closing) & race.active;
+        let mut finished = near_goal | failed;
+        while finished != 0 {
+            let lane = finished.trailing_zeros() as usize;
             let bit = 1 << lane;
-            over &= over - 1;
-            let won = close & bit != 0 && race.may_win(lane) && race.wins(lane, &ended);
+            finished &= finished - 1;
+            let won = near_goal & bit != 0 && race.may_win(lane) && race.wins(lane, &ended);
             if won || failed & bit != 0 {
                 race.active &= !bit;
             }
@@ -61,15 +61,19 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
                 break;
             }
             if !won && failed & bit != 0 && race.winner.is_none() {
-                race.keep_miss(lane);
+                race.record_failure(lane);
             }
         }
         if race.is_decided() {
             break;
         }
-        // With `lone`, no other attempt runs until the first ends.
-        let alone = lone && race.winner.is_none() && race.active != 0;
-        lanes = if alone { 1 } else { V::WIDTH.min(MAX_LANES) };
+        // With `first_alone`, no other attempt runs until the first ends.
+        let first_still_alone = first_alone && race.winner.is_none() && race.active != 0;
+        lanes = if first_still_alone {
+            1
+        } else {
+            V::WIDTH.min(MAX_LANES)
+        };
     }
     race.outcome()
 }
@@ -86,7 +90,7 @@ struct Race<'a, 'b, V, const N: usize> {
     stages: &'a Stages<V, N>,
     prepared: &'a Prepared,
     query: &'a Query<'a>,
-    answer: &'a mut Answer<'b>,
+    output: &'a mut QueryOutput<'b>,
     goal_from_first: Placement<f64>,
     group: &'a mut Group<V, N>,
     seeds: QuerySeeds,
@@ -95,21 +99,21 @@ struct Race<'a, 'b, V, const N: usize> {
     /// Number of the attempt in each lane.
     attempt: [u32; MAX_LANES],
     /// Iterations of the attempt in each lane.
-    age: [u32; MAX_LANES],
+    attempt_iterations: [u32; MAX_LANES],
     /// Bit mask of the lanes with a running attempt.
     active: u32,
     /// Number of the next attempt.
     next: u32,
     iterations: u32,
-    late: bool,
+    is_late: bool,
     /// True if the first attempt has ended the search.
     ended: bool,
     /// True if the lowest attempt that reaches wins.
     by_number: bool,
     /// True if the attempts include the one from the start, under `Prefer::Start`.
-    has_own: bool,
+    has_start_attempt: bool,
     /// True before the first step.
-    unmoved: bool,
+    before_first_step: bool,
     /// True if the target is so near to the start that a failed first attempt ends the query.
     nearby: bool,
     /// Twice the cost and number of the best failed attempt so far.
@@ -125,7 +129,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         stages: &'a Stages<V, N>,
         prepared: &'a Prepared,
         query: &'a Query<'a>,
-        answer: &'a mut Answer<'b>,
+        output: &'a mut QueryOutput<'b>,
         group: &'a mut Group<V, N>,
     ) -> Self {
         let links = &prepared.links;
@@ -134,21 +138,21 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
             stages,
             prepared,
             query,
-            answer,
+            output,
             goal_from_first: links.goal_from_first(query.target, prepared.settings.weighted),
             group,
             seeds: QuerySeeds::new(),
             q: [0.0; MAX_JOINTS],
             attempt: [0; MAX_LANES],
-            age: [0; MAX_LANES],
+            attempt_iterations: [0; MAX_LANES],
             active: 0,
             next: query.attempts.0,
             iterations: 0,
-            late: false,
+            is_late: false,
             ended: false,
             by_number,
-            has_own: by_number && query.attempts.0 == 0,
-            unmoved: true,
+            has_start_attempt: by_number && query.attempts.0 == 0,
+            before_first_step: true,
             nearby: false,
             best: None,
             winner: None,
@@ -170,7 +174,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
             if self.active >> lane & 1 == 0
                 && self.next < end
                 && self.winner.is_none()
-                && !self.late
+                && !self.is_late
                 && self.iterations < query.budget.max(1)
             {
                 let (seeds, q) = (&mut self.seeds, &mut self.q);
@@ -184,7 +188,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
                 for lane in lane..last {
                     self.group.load(lane, &goal, q, &prepared.settings);
                 }
-                (self.attempt[lane], self.age[lane]) = (self.next, 0);
+                (self.attempt[lane], self.attempt_iterations[lane]) = (self.next, 0);
                 self.active |= 1 << lane;
                 self.next += 1;
             }
@@ -193,31 +197,36 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
 
     /// Counts a step of all lanes. Returns the bit mask of the lanes whose attempt failed.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn age(&mut self, ended: &Ended) -> u32 {
+    fn count_step(&mut self, ended: &EndMasks) -> u32 {
         self.iterations += self.active.count_ones();
-        self.late = is_past(self.query.deadline);
-        let mut spent = if self.late { u32::MAX } else { 0 };
-        for (lane, age) in self.age.iter_mut().enumerate().take(V::WIDTH) {
-            *age += 1;
-            spent |= u32::from(*age >= self.prepared.options.iterations) << lane;
+        self.is_late = is_past(self.query.deadline);
+        let mut exhausted = if self.is_late { u32::MAX } else { 0 };
+        for (lane, iterations) in self
+            .attempt_iterations
+            .iter_mut()
+            .enumerate()
+            .take(V::WIDTH)
+        {
+            *iterations += 1;
+            exhausted |= u32::from(*iterations >= self.prepared.options.iterations) << lane;
         }
-        (ended.stalled | spent) & self.active
+        (ended.stalled | exhausted) & self.active
     }
 
     /// Returns true if the attempt of a lane would win over the current winner.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn may_win(&self, lane: usize) -> bool {
-        let (attempt, age) = (self.attempt[lane], self.age[lane]);
+        let (attempt, iterations) = (self.attempt[lane], self.attempt_iterations[lane]);
         match &self.winner {
             None => true,
             Some(winner) if self.by_number => attempt < winner.attempt,
-            Some(winner) => (age, attempt) < (winner.iterations, winner.attempt),
+            Some(winner) => (iterations, attempt) < (winner.iterations, winner.attempt),
         }
     }
 
     /// Checks the point of a lane that is close to the goal. Makes it the winner and returns true if it reaches.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn wins(&mut self, lane: usize, ended: &Ended) -> bool {
+    fn wins(&mut self, lane: usize, ended: &EndMasks) -> bool {
         let q = &mut self.q[..self.prepared.links.links.len()];
         if ended.reached >> lane & 1 != 0 {
             self.group.point(lane, q);
@@ -227,10 +236,10 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         unwrap_towards(self.prepared, self.query.start, q);
         let (reached, errors) = (self.stages.judge)(self.prepared, &self.goal_from_first, q);
         if reached {
-            self.answer.q.copy_from_slice(q);
+            self.output.q.copy_from_slice(q);
             self.winner = Some(Winner {
                 attempt: self.attempt[lane],
-                iterations: self.age[lane],
+                iterations: self.attempt_iterations[lane],
                 errors,
             });
         }
@@ -240,11 +249,12 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     /// After the first step, records whether the target is near the start.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn note_start_cost(&mut self) {
-        if self.unmoved {
-            self.unmoved = false;
+        if self.before_first_step {
+            self.before_first_step = false;
             // The first attempt runs in lane 0; after one step its accepted point is still the start.
             let twice_cost = self.group.twice_cost(0);
-            self.nearby = self.has_own && twice_cost < self.prepared.settings.nearby_twice_cost;
+            self.nearby =
+                self.has_start_attempt && twice_cost < self.prepared.settings.nearby_twice_cost;
         }
     }
 
@@ -253,39 +263,41 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     /// Returns false after the deadline, which must not discard what other attempts have reached.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_first_of_nearby(&self, lane: usize) -> bool {
-        self.nearby && self.attempt[lane] == 0 && !self.late
+        self.nearby && self.attempt[lane] == 0 && !self.is_late
     }
 
     /// Ends the search with the failed first attempt as its result, whatever the other attempts reached.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn end_with_first(&mut self, lane: usize) {
-        let Self { group, answer, .. } = self;
-        group.point(lane, answer.q);
-        group.point(lane, answer.best);
-        answer.best_attempt = 0;
+        let Self { group, output, .. } = self;
+        group.point(lane, output.q);
+        group.point(lane, output.best);
+        output.best_attempt = 0;
         (self.winner, self.next, self.ended) = (None, 1, true);
     }
 
     /// Records the end of a failed attempt if it is the best so far or started at the start.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn keep_miss(&mut self, lane: usize) {
-        let Self { group, answer, .. } = self;
+    fn record_failure(&mut self, lane: usize) {
+        let Self { group, output, .. } = self;
         let (cost, attempt) = (group.twice_cost(lane), self.attempt[lane]);
         // Costs that overflow are equal: keep the lowest attempt, from the start.
-        let better = match self.best {
+        let is_better = match self.best {
             None => true,
-            Some((best, by)) => cost < best || cost == best && attempt < by,
+            Some((best_cost, best_attempt)) => {
+                cost < best_cost || cost == best_cost && attempt < best_attempt
+            }
         };
-        if better {
+        if is_better {
             self.best = Some((cost, attempt));
-            answer.best_attempt = attempt;
-            match self.has_own {
-                true => group.point(lane, answer.best),
-                false => group.point(lane, answer.q),
+            output.best_attempt = attempt;
+            match self.has_start_attempt {
+                true => group.point(lane, output.best),
+                false => group.point(lane, output.q),
             }
         }
-        if self.has_own && attempt == 0 {
-            group.point(lane, answer.q);
+        if self.has_start_attempt && attempt == 0 {
+            group.point(lane, output.q);
         }
     }
 
@@ -308,21 +320,21 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outcome(&mut self) -> PoseOutcome {
         let (prepared, start) = (self.prepared, self.query.start);
-        let answer = &mut *self.answer;
+        let output = &mut *self.output;
         let (reached, errors, winner) = match &self.winner {
             Some(winner) => (true, winner.errors, Some(winner.attempt)),
             None => {
-                if self.has_own {
-                    unwrap_towards(prepared, start, answer.best);
-                    prepared.links.to_metres(answer.best);
+                if self.has_start_attempt {
+                    unwrap_towards(prepared, start, output.best);
+                    prepared.links.to_metres(output.best);
                 }
-                unwrap_towards(prepared, start, answer.q);
+                unwrap_towards(prepared, start, output.q);
                 let judge = self.stages.judge;
-                let (reached, errors) = judge(prepared, &self.goal_from_first, answer.q);
+                let (reached, errors) = judge(prepared, &self.goal_from_first, output.q);
                 (reached, errors, None)
             }
         };
-        prepared.links.to_metres(answer.q);
+        prepared.links.to_metres(output.q);
         PoseOutcome {
             reached,
             position_error: errors.position,

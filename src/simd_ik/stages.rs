@@ -5,14 +5,14 @@
 use super::evaluation::Errors;
 use super::group::Group;
 use super::links::Links;
-use super::lm_step::Ended;
+use super::lm_step::EndMasks;
 use super::prepared::Prepared;
 use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::settings::Settings;
 use crate::spatial::Placement;
 
-type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> Ended;
+type Step<V, const N: usize> = fn(&mut Group<V, N>, &Links, &Settings) -> EndMasks;
 type Judge = fn(&Prepared, &Placement<f64>, &[f64]) -> (bool, Errors);
 type Seed = fn(&mut QuerySeeds, &Prepared, &Query<'_>, &Placement<f64>, u32, &mut [f64]);
 
@@ -33,7 +33,7 @@ macro_rules! stages {
             use crate::simd_ik::evaluation::Errors;
             use crate::simd_ik::group::Group;
             use crate::simd_ik::judge;
-            use crate::simd_ik::lm_step::{self, Ended};
+            use crate::simd_ik::lm_step::{self, EndMasks};
             use crate::simd_ik::lane::LaneScalar;
             use crate::simd_ik::links::Links;
             use crate::simd_ik::prepared::Prepared;
@@ -48,7 +48,7 @@ macro_rules! stages {
                 group: &mut Group<V, N>,
                 links: &Links,
                 settings: &Settings,
-            ) -> Ended {
+            ) -> EndMasks {
                 lm_step::step::<V, N, JOINTS, AXES>(group, links, settings)
             }
 

@@ -63,7 +63,8 @@ impl Arm {
                         return Ok((false, spent));
                     };
                     let (target, deadline) = (workspace.target(), query.deadline);
-                    let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);
+                    let outcome =
+                        lanes.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
                     spent.attempts += 1;
                     spent.iterations += outcome.iterations as usize;
                     if !outcome.reached {

@@ -89,7 +89,7 @@ impl Arm {
                     continue;
                 }
                 let target = workspace.target();
-                let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);
+                let outcome = lanes.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
                 let (_, distance) = self.longest_move(from, &q);
                 let near = outcome.reached && distance <= LONG_STEP && distance < best;
                 let is_open = |room: &mut CollisionWorkspace| -> Result<bool, QueryError> {

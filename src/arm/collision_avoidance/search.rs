@@ -182,7 +182,7 @@ impl Arm {
             while let Some(cell) = next
                 && seeds.len() < (free + CHECKED) * n
             {
-                let more = lanes.seeds_about(query.target, cell..cell + 1, &mut seeds);
+                let more = lanes.neighbour_seeds(query.target, cell..cell + 1, &mut seeds);
                 next = more.then_some(cell + 1);
             }
             let gathered = free..seeds.len() / n;

@@ -19,7 +19,7 @@ type Axis = (Vector3<f64>, Vector3<f64>);
 struct Sample<'a> {
     key: Key,
     q: &'a [f64],
-    place: Placement<f64>,
+    pose: Placement<f64>,
     joints: &'a [Axis],
 }
 
@@ -35,7 +35,7 @@ impl Atlas {
             let sum = 0.5 * (link.lower + link.upper);
             if sum.is_finite() { sum } else { 0.0 }
         };
-        let (lead, lead_at) = leading(&links.links);
+        let (lead, lead_point) = leading(&links.links);
         let cells = resolution.radius * resolution.height * resolution.direction.pow(2);
         let rows_per_cell = n + 5 + 4 * n;
         let mut atlas = Self {
@@ -46,7 +46,7 @@ impl Atlas {
             rows: vec![[0.0; PER_CELL]; cells * rows_per_cell],
             counts: vec![0; cells],
             lead,
-            lead_at,
+            lead_point,
             lead_turns: links.links[lead].kind.turns(),
             last_turns: links.links[n - 1].kind.turns(),
             middles: [middle(lead), middle(n - 1)],
@@ -59,12 +59,13 @@ impl Atlas {
                 if i == lead || i == n - 1 && link.kind.turns() {
                     return (0.0, 0.0);
                 }
-                let finite = |bound: f64, else_: f64| if bound.is_finite() { bound } else { else_ };
+                let finite =
+                    |bound: f64, fallback: f64| if bound.is_finite() { bound } else { fallback };
                 let lower = finite(link.lower, -TAU / 2.0);
                 (lower, finite(link.upper, TAU / 2.0) - lower)
             })
             .collect();
-        let mut draw = |q: &mut [f64]| {
+        let mut fill_sample = |q: &mut [f64]| {
             for (q, &(lower, span)) in q.iter_mut().zip(&ranges) {
                 state = mix(state);
                 let unit = (state >> 11) as f64 / (1u64 << 53) as f64;
@@ -76,11 +77,11 @@ impl Atlas {
         let mut joints = vec![(Vector3::zero(), Vector3::zero()); n];
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for _ in 0..2000 {
-            draw(&mut q);
-            let key = atlas.key(&forward(links, lead_at, &q, &mut joints));
+            fill_sample(&mut q);
+            let key = atlas.key(&forward(links, lead_point, &q, &mut joints));
             for k in 0..2 {
-                low[k] = low[k].min(key.place[k]);
-                high[k] = high[k].max(key.place[k]);
+                low[k] = low[k].min(key.position[k]);
+                high[k] = high[k].max(key.position[k]);
             }
         }
         atlas.low = low;
@@ -89,16 +90,16 @@ impl Atlas {
             atlas.scale[k] = counts[k] as f64 / (high[k] - low[k]).max(1e-9);
         }
         for _ in 0..samples {
-            draw(&mut q);
-            let place = forward(links, lead_at, &q, &mut joints);
-            let key = atlas.key(&place);
+            fill_sample(&mut q);
+            let pose = forward(links, lead_point, &q, &mut joints);
+            let key = atlas.key(&pose);
             let cell = atlas.cell(&key);
             let count = usize::from(atlas.counts[cell]);
             if count < PER_CELL {
                 let sample = Sample {
                     key,
                     q: &q,
-                    place,
+                    pose,
                     joints: &joints,
                 };
                 atlas.store(cell, count, &sample, links);
@@ -112,9 +113,9 @@ impl Atlas {
     fn store(&mut self, cell: usize, slot: usize, sample: &Sample, links: &Links) {
         let n = self.joints;
         let (centre, h) = self.direction_frame(cell);
-        let (place, mut key) = (&sample.place, sample.key);
+        let (pose, mut key) = (&sample.pose, sample.key);
         if self.lead_turns {
-            key.shift = elementary::atan2(place.translation.y, place.translation.x);
+            key.shift = elementary::atan2(pose.translation.y, pose.translation.x);
         }
         // The sample, rotated so that its shift and roll are zero.
         let (roll_y, roll_x) = self.roll_parts(&key, h);
@@ -130,15 +131,15 @@ impl Atlas {
             canonical[n - 1] -= roll;
         }
         // Geometry in the frame of the half plane.
-        let turn = if self.lead_turns { -key.shift } else { 0.0 };
-        let turned = Matrix3::identity().rotated_about_z(elementary::sin_cos(turn));
+        let rotation_angle = if self.lead_turns { -key.shift } else { 0.0 };
+        let rotation = Matrix3::identity().rotated_about_z(elementary::sin_cos(rotation_angle));
         let lift = if self.lead_turns { 0.0 } else { -key.shift };
-        let origin = turned * place.translation + Vector3::new(0.0, 0.0, lift);
+        let origin = rotation * pose.translation + Vector3::new(0.0, 0.0, lift);
         let mut columns = [[0.0; 6]; MAX_ATLAS_JOINTS];
         let per_joint = columns.iter_mut().zip(sample.joints).zip(&links.links);
         for ((column, &(axis, point)), link) in per_joint {
-            let axis = turned * axis;
-            let point = turned * point + Vector3::new(0.0, 0.0, lift);
+            let axis = rotation * axis;
+            let point = rotation * point + Vector3::new(0.0, 0.0, lift);
             *column = if link.kind.turns() {
                 let v = axis.cross(origin - point);
                 [v.x, v.y, v.z, axis.x, axis.y, axis.z]
@@ -151,7 +152,7 @@ impl Atlas {
         let side = h - a * h.dot(a);
         let length = side.norm().max(1e-6);
         let x = side * length.recip();
-        let turn_towards = |direction: Vector3<f64>| {
+        let rotation_towards = |direction: Vector3<f64>| {
             let tangent = direction - a * direction.dot(a);
             let omega = a.cross(tangent) + a * (-x.dot(tangent.cross(h)) / length);
             [0.0, 0.0, 0.0, omega.x, omega.y, omega.z]
@@ -164,8 +165,8 @@ impl Atlas {
         let twists = [
             [along[0][0], along[0][1], along[0][2], 0.0, 0.0, 0.0],
             [along[1][0], along[1][1], along[1][2], 0.0, 0.0, 0.0],
-            turn_towards(h),
-            turn_towards(centre.cross(h)),
+            rotation_towards(h),
+            rotation_towards(centre.cross(h)),
         ];
         // Lower triangle of J Jᵀ. Index loops, as iterators are slow in a debug build.
         let mut m = [[0.0; 6]; 6];
@@ -192,7 +193,7 @@ impl Atlas {
         for (i, value) in canonical[..n].iter().enumerate() {
             self.rows[base + i][slot] = *value as f32;
         }
-        let numbers = [key.place[0], key.place[1], a.x, a.y, a.z];
+        let numbers = [key.position[0], key.position[1], a.x, a.y, a.z];
         for (i, value) in numbers.iter().enumerate() {
             self.rows[base + n + i][slot] = *value as f32;
         }
@@ -210,23 +211,28 @@ impl Atlas {
 /// Index of the leading joint, whose symmetry reduces goals, and a point of its axis in the first joint's frame.
 fn leading(links: &[Link]) -> (usize, Vector3<f64>) {
     let (first, second) = (&links[0], &links[1]);
-    let one_axis = first.twist.0.abs() < 1e-9 && first.twist.1 > 0.0;
-    let way = |link: &Link| elementary::hypot(link.along_x, link.along_y);
-    let little = first.upper - first.lower < links.iter().map(way).sum();
-    if !(first.kind.slides() && second.kind.turns() && one_axis && little) {
+    let share_axis = first.twist.0.abs() < 1e-9 && first.twist.1 > 0.0;
+    let length = |link: &Link| elementary::hypot(link.along_x, link.along_y);
+    let is_short = first.upper - first.lower < links.iter().map(length).sum();
+    if !(first.kind.slides() && second.kind.turns() && share_axis && is_short) {
         return (0, Vector3::zero());
     }
     let turned = Matrix3::identity().rotated_about_z(first.offset_sin_cos);
-    let at = turned.x * first.along_x + turned.y * first.along_y;
-    (1, at)
+    let lead_point = turned.x * first.along_x + turned.y * first.along_y;
+    (1, lead_point)
 }
 
-/// Pose of the last joint's frame after its rotation, relative to the point `lead_at` in the first joint's frame.
+/// Pose of the last joint's frame after its rotation, relative to the point `lead_point` in the first joint's frame.
 ///
 /// Writes the axis of every joint and a point on it to `joints`.
-fn forward(links: &Links, lead_at: Vector3<f64>, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
+fn forward(
+    links: &Links,
+    lead_point: Vector3<f64>,
+    q: &[f64],
+    joints: &mut [Axis],
+) -> Placement<f64> {
     let mut r = Matrix3::<f64>::identity();
-    let mut p = Vector3::<f64>::zero() - lead_at;
+    let mut p = Vector3::<f64>::zero() - lead_point;
     let last = q.len() - 1;
     let mut i = 0;
     while i <= last {
@@ -258,8 +264,8 @@ fn turn(a: &mut Vector3<f64>, b: &mut Vector3<f64>, (sin, cos): (f64, f64)) {
 }
 
 /// Adds `by · along` to `p` in place.
-fn add_scaled(p: &mut Vector3<f64>, along: &Vector3<f64>, by: f64) {
-    p.x += along.x * by;
-    p.y += along.y * by;
-    p.z += along.z * by;
+fn add_scaled(p: &mut Vector3<f64>, along: &Vector3<f64>, factor: f64) {
+    p.x += along.x * factor;
+    p.y += along.y * factor;
+    p.z += along.z * factor;
 }

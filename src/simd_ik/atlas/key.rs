@@ -10,7 +10,7 @@ pub(super) struct Key {
     /// Value of a prismatic leading joint; for a revolute one its angle, set only while a sample is stored.
     pub(super) shift: f64,
     /// Radius about a revolute leading axis and height along it; the two coordinates across a prismatic one.
-    pub(super) place: [f64; 2],
+    pub(super) position: [f64; 2],
     /// Last joint's axis, in the frame of the half plane.
     pub(super) axis: Vector3<f64>,
     /// First column of the orientation, in the frame of the half plane.
@@ -20,9 +20,9 @@ pub(super) struct Key {
 impl Atlas {
     /// Reduces a goal, given as the pose of the last joint's frame after its rotation.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn key(&self, place: &Placement<f64>) -> Key {
-        let p = place.translation;
-        let r = &place.rotation;
+    pub(super) fn key(&self, pose: &Placement<f64>) -> Key {
+        let p = pose.translation;
+        let r = &pose.rotation;
         if self.lead_turns {
             let radius = (p.x * p.x + p.y * p.y).sqrt();
             let (sin, cos) = if radius > 1e-12 {
@@ -30,18 +30,18 @@ impl Atlas {
             } else {
                 (0.0, 1.0)
             };
-            let back =
+            let into_half_plane =
                 |v: Vector3<f64>| Vector3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
             Key {
                 shift: 0.0,
-                place: [radius, p.z],
-                axis: back(r.z),
-                side: back(r.x),
+                position: [radius, p.z],
+                axis: into_half_plane(r.z),
+                side: into_half_plane(r.x),
             }
         } else {
             Key {
                 shift: p.z,
-                place: [p.x, p.y],
+                position: [p.x, p.y],
                 axis: r.z,
                 side: r.x,
             }
@@ -55,13 +55,13 @@ impl Atlas {
 
     /// Number of the cell at this offset from the key's cell; `None` outside the table.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn cell_beside(&self, key: &Key, beside: [i8; 4]) -> Option<usize> {
+    pub(super) fn cell_at_offset(&self, key: &Key, offset: [i8; 4]) -> Option<usize> {
         let mut bins = self.bins(key);
-        if beside != [0; 4] {
+        if offset != [0; 4] {
             let r = &self.resolution;
             let counts = [r.radius, r.height, r.direction, r.direction];
             for k in 0..4 {
-                bins[k] = bins[k].checked_add_signed(isize::from(beside[k]))?;
+                bins[k] = bins[k].checked_add_signed(isize::from(offset[k]))?;
                 if bins[k] >= counts[k] {
                     return None;
                 }
@@ -81,8 +81,8 @@ impl Atlas {
     fn bins(&self, key: &Key) -> [usize; 4] {
         let bin = |value: f64, count: usize| (value.max(0.0) as usize).min(count - 1);
         let r = &self.resolution;
-        let i = bin((key.place[0] - self.low[0]) * self.scale[0], r.radius);
-        let j = bin((key.place[1] - self.low[1]) * self.scale[1], r.height);
+        let i = bin((key.position[0] - self.low[0]) * self.scale[0], r.radius);
+        let j = bin((key.position[1] - self.low[1]) * self.scale[1], r.height);
         // Octahedral map of the direction.
         let a = key.axis;
         let size = (a.x.abs() + a.y.abs() + a.z.abs()).max(1e-12);

@@ -12,39 +12,39 @@ use crate::simd_ik::trigonometry::{ROUNDER, rough_atan2};
 use crate::spatial::{Placement, Vector3};
 
 impl TooledAtlas {
-    /// Writes the start configurations for a goal to `found`, best first. `found` must be empty.
+    /// Writes the start configurations for a goal to `candidates`, best first. `candidates` must be empty.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn look_up<V: LaneScalar>(
         &self,
         links: &Links,
         goal_from_first: &Placement<f64>,
-        found: &mut Candidates,
+        candidates: &mut Candidates,
     ) {
-        self.look_up_beside::<V>(links, goal_from_first, [0; 4], found);
+        self.look_up_at::<V>(links, goal_from_first, [0; 4], candidates);
     }
 
     /// Writes the start configurations of the cell at an offset from the goal's cell, best first.
     ///
-    /// `found` must be empty; it stays so if the table has no such cell.
+    /// `candidates` must be empty; it stays so if the table has no such cell.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn look_up_beside<V: LaneScalar>(
+    pub(crate) fn look_up_at<V: LaneScalar>(
         &self,
         links: &Links,
         goal_from_first: &Placement<f64>,
-        beside: [i8; 4],
-        found: &mut Candidates,
+        cell_offset: [i8; 4],
+        candidates: &mut Candidates,
     ) {
         let c = V::Four::constant;
         let atlas = &*self.atlas;
         let n = atlas.joints;
-        let mut place = goal_from_first.inverse();
+        let mut pose = goal_from_first.inverse();
         let Some(last) = links.links.last() else {
             return;
         };
-        place.translation -= place.rotation.x * last.along_x + place.rotation.y * last.along_y;
-        let place = self.place(place);
-        let key = atlas.key(&place);
-        let Some(cell) = atlas.cell_beside(&key, beside) else {
+        pose.translation -= pose.rotation.x * last.along_x + pose.rotation.y * last.along_y;
+        let pose = self.to_atlas(pose);
+        let key = atlas.key(&pose);
+        let Some(cell) = atlas.cell_at_offset(&key, cell_offset) else {
             return;
         };
         let count = usize::from(atlas.counts[cell]);
@@ -55,8 +55,8 @@ impl TooledAtlas {
         let (roll_y, roll_x) = atlas.roll_parts(&key, h);
         let (mut y, mut x) = (V::Four::zero(), V::Four::zero());
         if atlas.lead_turns {
-            y.set_lane(0, place.translation.y);
-            x.set_lane(0, place.translation.x);
+            y.set_lane(0, pose.translation.y);
+            x.set_lane(0, pose.translation.x);
         }
         y.set_lane(1, roll_y);
         x.set_lane(1, roll_x);
@@ -84,16 +84,16 @@ impl TooledAtlas {
         let axis = Vector3::<V::Four>::constant(key.axis)
             - Vector3::new(row(&key_rows[2]), row(&key_rows[3]), row(&key_rows[4]));
         let delta = [
-            c(key.place[0]) - row(&key_rows[0]),
-            c(key.place[1]) - row(&key_rows[1]),
+            c(key.position[0]) - row(&key_rows[0]),
+            c(key.position[1]) - row(&key_rows[1]),
             axis.dot(Vector3::constant(h)),
             axis.dot(Vector3::constant(across)),
         ];
         // Bit mask of the two joints that the key factors out, as a cheap test per joint.
         let reduced = 1_u32 << atlas.lead | 1 << (n - 1);
         let mut score = V::Four::zero();
-        let per_joint = links.links.iter().zip(q_rows).zip(slopes.chunks_exact(4));
-        for (i, ((link, q_row), slope)) in per_joint.enumerate() {
+        let joint_rows = links.links.iter().zip(q_rows).zip(slopes.chunks_exact(4));
+        for (i, ((link, q_row), slope)) in joint_rows.enumerate() {
             let mut step = row(&slope[0]) * delta[0];
             for k in 1..4 {
                 step = row(&slope[k]).mul_add(delta[k], step);
@@ -101,11 +101,11 @@ impl TooledAtlas {
             let mut q = row(q_row) + step;
             if reduced >> i & 1 != 0 {
                 let leads = i == atlas.lead;
-                let (by, turns) = match leads {
+                let (correction, turns) = match leads {
                     true => (shift, atlas.lead_turns),
                     false => (roll, atlas.last_turns),
                 };
-                q += c(by);
+                q += c(correction);
                 if turns {
                     let middle = atlas.middles[usize::from(!leads)];
                     let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
@@ -113,14 +113,14 @@ impl TooledAtlas {
                 }
             }
             if link.kind.slides() {
-                q *= c(self.own_lengths);
+                q *= c(self.links_per_atlas_length);
             }
-            let out = (c(link.lower) - q)
+            let excess = (c(link.lower) - q)
                 .max(q - c(link.upper))
                 .max(V::Four::zero());
-            score = step.mul_add(step, out.mul_add(c(4.0), score));
+            score = step.mul_add(step, excess.mul_add(c(4.0), score));
             for s in 0..PER_CELL {
-                found.q[i][s] = q.lane(s);
+                candidates.q[i][s] = q.lane(s);
             }
         }
         // Sorting network for four slots; empty slots come last.
@@ -138,7 +138,7 @@ impl TooledAtlas {
                 keys.swap(a, b);
             }
         }
-        found.order = keys.map(|key| key.1);
-        found.count = count;
+        candidates.order = keys.map(|key| key.1);
+        candidates.count = count;
     }
 }

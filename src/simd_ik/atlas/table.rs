@@ -50,7 +50,7 @@ pub(crate) struct Atlas {
     /// reduction by it would put most starts outside its range.
     pub(super) lead: usize,
     /// Point of the leading axis in the first joint's frame.
-    pub(super) lead_at: Vector3<f64>,
+    pub(super) lead_point: Vector3<f64>,
     pub(super) lead_turns: bool,
     pub(super) last_turns: bool,
     /// Middle of the range of the leading and the last joint.

@@ -16,13 +16,13 @@ use crate::spatial::{Placement, Vector3};
 pub(crate) struct TooledAtlas {
     pub(crate) atlas: Arc<Atlas>,
     /// Lengths of the atlas per length of the links.
-    lengths: f64,
+    atlas_per_links_length: f64,
     /// Lengths of the links per length of the atlas.
-    pub(super) own_lengths: f64,
+    pub(super) links_per_atlas_length: f64,
     /// Offset of the links' first origin from the atlas's, along the first axis, in lengths of the links.
-    first: f64,
+    first_shift: f64,
     /// Offset of the atlas's last origin from the links', along the last axis, in lengths of the links.
-    last: f64,
+    last_shift: f64,
 }
 
 impl TooledAtlas {
@@ -40,13 +40,13 @@ impl TooledAtlas {
             Some(shared) => Arc::clone(shared),
             None => Arc::new(Atlas::new(&bare, Resolution::default(), seed)?),
         };
-        let slid = |ends: fn(&Links) -> f64| (ends(links) - ends(&bare)) * links.lengths_per_metre;
+        let shift = |ends: fn(&Links) -> f64| (ends(links) - ends(&bare)) * links.lengths_per_metre;
         Some(Self {
             atlas,
-            lengths: links.metres_per_length * bare.lengths_per_metre,
-            own_lengths: bare.metres_per_length * links.lengths_per_metre,
-            first: slid(|links| links.slid.0),
-            last: -slid(|links| links.slid.1),
+            atlas_per_links_length: links.metres_per_length * bare.lengths_per_metre,
+            links_per_atlas_length: bare.metres_per_length * links.lengths_per_metre,
+            first_shift: shift(|links| links.origin_shifts.0),
+            last_shift: -shift(|links| links.origin_shifts.1),
         })
     }
 
@@ -54,10 +54,10 @@ impl TooledAtlas {
     ///
     /// The input is relative to the first joint, the result to the leading axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn place(&self, mut place: Placement<f64>) -> Placement<f64> {
-        let along_first = Vector3::new(0.0, 0.0, self.first);
-        let origin = place.translation + along_first + place.rotation.z * self.last;
-        place.translation = origin * self.lengths - self.atlas.lead_at;
-        place
+    pub(super) fn to_atlas(&self, mut pose: Placement<f64>) -> Placement<f64> {
+        let along_first = Vector3::new(0.0, 0.0, self.first_shift);
+        let origin = pose.translation + along_first + pose.rotation.z * self.last_shift;
+        pose.translation = origin * self.atlas_per_links_length - self.atlas.lead_point;
+        pose
     }
 }

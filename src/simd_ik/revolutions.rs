@@ -19,19 +19,19 @@ pub(crate) fn reduced(start: f64) -> f64 {
 ///
 /// Returns the value unchanged if the bounds span less than a revolution or do not include the result. Radians.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn turned_towards(start: f64, value: f64, (lower, upper): (f64, f64)) -> f64 {
+pub(crate) fn nearest_revolution(start: f64, value: f64, (lower, upper): (f64, f64)) -> f64 {
     if upper - lower < TAU {
         return value;
     }
     let lowest = ((lower - value) / TAU).ceil();
     let highest = ((upper - value) / TAU).floor();
-    let turns = ((reduced(start) - value) / TAU)
+    let revolutions = ((reduced(start) - value) / TAU)
         .round()
         .min(highest)
         .max(lowest);
-    let turned = value + turns * TAU;
-    match lower <= turned && turned <= upper {
-        true => turned,
+    let shifted = value + revolutions * TAU;
+    match lower <= shifted && shifted <= upper {
+        true => shifted,
         false => value,
     }
 }
@@ -39,12 +39,12 @@ pub(crate) fn turned_towards(start: f64, value: f64, (lower, upper): (f64, f64))
 /// Adds whole revolutions to the joints that can make them, as near to the start as bounds allow.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn unwrap_towards(prepared: &Prepared, start: &[f64], q: &mut [f64]) {
-    if !prepared.wide {
+    if !prepared.has_full_revolution {
         return;
     }
     for ((q, link), start) in q.iter_mut().zip(&prepared.links.links).zip(start) {
         if link.kind.turns() {
-            *q = turned_towards(*start, *q, (link.lower, link.upper));
+            *q = nearest_revolution(*start, *q, (link.lower, link.upper));
         }
     }
 }

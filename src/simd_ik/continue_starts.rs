@@ -7,16 +7,16 @@ use super::batch::Work;
 use super::chain::MAX_JOINTS;
 use super::group::Group;
 use super::lane::LaneScalar;
-use super::lm_step::Ended;
+use super::lm_step::EndMasks;
 use super::prepared::Prepared;
+use super::revolutions::unwrap_towards;
 use super::seeds::fill_start;
 use super::settings::Settings;
 use super::stages::Stages;
-use super::whole_turns::unwrap_towards;
 
 /// Runs one attempt from each start to the single target.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
+pub(super) fn continue_starts<V: LaneScalar, const L: usize, const N: usize>(
     stages: &Stages<V, N>,
     prepared: &Prepared,
     work: Work<'_>,
@@ -26,7 +26,7 @@ pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
     };
     let (links, n) = (&prepared.links, prepared.joints());
     let settings = Settings {
-        carries: true,
+        is_continuation: true,
         ..prepared.settings
     };
     let goal_from_first = links.goal_from_first(target, settings.weighted);
@@ -35,35 +35,35 @@ pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
         group.aim(lane, &goal_from_first);
     }
     let (mut next, mut active) = (0, 0_u32);
-    let (mut places, mut ages) = ([0; L], [0_u32; L]);
+    let (mut indices, mut ages) = ([0; L], [0_u32; L]);
     let mut q = [0.0; MAX_JOINTS];
     // Initially every lane counts as finished, without a start.
-    let (mut over, mut ended) = ((1_u32 << L) - 1, Ended::none());
+    let (mut finished, mut ended) = ((1_u32 << L) - 1, EndMasks::none());
     loop {
-        while over != 0 {
-            let lane = over.trailing_zeros() as usize;
-            over &= over - 1;
-            let is = |bits: u32| bits >> lane & 1 != 0;
-            if is(active) {
-                let place = places[lane];
-                let end = &mut work.q[place * n..(place + 1) * n];
-                match is(ended.closing) && !is(ended.reached) {
+        while finished != 0 {
+            let lane = finished.trailing_zeros() as usize;
+            finished &= finished - 1;
+            let is_in = |bits: u32| bits >> lane & 1 != 0;
+            if is_in(active) {
+                let index = indices[lane];
+                let end = &mut work.q[index * n..(index + 1) * n];
+                match is_in(ended.closing) && !is_in(ended.reached) {
                     true => group.next_point(lane, end),
                     false => group.point(lane, end),
                 }
-                let start = &work.starts[place * n..(place + 1) * n];
+                let start = &work.starts[index * n..(index + 1) * n];
                 // Within half a revolution of the start there is no revolution to add.
-                let near = |(a, b): (&f64, &f64)| (a - b).abs() < 3.0;
-                if !end.iter().zip(start).all(near) {
+                let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < 3.0;
+                if !end.iter().zip(start).all(is_near) {
                     unwrap_towards(prepared, start, end);
                 }
                 links.to_metres(end);
-                work.outcomes[place].reached = is(ended.closing | ended.reached);
+                work.outcomes[index].reached = is_in(ended.closing | ended.reached);
             }
             if next < work.outcomes.len() {
                 fill_start(links, &work.starts[next * n..(next + 1) * n], &mut q);
                 group.begin(lane, &q, &settings);
-                (places[lane], ages[lane]) = (next, 0);
+                (indices[lane], ages[lane]) = (next, 0);
                 active |= 1 << lane;
                 next += 1;
             } else {
@@ -74,11 +74,11 @@ pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
             return;
         }
         ended = (stages.step)(&mut group, links, &settings);
-        over = ended.reached | ended.stalled | ended.closing;
+        finished = ended.reached | ended.stalled | ended.closing;
         for (lane, age) in ages.iter_mut().enumerate() {
             *age += 1;
-            over |= u32::from(*age >= prepared.options.iterations) << lane;
+            finished |= u32::from(*age >= prepared.options.iterations) << lane;
         }
-        over &= active;
+        finished &= active;
     }
 }
