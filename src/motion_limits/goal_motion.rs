@@ -17,7 +17,7 @@ pub(crate) struct GoalHistory {
 }
 
 /// The smaller in magnitude of two numbers with equal signs; zero for different signs.
-fn agreed(a: f64, b: f64) -> f64 {
+fn min_if_same_sign(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
         0.0
     } else if a.abs() < b.abs() {
@@ -50,11 +50,11 @@ impl GoalHistory {
     pub(crate) fn push(&mut self, goal: &[f64]) {
         for (i, &goal) in goal.iter().enumerate() {
             let step = goal - self.last[i];
-            let newest = self.steps[i];
-            let change = step - newest;
+            let last_step = self.steps[i];
+            let change = step - last_step;
             self.motions[i] = GoalMotion {
-                step: agreed(step, newest),
-                change: agreed(change, self.changes[i]),
+                step: min_if_same_sign(step, last_step),
+                change: min_if_same_sign(change, self.changes[i]),
             };
             self.last[i] = goal;
             self.steps[i] = step;

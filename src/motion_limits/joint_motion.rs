@@ -133,30 +133,30 @@ impl JointMotion {
     /// The state clamped to the position limits, which it exceeds by rounding only.
     pub(crate) fn within(self, limits: &CycleLimits) -> Self {
         let q = self.q.max(limits.lower).min(limits.upper);
-        let by = q - self.q;
+        let correction = q - self.q;
         Self {
             q,
-            step: self.step + by,
-            change: self.change + by,
+            step: self.step + correction,
+            change: self.change + correction,
         }
     }
 
     /// The change of the policy with the earliest stop.
     pub(crate) fn braking_change(&self, limits: &CycleLimits) -> f64 {
         let CycleLimits {
-            change: most,
+            change: max_change,
             change_rate: rate,
             ..
         } = *limits;
-        let release = first_decrement(self.step.abs(), rate).min(most);
-        let wanted = -release.copysign(self.step);
+        let release = first_decrement(self.step.abs(), rate).min(max_change);
+        let target_change = -release.copysign(self.step);
         if rate.is_infinite() {
-            return wanted;
+            return target_change;
         }
-        wanted
+        target_change
             .max(self.change - rate)
             .min(self.change + rate)
-            .clamp(-most, most)
+            .clamp(-max_change, max_change)
     }
 
     /// The course of a stop by the braking policy.
@@ -179,11 +179,11 @@ impl JointMotion {
             let next = state.braking_change(limits);
             // Skip cycles at constant full deceleration.
             if next == state.change && next.abs() == change {
-                let held = state.step.abs() - later_decrements(change, rate);
-                let count = (held / change).floor() - 1.0;
+                let constant_part = state.step.abs() - later_decrements(change, rate);
+                let count = (constant_part / change).floor() - 1.0;
                 if count > 1.0 {
-                    let by = count * state.step + 0.5 * next * count * (count + 1.0);
-                    state.q += by;
+                    let distance = count * state.step + 0.5 * next * count * (count + 1.0);
+                    state.q += distance;
                     state.step += count * next;
                 }
             }
@@ -241,20 +241,20 @@ impl JointMotion {
         (lower, upper)
     }
 
-    /// The largest change up to `most` after which the joint stops before its upper limit; `braking` is known to be
-    /// one.
-    fn highest_change(&self, braking: f64, most: f64, limits: &CycleLimits) -> f64 {
-        let room = limits.upper - self.q;
-        if room.is_infinite() {
-            return most;
+    /// The largest change up to `max_change` after which the joint stops before its upper limit; `braking` is known to
+    /// be one.
+    fn highest_change(&self, braking: f64, max_change: f64, limits: &CycleLimits) -> f64 {
+        let distance_to_limit = limits.upper - self.q;
+        if distance_to_limit.is_infinite() {
+            return max_change;
         }
         if limits.change_rate.is_infinite() {
             // In closed form: the first step and all later ones of a stop.
             let step = match limits.change.is_infinite() {
-                true => room,
-                false => first_decrement(room, limits.change),
+                true => distance_to_limit,
+                false => first_decrement(distance_to_limit, limits.change),
             };
-            return most.min(step - self.step).max(braking);
+            return max_change.min(step - self.step).max(braking);
         }
         // Far from the limit no stop needs simulation.
         let CycleLimits {
@@ -262,45 +262,45 @@ impl JointMotion {
             change_rate: rate,
             ..
         } = *limits;
-        let speed_up = most.max(0.0);
-        let fastest = (self.step + speed_up + later_decrements(speed_up, rate)).max(0.0);
+        let speed_gain = max_change.max(0.0);
+        let fastest = (self.step + speed_gain + later_decrements(speed_gain, rate)).max(0.0);
         let cycles = match deceleration.is_infinite() {
             true => 2.0 * (fastest / rate).sqrt() + 3.0,
             false => {
                 let ramps = 2.0 * deceleration.min(fastest) / rate;
-                fastest / deceleration + ramps + speed_up / rate + 3.0
+                fastest / deceleration + ramps + speed_gain / rate + 3.0
             }
         };
-        if fastest * cycles < room {
-            return most;
+        if fastest * cycles < distance_to_limit {
+            return max_change;
         }
         let excess = |change: f64| {
             let next = self.after(change);
-            self.step + change + next.stop(limits).highest - room
+            self.step + change + next.stop(limits).highest - distance_to_limit
         };
-        if excess(most) <= 0.0 {
-            return most;
+        if excess(max_change) <= 0.0 {
+            return max_change;
         }
-        let (mut fine, mut beyond) = (braking, most);
+        let (mut feasible, mut infeasible) = (braking, max_change);
         for _ in 0..SEARCH_ITERATIONS {
-            let middle = 0.5 * (fine + beyond);
-            if middle <= fine || middle >= beyond {
+            let middle = 0.5 * (feasible + infeasible);
+            if middle <= feasible || middle >= infeasible {
                 break;
             }
             match excess(middle) <= 0.0 {
-                true => fine = middle,
-                false => beyond = middle,
+                true => feasible = middle,
+                false => infeasible = middle,
             }
-            if beyond - fine <= 1e-9 * limits.change_rate {
+            if infeasible - feasible <= 1e-9 * limits.change_rate {
                 break;
             }
         }
-        fine
+        feasible
     }
 }
 
 /// The sign of a number that is not NaN.
-fn side(number: f64) -> Ordering {
+fn ordering_to_zero(number: f64) -> Ordering {
     number.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
@@ -312,7 +312,7 @@ pub(crate) struct GoalMotion {
 }
 
 /// Smallest fraction of an acceleration limit that remains for meeting an accelerating goal.
-const LEAST_AUTHORITY: f64 = 0.25;
+const MIN_AUTHORITY: f64 = 0.25;
 
 impl JointMotion {
     /// The position of the goal at which the joint, braking from now on, would match its motion.
@@ -327,46 +327,46 @@ impl JointMotion {
             step: self.step - goal.step,
             change: self.change - goal.change,
         };
-        let help = goal.change.copysign(goal.change * relative.step);
+        let added_deceleration = goal.change.copysign(goal.change * relative.step);
         let limits = CycleLimits {
-            change: (limits.change + help).max(LEAST_AUTHORITY * limits.change),
+            change: (limits.change + added_deceleration).max(MIN_AUTHORITY * limits.change),
             ..*limits
         };
         if limits.change_rate.is_infinite() {
-            let by = later_decrements(relative.step.abs(), limits.change);
-            return self.q + by.copysign(relative.step);
+            let stop_distance = later_decrements(relative.step.abs(), limits.change);
+            return self.q + stop_distance.copysign(relative.step);
         }
         self.q + relative.stop_offset(&limits)
     }
 
     /// Offset of the end of a stop: exact for short stops, otherwise from the continuous motion a cycle earlier.
     fn stop_offset(&self, limits: &CycleLimits) -> f64 {
-        let (most, rate) = (limits.change, limits.change_rate);
+        let (max_change, rate) = (limits.change, limits.change_rate);
         let peak = self.step.abs() + 0.5 * self.change * self.change / rate;
         let cycles = self.change.abs() / rate
-            + match most * most > peak * rate {
+            + match max_change * max_change > peak * rate {
                 true => 2.0 * (peak / rate).sqrt(),
-                false => 2.0 * most / rate,
+                false => 2.0 * max_change / rate,
             };
         if cycles <= MAX_SIMULATED_CYCLES {
             return self.stop(limits).end;
         }
         let (v, a) = (self.step - 0.5 * self.change, self.change);
         // Velocity after release of the acceleration.
-        let released = v + 0.5 * a * a.abs() / rate;
-        let sign = 1.0_f64.copysign(released);
+        let released_speed = v + 0.5 * a * a.abs() / rate;
+        let sign = 1.0_f64.copysign(released_speed);
         let (v, a) = (v * sign, a * sign);
-        let braking = |v: f64| match v * rate <= most * most {
+        let braking = |v: f64| match v * rate <= max_change * max_change {
             true => v * (v / rate).sqrt(),
-            false => 0.5 * v * (v / most + most / rate),
+            false => 0.5 * v * (v / max_change + max_change / rate),
         };
         let distance = if a >= 0.0 {
-            v * a / rate + a * a * a / (3.0 * rate * rate) + braking(released * sign)
+            v * a / rate + a * a * a / (3.0 * rate * rate) + braking(released_speed * sign)
         } else {
             // The stop began earlier, without acceleration.
-            let begun = v + 0.5 * a * a / rate;
+            let initial_speed = v + 0.5 * a * a / rate;
             let time = -a / rate;
-            braking(begun) - (begun * time - rate * time * time * time / 6.0)
+            braking(initial_speed) - (initial_speed * time - rate * time * time * time / 6.0)
         };
         sign * distance - self.step
     }
@@ -391,10 +391,10 @@ impl JointMotion {
         }
         let (mut below, mut above) = (excess(low), excess(high));
         if below >= 0.0 {
-            return (low, side(-below));
+            return (low, ordering_to_zero(-below));
         }
         if above <= 0.0 {
-            return (high, side(-above));
+            return (high, ordering_to_zero(-above));
         }
         // Regula falsi; the weight of an end that stays twice is halved (Illinois).
         let mut last = 0.0;
