@@ -2,22 +2,22 @@
 
 /// Getters: `pub fn rows(&self) -> usize = self.rows;`.
 macro_rules! getters {
-    ($($(#[$about:meta])* $vis:vis fn $name:ident($($own:tt)+) -> $part:ty = $value:expr;)+) => {
-        $($(#[$about])* #[must_use] $vis fn $name($($own)+) -> $part { $value })+
+    ($($(#[$attribute:meta])* $vis:vis fn $name:ident($($receiver:tt)+) -> $kind:ty = $value:expr;)+) => {
+        $($(#[$attribute])* #[must_use] $vis fn $name($($receiver)+) -> $kind { $value })+
     };
 }
 
 /// Trait methods of one expression: `fn kind(&self) -> &'static str = "plane";`.
 macro_rules! answers {
-    ($($(#[$about:meta])* fn $name:ident($($own:tt)*) -> $part:ty = $value:expr;)+) => {
-        $($(#[$about])* fn $name($($own)*) -> $part { $value })+
+    ($($(#[$attribute:meta])* fn $name:ident($($receiver:tt)*) -> $kind:ty = $value:expr;)+) => {
+        $($(#[$attribute])* fn $name($($receiver)*) -> $kind { $value })+
     };
 }
 
 /// Builder-style setters: `pub fn with_seed(mut self, seed: u64) { self.seed = seed }`.
 macro_rules! setters {
-    ($($(#[$about:meta])* $vis:vis fn $name:ident(mut $own:ident $(, $given:ident: $kind:ty)*) $set:block)+) => {
-        $($(#[$about])* #[must_use] $vis fn $name(mut $own $(, $given: $kind)*) -> Self { $set; $own })+
+    ($($(#[$attribute:meta])* $vis:vis fn $name:ident(mut $receiver:ident $(, $given:ident: $kind:ty)*) $set:block)+) => {
+        $($(#[$attribute])* #[must_use] $vis fn $name(mut $receiver $(, $given: $kind)*) -> Self { $set; $receiver })+
     };
 }
 
@@ -25,7 +25,7 @@ macro_rules! setters {
 ///
 /// `as_inner!(residual: kind, frames, rows)` within `impl Residual`.
 macro_rules! as_inner {
-    ($inner:tt: $($said:ident),+) => { $(as_inner!(@$said $inner);)+ };
+    ($inner:tt: $($method:ident),+) => { $(as_inner!(@$method $inner);)+ };
     (@kind $inner:tt) => { fn kind(&self) -> &'static str { self.$inner.kind() } };
     (@is_of_body $inner:tt) => { fn is_of_body(&self) -> bool { self.$inner.is_of_body() } };
     (@frames $inner:tt) => { fn frames(&self) -> Vec<crate::model::FrameId> { self.$inner.frames() } };

@@ -29,8 +29,8 @@ pub(crate) const AT_LEAST_ONE: Range = (|v| v >= 1.0, "at least 1");
 impl BadOption {
     /// Returns an error for a value that is out of its range.
     pub(crate) fn check(option: &'static str, value: f64, range: Range) -> Result<(), Self> {
-        let (fine, allowed) = range;
-        match fine(value) {
+        let (is_allowed, allowed) = range;
+        match is_allowed(value) {
             true => Ok(()),
             false => Err(Self {
                 option,

@@ -39,8 +39,8 @@ pub(crate) fn refill<T: Clone>(vector: &mut Vec<T>, count: usize, value: T) {
     vector.resize(count, value);
 }
 
-/// Empties a vector and reserves capacity for `room` elements.
-pub(crate) fn vacate<T>(vector: &mut Vec<T>, room: usize) {
+/// Empties a vector and reserves capacity for `capacity` elements.
+pub(crate) fn vacate<T>(vector: &mut Vec<T>, capacity: usize) {
     vector.clear();
-    vector.reserve(room);
+    vector.reserve(capacity);
 }

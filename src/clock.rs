@@ -1,7 +1,7 @@
 //! Clock for time limits: the system's, or the one of [`set`] on systems without, such as `wasm32-unknown-unknown`.
 
 #[cfg(feature = "collision")]
-pub(crate) mod cut_short;
+pub(crate) mod deadline;
 
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -12,25 +12,25 @@ pub(crate) use std::time::Instant;
 /// True if a deadline is past, or the computation of this thread is interrupted.
 #[inline]
 pub(crate) fn is_past(deadline: Option<Instant>) -> bool {
-    crate::interruption::is_stopped() || deadline.is_some_and(|at| Instant::now() >= at)
+    crate::interruption::is_stopped() || deadline.is_some_and(|time| Instant::now() >= time)
 }
 
-static GIVEN: OnceLock<fn() -> Duration> = OnceLock::new();
+static CUSTOM_CLOCK: OnceLock<fn() -> Duration> = OnceLock::new();
 
 /// Sets a clock that returns the time since an arbitrary moment.
 ///
 /// Only `wasm32-unknown-unknown` uses it. Without it, time limits have no effect there. Only the first call has an
 /// effect.
 pub fn set(now: fn() -> Duration) {
-    GIVEN.get_or_init(|| now);
+    CUSTOM_CLOCK.get_or_init(|| now);
 }
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-pub(crate) use given::Instant;
+pub(crate) use custom_clock::Instant;
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-mod given {
-    use super::{Duration, GIVEN};
+mod custom_clock {
+    use super::{CUSTOM_CLOCK, Duration};
 
     /// A moment of the clock that was set.
     #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -38,7 +38,7 @@ mod given {
 
     impl Instant {
         pub(crate) fn now() -> Self {
-            Self(GIVEN.get().map_or(Duration::ZERO, |now| now()))
+            Self(CUSTOM_CLOCK.get().map_or(Duration::ZERO, |now| now()))
         }
 
         pub(crate) fn checked_sub(self, time: Duration) -> Option<Self> {

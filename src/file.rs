@@ -126,10 +126,10 @@ impl WriteError {
 }
 
 impl ReadError {
-    pub(crate) fn new(file: &str, place: Place, problem: impl Into<ReadProblem>) -> Self {
+    pub(crate) fn new(file: &str, location: Place, problem: impl Into<ReadProblem>) -> Self {
         Self {
             file: file.to_owned(),
-            place,
+            place: location,
             problem: problem.into(),
         }
     }
@@ -142,7 +142,7 @@ impl ReadError {
     /// An error for contents that the rest of the file cannot hold.
     pub(crate) fn truncated(
         file: &str,
-        place: Place,
+        location: Place,
         what: String,
         needed: u128,
         available: usize,
@@ -153,7 +153,7 @@ impl ReadError {
             needed,
             available,
         };
-        Self::new(file, place, problem)
+        Self::new(file, location, problem)
     }
 
     /// The error without any contents of the file, for a referenced file that its referrer may not quote.
@@ -183,8 +183,8 @@ impl ReadError {
     }
 
     /// An error in another file, at the location that references it.
-    pub(crate) fn referred(file: &str, place: Place, error: Self) -> Self {
-        Self::new(file, place, ReadProblem::Referenced(Box::new(error)))
+    pub(crate) fn referred(file: &str, location: Place, error: Self) -> Self {
+        Self::new(file, location, ReadProblem::Referenced(Box::new(error)))
     }
 
     /// An error about a file as a whole.
@@ -192,8 +192,8 @@ impl ReadError {
         Self::malformed(file, Place::File, problem)
     }
 
-    pub(crate) fn malformed(file: &str, place: Place, problem: impl Into<String>) -> Self {
-        Self::new(file, place, ReadProblem::Malformed(problem.into()))
+    pub(crate) fn malformed(file: &str, location: Place, problem: impl Into<String>) -> Self {
+        Self::new(file, location, ReadProblem::Malformed(problem.into()))
     }
 }
 

@@ -91,10 +91,10 @@ pub(crate) struct AllowedFiles {
 
 impl AllowedFiles {
     pub(crate) fn new(folder: &Path, others: &[PathBuf], max_bytes: u64) -> Self {
-        let own = std::iter::once(folder).chain(others.iter().map(PathBuf::as_path));
+        let roots = std::iter::once(folder).chain(others.iter().map(PathBuf::as_path));
         Self {
             folder: folder.to_owned(),
-            roots: own.map(named).collect(),
+            roots: roots.map(joinable).collect(),
             max_bytes,
         }
     }
@@ -104,7 +104,7 @@ impl AllowedFiles {
     pub(crate) fn below<'f>(folders: impl IntoIterator<Item = &'f Path>) -> Self {
         Self {
             folder: PathBuf::new(),
-            roots: folders.into_iter().map(named).collect(),
+            roots: folders.into_iter().map(joinable).collect(),
             max_bytes: MAX_FILE_BYTES,
         }
     }
@@ -134,12 +134,12 @@ impl AllowedFiles {
     }
 
     fn are_above_with(&self, path: &Path, real_roots: &[PathBuf]) -> bool {
-        let Some(whole) = without_dots(path) else {
+        let Some(absolute) = without_dots(path) else {
             return false;
         };
-        let wholes = self.roots.iter().filter_map(|root| without_dots(root));
-        let mut all = wholes.chain(real_roots.iter().cloned());
-        all.any(|root| whole.starts_with(root))
+        let absolute_roots = self.roots.iter().filter_map(|root| without_dots(root));
+        let mut all_roots = absolute_roots.chain(real_roots.iter().cloned());
+        all_roots.any(|root| absolute.starts_with(root))
     }
 
     fn real_roots(&self) -> impl Iterator<Item = PathBuf> + '_ {
@@ -171,7 +171,7 @@ impl AllowedFiles {
 }
 
 /// A folder in a form to which paths can be joined: an empty path becomes the working directory.
-fn named(folder: &Path) -> PathBuf {
+fn joinable(folder: &Path) -> PathBuf {
     match folder.as_os_str().is_empty() {
         true => PathBuf::from("."),
         false => folder.to_owned(),
@@ -180,16 +180,16 @@ fn named(folder: &Path) -> PathBuf {
 
 /// An absolute path without `.` and `..`, by its text only; `None` if `..` leaves the root.
 fn without_dots(path: &Path) -> Option<PathBuf> {
-    let mut whole = PathBuf::new();
+    let mut absolute = PathBuf::new();
     for part in std::path::absolute(path).ok()?.components() {
         match part {
             Component::CurDir => {}
-            Component::ParentDir if !whole.pop() => return None,
+            Component::ParentDir if !absolute.pop() => return None,
             Component::ParentDir => {}
-            part => whole.push(part),
+            part => absolute.push(part),
         }
     }
-    Some(whole)
+    Some(absolute)
 }
 
 /// Restricts a caller's `open` function to references below the folder of the file that contains them.

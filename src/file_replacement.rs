@@ -26,12 +26,13 @@ pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError
 pub(crate) fn write_files(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
     let mut staged = Vec::with_capacity(files.len());
     for (path, bytes) in files {
-        let one = Staged::new(path, bytes).map_err(|problem| WriteError::new(path, problem))?;
-        staged.push(one);
+        let staged_file =
+            Staged::new(path, bytes).map_err(|problem| WriteError::new(path, problem))?;
+        staged.push(staged_file);
     }
-    for (one, (path, bytes)) in staged.iter_mut().zip(files) {
-        let placed = one.place(bytes);
-        placed.map_err(|problem| WriteError::new(path, problem))?;
+    for (staged_file, (path, bytes)) in staged.iter_mut().zip(files) {
+        let result = staged_file.commit(bytes);
+        result.map_err(|problem| WriteError::new(path, problem))?;
     }
     Ok(())
 }
@@ -62,8 +63,8 @@ impl Staged {
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             Err(error) => return Err(error),
         };
-        let (mut file, temporary) = match temporary_beside(&target) {
-            Ok(made) => made,
+        let (mut file, temporary) = match create_temporary_file(&target) {
+            Ok(created) => created,
             // The folder may not allow new files although this file can be written.
             Err(_) if permissions.is_some() => return Ok(direct(target)),
             Err(error) => return Err(error),
@@ -79,7 +80,7 @@ impl Staged {
         Ok(staged)
     }
 
-    fn place(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+    fn commit(&mut self, bytes: &[u8]) -> std::io::Result<()> {
         match &self.temporary {
             None => std::fs::write(&self.target, bytes),
             Some(temporary) => {
@@ -100,9 +101,9 @@ impl Drop for Staged {
 }
 
 /// A new temporary file in the folder of another file.
-fn temporary_beside(target: &Path) -> std::io::Result<(File, PathBuf)> {
+fn create_temporary_file(target: &Path) -> std::io::Result<(File, PathBuf)> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
-    let mut taken = Error::from(ErrorKind::AlreadyExists);
+    let mut last_error = Error::from(ErrorKind::AlreadyExists);
     for _ in 0..MAX_NAMES {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         // A cleanup of animation folders deletes files with such names.
@@ -110,11 +111,11 @@ fn temporary_beside(target: &Path) -> std::io::Result<(File, PathBuf)> {
         let path = target.with_file_name(name);
         match File::options().write(true).create_new(true).open(&path) {
             Ok(file) => return Ok((file, path)),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => taken = error,
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => last_error = error,
             Err(error) => return Err(error),
         }
     }
-    Err(taken)
+    Err(last_error)
 }
 
 /// The end of a chain of symbolic links; it need not exist.

@@ -8,8 +8,8 @@
 #[inline]
 pub(crate) fn has_avx2_and_fma() -> bool {
     use std::sync::OnceLock;
-    static ANSWER: OnceLock<bool> = OnceLock::new();
-    *ANSWER.get_or_init(|| {
+    static IS_SUPPORTED: OnceLock<bool> = OnceLock::new();
+    *IS_SUPPORTED.get_or_init(|| {
         std::is_x86_feature_detected!("avx2")
             && std::is_x86_feature_detected!("fma")
             && std::env::var_os("KINOPT_PORTABLE")

@@ -9,7 +9,7 @@ pub(crate) struct RandomStream {
     state: u64,
 }
 
-const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+const GOLDEN_GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
 
 impl RandomStream {
     /// The stream of one numbered attempt. Streams of different indices are independent.
@@ -17,7 +17,7 @@ impl RandomStream {
         let mut outer = Self { state: seed };
         let base = outer.next();
         let mut inner = Self {
-            state: base ^ index.wrapping_mul(GOLDEN),
+            state: base ^ index.wrapping_mul(GOLDEN_GAMMA),
         };
         inner.next();
         inner
@@ -26,7 +26,7 @@ impl RandomStream {
     /// The next 64 bits.
     pub(crate) fn next(&mut self) -> u64 {
         let bits = mix(self.state);
-        self.state = self.state.wrapping_add(GOLDEN);
+        self.state = self.state.wrapping_add(GOLDEN_GAMMA);
         bits
     }
 
@@ -38,7 +38,7 @@ impl RandomStream {
 
 /// The 64 output bits of the generator at a state.
 pub(crate) fn mix(state: u64) -> u64 {
-    let z = state.wrapping_add(GOLDEN);
+    let z = state.wrapping_add(GOLDEN_GAMMA);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)

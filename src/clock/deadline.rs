@@ -21,17 +21,17 @@ thread_local! {
 
 /// Runs `work`, whose parts end early once [`is_over`] returns true; `None` if one did, or if the deadline was past before.
 pub(crate) fn until<T>(deadline: Option<Instant>, work: impl FnOnce() -> T) -> Option<T> {
-    let Some(at) = deadline else {
+    let Some(time) = deadline else {
         return Some(work());
     };
     if is_past(deadline) {
         return None;
     }
-    let begun = Work {
-        deadline: at,
+    let initial = Work {
+        deadline: time,
         is_cut: false,
     };
-    with_value(&WORK, Some(begun), || {
+    with_value(&WORK, Some(initial), || {
         let result = work();
         let is_cut = WORK.get().is_some_and(|work| work.is_cut);
         (!is_cut).then_some(result)

@@ -15,7 +15,7 @@ use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
 use crate::clock::Instant;
-use crate::clock::cut_short::until;
+use crate::clock::deadline::until;
 use crate::collision::simd_spheres::{
     self, Body, BodyChain, Passed, SolidMoved, Solids, SphereWorkspaces,
 };

@@ -8,7 +8,7 @@ use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneWorkspace;
 use super::sphere_cover::{Cover, PlacedCover};
 use super::touches::Touches;
-use crate::clock::cut_short::is_over;
+use crate::clock::deadline::is_over;
 use crate::collision::dynamic_aabb_tree::ChangingTree;
 use crate::collision::model::Bodies;
 use crate::collision::world::Change;
@@ -184,7 +184,7 @@ impl Scene {
     }
 
     /// Visits all pairs at most `within` metres apart, each with its closest shapes. Stops if `each` returns false or
-    /// the time is [over](crate::clock::cut_short).
+    /// the time is [over](crate::clock::deadline).
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],

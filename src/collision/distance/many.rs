@@ -1,6 +1,6 @@
 //! Signed distance of shapes with many parts: meshes, height fields and point clouds, by AABB trees.
 
-use crate::clock::cut_short::is_over;
+use crate::clock::deadline::is_over;
 use crate::collision::aabb_tree::{BoxTree, Contents};
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
