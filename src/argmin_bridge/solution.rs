@@ -94,7 +94,7 @@ pub(super) fn solution_at<I: State>(
             None if slope.is_some_and(|slope| slope.is_level) => Termination::Stationary,
             None => Termination::SmallStep,
         };
-        solution.check_clear(question);
+        solution.check_collisions(question);
         solution
     })
 }

@@ -304,9 +304,9 @@ impl Arm {
         if !solution.reached {
             let negligible = workspace.take_slope();
             let (x, question) = (&workspace.x, workspace.question.ask());
-            solution.tell_limits(question, x, &workspace.gradient, negligible);
+            solution.record_active_limits(question, x, &workspace.gradient, negligible);
             solution.projected_gradient = Some(workspace.projected_gradient(x));
-            solution.find_beyond(question);
+            solution.find_out_of_reach(question);
         }
     }
 }

@@ -105,7 +105,7 @@ impl Arm {
         (first, errors): &(SearchResult, Errors),
         found: &mut SearchResult,
     ) {
-        found.fall_back_to(first);
+        found.restore_best(first);
         let ArmWorkspace { kept, x, .. } = workspace;
         x.copy_from_slice(kept);
         workspace.errors = *errors;

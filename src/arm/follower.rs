@@ -179,7 +179,7 @@ impl Follower<'_> {
                 let most = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
                 workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-most, most);
             }
-            let mut found = SearchResult::alone(Termination::IterationLimit, 0);
+            let mut found = SearchResult::single_attempt(Termination::IterationLimit, 0);
             arm.judge(workspace, &mut found);
             let mut joints = arm.limits().zip(&workspace.x);
             let inside = joints.all(|(limits, x)| limits.contains(*x));

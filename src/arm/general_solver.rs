@@ -68,7 +68,7 @@ impl Arm {
                 true => self.try_seeds(workspace, query, left.min(SEEDS)),
                 false => self.restart(workspace, query, left),
             };
-            if !found.go_on_with(&more) {
+            if !found.merge_later(&more) {
                 workspace.x.copy_from_slice(&workspace.best);
             }
         }
@@ -94,7 +94,7 @@ impl Arm {
                 workspace.x.copy_from_slice(table.seed(row));
             }
             let patient = stopping().with_patience(Some(PATIENCE));
-            if found.go_on_with(&self.attempt_by_core(workspace, query, &patient)) {
+            if found.merge_later(&self.attempt_by_core(workspace, query, &patient)) {
                 workspace.trial.copy_from_slice(&workspace.x);
             }
             if found.reached || query.is_late() {
@@ -114,7 +114,7 @@ impl Arm {
     ) -> SearchResult {
         let (termination, iterations) = workspace.settle_within(stopping, query.deadline);
         self.unwrap_towards(query.start, workspace);
-        let mut found = SearchResult::alone(termination, iterations);
+        let mut found = SearchResult::single_attempt(termination, iterations);
         self.judge(workspace, &mut found);
         found
     }

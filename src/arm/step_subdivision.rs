@@ -43,7 +43,7 @@ impl Arm {
             branch.lead(self, workspace, LONGEST_EASE);
             let how = Settling::freely(SETTLING_STEPS, deadline);
             let (termination, iterations) = workspace.settle_near(&how);
-            let mut found = SearchResult::alone(termination, iterations);
+            let mut found = SearchResult::single_attempt(termination, iterations);
             self.judge(workspace, &mut found);
             if let (true, Some(posture)) = (found.reached, &self.options.posture) {
                 self.descend(workspace, posture, deadline);

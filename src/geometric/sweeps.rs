@@ -89,7 +89,7 @@ pub(super) fn solve(
     if is_level && solution.termination == Termination::SmallStep {
         solution.termination = Termination::Stationary;
     }
-    solution.check_clear(question);
+    solution.check_collisions(question);
     Ok(solution)
 }
 

@@ -115,7 +115,7 @@ impl Workspace {
         if solution.reached {
             return;
         }
-        solution.find_beyond(question);
+        solution.find_out_of_reach(question);
         if let (Some(slope), TaskSubset::All, true) = (slope, share, problem.has_preferences()) {
             let pulls = PreferenceConflict {
                 question,

@@ -51,22 +51,22 @@ impl Default for SearchResult {
 
 impl SearchResult {
     /// Adds the result of a later search; returns whether its best attempt is the new best one.
-    pub(crate) fn go_on_with(&mut self, more: &Self) -> bool {
-        let better = more.reached || self.attempts == 0 || more.cost < self.cost;
-        let all = (
-            self.iterations + more.iterations,
-            self.attempts + more.attempts,
+    pub(crate) fn merge_later(&mut self, later: &Self) -> bool {
+        let is_better = later.reached || self.attempts == 0 || later.cost < self.cost;
+        let totals = (
+            self.iterations + later.iterations,
+            self.attempts + later.attempts,
         );
-        if better {
-            let number = self.attempts + more.number;
-            *self = Self { number, ..*more };
+        if is_better {
+            let number = self.attempts + later.number;
+            *self = Self { number, ..*later };
         }
-        (self.iterations, self.attempts) = all;
-        better
+        (self.iterations, self.attempts) = totals;
+        is_better
     }
 
     /// Restores an earlier best attempt; iterations and attempts keep their totals.
-    pub(crate) fn fall_back_to(&mut self, earlier: &Self) {
+    pub(crate) fn restore_best(&mut self, earlier: &Self) {
         *self = Self {
             iterations: self.iterations,
             attempts: self.attempts,
@@ -78,9 +78,9 @@ impl SearchResult {
 impl SearchResult {
     /// The result of the search that led to a solution.
     pub(crate) fn of(solution: &Solution) -> Self {
-        let mut found = Self::default();
-        found.add(solution);
-        found
+        let mut result = Self::default();
+        result.add(solution);
+        result
     }
 
     /// Adds the totals of a further search for one solution, and takes its termination.
@@ -102,7 +102,7 @@ impl SearchResult {
     }
 
     /// A single attempt without a cost yet.
-    pub(crate) fn alone(termination: Termination, iterations: usize) -> Self {
+    pub(crate) fn single_attempt(termination: Termination, iterations: usize) -> Self {
         Self {
             termination,
             iterations,

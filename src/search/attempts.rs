@@ -37,28 +37,28 @@ pub(crate) struct Attempts {
 
 impl Attempts {
     /// Resizes the workspace for a problem.
-    pub(crate) fn fit(&mut self, question: ProblemInstance<'_>, share: TaskSubset) {
-        let variables = question.variables();
+    pub(crate) fn fit(&mut self, instance: ProblemInstance<'_>, subset: TaskSubset) {
+        let variables = instance.variables();
         self.start.resize(variables, 0.0);
         self.x.resize(variables, 0.0);
         self.local.resize(variables, true);
         self.hops.fit(variables);
         self.limbs.fit(variables);
-        self.keeper.fit(variables, question.problem.rows_of(share));
+        self.keeper.fit(variables, instance.problem.rows_of(subset));
     }
 }
 
 /// Runs the trials of a schedule. The search ends when an attempt reaches the goals, when enough attempts agree, or
 /// when no trials or time remain.
 pub(crate) fn run(
-    question: ProblemInstance<'_>,
-    share: TaskSubset,
+    instance: ProblemInstance<'_>,
+    subset: TaskSubset,
     schedule: &Schedule,
     deadline: Option<Instant>,
     engine: &mut dyn Engine,
     search: &mut Attempts,
 ) -> SearchResult {
-    let late = || is_past(deadline);
+    let is_late = || is_past(deadline);
     let Attempts {
         start,
         keeper,
@@ -70,31 +70,31 @@ pub(crate) fn run(
     keeper.begin(schedule);
     hops.begin();
     for trial in schedule.trials() {
-        if !keeper.wants(trial, schedule) {
+        if !keeper.is_useful(trial, schedule) {
             continue;
         }
-        if keeper.found.attempts > 0 && late() {
+        if keeper.result.attempts > 0 && is_late() {
             keeper.cut(Termination::TimeLimit);
             break;
         }
         match trial {
             Trial::NearbyFirst => {
                 let residual = engine.residual_at_start(start);
-                if !question.problem.is_nearby(share, residual) {
+                if !instance.problem.is_nearby(subset, residual) {
                     continue;
                 }
                 x.copy_from_slice(start);
             }
             Trial::Quick(index) | Trial::Full(index) => {
                 if index == 1 {
-                    limbs.begin(question, share);
-                    limbs.take(question, share, (&keeper.x, &keeper.residual));
+                    limbs.begin(instance, subset);
+                    limbs.take(instance, subset, (&keeper.x, &keeper.residual));
                     let residual = engine.residual_at_start(start);
-                    question.problem.mark_local(share, residual, local);
+                    instance.problem.mark_local(subset, residual, local);
                 }
                 let restarts = schedule.restarts();
-                if !(schedule.hops() && hops.start_of(index, restarts.seed, question, x)) {
-                    restarts.start_of(index, start, local, question, x);
+                if !(schedule.hops() && hops.start_of(index, restarts.seed, instance, x)) {
+                    restarts.start_of(index, start, local, instance, x);
                 }
                 if index > 0 {
                     limbs.keep(x);
@@ -104,19 +104,19 @@ pub(crate) fn run(
         }
         let attempt = engine.attempt(x, &schedule.stopping(trial));
         keeper.take(trial, &attempt, engine.end(), schedule);
-        if keeper.found.attempts > 1 {
-            limbs.take(question, share, engine.end());
+        if keeper.result.attempts > 1 {
+            limbs.take(instance, subset, engine.end());
         }
         if schedule.hops() {
             hops.take(&attempt, engine.end().0);
         }
-        let cut = attempt.termination.is_cut();
-        if cut && !attempt.reached {
+        let was_cut = attempt.termination.is_cut();
+        if was_cut && !attempt.reached {
             keeper.cut(attempt.termination);
         }
-        if attempt.reached || cut {
+        if attempt.reached || was_cut {
             break;
         }
     }
-    keeper.found(schedule)
+    keeper.finish(schedule)
 }

@@ -10,13 +10,13 @@ use crate::problem::ProblemInstance;
 use crate::random::RandomStream;
 
 /// Number of first attempts without hops, from starts near the caller's start or anywhere. Most problems need no more.
-const FIRST: usize = 8;
+const ATTEMPTS_BEFORE_HOPS: usize = 8;
 
 /// Largest number of hops without a lower cost; the next attempt then starts anywhere.
-const PATIENCE: usize = 12;
+const MAX_FAILED_HOPS: usize = 12;
 
 /// Fraction of the joints that a hop samples again.
-const DRAWN: f64 = 0.5;
+const RESAMPLED_FRACTION: f64 = 0.5;
 
 /// Start of the hops: the end of lowest cost.
 #[derive(Clone, Debug, Default)]
@@ -42,24 +42,24 @@ impl Hops {
         &mut self,
         index: usize,
         seed: u64,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         x: &mut [f64],
     ) -> bool {
-        if index < FIRST || self.cost == f64::INFINITY {
+        if index < ATTEMPTS_BEFORE_HOPS || self.cost == f64::INFINITY {
             return false;
         }
-        if self.failed >= PATIENCE {
+        if self.failed >= MAX_FAILED_HOPS {
             self.begin();
             return false;
         }
         let mut random = RandomStream::new(seed, index as u64);
         x.copy_from_slice(&self.x);
         for (j, value) in x.iter_mut().enumerate() {
-            let (low, high) = question.sampling_range(j, *value);
-            let (chosen, share) = (random.unit() < DRAWN, random.unit());
-            let problem = question.problem;
-            if chosen && problem.moves_a_task(j) && !problem.floats(j) {
-                *value = low + (high - low) * share;
+            let (low, high) = instance.sampling_range(j, *value);
+            let (is_resampled, fraction) = (random.unit() < RESAMPLED_FRACTION, random.unit());
+            let problem = instance.problem;
+            if is_resampled && problem.moves_a_task(j) && !problem.floats(j) {
+                *value = low + (high - low) * fraction;
             }
         }
         true

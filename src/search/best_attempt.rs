@@ -5,14 +5,14 @@ use super::schedule::{Schedule, Trial};
 use crate::solver::Termination;
 
 /// Smallest relative reduction of the cost by which an attempt replaces the best one.
-const SAME_COST: f64 = 1e-6;
+const MIN_COST_REDUCTION: f64 = 1e-6;
 
 /// Largest relative excess over the lowest cost at which an attempt agrees with it. It applies to the end of a search
 /// and to the number in a solution. The first attempt is kept if it agrees with the lowest.
-const AGREEING_COST: f64 = 1e-3;
+const AGREEMENT_TOLERANCE: f64 = 1e-3;
 
 /// Number of attempts for whose costs memory is reserved.
-const USUAL_ATTEMPTS: usize = 1024;
+const RESERVED_ATTEMPTS: usize = 1024;
 
 /// The best attempt so far, and the totals of all attempts.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +20,7 @@ pub(crate) struct Keeper {
     pub(crate) x: Vec<f64>,
     /// Weighted residual at x, of the tasks that are searched for.
     pub(crate) residual: Vec<f64>,
-    pub(super) found: SearchResult,
+    pub(super) result: SearchResult,
     /// End of the attempt from the caller's start.
     first_x: Vec<f64>,
     first_is_best: bool,
@@ -41,37 +41,41 @@ impl Keeper {
 
     /// Resets the state for a search by a schedule.
     pub(super) fn begin(&mut self, schedule: &Schedule) {
-        self.found = SearchResult::default();
+        self.result = SearchResult::default();
         (self.first_is_best, self.first_may_win) = (true, false);
         self.settled_costs.clear();
         self.costs.clear();
-        if schedule.tells_agreement() {
+        if schedule.counts_agreement() {
             let attempts = schedule.attempts();
-            self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
-            self.settled_costs.reserve(attempts.min(USUAL_ATTEMPTS));
+            self.costs.reserve(attempts.min(RESERVED_ATTEMPTS));
+            self.settled_costs.reserve(attempts.min(RESERVED_ATTEMPTS));
             self.first_x.resize(self.x.len(), 0.0);
         }
     }
 
     /// Reports whether a trial is useful after the earlier ones.
-    pub(super) fn wants(&self, trial: Trial, schedule: &Schedule) -> bool {
-        let found = &self.found;
-        let over = found.iterations >= schedule.restarts().steps || self.agree(schedule.enough());
+    pub(super) fn is_useful(&self, trial: Trial, schedule: &Schedule) -> bool {
+        let result = &self.result;
+        let search_over = result.iterations >= schedule.restarts().steps
+            || self.enough_agree(schedule.agreement_limit());
         match trial {
-            Trial::Quick(_) | Trial::Full(_) => found.attempts == 0 || !over,
-            Trial::FinishBest | Trial::NearbyFirst => found.termination == Termination::Stalled,
+            Trial::Quick(_) | Trial::Full(_) => result.attempts == 0 || !search_over,
+            Trial::FinishBest | Trial::NearbyFirst => result.termination == Termination::Stalled,
             Trial::FinishFirst => !self.first_is_best && self.first_may_win,
             Trial::FinishAtLast => {
-                !schedule.settles(found.termination) && found.attempts != schedule.attempts()
+                !schedule.is_converged(result.termination) && result.attempts != schedule.attempts()
             }
         }
     }
 
-    /// Reports whether `enough` attempts agree with the lowest cost.
-    fn agree(&self, enough: usize) -> bool {
-        let agreeing = self.found.cost * (1.0 + AGREEING_COST);
-        let mut costs = self.settled_costs.iter().filter(|cost| **cost <= agreeing);
-        enough == 0 || costs.nth(enough - 1).is_some()
+    /// Reports whether `count` attempts agree with the lowest cost.
+    fn enough_agree(&self, count: usize) -> bool {
+        let max_agreeing_cost = self.result.cost * (1.0 + AGREEMENT_TOLERANCE);
+        let mut costs = self
+            .settled_costs
+            .iter()
+            .filter(|cost| **cost <= max_agreeing_cost);
+        count == 0 || costs.nth(count - 1).is_some()
     }
 
     /// Start of a trial that continues another one.
@@ -90,42 +94,42 @@ impl Keeper {
         (x, residual): (&[f64], &[f64]),
         schedule: &Schedule,
     ) {
-        let found = &mut self.found;
-        let goes_on = [Trial::NearbyFirst, Trial::FinishBest, Trial::FinishFirst];
-        found.attempts += usize::from(!goes_on.contains(&trial));
-        found.iterations += attempt.iterations;
-        found.counts += attempt.counts;
+        let result = &mut self.result;
+        let continuations = [Trial::NearbyFirst, Trial::FinishBest, Trial::FinishFirst];
+        result.attempts += usize::from(!continuations.contains(&trial));
+        result.iterations += attempt.iterations;
+        result.counts += attempt.counts;
         if trial == Trial::NearbyFirst && !attempt.reached {
             // The attempt already counts as stalled, and is finished later like any other.
             return;
         }
-        let settled = schedule.settles(attempt.termination);
+        let settled = schedule.is_converged(attempt.termination);
         let ended = settled || attempt.termination == Termination::Stalled;
-        if ended && !trial.goes_on() && schedule.tells_agreement() {
+        if ended && !trial.continues_best() && schedule.counts_agreement() {
             self.costs.push(attempt.cost);
         }
-        let lower = attempt.cost < found.cost * (1.0 - SAME_COST);
+        let has_lower_cost = attempt.cost < result.cost * (1.0 - MIN_COST_REDUCTION);
         if settled && schedule.counts_for_agreement(trial) {
             self.settled_costs.push(attempt.cost);
         }
-        let first = found.attempts == 1 && !trial.goes_on();
+        let first = result.attempts == 1 && !trial.continues_best();
         if first {
-            if schedule.tells_agreement() {
+            if schedule.counts_agreement() {
                 self.first_x.copy_from_slice(x);
             }
             self.first_may_win = ended;
         }
-        let usable = found.cost.is_nan() && !attempt.cost.is_nan();
-        let kept = match trial {
-            Trial::FinishFirst => attempt.cost <= found.cost * (1.0 + AGREEING_COST),
-            _ => first || lower || usable || trial.goes_on(),
+        let usable = result.cost.is_nan() && !attempt.cost.is_nan();
+        let is_new_best = match trial {
+            Trial::FinishFirst => attempt.cost <= result.cost * (1.0 + AGREEMENT_TOLERANCE),
+            _ => first || has_lower_cost || usable || trial.continues_best(),
         };
-        if attempt.reached || kept {
-            self.first_is_best &= first || trial.goes_on();
-            found.termination = attempt.termination;
-            found.number = found.attempts.saturating_sub(1);
-            found.projected_gradient = attempt.projected_gradient;
-            (found.cost, found.reached) = (attempt.cost, attempt.reached);
+        if attempt.reached || is_new_best {
+            self.first_is_best &= first || trial.continues_best();
+            result.termination = attempt.termination;
+            result.number = result.attempts.saturating_sub(1);
+            result.projected_gradient = attempt.projected_gradient;
+            (result.cost, result.reached) = (attempt.cost, attempt.reached);
             self.x.copy_from_slice(x);
             self.residual.copy_from_slice(residual);
         }
@@ -133,16 +137,16 @@ impl Keeper {
 
     /// Sets the termination that ended the search early, also if an earlier attempt is returned.
     pub(super) fn cut(&mut self, termination: Termination) {
-        self.found.termination = termination;
+        self.result.termination = termination;
     }
 
     /// The result of the search.
-    pub(super) fn found(&mut self, schedule: &Schedule) -> SearchResult {
-        if schedule.tells_agreement() {
-            let alike = self.found.cost * (1.0 + AGREEING_COST);
-            let agreeing = self.costs.iter().filter(|cost| **cost <= alike);
-            self.found.agreeing = agreeing.count().max(1);
+    pub(super) fn finish(&mut self, schedule: &Schedule) -> SearchResult {
+        if schedule.counts_agreement() {
+            let max_agreeing_cost = self.result.cost * (1.0 + AGREEMENT_TOLERANCE);
+            let agreeing = self.costs.iter().filter(|cost| **cost <= max_agreeing_cost);
+            self.result.agreeing = agreeing.count().max(1);
         }
-        self.found
+        self.result
     }
 }

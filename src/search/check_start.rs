@@ -36,13 +36,13 @@ pub(crate) fn check_start(problem: &Problem, start: &[f64]) -> Result<(), SolveE
 
 /// The variables of a configuration, projected into the bounds.
 pub(crate) fn variables_at(
-    question: ProblemInstance<'_>,
+    instance: ProblemInstance<'_>,
     q: &[f64],
 ) -> Result<Vec<f64>, SolveError> {
-    let problem = question.problem;
+    let problem = instance.problem;
     check_start(problem, q)?;
     let mut x = vec![0.0; problem.variables()];
     problem.parameters().gather(q, &mut x);
-    question.space().project(&mut x);
+    instance.space().project(&mut x);
     Ok(x)
 }

@@ -27,8 +27,8 @@ impl Solution {
     }
 
     /// Checks the collisions of the problem at `q`, for engines that do not avoid them.
-    pub(crate) fn check_clear(&mut self, question: ProblemInstance<'_>) {
-        let fence = question.problem.fence();
+    pub(crate) fn check_collisions(&mut self, instance: ProblemInstance<'_>) {
+        let fence = instance.problem.fence();
         if let Some(fence) = fence.filter(|_| self.q.iter().all(|value| value.is_finite())) {
             self.set_collisions(fence.check().collisions(&self.q));
         }

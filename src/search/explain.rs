@@ -12,7 +12,7 @@ use crate::task::Role;
 
 /// Largest number of active move limits that are listed one by one. A drag that follows its target over several frames
 /// has most joints at one.
-const MOST_MOVES: usize = 3;
+const MAX_LISTED_MOVES: usize = 3;
 /// Number of joints that are named if there are more.
 const NAMED_MOVES: usize = 2;
 
@@ -54,8 +54,8 @@ impl Solution {
         if self.goals_reached() {
             return self.write_collisions(text);
         }
-        writeln!(text, ": {}.", self.why())?;
-        self.write_misses(text)?;
+        writeln!(text, ": {}.", self.reason())?;
+        self.write_unreached_tasks(text)?;
         if !self.collisions.is_empty() {
             text.push_str("  In the way:\n");
             self.write_pairs(text)?;
@@ -79,18 +79,22 @@ impl Solution {
         let unit = self.length_unit().symbol();
         for pair in &self.collisions {
             let size = Significant(pair.distance.abs());
-            let touches = pair.distance < 0.0;
+            let penetrates = pair.distance < 0.0;
             if pair.on_the_way {
-                let how = if touches { "deep" } else { "apart" };
-                writeln!(text, "  {pair} end the way, {size} {unit} {how}.")?;
+                let relation = if penetrates { "deep" } else { "apart" };
+                writeln!(text, "  {pair} end the way, {size} {unit} {relation}.")?;
                 continue;
             }
-            let how = if touches { "is in" } else { "is too near to" };
+            let relation = if penetrates {
+                "is in"
+            } else {
+                "is too near to"
+            };
             let Collision { first, second, .. } = pair;
-            let [one, other] = [pair.first_kind, pair.second_kind];
+            let [first_kind, second_kind] = [pair.first_kind, pair.second_kind];
             writeln!(
                 text,
-                "  {one} `{first}` {how} {other} `{second}`: {size} {unit}."
+                "  {first_kind} `{first}` {relation} {second_kind} `{second}`: {size} {unit}."
             )?;
         }
         Ok(())
@@ -104,8 +108,8 @@ impl Solution {
 
     /// The event that ended the search of a reached solution early.
     fn ended_early(&self) -> Option<&'static str> {
-        let pulled = self.rows.iter().any(|rows| rows.role == Role::Preference);
-        Some(match (self.termination, pulled) {
+        let has_soft_tasks = self.rows.iter().any(|rows| rows.role == Role::Preference);
+        Some(match (self.termination, has_soft_tasks) {
             (Termination::TimeLimit, false) => "the time limit ended the search for others early",
             (Termination::TimeLimit, true) => {
                 "the time limit ended the pull of the preferences early"
@@ -116,7 +120,7 @@ impl Solution {
         })
     }
 
-    fn why(&self) -> &'static str {
+    fn reason(&self) -> &'static str {
         match self.termination {
             Termination::Reached | Termination::Stationary if !self.pulling.is_empty() => {
                 "no free joint can lower the sum of goals and preferences from here"
@@ -136,7 +140,7 @@ impl Solution {
         }
     }
 
-    fn write_misses(&self, text: &mut String) -> std::fmt::Result {
+    fn write_unreached_tasks(&self, text: &mut String) -> std::fmt::Result {
         for task in self.tasks().filter(|t| t.role == Role::Goal && !t.reached) {
             let verb = if task.is_loop {
                 "is open by"
@@ -144,8 +148,8 @@ impl Solution {
                 "misses by"
             };
             write!(text, "  {} {verb} ", task.name)?;
-            let misses = task.rows.iter().filter(|rows| !rows.reached);
-            for (k, rows) in misses.enumerate() {
+            let unreached_rows = task.rows.iter().filter(|rows| !rows.reached);
+            for (k, rows) in unreached_rows.enumerate() {
                 let joiner = if k > 0 { " and " } else { "" };
                 write!(text, "{joiner}{}", Significant(rows.error))?;
                 let unit = rows.quantity.unit(self.length_unit());
@@ -164,26 +168,29 @@ impl Solution {
             let tasks = self.tasks();
             tasks.filter(|task| task.role == Role::Goal && !task.is_loop)
         };
-        let missed = goals().filter(|task| !task.reached).map(|task| task.level);
-        let missed: BTreeSet<usize> = missed.collect();
-        let (Some(&first), Some(last)) = (missed.first(), goals().map(|task| task.level).max())
-        else {
+        let unreached_levels = goals().filter(|task| !task.reached).map(|task| task.level);
+        let unreached_levels: BTreeSet<usize> = unreached_levels.collect();
+        let (Some(&first), Some(last)) = (
+            unreached_levels.first(),
+            goals().map(|task| task.level).max(),
+        ) else {
             return Ok(());
         };
         let above = goals()
             .map(|task| task.level)
             .filter(|level| *level < first);
         match (above.max(), first < last) {
-            (Some(above), _) if missed.len() == 1 => writeln!(
+            (Some(above), _) if unreached_levels.len() == 1 => writeln!(
                 text,
                 "  Level {first} gives way: the goals up to level {above} are met, and leave it no more."
             ),
             (Some(above), _) => {
-                let missed: Vec<String> = missed.iter().map(usize::to_string).collect();
+                let unreached_levels: Vec<String> =
+                    unreached_levels.iter().map(usize::to_string).collect();
                 writeln!(
                     text,
                     "  Levels {} give way, each as little as those before it allow: the goals up to level {above} are met.",
-                    missed.join(", ")
+                    unreached_levels.join(", ")
                 )
             }
             (None, true) => writeln!(
@@ -196,12 +203,16 @@ impl Solution {
 
     /// States whether the target is out of reach or the solution may be a local minimum.
     fn write_verdict(&self, text: &mut String) -> std::fmt::Result {
-        if let (Some(beyond), Some(names)) = (self.beyond, self.names.as_deref()) {
+        if let (Some(out_of_reach), Some(names)) = (self.beyond, self.names.as_deref()) {
             let unit = self.length_unit().symbol();
-            if let (Some(task), Some(Some(anchor))) =
-                (names.tasks.get(beyond.task), names.anchors.get(beyond.task))
-            {
-                let (distance, reach) = (Significant(beyond.distance), Significant(beyond.reach));
+            if let (Some(task), Some(Some(anchor))) = (
+                names.tasks.get(out_of_reach.task),
+                names.anchors.get(out_of_reach.task),
+            ) {
+                let (distance, reach) = (
+                    Significant(out_of_reach.distance),
+                    Significant(out_of_reach.reach),
+                );
                 return writeln!(
                     text,
                     "  Out of reach: {task} should be {distance} {unit} from `{}`, where its chain \
@@ -253,7 +264,7 @@ impl Solution {
         );
         let moves = self.moves().count();
         let mut limits = self.active_limits().peekable();
-        if moves > MOST_MOVES {
+        if moves > MAX_LISTED_MOVES {
             let named = self.moves().take(NAMED_MOVES);
             let named: Vec<String> = named.map(|limit| format!("`{}`", limit.joint)).collect();
             write!(

@@ -31,16 +31,16 @@ impl IndependentLimbs {
     }
 
     /// Starts a search.
-    pub(super) fn begin(&mut self, question: ProblemInstance<'_>, share: TaskSubset) {
-        let problem = question.problem;
+    pub(super) fn begin(&mut self, instance: ProblemInstance<'_>, subset: TaskSubset) {
+        let problem = instance.problem;
         self.several = false;
         // With collision avoidance the solution of one limb may collide with obstacles or other limbs.
         if problem.fence().is_some() {
             return;
         }
         self.limbs.clear();
-        self.limbs.extend(0..question.variables());
-        let limbs = problem.join_by_tasks(share, &mut self.limbs);
+        self.limbs.extend(0..instance.variables());
+        let limbs = problem.join_by_tasks(subset, &mut self.limbs);
         self.several = limbs > 1;
         if self.several {
             self.x.clear();
@@ -53,8 +53,8 @@ impl IndependentLimbs {
     /// Stores the solutions of the limbs that an attempt solved. It ended at `x` with this residual of the task subset.
     pub(super) fn take(
         &mut self,
-        question: ProblemInstance<'_>,
-        share: TaskSubset,
+        instance: ProblemInstance<'_>,
+        subset: TaskSubset,
         (x, residual): (&[f64], &[f64]),
     ) {
         if !self.several {
@@ -63,14 +63,14 @@ impl IndependentLimbs {
         for (j, limb) in self.limbs.iter().enumerate() {
             let is_new = *limb == j && !self.solved[j];
             if is_new
-                && question
+                && instance
                     .problem
-                    .is_limb_reached(share, residual, &self.limbs, j)
+                    .is_limb_reached(subset, residual, &self.limbs, j)
             {
                 self.solved[j] = true;
-                for (own, (value, limb)) in self.x.iter_mut().zip(x.iter().zip(&self.limbs)) {
+                for (stored, (value, limb)) in self.x.iter_mut().zip(x.iter().zip(&self.limbs)) {
                     if *limb == j {
-                        *own = *value;
+                        *stored = *value;
                     }
                 }
             }
@@ -82,9 +82,9 @@ impl IndependentLimbs {
         if !self.several {
             return;
         }
-        for ((value, own), limb) in x.iter_mut().zip(&self.x).zip(&self.limbs) {
+        for ((value, stored), limb) in x.iter_mut().zip(&self.x).zip(&self.limbs) {
             if self.solved[*limb] {
-                *value = *own;
+                *value = *stored;
             }
         }
     }

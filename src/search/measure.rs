@@ -41,8 +41,12 @@ impl Solution {
         scratch: &mut Scratch,
         memory: &mut SolverState,
     ) -> Option<Slope> {
-        let End { question, x, .. } = *end;
-        let problem = question.problem;
+        let End {
+            question: instance,
+            x,
+            ..
+        } = *end;
+        let problem = instance.problem;
         self.q.resize(problem.configuration_len(), 0.0);
         problem.parameters().scatter_within_limits(x, &mut self.q);
         self.cost = half_squared(end.residual);
@@ -58,31 +62,31 @@ impl Solution {
             }),
         );
         if problem.leaves_rows_out() {
-            let mut evaluation = Evaluation::new(question, scratch);
+            let mut evaluation = Evaluation::new(instance, scratch);
             let errors = problem.unasked_errors(evaluation.unweighted(x));
             for (rows, error) in self.rows.iter_mut().zip(errors) {
                 rows.error = error.unwrap_or(rows.error);
             }
         }
         let lower_is_better = problem.pulls_in(end.share);
-        let done = !lower_is_better || self.projected_gradient.is_some();
+        let has_gradient = !lower_is_better || self.projected_gradient.is_some();
         let cost = half_squared(end.searched);
-        if self.reached && done || !cost.is_finite() {
+        if self.reached && has_gradient || !cost.is_finite() {
             return None;
         }
         memory.take_shape(end.searched.len(), x.len());
-        let mut evaluation = Evaluation::of(end.share, question, scratch);
+        let mut evaluation = Evaluation::of(end.share, instance, scratch);
         let (gradient, steepest) = memory.slope_at(&mut evaluation, x, end.searched);
         let negligible = negligible_slope(steepest, cost, stopping);
-        let space = question.space();
-        let left = |curvature| space.projected_gradient_norm(x, gradient, curvature);
+        let space = instance.space();
+        let projected_norm = |curvature| space.projected_gradient_norm(x, gradient, curvature);
         if end.share != TaskSubset::All || self.projected_gradient.is_none() {
-            self.projected_gradient = Some(left(1.0));
+            self.projected_gradient = Some(projected_norm(1.0));
         }
         if !self.reached {
-            self.tell_limits(question, x, gradient, negligible);
+            self.record_active_limits(instance, x, gradient, negligible);
         }
-        let cosine = left(steepest * steepest) * steepest / (2.0 * cost).sqrt();
+        let cosine = projected_norm(steepest * steepest) * steepest / (2.0 * cost).sqrt();
         Some(Slope {
             negligible,
             // With a zero gradient or a zero cost the angle is undefined.
@@ -103,29 +107,29 @@ impl Solution {
         self.blocked.clear();
         self.pulling.clear();
         self.beyond = None;
-        let known = self.names.as_ref();
-        if !known.is_some_and(|known| Arc::ptr_eq(known, names)) {
+        let current_names = self.names.as_ref();
+        if !current_names.is_some_and(|current_names| Arc::ptr_eq(current_names, names)) {
             self.names = Some(Arc::clone(names));
         }
     }
 
     /// Lists the variables at a bound beyond which the cost would fall, with a derivative above `negligible`.
-    pub(crate) fn tell_limits(
+    pub(crate) fn record_active_limits(
         &mut self,
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         x: &[f64],
         gradient: &[f64],
         negligible: f64,
     ) {
-        let limits = question.problem;
-        let space = question.space();
+        let problem = instance.problem;
+        let space = instance.space();
         for (variable, &g) in gradient.iter().enumerate() {
             let Some(side) = space.held_at(x, variable, g, negligible) else {
                 continue;
             };
             let limit = match side {
-                Side::Lower => limits.lower()[variable],
-                Side::Upper => limits.upper()[variable],
+                Side::Lower => problem.lower()[variable],
+                Side::Upper => problem.upper()[variable],
             };
             // The bounds of a move are within the limits.
             let kind_of = |value: f64| match value == limit {
@@ -136,14 +140,14 @@ impl Solution {
             let (side, kind, value, is_whole) = match space.edge_at(x, variable) {
                 None => (side, kind_of(value), value, false),
                 Some(Edge::Swing) => {
-                    let swing = limits.swing_at(variable);
+                    let swing = problem.swing_at(variable);
                     let angle = swing.map_or(value, |swing| swing.angle(x));
                     (side, BoundKind::Limit, angle, false)
                 }
                 Some(Edge::Twist { upper: true }) => (side, BoundKind::Limit, value, false),
                 Some(Edge::Twist { upper: false }) => (Side::Lower, BoundKind::Limit, value, false),
-                Some(Edge::Angle(most)) => (side, BoundKind::Limit, most, true),
-                Some(Edge::Move(most)) => (side, BoundKind::Move, most, true),
+                Some(Edge::Angle(max_angle)) => (side, BoundKind::Limit, max_angle, true),
+                Some(Edge::Move(max_angle)) => (side, BoundKind::Move, max_angle, true),
             };
             self.blocked.push(Blocked {
                 variable,

@@ -8,9 +8,9 @@ use crate::solver::TurnLimit;
 /// Displacement of a prismatic joint that corresponds to one radian, relative to the model's reach.
 const REACH_PER_RADIAN: f64 = 0.25;
 /// Largest rotation angle of a ball joint, radians.
-const FARTHEST_TURN: f64 = std::f64::consts::PI;
+const MAX_TURN_ANGLE: f64 = std::f64::consts::PI;
 /// Smallest angle of a ball joint's move, radians; smaller moves lock the joint, as quaternions cannot resolve them.
-const LEAST_TURN: f64 = 1e-12;
+const MIN_TURN_ANGLE: f64 = 1e-12;
 
 /// Hard limits of the displacements of a problem's joints from a start.
 ///
@@ -51,19 +51,19 @@ const LEAST_TURN: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub struct MoveLimits {
     /// Largest displacement by variable; infinite for the variables of a ball joint.
-    most: Vec<f64>,
+    max_moves: Vec<f64>,
     turns: Vec<TurnLimit>,
     lower: Vec<f64>,
     upper: Vec<f64>,
     /// First of the three variables of each locked ball joint.
-    still: Vec<usize>,
+    locked_balls: Vec<usize>,
     /// The limit also holds exactly for the rounded difference `|q − q₀|`.
-    to_the_bit: bool,
+    is_exact: bool,
 }
 
 impl MoveLimits {
-    /// Limits displacements from `start`, in radians and metres. `most` has the length of a configuration; the four
-    /// numbers of a ball joint are equal. Infinity is no limit. [`Robot::moves_within`] computes them from velocity
+    /// Limits displacements from `start`, in radians and metres. `max_moves` has the length of a configuration; the
+    /// four numbers of a ball joint are equal. Infinity is no limit. [`Robot::moves_within`] computes them from velocity
     /// limits.
     ///
     /// [`Robot::moves_within`]: crate::robot::Robot::moves_within
@@ -71,31 +71,31 @@ impl MoveLimits {
     /// # Errors
     /// A wrong number of moves, a move that is negative or NaN, or four moves of a ball joint that differ. Also a start
     /// that [`Solver::solve`](crate::Solver::solve) rejects.
-    pub fn new(problem: &Problem, most: &[f64], start: &[f64]) -> Result<Self, SolveError> {
-        if most.len() != problem.configuration_len() {
+    pub fn new(problem: &Problem, max_moves: &[f64], start: &[f64]) -> Result<Self, SolveError> {
+        if max_moves.len() != problem.configuration_len() {
             return Err(SolveError::MovesLength {
                 model: problem.names().model.clone(),
-                given: most.len(),
+                given: max_moves.len(),
                 expected: problem.configuration_len(),
             });
         }
-        for &most in most {
-            BadOption::check("max_move", most, AT_LEAST_0)?;
+        for &max_move in max_moves {
+            BadOption::check("max_move", max_move, AT_LEAST_0)?;
         }
         let map = problem.parameters();
-        let mut own = Self::of_variables(problem, map.least_by_variable(most), true);
+        let mut limits = Self::of_variables(problem, map.least_by_variable(max_moves), true);
         for ball in map.balls() {
-            let four = &most[ball.coordinate..ball.coordinate + 4];
-            if four.iter().any(|most| *most != four[0]) {
+            let ball_moves = &max_moves[ball.coordinate..ball.coordinate + 4];
+            if ball_moves.iter().any(|max_move| *max_move != ball_moves[0]) {
                 let joint = &problem.names().joints[ball.variable];
                 return Err(SolveError::MovesOfBall {
                     joint: joint.clone(),
                 });
             }
-            own.limit_turn(problem, ball.variable, four[0]);
+            limits.limit_turn(problem, ball.variable, ball_moves[0]);
         }
-        own.start_at(problem, start)?;
-        Ok(own)
+        limits.start_at(problem, start)?;
+        Ok(limits)
     }
 
     /// Limits displacements from `start` by an angle in radians. For prismatic joints a radian corresponds to a quarter
@@ -104,56 +104,56 @@ impl MoveLimits {
     /// # Errors
     /// An angle that is not above 0, or a start that [`Solver::solve`](crate::Solver::solve) rejects.
     pub fn by_angle(problem: &Problem, radians: f64, start: &[f64]) -> Result<Self, SolveError> {
-        let above = |radians| radians > 0.0;
-        BadOption::check("max_move", radians, (above, "a number above 0"))?;
-        let mut own = Self::of_variables(problem, Vec::new(), false);
-        own.set_angle(problem, radians);
-        own.start_at(problem, start)?;
-        Ok(own)
+        let is_positive = |radians| radians > 0.0;
+        BadOption::check("max_move", radians, (is_positive, "a number above 0"))?;
+        let mut limits = Self::of_variables(problem, Vec::new(), false);
+        limits.set_angle(problem, radians);
+        limits.start_at(problem, start)?;
+        Ok(limits)
     }
 
-    fn of_variables(problem: &Problem, most: Vec<f64>, to_the_bit: bool) -> Self {
+    fn of_variables(problem: &Problem, max_moves: Vec<f64>, is_exact: bool) -> Self {
         Self {
-            most,
+            max_moves,
             turns: Vec::new(),
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
-            still: Vec::new(),
-            to_the_bit,
+            locked_balls: Vec::new(),
+            is_exact,
         }
     }
 
     /// Sets the angle of [`by_angle`](Self::by_angle).
     pub(crate) fn set_angle(&mut self, problem: &Problem, radians: f64) {
         let angles = problem.names().variable_is_angle.iter();
-        let slide = slide_per_radian(problem);
-        self.most.clear();
-        self.most.extend(angles.map(|&angle| match angle {
+        let metres_per_radian = slide_per_radian(problem);
+        self.max_moves.clear();
+        self.max_moves.extend(angles.map(|&angle| match angle {
             true => radians,
-            false => radians * slide,
+            false => radians * metres_per_radian,
         }));
         self.turns.clear();
-        self.still.clear();
+        self.locked_balls.clear();
         for ball in problem.parameters().balls() {
-            self.most[ball.variable..ball.variable + 3].fill(f64::INFINITY);
+            self.max_moves[ball.variable..ball.variable + 3].fill(f64::INFINITY);
             self.limit_turn(problem, ball.variable, radians);
         }
     }
 
     /// Lowers the limits to `steps`, by variable. The first variable of a ball joint holds its angle.
     pub(crate) fn lower_to(&mut self, problem: &Problem, steps: &[f64]) {
-        for (most, step) in self.most.iter_mut().zip(steps) {
-            *most = most.min(*step);
+        for (max_move, step) in self.max_moves.iter_mut().zip(steps) {
+            *max_move = max_move.min(*step);
         }
         for ball in problem.parameters().balls() {
             let first = ball.variable;
-            self.most[first..first + 3].fill(f64::INFINITY);
+            self.max_moves[first..first + 3].fill(f64::INFINITY);
             let angle = steps[first];
-            let known = self
+            let turn_limit = self
                 .turns
                 .iter_mut()
                 .find(|turn| turn.variables().start == first);
-            match known {
+            match turn_limit {
                 Some(turn) => turn.most = turn.most.min(angle),
                 None => self.limit_turn(problem, first, angle),
             }
@@ -161,15 +161,15 @@ impl MoveLimits {
     }
 
     /// Limits the rotation of the ball joint whose variables start at `first`.
-    fn limit_turn(&mut self, problem: &Problem, first: usize, most: f64) {
+    fn limit_turn(&mut self, problem: &Problem, first: usize, max_angle: f64) {
         let mut balls = problem.parameters().balls().iter();
         let Some(ball) = balls.find(|ball| ball.variable == first) else {
             return;
         };
-        if most < LEAST_TURN {
-            self.still.push(first);
-        } else if most < FARTHEST_TURN {
-            let turn = TurnLimit::from_zero(first, ball.chart, [0.0; 3], most);
+        if max_angle < MIN_TURN_ANGLE {
+            self.locked_balls.push(first);
+        } else if max_angle < MAX_TURN_ANGLE {
+            let turn = TurnLimit::from_zero(first, ball.chart, [0.0; 3], max_angle);
             self.turns.push(turn);
         }
     }
@@ -191,17 +191,23 @@ impl MoveLimits {
     pub(crate) fn start_from(&mut self, problem: &Problem, x: &[f64]) {
         let limits = problem.lower().iter().zip(problem.upper());
         let bounds = self.lower.iter_mut().zip(&mut self.upper);
-        let to_the_bit = self.to_the_bit;
-        let end = |x: f64, by: f64| if to_the_bit { within(x, by) } else { x + by };
-        for ((&x, &most), ((lower, upper), (&low, &high))) in
-            x.iter().zip(&self.most).zip(bounds.zip(limits))
+        let is_exact = self.is_exact;
+        let bound = |x: f64, displacement: f64| {
+            if is_exact {
+                within(x, displacement)
+            } else {
+                x + displacement
+            }
+        };
+        for ((&x, &max_move), ((lower, upper), (&low, &high))) in
+            x.iter().zip(&self.max_moves).zip(bounds.zip(limits))
         {
-            (*lower, *upper) = (end(x, -most).max(low), end(x, most).min(high));
+            (*lower, *upper) = (bound(x, -max_move).max(low), bound(x, max_move).min(high));
         }
-        for &first in &self.still {
-            let three = first..first + 3;
-            self.lower[three.clone()].copy_from_slice(&x[three.clone()]);
-            self.upper[three.clone()].copy_from_slice(&x[three]);
+        for &first in &self.locked_balls {
+            let variables = first..first + 3;
+            self.lower[variables.clone()].copy_from_slice(&x[variables.clone()]);
+            self.upper[variables.clone()].copy_from_slice(&x[variables]);
         }
         for turn in &mut self.turns {
             turn.centre_at(x);
@@ -239,12 +245,12 @@ pub(crate) fn slide_per_radian(problem: &Problem) -> f64 {
     }
 }
 
-/// `start + by`, rounded such that its computed distance from `start` is at most `by`.
-pub(crate) fn within(start: f64, by: f64) -> f64 {
-    let end = start + by;
-    if end.is_infinite() || (end - start).abs() <= by.abs() {
+/// `start + displacement`, rounded such that its computed distance from `start` is at most `displacement`.
+pub(crate) fn within(start: f64, displacement: f64) -> f64 {
+    let end = start + displacement;
+    if end.is_infinite() || (end - start).abs() <= displacement.abs() {
         end
-    } else if by > 0.0 {
+    } else if displacement > 0.0 {
         end.next_down()
     } else {
         end.next_up()

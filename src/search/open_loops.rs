@@ -27,10 +27,10 @@ impl Solution {
         let names = self.names.as_deref();
         let loops = names.map_or(&[][..], |names| &names.loops);
         let tasks = names.map_or(0, |names| names.tasks.len());
-        let own = tasks.saturating_sub(loops.len());
+        let first_loop_task = tasks.saturating_sub(loops.len());
         self.tasks().filter_map(move |task| {
-            let closes = task.rows.first()?.task.checked_sub(own)?;
-            let name = loops.get(closes).filter(|_| !task.reached)?;
+            let loop_index = task.rows.first()?.task.checked_sub(first_loop_task)?;
+            let name = loops.get(loop_index).filter(|_| !task.reached)?;
             Some(OpenLoop {
                 name,
                 gap: task.position_error().unwrap_or(0.0),

@@ -22,23 +22,27 @@ impl Solution {
     }
 
     /// Searches for an unreached required task that is provably unreachable.
-    pub(crate) fn find_beyond(&mut self, question: ProblemInstance<'_>) {
-        let tasks = question.problem.compiled_tasks().iter().enumerate();
+    pub(crate) fn find_out_of_reach(&mut self, instance: ProblemInstance<'_>) {
+        let tasks = instance.problem.compiled_tasks().iter().enumerate();
         let mut goals = tasks.filter(|(_, task)| task.role == Role::Goal);
-        self.beyond = goals.find_map(|(index, task)| beyond(question, index, task));
+        self.beyond = goals.find_map(|(index, task)| out_of_reach(instance, index, task));
     }
 }
 
-fn beyond(question: ProblemInstance<'_>, index: usize, task: &CompiledTask) -> Option<OutOfReach> {
+fn out_of_reach(
+    instance: ProblemInstance<'_>,
+    index: usize,
+    task: &CompiledTask,
+) -> Option<OutOfReach> {
     // Anchors are valid only for the targets with which the problem was built.
-    let problem = (!question.places_moved()).then_some(question.problem)?;
-    let residual = question.residual(index).as_any();
+    let problem = (!instance.places_moved()).then_some(instance.problem)?;
+    let residual = instance.residual(index).as_any();
     let FrameGoal { place, offset, .. } = FrameGoal::by(residual)?;
     let target = place?;
-    let mut asked = task.blocks().filter(|block| block.can_miss());
-    let place = asked.find(|block| block.measure.quantity == Quantity::Metres)?;
+    let mut checked_blocks = task.blocks().filter(|block| block.can_miss());
+    let position_block = checked_blocks.find(|block| block.measure.quantity == Quantity::Metres)?;
     let anchor = problem.anchor(index)?;
-    let (distance, reach) = anchor.falls_short_of(target, offset, place.tolerance)?;
+    let (distance, reach) = anchor.falls_short_of(target, offset, position_block.tolerance)?;
     Some(OutOfReach {
         task: index,
         distance,

@@ -9,7 +9,7 @@ use crate::solver::largest;
 use crate::task::Role;
 
 /// Smallest share of a soft task in the balance of the required tasks' gradient at which the soft task is listed.
-const WORTH_NAMING: f64 = 0.1;
+const MIN_NAMED_SHARE: f64 = 0.1;
 
 /// An unreached weighted sum: Jacobian and residual of all tasks at the solution.
 pub(crate) struct PreferenceConflict<'a> {
@@ -25,14 +25,14 @@ impl PreferenceConflict<'_> {
     /// The strongest comes first. `slope` is a workspace with one number per variable.
     pub(crate) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
         tasks.clear();
-        let (question, residual) = (self.question, self.residual);
-        let problem = question.problem;
+        let (instance, residual) = (self.question, self.residual);
+        let problem = instance.problem;
         let rows = residual.len();
         // Derivative by variable j of half a task's squared residual.
         let slope_by = |j: usize, task: &Range<usize>| {
             let column = &self.jacobian.as_slice()[j * rows..(j + 1) * rows];
-            let own = column[task.clone()].iter().zip(&residual[task.clone()]);
-            own.map(|(j, r)| j * r).sum::<f64>()
+            let pairs = column[task.clone()].iter().zip(&residual[task.clone()]);
+            pairs.map(|(j, r)| j * r).sum::<f64>()
         };
         let goals = problem.tasks_of(TaskSubset::All);
         let goals = goals.filter(|(_, task, _)| task.role == Role::Goal);
@@ -43,17 +43,17 @@ impl PreferenceConflict<'_> {
             }
         }
         for (j, slope) in slope.iter_mut().enumerate() {
-            if question.space().holds(x, j, *slope, 0.0) {
+            if instance.space().holds(x, j, *slope, 0.0) {
                 *slope = 0.0;
             }
         }
         let steepest = largest(slope);
-        let all: f64 = slope.iter().map(|s| s * s).sum();
-        if steepest <= self.negligible || !all.is_finite() {
+        let squared_norm: f64 = slope.iter().map(|s| s * s).sum();
+        if steepest <= self.negligible || !squared_norm.is_finite() {
             return;
         }
         // Derivative of a soft task's cost along the negative gradient of the required tasks.
-        let against = |index: usize| {
+        let opposition = |index: usize| {
             let Some(task) = problem.compiled_tasks().get(index) else {
                 return 0.0;
             };
@@ -63,8 +63,9 @@ impl PreferenceConflict<'_> {
         };
         let preferences = problem.compiled_tasks().iter().enumerate();
         let preferences = preferences.filter(|(_, task)| task.role == Role::Preference);
-        let named = preferences.filter(|&(index, _)| against(index) >= WORTH_NAMING * all);
-        tasks.extend(named.map(|(index, _)| index));
-        tasks.sort_unstable_by(|&a, &b| against(b).total_cmp(&against(a)));
+        let listed =
+            preferences.filter(|&(index, _)| opposition(index) >= MIN_NAMED_SHARE * squared_norm);
+        tasks.extend(listed.map(|(index, _)| index));
+        tasks.sort_unstable_by(|&a, &b| opposition(b).total_cmp(&opposition(a)));
     }
 }

@@ -10,21 +10,21 @@ use crate::random::RandomStream;
 
 /// Fraction of the distance to a random configuration by which a start is perturbed. Rest poses of rigs are singular:
 /// with a bend of 0 both twists coincide, and a small perturbation resolves it.
-const NUDGE: f64 = 0.15;
+const PERTURBATION_FRACTION: f64 = 0.15;
 
 /// Number of attempts after the first that change only the variables of unreached tasks.
 const LOCAL_ATTEMPTS: usize = 2;
 
 /// Default number of attempts.
-const USUAL: usize = 32;
+const DEFAULT_ATTEMPTS: usize = 32;
 /// Excess of variables over rows of the required tasks below which a problem with a free base has few solutions. Each
 /// is on one branch of every limb.
-const TIGHT: usize = 4;
+const FEW_SOLUTIONS_EXCESS: usize = 4;
 /// Default number of attempts for a problem with a free base and few solutions.
-const USUAL_WHERE_TIGHT: usize = 512;
+const FREE_BASE_ATTEMPTS: usize = 512;
 
 /// Interval of the attempts that sample a free base anywhere; the others perturb it.
-const FAR_BASE_EVERY: usize = 4;
+const BASE_SAMPLING_INTERVAL: usize = 4;
 
 /// Number of attempts, and the seed of their starts.
 ///
@@ -87,19 +87,19 @@ impl Restarts {
     /// Checks the ranges of both numbers of attempts.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         let agreeing = self.agreeing.unwrap_or(1);
-        let attempts = self.attempts.unwrap_or(USUAL);
+        let attempts = self.attempts.unwrap_or(DEFAULT_ATTEMPTS);
         BadOption::check("attempts", attempts as f64, AT_LEAST_ONE)?;
         BadOption::check("agreeing", agreeing as f64, AT_LEAST_ONE)
     }
 
     /// Number of attempts for a problem.
-    pub(super) fn attempts_for(&self, question: ProblemInstance<'_>, share: TaskSubset) -> usize {
+    pub(super) fn attempts_for(&self, instance: ProblemInstance<'_>, subset: TaskSubset) -> usize {
         self.attempts.unwrap_or_else(|| {
-            let problem = question.problem;
-            let room = problem.rows_of(share) + TIGHT;
-            match problem.has_free_joint() && problem.variables() < room {
-                true => USUAL_WHERE_TIGHT,
-                false => USUAL,
+            let problem = instance.problem;
+            let variable_limit = problem.rows_of(subset) + FEW_SOLUTIONS_EXCESS;
+            match problem.has_free_joint() && problem.variables() < variable_limit {
+                true => FREE_BASE_ATTEMPTS,
+                false => DEFAULT_ATTEMPTS,
             }
         })
     }
@@ -112,7 +112,7 @@ impl Restarts {
         index: usize,
         start: &[f64],
         local: &[bool],
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         x: &mut [f64],
     ) {
         x.copy_from_slice(start);
@@ -120,17 +120,22 @@ impl Restarts {
             return;
         }
         let mut random = RandomStream::new(self.seed, index as u64);
-        let share = if index % 2 == 1 { NUDGE } else { 1.0 };
+        let fraction = if index % 2 == 1 {
+            PERTURBATION_FRACTION
+        } else {
+            1.0
+        };
         for (j, value) in x.iter_mut().enumerate() {
-            let (low, high) = question.sampling_range(j, start[j]);
-            let drawn = low + (high - low) * random.unit();
+            let (low, high) = instance.sampling_range(j, start[j]);
+            let sample = low + (high - low) * random.unit();
             // The caller's pose of a free base is usually a better guess than a sample.
-            let share = match question.problem.floats(j) && !index.is_multiple_of(FAR_BASE_EVERY) {
-                true => NUDGE * share,
-                false => share,
-            };
-            if local[j] || (index > LOCAL_ATTEMPTS && question.problem.moves_a_task(j)) {
-                *value = start[j] + share * (drawn - start[j]);
+            let fraction =
+                match instance.problem.floats(j) && !index.is_multiple_of(BASE_SAMPLING_INTERVAL) {
+                    true => PERTURBATION_FRACTION * fraction,
+                    false => fraction,
+                };
+            if local[j] || (index > LOCAL_ATTEMPTS && instance.problem.moves_a_task(j)) {
+                *value = start[j] + fraction * (sample - start[j]);
             }
         }
     }

@@ -10,17 +10,17 @@ use crate::solver::{Stopping, Termination};
 
 /// Number of steps without halving the cost after which the attempt from the caller's start stalls. That start is
 /// usually near a solution, or a singular rest pose without progress.
-const PATIENCE_AT_START: usize = 6;
+const START_STALL_STEPS: usize = 6;
 /// Number of steps without halving the cost after which an attempt stalls.
-const PATIENCE: usize = 9;
-/// As [`PATIENCE`], for searches that count agreement: 10 slow steps pass before the solver uses finite differences.
-const PATIENCE_BEFORE_AGREEING: usize = 10;
+const STALL_STEPS: usize = 9;
+/// As [`STALL_STEPS`], for searches that count agreement: 10 slow steps pass before the solver uses finite differences.
+const AGREEMENT_STALL_STEPS: usize = 10;
 
 /// Number of stalled attempts after which the best one is continued. It often reaches slow targets, such as those of
 /// stretched limbs.
-const QUICK_BEFORE_BEST: usize = 8;
+const STALLED_ATTEMPTS_BEFORE_BEST: usize = 8;
 /// Default number of agreeing attempts that end a search of converged attempts.
-const AGREEING: usize = 3;
+const AGREEING_ATTEMPTS: usize = 3;
 
 /// One run of an engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub(super) enum Trial {
 
 impl Trial {
     /// Reports whether the trial continues the best attempt.
-    pub(super) fn goes_on(self) -> bool {
+    pub(super) fn continues_best(self) -> bool {
         matches!(self, Self::FinishBest | Self::FinishAtLast)
     }
 }
@@ -71,7 +71,7 @@ impl Schedule {
     /// Schedule of searches for a task subset of a problem, each within `stopping`. With `patient` all run until they
     /// converge.
     pub(crate) fn of_searches(
-        (question, share): (ProblemInstance<'_>, TaskSubset),
+        (instance, subset): (ProblemInstance<'_>, TaskSubset),
         restarts: Restarts,
         stopping: Stopping,
         patient: bool,
@@ -83,8 +83,8 @@ impl Schedule {
         // Hops from a low end often return to its cost, so they must not count as agreement.
         let hops = !patient && restarts.agreeing.is_none();
         Self {
-            attempts: restarts.attempts_for(question, share),
-            hops: hops && question.problem.has_free_joint(),
+            attempts: restarts.attempts_for(instance, subset),
+            hops: hops && instance.problem.has_free_joint(),
             restarts,
             stopping,
             kind,
@@ -93,12 +93,12 @@ impl Schedule {
 
     /// Schedule of sweeps, each within `stopping`.
     pub(crate) fn of_sweeps(
-        question: ProblemInstance<'_>,
+        instance: ProblemInstance<'_>,
         restarts: Restarts,
         stopping: Stopping,
     ) -> Self {
         Self {
-            attempts: restarts.attempts_for(question, TaskSubset::All),
+            attempts: restarts.attempts_for(instance, TaskSubset::All),
             hops: false,
             restarts,
             stopping,
@@ -129,7 +129,9 @@ impl Schedule {
     pub(super) fn trials(&self) -> impl Iterator<Item = Trial> + use<> {
         let agreeing = self.restarts.agreeing;
         let quick = match self.attempts {
-            attempts if self.kind == Kind::Quick && attempts > 1 => attempts.min(QUICK_BEFORE_BEST),
+            attempts if self.kind == Kind::Quick && attempts > 1 => {
+                attempts.min(STALLED_ATTEMPTS_BEFORE_BEST)
+            }
             _ => 0,
         };
         // Only converged attempts can agree.
@@ -158,29 +160,29 @@ impl Schedule {
             return self.stopping;
         };
         self.stopping.impatient(match self.restarts.agreeing {
-            _ if index == 0 => PATIENCE_AT_START,
-            None => PATIENCE,
-            Some(_) => PATIENCE_BEFORE_AGREEING,
+            _ if index == 0 => START_STALL_STEPS,
+            None => STALL_STEPS,
+            Some(_) => AGREEMENT_STALL_STEPS,
         })
     }
 
     /// Number of agreeing attempts that end the search.
-    pub(super) fn enough(&self) -> usize {
-        let unset = match self.kind {
+    pub(super) fn agreement_limit(&self) -> usize {
+        let default_limit = match self.kind {
             Kind::Quick => usize::MAX,
-            Kind::Patient | Kind::Sweeps => AGREEING,
+            Kind::Patient | Kind::Sweeps => AGREEING_ATTEMPTS,
         };
-        self.restarts.agreeing.unwrap_or(unset)
+        self.restarts.agreeing.unwrap_or(default_limit)
     }
 
     /// Reports whether the search counts agreeing attempts. Sweeps do not: equal costs may only mean equally slow
     /// progress.
-    pub(super) fn tells_agreement(&self) -> bool {
+    pub(super) fn counts_agreement(&self) -> bool {
         self.kind != Kind::Sweeps
     }
 
     /// Reports whether an attempt converged. A stalled attempt of sweeps counts as converged.
-    pub(super) fn settles(&self, termination: Termination) -> bool {
+    pub(super) fn is_converged(&self, termination: Termination) -> bool {
         match self.kind {
             Kind::Sweeps => {
                 matches!(termination, Termination::SmallStep | Termination::Stalled)

@@ -180,13 +180,13 @@ impl Solution {
     }
 
     /// Takes the result of a search, except its configuration.
-    pub(crate) fn record(&mut self, found: &SearchResult) {
-        self.termination = found.termination;
-        self.projected_gradient = found.projected_gradient;
-        self.iterations = found.iterations;
-        self.attempts = found.attempts;
-        self.agreeing = found.agreeing;
-        self.counts = found.counts;
+    pub(crate) fn record(&mut self, result: &SearchResult) {
+        self.termination = result.termination;
+        self.projected_gradient = result.projected_gradient;
+        self.iterations = result.iterations;
+        self.attempts = result.attempts;
+        self.agreeing = result.agreeing;
+        self.counts = result.counts;
         self.collisions.clear();
     }
 
@@ -213,11 +213,11 @@ impl Solution {
         let goals = self.tasks().filter(|task| task.role == Role::Goal);
         let errors = goals.filter_map(|task| task.error(quantity));
         // NaN counts as larger than any error.
-        errors.reduce(|most, error| {
-            if error > most || error.is_nan() {
+        errors.reduce(|max_error, error| {
+            if error > max_error || error.is_nan() {
                 error
             } else {
-                most
+                max_error
             }
         })
     }
@@ -245,12 +245,12 @@ impl Solution {
     pub fn active_limits(&self) -> impl Iterator<Item = ActiveLimit<'_>> {
         self.blocked.iter().filter_map(|blocked| {
             let names = self.names.as_deref()?;
-            let own = match blocked.is_whole {
+            let joint_names = match blocked.is_whole {
                 true => &names.joints,
                 false => &names.variables,
             };
             Some(ActiveLimit {
-                joint: own.get(blocked.variable)?,
+                joint: joint_names.get(blocked.variable)?,
                 side: blocked.side,
                 kind: blocked.kind,
                 value: blocked.value,

@@ -46,7 +46,7 @@ impl Arm {
                     }
                 }
                 let mut found =
-                    SearchResult::alone(Termination::CannotContinue, solution.iterations);
+                    SearchResult::single_attempt(Termination::CannotContinue, solution.iterations);
                 self.judge(workspace, &mut found);
                 self.record_configuration(&found, workspace, solution);
                 if !round {
