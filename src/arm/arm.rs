@@ -30,7 +30,7 @@ use crate::spatial::Placement;
 pub struct Arm {
     pub(super) serial: Serial,
     pub(super) options: Options,
-    pub(super) lanes: Option<PoseSolver>,
+    pub(super) simd_solver: Option<PoseSolver>,
     pub(super) coordinates: Coordinates,
     pub(super) names: Arc<ReportNames>,
     /// Radians that a radian or metre of each joint counts as.
@@ -61,7 +61,7 @@ impl Arm {
     pub(super) fn assemble(
         serial: Serial,
         options: Options,
-        lanes: Option<PoseSolver>,
+        simd_solver: Option<PoseSolver>,
         coordinates: Coordinates,
         rates: RateLimits<f64>,
         tip: &str,
@@ -80,7 +80,7 @@ impl Arm {
             scale: serial.scales(options.metres_per_radian),
             serial,
             options,
-            lanes,
+            simd_solver,
             coordinates,
             names: Arc::new(names),
             seeds: OnceLock::new(),
@@ -95,12 +95,12 @@ impl Arm {
         &self,
         serial: Serial,
         options: Options,
-        lanes: Option<PoseSolver>,
+        simd_solver: Option<PoseSolver>,
     ) -> Result<Self, ArmError> {
         let (coordinates, rates) = (self.coordinates.clone(), self.rates.clone());
         let tip = self.names.task_frames.first().cloned().flatten();
         let tip = tip.unwrap_or_default();
-        let changed = Self::assemble(serial, options, lanes, coordinates, rates, &tip)?;
+        let changed = Self::assemble(serial, options, simd_solver, coordinates, rates, &tip)?;
         Ok(Self {
             default_start: self.default_start.clone(),
             ..changed
@@ -183,7 +183,7 @@ impl Arm {
         let target = base_from_tool.into();
         self.check_length("the start", start.len(), self.joint_count())?;
         self.check_query(0, &target, start)?;
-        self.answer(&self.query(&target, start), solution)?;
+        self.solve_query(&self.query(&target, start), solution)?;
         Ok(())
     }
 
@@ -212,8 +212,8 @@ impl Arm {
                 .lock()
                 .unwrap_or_else(std::sync::PoisonError::into_inner)
         };
-        let taken = lock().pop();
-        let mut workspace = match taken {
+        let pooled = lock().pop();
+        let mut workspace = match pooled {
             Some(workspace) => workspace,
             None => Box::new(ArmWorkspace::new(&self.serial, &self.options)?),
         };
@@ -245,18 +245,18 @@ impl Arm {
         reason = "what is not finite leaves itself no zero, and all are asked at once"
     )]
     pub(super) fn check_finite(&self, what: &'static str, q: &[f64]) -> Result<(), QueryError> {
-        let all = q
+        let nonzero_bits = q
             .iter()
             .fold(0, |left, value| left | (value - value).to_bits());
-        if all == 0 {
+        if nonzero_bits == 0 {
             return Ok(());
         }
         match q.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
-            Some(bad) => Err(QueryError::NotFinite {
+            Some(index) => Err(QueryError::NotFinite {
                 what,
-                joint: self.joint_name(bad % self.joint_count()),
-                value: q[bad],
+                joint: self.joint_name(index % self.joint_count()),
+                value: q[index],
             }),
         }
     }
@@ -271,11 +271,11 @@ impl Arm {
         target: &Placement<f64>,
         start: &[f64],
     ) -> Result<(), QueryError> {
-        if let Some(bad) = start.iter().position(|value| !value.is_finite()) {
+        if let Some(index) = start.iter().position(|value| !value.is_finite()) {
             return Err(QueryError::StartNotFinite {
                 query,
-                joint: self.joint_name(bad),
-                value: start[bad],
+                joint: self.joint_name(index),
+                value: start[index],
             });
         }
         // Fast for exact rotations; slightly stricter than the SIMD solver's limit of 1e-6.

@@ -1,7 +1,7 @@
 //! Batches of queries.
 
 use super::arm::Arm;
-use super::dispatch::QUICK;
+use super::dispatch::QUICK_ATTEMPT_ITERATIONS;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError};
 use crate::ik::Solution;
@@ -14,7 +14,7 @@ const CHUNK: usize = 128;
 /// Largest number of attempts of a query in a batch; a query that they do not solve is solved alone.
 ///
 /// A single query makes at least as many attempts, so that both give the same result.
-const TOGETHER: u32 = 8;
+const BATCH_ATTEMPTS: u32 = 8;
 
 /// Some of the queries and their output.
 struct Chunk<'a> {
@@ -24,7 +24,7 @@ struct Chunk<'a> {
 }
 
 /// Function that solves one chunk.
-type AnswerChunk<'a> = dyn Fn(Chunk<'_>) -> Result<(), QueryError> + Sync + 'a;
+type SolveChunk<'a> = dyn Fn(Chunk<'_>) -> Result<(), QueryError> + Sync + 'a;
 
 impl Arm {
     /// Solves for many targets; `starts` holds one configuration per target, in sequence.
@@ -41,8 +41,8 @@ impl Arm {
         base_from_tools: &[Placement<f64>],
         starts: &[f64],
     ) -> Result<Vec<Solution>, QueryError> {
-        self.solve_chunks(base_from_tools, starts, |chunks, answer| {
-            chunks.into_iter().try_for_each(answer)
+        self.solve_chunks(base_from_tools, starts, |chunks, solve| {
+            chunks.into_iter().try_for_each(solve)
         })
     }
 
@@ -57,8 +57,8 @@ impl Arm {
         starts: &[f64],
     ) -> Result<Vec<Solution>, QueryError> {
         use rayon::prelude::*;
-        self.solve_chunks(base_from_tools, starts, |chunks, answer| {
-            chunks.into_par_iter().try_for_each(answer)
+        self.solve_chunks(base_from_tools, starts, |chunks, solve| {
+            chunks.into_par_iter().try_for_each(solve)
         })
     }
 
@@ -110,7 +110,7 @@ impl Arm {
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
-        run: impl FnOnce(Vec<Chunk<'_>>, &AnswerChunk<'_>) -> Result<(), QueryError>,
+        run: impl FnOnce(Vec<Chunk<'_>>, &SolveChunk<'_>) -> Result<(), QueryError>,
     ) -> Result<Vec<Solution>, QueryError> {
         self.check_batch(targets, starts)?;
         let mut solutions = vec![Solution::default(); targets.len()];
@@ -123,11 +123,11 @@ impl Arm {
             starts,
             solutions,
         });
-        run(chunks.collect(), &|chunk| self.answer_chunk(chunk))?;
+        run(chunks.collect(), &|chunk| self.solve_chunk(chunk))?;
         Ok(solutions)
     }
 
-    fn answer_chunk(&self, chunk: Chunk<'_>) -> Result<(), QueryError> {
+    fn solve_chunk(&self, chunk: Chunk<'_>) -> Result<(), QueryError> {
         let Chunk {
             targets,
             starts,
@@ -136,15 +136,15 @@ impl Arm {
         let n = self.joint_count();
         let mut q = vec![0.0; n * targets.len()];
         let mut outcomes = vec![PoseOutcome::default(); targets.len()];
-        let together = self.run_together(targets, starts, &mut q, &mut outcomes)?;
-        let answers = q.chunks(n).zip(&outcomes).zip(solutions);
+        let is_batched = self.run_batch(targets, starts, &mut q, &mut outcomes)?;
+        let outputs = q.chunks(n).zip(&outcomes).zip(solutions);
         let queries = targets.iter().zip(starts.chunks(n));
-        for ((target, start), ((q, outcome), solution)) in queries.zip(answers) {
-            if together && outcome.reached {
+        for ((target, start), ((q, outcome), solution)) in queries.zip(outputs) {
+            if is_batched && outcome.reached {
                 solution.q.extend_from_slice(q);
-                self.record(&self.found_by(outcome), Errors::of(outcome), solution);
+                self.record(&self.result_of(outcome), Errors::of(outcome), solution);
             } else {
-                self.answer(&self.query(target, start), solution)?;
+                self.solve_query(&self.query(target, start), solution)?;
             }
         }
         Ok(())
@@ -154,7 +154,7 @@ impl Arm {
     ///
     /// A batch ignores time limits and small budgets, under which a single query may make fewer attempts. Solutions in
     /// collision are marked as not reached.
-    fn run_together(
+    fn run_batch(
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
@@ -162,21 +162,23 @@ impl Arm {
         outcomes: &mut [PoseOutcome],
     ) -> Result<bool, QueryError> {
         let options = &self.options;
-        let plain = self.is_plain() && options.time_limit.is_none() && options.budget() >= QUICK;
-        let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
+        let is_batchable = self.is_plain()
+            && options.time_limit.is_none()
+            && options.budget() >= QUICK_ATTEMPT_ITERATIONS;
+        let Some(simd_solver) = self.simd_solver.as_ref().filter(|_| is_batchable) else {
             return Ok(false);
         };
-        lanes.run(Work {
+        simd_solver.run(Work {
             targets,
             starts,
-            search: options.search.lanes(),
-            attempts: Attempts::UpTo(options.attempts.min(TOGETHER)),
+            search: options.search.preference(),
+            attempts: Attempts::UpTo(options.attempts.min(BATCH_ATTEMPTS)),
             deadline: None,
             q,
             outcomes,
         });
         #[cfg(feature = "collision")]
-        self.take_back_touching(q, outcomes)?;
+        self.reject_collisions(q, outcomes)?;
         Ok(true)
     }
 
@@ -188,18 +190,19 @@ impl Arm {
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
         let n = self.joint_count();
-        let together = self.run_together(targets, starts, q, outcomes)?;
-        let mut solution = self.with_workspace(|workspace| std::mem::take(&mut workspace.spare))?;
+        let is_batched = self.run_batch(targets, starts, q, outcomes)?;
+        let mut solution =
+            self.with_workspace(|workspace| std::mem::take(&mut workspace.batch_solution))?;
         let queries = targets.iter().zip(starts.chunks(n));
         for ((target, start), (q, outcome)) in queries.zip(q.chunks_mut(n).zip(outcomes)) {
-            if together && outcome.reached {
+            if is_batched && outcome.reached {
                 continue;
             }
-            let (found, errors) = self.answer(&self.query(target, start), &mut solution)?;
+            let (result, errors) = self.solve_query(&self.query(target, start), &mut solution)?;
             q.copy_from_slice(&solution.q);
-            *outcome = outcome_of(&found, errors);
+            *outcome = outcome_of(&result, errors);
         }
-        self.with_workspace(|workspace| workspace.spare = solution)
+        self.with_workspace(|workspace| workspace.batch_solution = solution)
     }
 
     fn check_batch_into(
@@ -224,14 +227,14 @@ impl Arm {
     }
 }
 
-pub(super) fn outcome_of(found: &SearchResult, errors: Errors) -> PoseOutcome {
+pub(super) fn outcome_of(result: &SearchResult, errors: Errors) -> PoseOutcome {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     PoseOutcome {
-        reached: found.reached,
+        reached: result.reached,
         position_error: errors.position,
         orientation_error: errors.orientation,
-        iterations: count(found.iterations),
-        attempts: count(found.attempts),
-        winner: found.reached.then(|| count(found.number)),
+        iterations: count(result.iterations),
+        attempts: count(result.attempts),
+        winner: result.reached.then(|| count(result.number)),
     }
 }

@@ -2,37 +2,37 @@
 
 use super::arm::Arm;
 use super::null_space::Factor;
-use super::redundancy::{NominalPosture, SHARE};
+use super::redundancy::{NullSpaceStep, SHARE};
 use super::singularity_branch::SingularityBranch;
 use super::workspace::ArmWorkspace;
 
 /// Factor per step on the null-space motion while a target stays unreached.
 ///
 /// The motion ends if it only approaches the nominal posture, so that the arm comes to rest at the closest pose.
-const LEFT_AT_REST: f64 = 0.9;
+const UNREACHED_DECAY: f64 = 0.9;
 /// Remaining fraction at which that motion counts as ended.
-const OVER: f64 = 1e-3;
+const MIN_REMAINING_FRACTION: f64 = 1e-3;
 /// Fraction of a measured stiffness that is kept from step to step.
-const STIFFNESS_KEPT: f64 = 0.9;
+const STIFFNESS_DECAY: f64 = 0.9;
 
 /// State that a path follower or servo carries from one step to the next.
 #[derive(Clone, Debug)]
 pub(super) struct Branch {
     /// Nominal posture of the null-space motion.
-    ease: Vec<f64>,
-    bend: SingularityBranch,
+    nominal_posture: Vec<f64>,
+    singularity_branch: SingularityBranch,
     /// True if the last step did not reach its target.
-    missed: bool,
+    is_unreached: bool,
     /// True if a step has failed since the arm was last at its nominal posture.
-    strayed: bool,
+    is_off_posture: bool,
     /// True if the target is that of the last step.
-    rests: bool,
+    target_rests: bool,
     /// Remaining fraction of the null-space motion while a target stays unreached, 0 to 1.
-    left: f64,
+    remaining: f64,
     /// Last step of the null-space motion, radians per joint.
-    last: Vec<f64>,
+    last_motion: Vec<f64>,
     /// Slope at the start of that step, radians per joint.
-    slope: Vec<f64>,
+    last_slope: Vec<f64>,
     /// Stiffness along that step, measured by the change of the slope. Stiffer null spaces take shorter steps.
     stiffness: f64,
 }
@@ -41,126 +41,135 @@ impl Branch {
     /// Branch of an arm that begins at `start`.
     pub(super) fn begin(arm: &Arm, start: &[f64]) -> Self {
         Self {
-            ease: arm.nominal_posture_from(start),
-            bend: SingularityBranch::unknown(start),
-            missed: false,
-            strayed: false,
-            rests: false,
-            left: 1.0,
-            last: vec![0.0; start.len()],
-            slope: vec![0.0; start.len()],
+            nominal_posture: arm.nominal_posture_from(start),
+            singularity_branch: SingularityBranch::unknown(start),
+            is_unreached: false,
+            is_off_posture: false,
+            target_rests: false,
+            remaining: 1.0,
+            last_motion: vec![0.0; start.len()],
+            last_slope: vec![0.0; start.len()],
             stiffness: 0.0,
         }
     }
 
     /// Sets the nominal posture to that of an arm that begins at `start`.
-    pub(super) fn set_ease(&mut self, arm: &Arm, start: &[f64]) {
-        self.ease = arm.nominal_posture_from(start);
+    pub(super) fn set_nominal_posture(&mut self, arm: &Arm, start: &[f64]) {
+        self.nominal_posture = arm.nominal_posture_from(start);
     }
 
     getters! {
         /// True if the arm is near a singularity, where branches meet.
-        pub(super) fn near_singularity(&self) -> bool = self.missed || self.bend.is_known();
+        pub(super) fn near_singularity(&self) -> bool = self.is_unreached || self.singularity_branch.is_known();
         /// True if the arm is stretched and its side is known.
-        pub(super) fn is_stretched(&self) -> bool = self.bend.is_known();
+        pub(super) fn is_stretched(&self) -> bool = self.singularity_branch.is_known();
         /// True if a target has stayed unreached until the null-space motion ended.
-        pub(super) fn rests_long(&self) -> bool = self.missed && self.left < OVER;
+        pub(super) fn rests_long(&self) -> bool = self.is_unreached && self.remaining < MIN_REMAINING_FRACTION;
     }
 
     /// Returns true if a step includes null-space motion: towards a new target, or back after a failed step.
-    pub(super) fn spends_freedom(&self, arm: &Arm) -> bool {
-        arm.has_freedom() && (!self.rests || self.strayed)
+    pub(super) fn uses_null_space(&self, arm: &Arm) -> bool {
+        arm.has_freedom() && (!self.target_rests || self.is_off_posture)
     }
 
     /// Records whether the next step's target is the last one's.
-    pub(super) fn take_target(&mut self, rests: bool) {
-        self.rests = rests;
-        self.left = match rests && self.missed {
-            true => LEFT_AT_REST * self.left,
+    pub(super) fn take_target(&mut self, target_rests: bool) {
+        self.target_rests = target_rests;
+        self.remaining = match target_rests && self.is_unreached {
+            true => UNREACHED_DECAY * self.remaining,
             false => 1.0,
         };
     }
 
     /// Moves the workspace's x to the start of a step: in the null space, and slightly to the side of a stretched arm.
     ///
-    /// The null-space motion is at most `longest` radians per joint.
-    pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, longest: f64) {
+    /// The null-space motion is at most `max_joint_motion` radians per joint.
+    pub(super) fn begin_step(
+        &mut self,
+        arm: &Arm,
+        workspace: &mut ArmWorkspace,
+        max_joint_motion: f64,
+    ) {
         if arm.has_freedom() {
-            self.lead_to_ease(arm, workspace, longest, SHARE);
+            self.lead_to_ease(arm, workspace, max_joint_motion, SHARE);
         }
-        if !self.rests {
-            self.bend.lean(workspace);
+        if !self.target_rests {
+            self.singularity_branch.offset_to_side(workspace);
         }
     }
 
     /// Moves the workspace's x in the null space and returns the largest motion of a joint, radians.
     ///
-    /// The motion is at most `longest` radians per joint and `share` of the distance to the minimum.
+    /// The motion is at most `max_joint_motion` radians per joint and `fraction` of the distance to the minimum.
     pub(super) fn lead_to_ease(
         &mut self,
         arm: &Arm,
         workspace: &mut ArmWorkspace,
-        longest: f64,
-        share: f64,
+        max_joint_motion: f64,
+        fraction: f64,
     ) -> f64 {
         let x = std::mem::take(&mut workspace.x);
         workspace.take_twists(arm, &x);
-        self.aim_at_nominal_posture(arm, workspace, &x, longest, share, None);
+        self.aim_at_nominal_posture(arm, workspace, &x, max_joint_motion, fraction, None);
         workspace.x = x;
-        workspace.go_by_projected();
-        let moved = workspace.projected.iter();
-        moved.fold(0.0_f64, |most, by| most.max(by.abs()))
+        workspace.apply_projected();
+        let motion = workspace.projected.iter();
+        motion.fold(0.0_f64, |max_motion, joint_motion| {
+            max_motion.max(joint_motion.abs())
+        })
     }
 
     /// Writes the null-space motion from x towards the nominal posture to the workspace's `projected`, radians per
     /// joint.
     ///
-    /// The workspace must hold the Jacobian at x; `free` is its factorisation, if known.
+    /// The workspace must hold the Jacobian at x; `factor` is its factorisation, if known.
     pub(super) fn aim_at_nominal_posture(
         &mut self,
         arm: &Arm,
         workspace: &mut ArmWorkspace,
         x: &[f64],
-        longest: f64,
-        share: f64,
-        free: Option<&Factor>,
+        max_joint_motion: f64,
+        fraction: f64,
+        factor: Option<&Factor>,
     ) {
-        let how = NominalPosture {
-            ease: &self.ease,
-            stretched: Some(&self.bend).filter(|bend| self.missed && bend.is_known()),
-            share: self.left * share,
-            longest,
-            last: &self.last,
-            last_slope: &self.slope,
-            stiffness: STIFFNESS_KEPT * self.stiffness,
-            free,
+        let step = NullSpaceStep {
+            nominal_posture: &self.nominal_posture,
+            stretched: Some(&self.singularity_branch)
+                .filter(|branch| self.is_unreached && branch.is_known()),
+            fraction: self.remaining * fraction,
+            max_joint_motion,
+            last_motion: &self.last_motion,
+            last_slope: &self.last_slope,
+            stiffness: STIFFNESS_DECAY * self.stiffness,
+            factor,
         };
-        let (moves, stiffness) = workspace.aim_at_nominal_posture(arm, x, &how);
-        self.strayed &= moves;
+        let (moves, stiffness) = workspace.aim_at_nominal_posture(arm, x, &step);
+        self.is_off_posture &= moves;
         self.stiffness = stiffness;
-        self.slope.copy_from_slice(&workspace.slope);
-        self.last.copy_from_slice(&workspace.projected);
+        self.last_slope.copy_from_slice(&workspace.slope);
+        self.last_motion.copy_from_slice(&workspace.projected);
     }
 
     /// Ends a step at the workspace's x.
     pub(super) fn arrive(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, reached: bool) {
         if reached {
-            self.bend.note(arm, &workspace.x);
+            self.singularity_branch.record(arm, &workspace.x);
         }
-        self.bend.carry_on(arm, workspace, &self.ease, !reached);
-        self.missed = !reached;
-        self.strayed |= self.missed;
+        self.singularity_branch
+            .update(arm, workspace, &self.nominal_posture, !reached);
+        self.is_unreached = !reached;
+        self.is_off_posture |= self.is_unreached;
     }
 
     /// Ends a step at q, which reaches its target.
-    pub(super) fn arrive_at(&mut self, arm: &Arm, q: &[f64]) {
-        self.bend.note(arm, q);
-        self.missed = false;
+    pub(super) fn end_step_at(&mut self, arm: &Arm, q: &[f64]) {
+        self.singularity_branch.record(arm, q);
+        self.is_unreached = false;
     }
 
     /// Restarts at q after a jump.
     pub(super) fn jump_to(&mut self, q: &[f64], reached: bool) {
-        self.bend.begin(q);
-        self.missed = !reached;
+        self.singularity_branch.begin(q);
+        self.is_unreached = !reached;
     }
 }

@@ -39,7 +39,7 @@ impl<'a, F: Into<FrameRef<'a>>> From<F> for Base<'a> {
 #[derive(Clone, Debug)]
 pub struct ArmBuilder<'m> {
     model: &'m Model,
-    followers: &'m [Mimic],
+    mimic_joints: &'m [Mimic],
     /// Limits of each joint of the model.
     rates: RateLimits<Option<f64>>,
     /// `None` is the world.
@@ -61,26 +61,26 @@ impl Arm {
     /// # Errors
     /// Returns the errors of [`ArmBuilder::build`].
     pub fn new<'a>(
-        mechanism: &impl ArmModel,
+        arm_model: &impl ArmModel,
         base: impl Into<Base<'a>>,
         tip: impl Into<FrameRef<'a>>,
     ) -> Result<Self, ArmError> {
-        Self::builder(mechanism, base, tip).build()
+        Self::builder(arm_model, base, tip).build()
     }
 
     /// Starts the builder of the arm from `base` (a frame, or [`Base::World`]) to the frame `tip`.
     ///
     /// Any two frames of the tree will do: the chain leads from the base up to the common ancestor and down to the tip.
     pub fn builder<'m, 'a>(
-        mechanism: &'m impl ArmModel,
+        arm_model: &'m impl ArmModel,
         base: impl Into<Base<'a>>,
         tip: impl Into<FrameRef<'a>>,
     ) -> ArmBuilder<'m> {
-        let model = mechanism.model();
+        let model = arm_model.model();
         ArmBuilder {
             model,
-            followers: mechanism.followers(),
-            rates: RateLimits::of(mechanism),
+            mimic_joints: arm_model.followers(),
+            rates: RateLimits::of(arm_model),
             base: match base.into() {
                 Base::World => Ok(None),
                 Base::Frame(frame) => frame.resolve(model).map(Some),
@@ -161,8 +161,8 @@ impl ArmBuilder<'_> {
         /// A path whose branch ends then jumps to another branch. Otherwise a failed query returns the closest pose
         /// reached from the start, and a path stays at the closest pose on its branch. [`Search::First`] always returns
         /// the best of all attempts.
-        pub fn with_global_search_on_miss(mut self, everywhere: bool) {
-            self.options.leaps = everywhere;
+        pub fn with_global_search_on_miss(mut self, enabled: bool) {
+            self.options.global_search_on_failure = enabled;
         }
         /// Sets the strength of limit avoidance while following, in radians; at least 0. Default 4.
         ///
@@ -192,7 +192,7 @@ impl ArmBuilder<'_> {
         pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) {
             let attempts = attempts.into();
             self.options.attempts = attempts.unwrap_or(ATTEMPTS);
-            self.options.attempts_asked = attempts.is_some();
+            self.options.attempts_given = attempts.is_some();
         }
     }
 
@@ -227,7 +227,7 @@ impl ArmBuilder<'_> {
     /// Returns an error for an unknown frame or joint (with the valid names), locked values outside limits, or no free
     /// joint.
     pub fn joints(&self) -> Result<Vec<JointId>, ArmError> {
-        let (parts, name) = self.way()?;
+        let (parts, name) = self.kinematic_chain()?;
         let (full, tool) = (self.parameters()?, Placement::identity());
         Ok(Serial::new(self.model, &full, &parts, tool, name)?.joints)
     }
@@ -241,7 +241,7 @@ impl ArmBuilder<'_> {
     /// - Locked values outside limits, or no free joint.
     /// - A joint that moves a loop of the model.
     pub fn build(self) -> Result<Arm, ArmError> {
-        let (parts, name) = self.way()?;
+        let (parts, name) = self.kinematic_chain()?;
         check_tool(&self.tip_from_tool)?;
         let full = self.parameters()?;
         let serial = Serial::new(self.model, &full, &parts, self.tip_from_tool, name)?;
@@ -249,19 +249,19 @@ impl ArmBuilder<'_> {
         let coordinates =
             Coordinates::new((self.model, self.base.clone()?), &full, &parts, &serial);
         let options = self.options(&serial)?;
-        let lanes = match &serial.chain {
-            Some(chain) => Some(PoseSolver::new(chain, self.lane_options(&options))?),
+        let simd_solver = match &serial.chain {
+            Some(chain) => Some(PoseSolver::new(chain, self.simd_options(&options))?),
             None => None,
         };
         let rates = self.rates.of_free_joints(self.model, &full, &serial);
-        Arm::assemble(serial, options, lanes, coordinates, rates, name.1)
+        Arm::assemble(serial, options, simd_solver, coordinates, rates, name.1)
     }
 
     /// Chain from base to tip, and the names of both.
-    fn way(&self) -> Result<(Vec<Part>, (&str, &str)), ArmError> {
+    fn kinematic_chain(&self) -> Result<(Vec<Part>, (&str, &str)), ArmError> {
         let (base, tip) = (self.base.clone()?, self.tip.clone()?);
-        let frame = |id: FrameId| self.model.frames()[id.index()].name.as_str();
-        let name = (base.map_or("world", frame), frame(tip));
+        let frame_name = |id: FrameId| self.model.frames()[id.index()].name.as_str();
+        let name = (base.map_or("world", frame_name), frame_name(tip));
         Ok((kinematic_path::parts(self.model, base, tip), name))
     }
 
@@ -272,10 +272,10 @@ impl ArmBuilder<'_> {
                 let coordinate = self.model.coordinate(id);
                 let slope = coordinate.and_then(|c| source_of(full, c).slope());
                 let Some((variable, _)) = slope else { continue };
-                let leader = self.model.moving_joints()[full.leaders()[variable]];
-                if serial.joints.contains(&leader) {
+                let source_joint = self.model.moving_joints()[full.leaders()[variable]];
+                if serial.joints.contains(&source_joint) {
                     return Err(ArmError::InLoop {
-                        joint: self.model.joints()[leader.index()].name.clone(),
+                        joint: self.model.joints()[source_joint.index()].name.clone(),
                         closed: closed.name.clone(),
                     });
                 }
@@ -289,7 +289,7 @@ impl ArmBuilder<'_> {
         if let Some(unknown) = &self.unknown_joint {
             return Err(unknown.clone().into());
         }
-        let mut map = coupled(self.model, self.followers);
+        let mut map = coupled(self.model, self.mimic_joints);
         for &(joint, value) in &self.locked {
             map = map.with_locked(joint, value);
         }
@@ -314,7 +314,7 @@ impl ArmBuilder<'_> {
         Ok(options)
     }
 
-    fn lane_options(&self, options: &Options) -> LaneOptions {
+    fn simd_options(&self, options: &Options) -> LaneOptions {
         LaneOptions {
             position_tolerance: options.position_tolerance,
             orientation_tolerance: options.orientation_tolerance,

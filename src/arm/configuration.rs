@@ -35,15 +35,15 @@ impl Arm {
     ) -> Result<(), QueryError> {
         let q_arm = q_arm.sized(self.joint_count());
         self.check_lengths(q_arm, q_model)?;
-        for (value, &coordinate) in q_arm.iter_mut().zip(&self.coordinates.own) {
+        for (value, &coordinate) in q_arm.iter_mut().zip(&self.coordinates.joint_coordinates) {
             *value = q_model[coordinate];
         }
         self.check_finite("q", q_arm)
     }
 
     fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Result<(), QueryError> {
-        let freedoms = self.coordinates.degrees_of_freedom;
+        let degrees_of_freedom = self.coordinates.degrees_of_freedom;
         self.check_length("q_arm", q_arm.len(), self.joint_count())?;
-        self.check_length("q_model", q_model.len(), freedoms)
+        self.check_length("q_model", q_model.len(), degrees_of_freedom)
     }
 }

@@ -26,7 +26,7 @@ pub(crate) struct ChainMotion {
     pub(crate) ratio: f64,
     pub(crate) offset: f64,
     /// Length of the constant translation to the next joint, or to the tool, metres.
-    pub(crate) way_after: f64,
+    pub(crate) length_after: f64,
 }
 
 impl Arm {
@@ -40,18 +40,18 @@ impl Arm {
         let n = self.joint_count();
         refill(&mut ends.q, targets.len() * n, 0.0);
         refill(&mut ends.outcomes, targets.len(), PoseOutcome::default());
-        let Some(lanes) = &self.lanes else {
-            let each = targets.iter().zip(starts.chunks_exact(n));
+        let Some(simd_solver) = &self.simd_solver else {
+            let queries = targets.iter().zip(starts.chunks_exact(n));
             let ends = ends.q.chunks_exact_mut(n).zip(&mut ends.outcomes);
-            for ((target, start), (q, outcome)) in each.zip(ends) {
-                self.attempts_alone(target, start, 0, 1, |end, told| {
+            for ((target, start), (q, outcome)) in queries.zip(ends) {
+                self.run_general_attempts(target, start, 0, 1, |end, result| {
                     q.copy_from_slice(end);
-                    *outcome = *told;
+                    *outcome = *result;
                 })?;
             }
             return Ok(());
         };
-        lanes.run(Work {
+        simd_solver.run(Work {
             targets,
             starts,
             search: Prefer::Start,
@@ -73,12 +73,14 @@ impl Arm {
         ends: &mut Ends,
     ) -> Result<(), QueryError> {
         let count = starts.len() / self.joint_count();
-        let Some(lanes) = (self.lanes.as_ref()).filter(|_| self.options.goal.is_full_pose()) else {
+        let Some(simd_solver) =
+            (self.simd_solver.as_ref()).filter(|_| self.options.goal.is_full_pose())
+        else {
             return self.continue_all(&vec![*target; count], starts, ends);
         };
         refill(&mut ends.q, starts.len(), 0.0);
         refill(&mut ends.outcomes, count, PoseOutcome::default());
-        lanes.run(Work {
+        simd_solver.run(Work {
             targets: std::slice::from_ref(target),
             starts,
             search: Prefer::Start,
@@ -102,10 +104,10 @@ impl Arm {
         ends.q.clear();
         ends.outcomes.clear();
         let (q, outcomes) = (&mut ends.q, &mut ends.outcomes);
-        if let Some(lanes) = &self.lanes {
+        if let Some(simd_solver) = &self.simd_solver {
             q.resize(count as usize * self.joint_count(), 0.0);
             outcomes.resize(count as usize, PoseOutcome::default());
-            lanes.run(Work {
+            simd_solver.run(Work {
                 targets: std::slice::from_ref(target),
                 starts: start,
                 search: Prefer::Start,
@@ -116,20 +118,20 @@ impl Arm {
             });
             return Ok(());
         }
-        self.attempts_alone(target, start, first, count, |end, told| {
+        self.run_general_attempts(target, start, first, count, |end, result| {
             q.extend_from_slice(end);
-            outcomes.push(*told);
+            outcomes.push(*result);
         })
     }
 
     /// Runs attempts `first`, `first + 1`, … with the general solver, in sequence.
-    fn attempts_alone(
+    fn run_general_attempts(
         &self,
         target: &Placement<f64>,
         start: &[f64],
         first: u32,
         count: u32,
-        mut take: impl FnMut(&[f64], &PoseOutcome),
+        mut record: impl FnMut(&[f64], &PoseOutcome),
     ) -> Result<(), QueryError> {
         let query = Query {
             target,
@@ -140,11 +142,11 @@ impl Arm {
             workspace.aim(target);
             self.bound_by_limits(workspace);
             workspace.start.copy_from_slice(start);
-            workspace.found.clear();
+            workspace.attempt_ends.clear();
             workspace.outcomes.clear();
-            self.attempts_by_core(workspace, &query, first, count);
-            for place in 0..workspace.outcomes.len() {
-                take(workspace.found_at(place), &workspace.outcomes[place]);
+            self.append_general_attempts(workspace, &query, first, count);
+            for index in 0..workspace.outcomes.len() {
+                record(workspace.attempt_end(index), &workspace.outcomes[index]);
             }
         })
     }
@@ -210,8 +212,8 @@ impl Arm {
         q: &[f64],
         slopes: &mut [f64],
     ) -> Result<(), QueryError> {
-        if let (Some(lanes), true) = (&self.lanes, self.options.goal.is_full_pose()) {
-            lanes.write_twists(q, self.options.metres_per_radian, slopes);
+        if let (Some(simd_solver), true) = (&self.simd_solver, self.options.goal.is_full_pose()) {
+            simd_solver.write_twists(q, self.options.metres_per_radian, slopes);
             return Ok(());
         }
         self.with_workspace(|workspace| {
@@ -224,14 +226,14 @@ impl Arm {
     /// Joints of the chain, base to tip.
     pub(crate) fn chain_motions(&self) -> Vec<ChainMotion> {
         let (model, map) = (&self.serial.model, &self.serial.map);
-        let way = |id: crate::model::JointId| {
+        let length = |id: crate::model::JointId| {
             let placement = &model.joints()[id.index()].parent_from_joint;
             placement.translation.norm()
         };
         let ids = model.moving_joints();
         let tool = &model.frames()[self.serial.tool.index()].joint_from_frame;
         let joints = ids.iter().zip(map.sources()).enumerate();
-        let motions = joints.filter_map(|(place, (id, source))| match *source {
+        let motions = joints.filter_map(|(index, (id, source))| match *source {
             Source::Variable {
                 variable,
                 ratio,
@@ -241,8 +243,8 @@ impl Arm {
                 variable,
                 ratio,
                 offset,
-                way_after: match ids.get(place + 1) {
-                    Some(&next) => way(next),
+                length_after: match ids.get(index + 1) {
+                    Some(&next) => length(next),
                     None => tool.translation.norm(),
                 },
             }),
@@ -264,7 +266,7 @@ mod tests {
     /// Nearly all starts that a full attempt brings to the target are also continued there.
     #[test]
     #[allow(clippy::unwrap_used)]
-    fn what_is_carried_on_is_near_its_target() {
+    fn continued_starts_end_near_the_target() {
         let robot = Robot::read("models/franka_panda.urdf").unwrap();
         let arm = Arm::new(&robot, "base", "tool").unwrap();
         let (n, mut state) = (arm.joint_count(), 7);
@@ -273,33 +275,36 @@ mod tests {
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         let (mut carried, mut closer) = (Ends::default(), Ends::default());
-        let (mut reached, mut both) = (0, 0);
+        let (mut reached, mut reached_by_both) = (0, 0);
         for case in 0..200 {
             let starts: Vec<f64> = (0..3)
                 .flat_map(|_| arm.limits())
                 .map(|l| l.lower + (1.1 * unit() - 0.05).clamp(0.0, 1.0) * (l.upper - l.lower))
                 .collect();
-            let here = arm.base_from_tool(&starts[..n]).unwrap();
-            let far = if case % 4 == 0 { 3.0 } else { 0.03 };
-            let mut by = || Vector3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5) * far;
-            let target =
-                Placement::new(here.rotation * rotation_exp(by()), here.translation + by());
+            let start_pose = arm.base_from_tool(&starts[..n]).unwrap();
+            let max_offset = if case % 4 == 0 { 3.0 } else { 0.03 };
+            let mut offset = || Vector3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5) * max_offset;
+            let target = Placement::new(
+                start_pose.rotation * rotation_exp(offset()),
+                start_pose.translation + offset(),
+            );
             arm.carry_all(&target, &starts, &mut carried).unwrap();
             arm.continue_all(&[target; 3], &starts, &mut closer)
                 .unwrap();
-            for place in 0..3 {
-                let [carry, close] = [&carried, &closer].map(|ends| ends.outcomes[place].reached);
-                (reached, both) = (
-                    reached + usize::from(close),
-                    both + usize::from(carry && close),
+            for index in 0..3 {
+                let [is_carried, is_reached] =
+                    [&carried, &closer].map(|ends| ends.outcomes[index].reached);
+                (reached, reached_by_both) = (
+                    reached + usize::from(is_reached),
+                    reached_by_both + usize::from(is_carried && is_reached),
                 );
-                let q = &carried.q[place * n..(place + 1) * n];
+                let q = &carried.q[index * n..(index + 1) * n];
                 let mut limits = arm.limits().zip(q);
                 assert!(
                     limits.all(|(l, q)| l.lower <= *q && *q <= l.upper),
                     "{case}"
                 );
-                if carry {
+                if is_carried {
                     let (metres, radians, _) = arm.errors_at(&target, q).unwrap();
                     assert!(
                         metres < 4e-4 && radians < 4e-4,
@@ -309,21 +314,24 @@ mod tests {
             }
         }
         assert!(
-            reached > 150 && both > reached * 98 / 100,
-            "{reached} {both}"
+            reached > 150 && reached_by_both > reached * 98 / 100,
+            "{reached} {reached_by_both}"
         );
     }
 
     /// Many equal starts, more than lanes: every start has its full number of steps.
     #[test]
     #[allow(clippy::unwrap_used)]
-    fn each_start_is_carried_by_as_many_steps() {
+    fn each_start_takes_all_its_steps() {
         let robot = Robot::read("models/franka_panda.urdf").unwrap();
         let arm = Arm::new(&robot, "base", "tool").unwrap();
         let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
-        let here = arm.base_from_tool(&start).unwrap();
-        let by = Vector3::new(0.1, 0.05, -0.1);
-        let target = Placement::new(here.rotation * rotation_exp(by), here.translation + by);
+        let start_pose = arm.base_from_tool(&start).unwrap();
+        let offset = Vector3::new(0.1, 0.05, -0.1);
+        let target = Placement::new(
+            start_pose.rotation * rotation_exp(offset),
+            start_pose.translation + offset,
+        );
         let mut ends = Ends::default();
         arm.carry_all(&target, &start.repeat(4000), &mut ends)
             .unwrap();

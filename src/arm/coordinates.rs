@@ -17,7 +17,7 @@ pub(super) struct Coordinates {
     /// (coordinate, source in terms of the arm's joints, limits).
     pub(super) entries: Vec<(usize, Source, Limits)>,
     /// Coordinate of each joint of the arm.
-    pub(super) own: Vec<usize>,
+    pub(super) joint_coordinates: Vec<usize>,
 }
 
 impl Coordinates {
@@ -28,12 +28,12 @@ impl Coordinates {
         serial: &Serial,
     ) -> Self {
         let joint_of = |c: usize| source.moving_joints()[c];
-        let held = |id: JointId| parts.iter().any(|part| part.is_joint(id));
+        let is_on_chain = |id: JointId| parts.iter().any(|part| part.is_joint(id));
         let limits: Vec<Limits> = source.limits().collect();
         let mut entries = Vec::new();
         for (c, limits) in limits.into_iter().enumerate() {
             match source_of(full, c) {
-                Source::Constant(value) if held(joint_of(c)) => {
+                Source::Constant(value) if is_on_chain(joint_of(c)) => {
                     entries.push((c, Source::Constant(value), limits));
                 }
                 // The chain has no ball joint, and the arm moves none elsewhere.
@@ -43,20 +43,21 @@ impl Coordinates {
                     ratio,
                     offset,
                 } => {
-                    let leader = joint_of(full.leaders()[variable]);
-                    if let Some(variable) = serial.joints.iter().position(|id| *id == leader) {
+                    let source_joint = joint_of(full.leaders()[variable]);
+                    if let Some(variable) = serial.joints.iter().position(|id| *id == source_joint)
+                    {
                         let source = Source::of_variable(variable, ratio, offset);
                         entries.push((c, source, limits));
                     }
                 }
             }
         }
-        let own = serial.joints.iter().filter_map(|&id| source.coordinate(id));
+        let joint_coordinates = serial.joints.iter().filter_map(|&id| source.coordinate(id));
         Self {
             base,
             degrees_of_freedom: source.configuration_len(),
             entries,
-            own: own.collect(),
+            joint_coordinates: joint_coordinates.collect(),
         }
     }
 }

@@ -35,19 +35,25 @@ impl Arm {
     #[cfg(feature = "xml")]
     #[must_use]
     pub fn with_srdf(mut self, srdf: &crate::robot::Srdf) -> Self {
-        let own = &self.coordinates.own;
+        let joint_coordinates = &self.coordinates.joint_coordinates;
         // Groups may share a state's name; the last value of a joint counts.
-        let values_of = |wanted: &str| -> HashMap<usize, f64> {
+        let values_of = |name: &str| -> HashMap<usize, f64> {
             let states = srdf.states.iter();
-            let named = states.filter(|state| state.name.eq_ignore_ascii_case(wanted));
+            let named = states.filter(|state| state.name.eq_ignore_ascii_case(name));
             named.flat_map(|state| &state.values).copied().collect()
         };
         let mut states = STATES.into_iter().map(values_of);
-        let state = states.find(|values| own.iter().any(|at| values.contains_key(at)));
+        let state = states.find(|values| {
+            joint_coordinates
+                .iter()
+                .any(|coordinate| values.contains_key(coordinate))
+        });
         let state = state.unwrap_or_default();
-        let start = (own.iter().zip(self.limits())).map(|(at, limits)| match state.get(at) {
-            Some(value) => limits.clamp(*value),
-            None => middle_of(limits),
+        let start = (joint_coordinates.iter().zip(self.limits())).map(|(coordinate, limits)| {
+            match state.get(coordinate) {
+                Some(value) => limits.clamp(*value),
+                None => middle_of(limits),
+            }
         });
         self.default_start = start.collect();
         self

@@ -52,20 +52,20 @@ impl Arm {
             let (map, question) = (&self.serial.map, &mut workspace.question);
             map.scatter(q, &mut workspace.q);
             question.aim(&target);
-            let memory = &mut workspace.derivative;
-            let derivative = SolutionDerivative::new(question.ask(), &workspace.q, memory);
+            let buffers = &mut workspace.derivative;
+            let derivative = SolutionDerivative::new(question.instance(), &workspace.q, buffers);
             let joints = q.len();
             // The input was checked above.
             let Ok(mut derivative) = derivative else {
-                return ArmDerivative::nowhere(joints);
+                return ArmDerivative::nonexistent(joints);
             };
             let differentiability = derivative.differentiability().clone();
-            let Ok(all) = derivative.by_target(0) else {
-                return ArmDerivative::nowhere(joints);
+            let Ok(all_coordinates) = derivative.by_target(0) else {
+                return ArmDerivative::nonexistent(joints);
             };
             // The chain has no ball joint, so velocities are rates of coordinates.
             ArmDerivative {
-                by_target: all.select_rows(map.leaders()),
+                by_target: all_coordinates.select_rows(map.leaders()),
                 differentiability,
             }
         })
@@ -73,7 +73,7 @@ impl Arm {
 }
 
 impl ArmDerivative {
-    fn nowhere(joints: usize) -> Self {
+    fn nonexistent(joints: usize) -> Self {
         Self {
             by_target: DMatrix::zeros(joints, 6),
             differentiability: Differentiability::DoesNotExist(crate::ik::NoDerivative::NotFinite),

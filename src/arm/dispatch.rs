@@ -17,7 +17,7 @@ use crate::task::Quantity;
 /// Iterations of the SIMD solver after which the general solver first continues its attempts.
 ///
 /// The damping by gain ratio of the general solver passes narrow valleys in which the SIMD solver stalls.
-pub(super) const QUICK: u32 = 600;
+pub(super) const QUICK_ATTEMPT_ITERATIONS: u32 = 600;
 
 /// A query that is checked already.
 #[derive(Clone, Copy)]
@@ -59,40 +59,42 @@ impl Arm {
     /// Returns true if only the attempt from the start matters: the target is proven unreachable.
     ///
     /// It is false if the options ask for more attempts or for the best result of all.
-    pub(super) fn asks_for_own_way(&self, target: &Placement<f64>) -> bool {
+    pub(super) fn needs_only_first_attempt(&self, target: &Placement<f64>) -> bool {
         let options = &self.options;
-        if options.attempts_asked || options.leaps_on_miss() || !options.goal.is_exact_in_position()
+        if options.attempts_given
+            || options.searches_globally()
+            || !options.goal.is_exact_in_position()
         {
             return false;
         }
         let anchor = self.names.anchors.first().and_then(Option::as_ref);
         let tolerance = options.position_tolerance;
-        let beyond =
+        let shortfall =
             |anchor: &Anchor| anchor.falls_short_of(target.translation, Vector3::zero(), tolerance);
-        anchor.and_then(beyond).is_some()
+        anchor.and_then(shortfall).is_some()
     }
 
     /// Largest number of attempts at a target.
     pub(super) fn attempts_at(&self, target: &Placement<f64>) -> u32 {
-        match self.asks_for_own_way(target) {
+        match self.needs_only_first_attempt(target) {
             true => 1,
             false => self.options.attempts,
         }
     }
 
     /// SIMD solver, with narrower bounds if motions are bounded.
-    pub(super) fn lanes_within<'a>(
+    pub(super) fn simd_solver_within<'a>(
         &'a self,
-        bounded: &'a Option<PoseSolver>,
+        bounded_solver: &'a Option<PoseSolver>,
     ) -> Option<&'a PoseSolver> {
-        match bounded {
-            Some(_) if self.options.max_move.is_some() => bounded.as_ref(),
-            _ => self.lanes.as_ref(),
+        match bounded_solver {
+            Some(_) if self.options.max_move.is_some() => bounded_solver.as_ref(),
+            _ => self.simd_solver.as_ref(),
         }
     }
 
     /// Query of the SIMD solver for the attempts from the first to before the last.
-    pub(super) fn lane_query<'a>(
+    pub(super) fn simd_query<'a>(
         &self,
         query: &Query<'a>,
         attempts: (u32, u32),
@@ -101,7 +103,7 @@ impl Arm {
         simd_ik::Query {
             target: query.target,
             start: query.start,
-            search: self.options.search.lanes(),
+            search: self.options.search.preference(),
             attempts,
             budget,
             deadline: query.deadline,
@@ -110,30 +112,35 @@ impl Arm {
 
     fn first_attempts<'a>(&self, query: &Query<'a>) -> simd_ik::Query<'a> {
         let attempts = self.attempts_at(query.target);
-        self.lane_query(query, (0, attempts), self.options.budget().min(QUICK))
+        self.simd_query(
+            query,
+            (0, attempts),
+            self.options.budget().min(QUICK_ATTEMPT_ITERATIONS),
+        )
     }
 
     /// Solves a query. Returns the search result and the errors of the solution.
-    pub(super) fn answer(
+    pub(super) fn solve_query(
         &self,
         query: &Query<'_>,
         solution: &mut Solution,
     ) -> Result<(SearchResult, Errors), QueryError> {
         #[cfg(feature = "collision")]
         if let Some(collisions) = &self.collisions {
-            return self.answer_clear_of(collisions, query, solution);
+            return self.solve_collision_free(collisions, query, solution);
         }
-        self.answer_anywhere(query, solution)
+        self.solve_without_avoidance(query, solution)
     }
 
     /// Solves a query without collision avoidance.
-    pub(super) fn answer_anywhere(
+    pub(super) fn solve_without_avoidance(
         &self,
         query: &Query<'_>,
         solution: &mut Solution,
     ) -> Result<(SearchResult, Errors), QueryError> {
-        let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
-            return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
+        let (Some(simd_solver), true) = (&self.simd_solver, self.is_plain()) else {
+            return self
+                .with_workspace(|workspace| self.solve_with_workspace(workspace, query, solution));
         };
         let n = self.joint_count();
         // The second half holds the best attempt, if the attempt from the start fails.
@@ -144,33 +151,33 @@ impl Arm {
             best,
             best_attempt: 0,
         };
-        let outcome = lanes.race(&self.first_attempts(query), false, &mut output);
+        let outcome = simd_solver.race(&self.first_attempts(query), false, &mut output);
         let best_attempt = output.best_attempt;
-        let mut found = self.found_by(&outcome);
+        let mut result = self.result_of(&outcome);
         if outcome.reached {
             solution.q.truncate(n);
             let errors = Errors::of(&outcome);
-            self.record(&found, errors, solution);
-            return Ok((found, errors));
+            self.record(&result, errors, solution);
+            return Ok((result, errors));
         }
         self.with_workspace(|workspace| {
-            let (own, best) = solution.q.split_at(n);
-            workspace.x.copy_from_slice(own);
+            let (first_end, best) = solution.q.split_at(n);
+            workspace.x.copy_from_slice(first_end);
             workspace.best.copy_from_slice(match self.options.search {
-                Search::First => own,
+                Search::First => first_end,
                 _ => best,
             });
-            found.number = best_attempt as usize;
+            result.number = best_attempt as usize;
             workspace.aim(query.target);
             self.bound_moves(workspace, query.start);
-            self.finish(workspace, query, &mut found);
-            self.record_configuration(&found, workspace, solution);
-            (found, workspace.errors)
+            self.finish(workspace, query, &mut result);
+            self.record_configuration(&result, workspace, solution);
+            (result, workspace.errors)
         })
     }
 
     /// Solves a query that needs a workspace: bounded motions, comparing searches, postures, mimic joints.
-    fn answer_at(
+    fn solve_with_workspace(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
@@ -178,30 +185,34 @@ impl Arm {
     ) -> (SearchResult, Errors) {
         workspace.aim(query.target);
         self.bound_moves(workspace, query.start);
-        let mut found = if self.options.search.compares() {
-            let ended = self.gather(workspace, query);
-            self.nearest(workspace, query, ended)
-        } else if self.lanes.is_some() {
-            self.search_by_lanes(workspace, query)
+        let mut result = if self.options.search.compares() {
+            let termination = self.collect_solutions(workspace, query);
+            self.nearest(workspace, query, termination)
+        } else if self.simd_solver.is_some() {
+            self.search_by_simd_solver(workspace, query)
         } else {
-            self.search_by_core(workspace, query)
+            self.search_by_general_solver(workspace, query)
         };
-        self.finish(workspace, query, &mut found);
-        if let (true, Some(posture)) = (found.reached, &self.options.posture) {
-            self.descend(workspace, posture, query.deadline);
-            self.judge(workspace, &mut found);
+        self.finish(workspace, query, &mut result);
+        if let (true, Some(posture)) = (result.reached, &self.options.posture) {
+            self.move_towards_posture(workspace, posture, query.deadline);
+            self.judge(workspace, &mut result);
         }
-        self.record_configuration(&found, workspace, solution);
-        (found, workspace.errors)
+        self.record_configuration(&result, workspace, solution);
+        (result, workspace.errors)
     }
 
     /// Searches with the SIMD solver, into the workspace's x.
     ///
     /// On failure x is the end of the attempt from the start, and `best` the best of all attempts, whose number is
     /// returned.
-    fn search_by_lanes(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> SearchResult {
+    fn search_by_simd_solver(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+    ) -> SearchResult {
         let ArmWorkspace {
-            bounded_lanes,
+            bounded_simd_solver,
             x,
             best,
             ..
@@ -212,7 +223,7 @@ impl Arm {
         if first_alone {
             first.attempts.1 = 1;
         }
-        let Some(lanes) = self.lanes_within(bounded_lanes) else {
+        let Some(simd_solver) = self.simd_solver_within(bounded_simd_solver) else {
             return SearchResult::default();
         };
         let mut output = simd_ik::QueryOutput {
@@ -220,7 +231,7 @@ impl Arm {
             best,
             best_attempt: 0,
         };
-        let outcome = lanes.race(&first, first_alone, &mut output);
+        let outcome = simd_solver.race(&first, first_alone, &mut output);
         let best_attempt = output.best_attempt;
         if self.options.search == Search::First {
             best.copy_from_slice(x);
@@ -228,12 +239,12 @@ impl Arm {
         workspace.errors = Errors::of(&outcome);
         SearchResult {
             number: outcome.winner.unwrap_or(best_attempt) as usize,
-            ..self.found_by(&outcome)
+            ..self.result_of(&outcome)
         }
     }
 
     /// Search result of the SIMD solver's attempts. Those that fail have stalled.
-    pub(super) fn found_by(&self, outcome: &PoseOutcome) -> SearchResult {
+    pub(super) fn result_of(&self, outcome: &PoseOutcome) -> SearchResult {
         SearchResult {
             termination: match outcome.reached {
                 true => Termination::Reached,
@@ -249,61 +260,62 @@ impl Arm {
     }
 
     /// Updates the result with the cost and errors at the workspace's x.
-    pub(super) fn judge(&self, workspace: &mut ArmWorkspace, found: &mut SearchResult) {
+    pub(super) fn judge(&self, workspace: &mut ArmWorkspace, result: &mut SearchResult) {
         let errors = workspace.judge_x();
-        (found.cost, found.reached) = (self.cost(errors), errors.reached);
+        (result.cost, result.reached) = (self.cost(errors), errors.reached);
     }
 
     /// Half the squared errors, in metres squared; radians convert by the arm's weight.
     pub(super) fn cost(&self, errors: Errors) -> f64 {
         // Goals with bounds are solved in chords.
-        let turned = match self.options.goal.is_full_pose() {
+        let chord = match self.options.goal.is_full_pose() {
             true => errors.orientation,
             false => 2.0 * elementary::sin(0.5 * errors.orientation),
         };
-        let turned = turned * self.options.metres_per_radian;
-        0.5 * (errors.position * errors.position + turned * turned)
+        let chord = chord * self.options.metres_per_radian;
+        0.5 * (errors.position * errors.position + chord * chord)
     }
 
     /// Records all results but `q` and the active limits of a failure.
-    pub(super) fn record(&self, found: &SearchResult, errors: Errors, solution: &mut Solution) {
+    pub(super) fn record(&self, result: &SearchResult, errors: Errors, solution: &mut Solution) {
         let options = &self.options;
         let metres = RowBlockReport::of_goal(
             Quantity::Metres,
             errors.position,
             options.position_tolerance,
         );
-        let turned = options.orientation_tolerance;
-        let radians = RowBlockReport::of_goal(Quantity::Radians, errors.orientation, turned);
+        let orientation_tolerance = options.orientation_tolerance;
+        let radians =
+            RowBlockReport::of_goal(Quantity::Radians, errors.orientation, orientation_tolerance);
         let metres = options.goal.has_position().then_some(metres);
         let radians = options.goal.has_orientation().then_some(radians);
         solution.record_errors(&self.names, metres.into_iter().chain(radians));
-        solution.cost = found.cost;
+        solution.cost = result.cost;
         solution.record(&SearchResult {
             // An iteration evaluates one residual and one Jacobian, in both solvers.
             counts: Counts {
-                residuals: found.iterations,
-                jacobians: found.iterations,
+                residuals: result.iterations,
+                jacobians: result.iterations,
                 gradients: 0,
             },
             projected_gradient: None,
             agreeing: 0,
-            ..*found
+            ..*result
         });
     }
 
     /// Records all results at the workspace's configuration, with the active limits of a failure.
     pub(super) fn record_configuration(
         &self,
-        found: &SearchResult,
+        result: &SearchResult,
         workspace: &mut ArmWorkspace,
         solution: &mut Solution,
     ) {
         workspace.x.clone_into(&mut solution.q);
-        self.record(found, workspace.errors, solution);
+        self.record(result, workspace.errors, solution);
         if !solution.reached {
             let negligible = workspace.take_slope();
-            let (x, question) = (&workspace.x, workspace.question.ask());
+            let (x, question) = (&workspace.x, workspace.question.instance());
             solution.record_active_limits(question, x, &workspace.gradient, negligible);
             solution.projected_gradient = Some(workspace.projected_gradient(x));
             solution.find_out_of_reach(question);

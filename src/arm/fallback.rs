@@ -1,7 +1,7 @@
 //! Fallbacks of a query whose first attempts fail.
 
 use super::arm::Arm;
-use super::dispatch::{QUICK, Query};
+use super::dispatch::{QUICK_ATTEMPT_ITERATIONS, Query};
 use super::follower::LONG_STEP;
 use super::local_descent::Settling;
 use super::options::Search;
@@ -12,7 +12,7 @@ use crate::simd_ik;
 use crate::solver::Termination;
 
 /// Largest number of short steps from the start towards a near solution.
-const NEAR_STEPS: usize = 100;
+const MAX_NEAR_STEPS: usize = 100;
 
 impl Arm {
     /// Continues failed attempts with the general solver: the first, whose end is in the workspace's x, then the best,
@@ -24,43 +24,43 @@ impl Arm {
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-        found: &mut SearchResult,
+        result: &mut SearchResult,
     ) {
-        if found.reached {
+        if result.reached {
             return;
         }
-        let best = found.number;
+        let best = result.number;
         // Under `First`, x is the best of all attempts already.
         if self.options.search != Search::First {
-            found.number = 0;
+            result.number = 0;
         }
-        self.settle(workspace, query, found);
-        let stays = !self.options.leaps_on_miss();
-        let nearby = stays && self.is_nearby(workspace);
-        let mut has_stayed = false;
-        if !found.reached && !self.asks_for_own_way(query.target) && !query.is_late() {
-            let mut first = self.keep_first(workspace, found);
-            found.number = best;
+        self.settle(workspace, query, result);
+        let stays_on_branch = !self.options.searches_globally();
+        let nearby = stays_on_branch && self.is_nearby(workspace);
+        let mut searched_near = false;
+        if !result.reached && !self.needs_only_first_attempt(query.target) && !query.is_late() {
+            let mut first = self.save_first(workspace, result);
+            result.number = best;
             workspace.x.copy_from_slice(&workspace.best);
-            self.settle(workspace, query, found);
-            if nearby && !found.reached && !query.is_late() {
-                self.return_to_first(workspace, &first, found);
-                self.stay_near(workspace, query, found);
-                has_stayed = true;
-                first = self.keep_first(workspace, found);
+            self.settle(workspace, query, result);
+            if nearby && !result.reached && !query.is_late() {
+                self.restore_first(workspace, &first, result);
+                self.search_near_start(workspace, query, result);
+                searched_near = true;
+                first = self.save_first(workspace, result);
             }
-            if !found.reached {
-                self.make_attempts_left(workspace, query, found);
+            if !result.reached {
+                self.run_remaining_attempts(workspace, query, result);
             }
-            let lower = !stays && found.cost < first.0.cost;
-            if !found.reached && !lower {
-                self.return_to_first(workspace, &first, found);
+            let has_lower_cost = !stays_on_branch && result.cost < first.0.cost;
+            if !result.reached && !has_lower_cost {
+                self.restore_first(workspace, &first, result);
             }
         }
-        if !found.reached && stays && !has_stayed && !query.is_late() {
-            self.stay_near(workspace, query, found);
+        if !result.reached && stays_on_branch && !searched_near && !query.is_late() {
+            self.search_near_start(workspace, query, result);
         }
-        found.termination = self.ended(found, query.is_late());
+        result.termination = self.final_termination(result, query.is_late());
     }
 
     /// Continues the first attempt alone, whose end is in the workspace's x, as a search of one attempt does.
@@ -68,11 +68,11 @@ impl Arm {
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-        found: &mut SearchResult,
+        result: &mut SearchResult,
     ) {
-        self.settle(workspace, query, found);
-        if !found.reached && !self.options.leaps_on_miss() && !query.is_late() {
-            self.stay_near(workspace, query, found);
+        self.settle(workspace, query, result);
+        if !result.reached && !self.options.searches_globally() && !query.is_late() {
+            self.search_near_start(workspace, query, result);
         }
     }
 
@@ -88,58 +88,64 @@ impl Arm {
     }
 
     /// Saves the end of the first attempt, which is in the workspace's x.
-    fn keep_first(
+    fn save_first(
         &self,
         workspace: &mut ArmWorkspace,
-        found: &SearchResult,
+        result: &SearchResult,
     ) -> (SearchResult, Errors) {
-        let ArmWorkspace { kept, x, .. } = workspace;
-        kept.copy_from_slice(x);
-        (*found, workspace.errors)
+        let ArmWorkspace { saved, x, .. } = workspace;
+        saved.copy_from_slice(x);
+        (*result, workspace.errors)
     }
 
     /// Restores the saved end of the first attempt.
-    fn return_to_first(
+    fn restore_first(
         &self,
         workspace: &mut ArmWorkspace,
         (first, errors): &(SearchResult, Errors),
-        found: &mut SearchResult,
+        result: &mut SearchResult,
     ) {
-        found.restore_best(first);
-        let ArmWorkspace { kept, x, .. } = workspace;
-        x.copy_from_slice(kept);
+        result.restore_best(first);
+        let ArmWorkspace { saved, x, .. } = workspace;
+        x.copy_from_slice(saved);
         workspace.errors = *errors;
     }
 
     /// Replaces an end far from the start by the minimum that short steps from the start lead to, if that is near.
     ///
     /// The long steps of an attempt may have passed it. An end near the start is only moved off a ridge.
-    fn stay_near(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut SearchResult) {
-        let moved = |workspace: &ArmWorkspace| self.longest_move(&workspace.start, &workspace.x).1;
-        if moved(workspace) <= LONG_STEP {
-            self.leave_ridge(workspace, query, found);
+    fn search_near_start(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        result: &mut SearchResult,
+    ) {
+        let displacement =
+            |workspace: &ArmWorkspace| self.largest_joint_move(&workspace.start, &workspace.x).1;
+        if displacement(workspace) <= LONG_STEP {
+            self.leave_ridge(workspace, query, result);
             return;
         }
         // Taken out and put back, so that nothing is allocated.
-        let mut other = std::mem::take(&mut workspace.kept);
-        other.copy_from_slice(&workspace.x);
+        let mut saved = std::mem::take(&mut workspace.saved);
+        saved.copy_from_slice(&workspace.x);
         workspace.x.copy_from_slice(&workspace.start);
-        let how = Settling::freely(NEAR_STEPS, query.deadline);
-        let (_, steps) = workspace.settle_near(&how);
-        found.iterations += steps;
-        let near = moved(workspace) <= LONG_STEP;
-        if near {
-            other.copy_from_slice(&workspace.x);
+        let descent = Settling::freely(MAX_NEAR_STEPS, query.deadline);
+        let (_, steps) = workspace.settle_near(&descent);
+        result.iterations += steps;
+        let is_near = displacement(workspace) <= LONG_STEP;
+        if is_near {
+            saved.copy_from_slice(&workspace.x);
             let (termination, iterations) = workspace.settle(query.deadline);
-            found.iterations += iterations;
-            found.termination = termination;
+            result.iterations += iterations;
+            result.termination = termination;
         }
-        if moved(workspace) > LONG_STEP {
-            workspace.x.copy_from_slice(&other);
+        if displacement(workspace) > LONG_STEP {
+            workspace.x.copy_from_slice(&saved);
         }
-        workspace.kept = other;
-        if near {
-            self.judge(workspace, found);
+        workspace.saved = saved;
+        if is_near {
+            self.judge(workspace, result);
         }
     }
 
@@ -151,77 +157,81 @@ impl Arm {
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-        found: &mut SearchResult,
+        result: &mut SearchResult,
     ) {
-        let first = self.keep_first(workspace, found);
+        let first = self.save_first(workspace, result);
         if workspace.step_off_ridge() {
-            self.settle(workspace, query, found);
-            let near = self.longest_move(&workspace.start, &workspace.x).1 <= LONG_STEP;
-            if !(found.reached && near) {
-                self.return_to_first(workspace, &first, found);
+            self.settle(workspace, query, result);
+            let is_near = self.largest_joint_move(&workspace.start, &workspace.x).1 <= LONG_STEP;
+            if !(result.reached && is_near) {
+                self.restore_first(workspace, &first, result);
             }
         }
     }
 
     /// Termination of a finished query.
-    pub(super) fn ended(&self, found: &SearchResult, late: bool) -> Termination {
-        if found.reached {
+    pub(super) fn final_termination(&self, result: &SearchResult, is_late: bool) -> Termination {
+        if result.reached {
             Termination::Reached
-        } else if late {
+        } else if is_late {
             Termination::TimeLimit
         } else if self.options.max_move.is_some() {
             Termination::CannotContinue
         } else {
             // The descent stopped as reached, but the error is slightly above the tolerance.
-            match found.termination {
+            match result.termination {
                 Termination::Reached => Termination::SmallStep,
-                other => other,
+                termination => termination,
             }
         }
     }
 
     /// Runs the remaining attempts and continues the best of them.
     ///
-    /// The better of its end and the workspace's x is then in x and `found`.
-    fn make_attempts_left(
+    /// The better of its end and the workspace's x is then in x and `result`.
+    fn run_remaining_attempts(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-        found: &mut SearchResult,
+        result: &mut SearchResult,
     ) {
-        let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
+        let Some(simd_solver) = self.simd_solver_within(&workspace.bounded_simd_solver) else {
             return;
         };
-        let first = u32::try_from(found.attempts).unwrap_or(u32::MAX);
-        let spent = u32::try_from(found.iterations).unwrap_or(u32::MAX);
+        let first = u32::try_from(result.attempts).unwrap_or(u32::MAX);
+        let used_iterations = u32::try_from(result.iterations).unwrap_or(u32::MAX);
         let attempts = (first, self.options.attempts);
-        let budget = self.options.budget().saturating_sub(spent.min(QUICK));
-        if found.reached || query.is_late() || first >= attempts.1 || budget == 0 {
+        let budget = self
+            .options
+            .budget()
+            .saturating_sub(used_iterations.min(QUICK_ATTEMPT_ITERATIONS));
+        if result.reached || query.is_late() || first >= attempts.1 || budget == 0 {
             return;
         }
-        let left = self.lane_query(query, attempts, budget);
+        let remaining = self.simd_query(query, attempts, budget);
         let mut output = simd_ik::QueryOutput::of(&mut workspace.trial);
-        let outcome = lanes.race(&left, false, &mut output);
+        let outcome = simd_solver.race(&remaining, false, &mut output);
         let best_attempt = output.best_attempt as usize;
-        let more = self.found_by(&outcome);
-        found.iterations += more.iterations;
-        found.attempts += more.attempts;
-        if more.reached {
+        let remaining_result = self.result_of(&outcome);
+        result.iterations += remaining_result.iterations;
+        result.attempts += remaining_result.attempts;
+        if remaining_result.reached {
             workspace.x.copy_from_slice(&workspace.trial);
             workspace.errors = Errors::of(&outcome);
-            (found.number, found.cost, found.reached) = (more.number, more.cost, true);
-        } else if more.cost < found.cost {
+            (result.number, result.cost, result.reached) =
+                (remaining_result.number, remaining_result.cost, true);
+        } else if remaining_result.cost < result.cost {
             workspace.x.copy_from_slice(&workspace.trial);
-            found.number = best_attempt;
-            self.settle(workspace, query, found);
+            result.number = best_attempt;
+            self.settle(workspace, query, result);
         }
     }
 
-    fn settle(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut SearchResult) {
+    fn settle(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, result: &mut SearchResult) {
         let (termination, iterations) = workspace.settle(query.deadline);
-        found.iterations += iterations;
-        found.termination = termination;
+        result.iterations += iterations;
+        result.termination = termination;
         self.unwrap_towards(query.start, workspace);
-        self.judge(workspace, found);
+        self.judge(workspace, result);
     }
 }

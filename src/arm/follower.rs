@@ -17,9 +17,9 @@ use crate::spatial::Placement;
 /// Fraction of the last motion with which a step begins; below 1, so that null-space motion decays.
 const MOMENTUM: f64 = 0.8;
 /// Distance between successive targets beyond which small steps are made, radians.
-const FAR: f64 = 0.05;
+const MAX_TARGET_DISTANCE: f64 = 0.05;
 /// Longest path step that counts towards the attraction of another path, radians.
-const LONGEST_PULL: f64 = 0.1;
+const MAX_ATTRACTED_PATH: f64 = 0.1;
 /// Longest null-space motion of a joint per step, radians.
 pub(super) const LONGEST_EASE: f64 = 0.02;
 /// Joint motion beyond which a step is a jump, radians; prismatic joints count by the metres that weigh as much.
@@ -51,14 +51,14 @@ pub struct Follower<'a> {
     /// Configuration at the end of the last step.
     q: Vec<f64>,
     /// Configuration at the end of the step before.
-    before: Vec<f64>,
-    seed: Vec<f64>,
+    previous_q: Vec<f64>,
+    attempt_start: Vec<f64>,
     /// Motion with which a step begins, radians per joint.
     motion: Vec<f64>,
     branch: Branch,
     target: Option<Placement<f64>>,
     /// Distance between the last two targets, radians.
-    path: f64,
+    target_step: f64,
     steps: usize,
 }
 
@@ -81,35 +81,35 @@ impl Arm {
         Ok(Follower {
             arm: self,
             q: start.to_vec(),
-            before: start.to_vec(),
-            seed: start.to_vec(),
+            previous_q: start.to_vec(),
+            attempt_start: start.to_vec(),
             motion: vec![0.0; start.len()],
             branch: Branch::begin(self, start),
             target: None,
-            path: 0.0,
+            target_step: 0.0,
             steps: 0,
         })
     }
 
     /// Index of the joint that moves farthest and its motion, radians (see `LONG_STEP` for prismatic joints).
-    pub(super) fn longest_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
-        let mut longest = (0, 0.0);
+    pub(super) fn largest_joint_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
+        let mut largest = (0, 0.0);
         for (i, ((a, b), scale)) in from.iter().zip(to).zip(&self.scale).enumerate() {
             let moved = (a - b).abs() * scale;
-            if moved > longest.1 {
-                longest = (i, moved);
+            if moved > largest.1 {
+                largest = (i, moved);
             }
         }
-        longest
+        largest
     }
 
     /// Distance of two poses in radians; metres convert by the weight of the cost.
     pub(super) fn pose_distance(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
-        let way = (a.translation - b.translation) * self.options.metres_per_radian.recip();
+        let translation = (a.translation - b.translation) * self.options.metres_per_radian.recip();
         let (r, s) = (&a.rotation, &b.rotation);
-        let turn =
+        let rotation =
             (r.x - s.x).norm_squared() + (r.y - s.y).norm_squared() + (r.z - s.z).norm_squared();
-        (way.norm_squared() + 0.5 * turn).sqrt()
+        (translation.norm_squared() + 0.5 * rotation).sqrt()
     }
 }
 
@@ -138,24 +138,25 @@ impl Follower<'_> {
         arm.check_query(self.steps, &target, &self.q)?;
         if self.is_outside() {
             self.return_to_limits(&target, solution)?;
-            return Ok(self.take(&target, solution, true));
+            return Ok(self.record_step(&target, solution, true));
         }
         self.branch.take_target(self.target == Some(target));
         // After an unreached target branches meet: return in short steps.
-        let careful = self.branch.near_singularity() && !self.goes_far(&target)?;
-        let mut continuous = careful && self.settle(&target, solution)?;
-        let settled = continuous || careful && self.branch.is_stretched();
-        if !settled {
+        let short_steps = self.branch.near_singularity() && !self.is_far(&target)?;
+        let mut continuous = short_steps && self.advance_on_branch(&target, solution)?;
+        let is_done = continuous || short_steps && self.branch.is_stretched();
+        if !is_done {
             continuous = self.try_branch(&target, None, solution)
-                || self.goes_far(&target)? && arm.go_far(&target, &self.q, solution)?
-                || self.settle(&target, solution)?;
+                || self.is_far(&target)?
+                    && arm.advance_in_small_steps(&target, &self.q, solution)?
+                || self.advance_on_branch(&target, solution)?;
         }
-        if !solution.reached && arm.options.leaps {
-            arm.leap(&target, &self.q, solution)?;
+        if !solution.reached && arm.options.global_search_on_failure {
+            arm.jump_to_solution(&target, &self.q, solution)?;
         }
         #[cfg(feature = "collision")]
-        arm.keep_way_clear(&self.q, &target, solution)?;
-        Ok(self.take(&target, solution, continuous))
+        arm.avoid_step_collision(&self.q, &target, solution)?;
+        Ok(self.record_step(&target, solution, continuous))
     }
 
     /// Returns true if a joint is outside its limits, as it may be at the start.
@@ -176,38 +177,38 @@ impl Follower<'_> {
             arm.bound_by_limits(workspace);
             for (i, limits) in arm.limits().enumerate() {
                 // Slightly less, so that rounding does not make the step a jump.
-                let most = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
-                workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-most, most);
+                let max_move = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
+                workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-max_move, max_move);
             }
-            let mut found = SearchResult::single_attempt(Termination::IterationLimit, 0);
-            arm.judge(workspace, &mut found);
+            let mut result = SearchResult::single_attempt(Termination::IterationLimit, 0);
+            arm.judge(workspace, &mut result);
             let mut joints = arm.limits().zip(&workspace.x);
             let inside = joints.all(|(limits, x)| limits.contains(*x));
-            found.reached &= inside;
+            result.reached &= inside;
             workspace.errors.reached &= inside;
-            arm.record_configuration(&found, workspace, solution);
+            arm.record_configuration(&result, workspace, solution);
         })
     }
 
     /// Advances on the current branch in short steps. Returns true if that reaches the target.
-    fn settle(
+    fn advance_on_branch(
         &mut self,
         target: &Placement<f64>,
         solution: &mut Solution,
     ) -> Result<bool, QueryError> {
         self.arm
-            .keep_to_branch(target, &self.q, &mut self.branch, solution)?;
+            .descend_on_branch(target, &self.q, &mut self.branch, solution)?;
         Ok(solution.reached)
     }
 
     /// Records the end of a step. Returns the jump, if it was one.
-    fn take(
+    fn record_step(
         &mut self,
         target: &Placement<f64>,
         solution: &Solution,
         continuous: bool,
     ) -> Option<Jump> {
-        let (joint, distance) = self.arm.longest_move(&self.q, &solution.q);
+        let (joint, distance) = self.arm.largest_joint_move(&self.q, &solution.q);
         let jump = (distance > LONG_STEP).then_some(Jump {
             step: self.steps,
             joint,
@@ -218,7 +219,7 @@ impl Follower<'_> {
         if jump.is_some() {
             self.branch.jump_to(&solution.q, solution.reached);
         } else if solution.reached {
-            self.branch.arrive_at(self.arm, &solution.q);
+            self.branch.end_step_at(self.arm, &solution.q);
         }
         jump
     }
@@ -229,26 +230,26 @@ impl Follower<'_> {
         target: Placement<f64>,
         solution: &mut Solution,
     ) -> Result<Option<Jump>, QueryError> {
-        if !self.goes_far(&target)? {
+        if !self.is_far(&target)? {
             return self.advance(target, solution);
         }
         let arm = self.arm;
-        let continuous = arm.go_far(&target, &self.q, solution)?;
+        let continuous = arm.advance_in_small_steps(&target, &self.q, solution)?;
         #[cfg(feature = "collision")]
         let continuous = continuous && arm.touching(&solution.q)?.is_empty();
         if !continuous {
-            arm.answer(&arm.query(&target, &self.q), solution)?;
+            arm.solve_query(&arm.query(&target, &self.q), solution)?;
         }
-        Ok(self.take(&target, solution, continuous))
+        Ok(self.record_step(&target, solution, continuous))
     }
 
     /// Returns true if a target is far from the last one, or from the tool at the first step.
-    fn goes_far(&self, target: &Placement<f64>) -> Result<bool, QueryError> {
+    fn is_far(&self, target: &Placement<f64>) -> Result<bool, QueryError> {
         let last = match self.target {
             Some(last) => last,
             None => self.arm.base_from_tool(&self.q)?,
         };
-        Ok(self.arm.pose_distance(target, &last) > FAR)
+        Ok(self.arm.pose_distance(target, &last) > MAX_TARGET_DISTANCE)
     }
 
     /// Tries to reach a target by one attempt from the extrapolated start. Returns true if it does without a long
@@ -263,24 +264,30 @@ impl Follower<'_> {
         solution: &mut Solution,
     ) -> bool {
         let arm = self.arm;
-        let (Some(lanes), true) = (&arm.lanes, arm.follows_by_lanes()) else {
+        let (Some(simd_solver), true) = (&arm.simd_solver, arm.steps_by_simd_solver()) else {
             return false;
         };
-        self.fill_seed(target, towards);
+        self.fill_attempt_start(target, towards);
         solution.q.resize(arm.joint_count(), 0.0);
-        let outcome = lanes.attempt_from_start(target, &self.seed, arm.deadline(), &mut solution.q);
-        let kept = outcome.reached && arm.longest_move(&self.q, &solution.q).1 <= LONG_STEP;
-        if kept {
-            arm.record(&arm.found_by(&outcome), Errors::of(&outcome), solution);
+        let outcome = simd_solver.attempt_from_start(
+            target,
+            &self.attempt_start,
+            arm.deadline(),
+            &mut solution.q,
+        );
+        let is_short_step =
+            outcome.reached && arm.largest_joint_move(&self.q, &solution.q).1 <= LONG_STEP;
+        if is_short_step {
+            arm.record(&arm.result_of(&outcome), Errors::of(&outcome), solution);
         }
-        kept
+        is_short_step
     }
 
     /// Records a configuration as the end of a step.
     pub(super) fn set_configuration(&mut self, target: &Placement<f64>, q: &[f64]) {
         let last = self.target.replace(*target);
-        self.path = last.map_or(0.0, |last| self.arm.pose_distance(target, &last));
-        self.before.copy_from_slice(&self.q);
+        self.target_step = last.map_or(0.0, |last| self.arm.pose_distance(target, &last));
+        self.previous_q.copy_from_slice(&self.q);
         self.q.copy_from_slice(q);
         self.steps += 1;
     }
@@ -291,51 +298,53 @@ impl Follower<'_> {
     }
 
     /// Sets the nominal posture to that of an arm that begins at `start`.
-    pub(super) fn set_ease(&mut self, start: &[f64]) {
-        self.branch.set_ease(self.arm, start);
+    pub(super) fn set_nominal_posture(&mut self, start: &[f64]) {
+        self.branch.set_nominal_posture(self.arm, start);
     }
 
     /// Computes the start of the next attempt.
-    fn fill_seed(&mut self, target: &Placement<f64>, towards: Option<(&[f64], f64)>) {
-        self.seed.copy_from_slice(&self.q);
+    fn fill_attempt_start(&mut self, target: &Placement<f64>, towards: Option<(&[f64], f64)>) {
+        self.attempt_start.copy_from_slice(&self.q);
         let Some(last) = &self.target else {
             return;
         };
-        let path = self.arm.pose_distance(target, last);
-        let share = if self.path > 0.0 {
-            MOMENTUM * (path / self.path).min(1.0)
+        let distance = self.arm.pose_distance(target, last);
+        let fraction = if self.target_step > 0.0 {
+            MOMENTUM * (distance / self.target_step).min(1.0)
         } else {
             0.0
         };
         let scales = &self.arm.scale;
-        let motion = self.q.iter().zip(&self.before).zip(scales);
-        for (by, ((q, before), scale)) in self.motion.iter_mut().zip(motion) {
-            let last = q - before;
+        let motion = self.q.iter().zip(&self.previous_q).zip(scales);
+        for (joint_motion, ((q, previous), scale)) in self.motion.iter_mut().zip(motion) {
+            let last = q - previous;
             // A jump is not extrapolated.
-            *by = match last.abs() * scale <= LONG_STEP {
-                true => share * last * scale,
+            *joint_motion = match last.abs() * scale <= LONG_STEP {
+                true => fraction * last * scale,
                 false => 0.0,
             };
         }
-        if let Some((wanted, rate)) = towards {
-            let rate = rate * path.min(LONGEST_PULL);
-            let ways = wanted.iter().zip(&self.q).zip(scales);
-            for (by, ((wanted, q), scale)) in self.motion.iter_mut().zip(ways) {
-                *by += ((wanted - q) * scale).clamp(-rate, rate);
+        if let Some((attractor, rate)) = towards {
+            let rate = rate * distance.min(MAX_ATTRACTED_PATH);
+            let differences = attractor.iter().zip(&self.q).zip(scales);
+            for (joint_motion, ((attractor, q), scale)) in self.motion.iter_mut().zip(differences) {
+                *joint_motion += ((attractor - q) * scale).clamp(-rate, rate);
             }
-        } else if self.branch.spends_freedom(self.arm) {
-            self.ease_motion(target);
+        } else if self.branch.uses_null_space(self.arm) {
+            self.replace_null_space_motion(target);
         }
         let map = &self.arm.serial.map;
         let bounds = map.lower().iter().zip(map.upper());
         let ends = self.motion.iter().zip(scales).zip(bounds);
-        for (value, ((by, scale), (&lower, &upper))) in self.seed.iter_mut().zip(ends) {
-            *value = (*value + by / scale).max(lower).min(upper);
+        for (value, ((joint_motion, scale), (&lower, &upper))) in
+            self.attempt_start.iter_mut().zip(ends)
+        {
+            *value = (*value + joint_motion / scale).max(lower).min(upper);
         }
     }
 
     /// Replaces the null-space part of the motion by motion to the nominal posture.
-    fn ease_motion(&mut self, target: &Placement<f64>) {
+    fn replace_null_space_motion(&mut self, target: &Placement<f64>) {
         let (arm, q, motion) = (self.arm, &self.q, &mut self.motion);
         let branch = &mut self.branch;
         // Without a workspace the motion stays; the step itself returns the error.
@@ -343,17 +352,24 @@ impl Follower<'_> {
             workspace.aim(target);
             arm.bound_by_limits(workspace);
             workspace.take_twists(arm, q);
-            let free = workspace.factor_freely(q);
-            match &free {
-                Some(factor) => workspace.project_freely(factor, motion),
+            let factorisation = workspace.factor_without_bounds(q);
+            match &factorisation {
+                Some(factor) => workspace.project_without_bounds(factor, motion),
                 None => workspace.project_to_null(q, motion, 0.0),
             };
-            for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
-                *motion -= by;
+            for (motion, null_space_motion) in motion.iter_mut().zip(&workspace.projected) {
+                *motion -= null_space_motion;
             }
-            branch.aim_at_nominal_posture(arm, workspace, q, LONGEST_EASE, SHARE, free.as_ref());
-            for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
-                *motion += by;
+            branch.aim_at_nominal_posture(
+                arm,
+                workspace,
+                q,
+                LONGEST_EASE,
+                SHARE,
+                factorisation.as_ref(),
+            );
+            for (motion, null_space_motion) in motion.iter_mut().zip(&workspace.projected) {
+                *motion += null_space_motion;
             }
         });
     }

@@ -13,27 +13,27 @@ use crate::simd_ik::nearest_revolution;
 use crate::solver::{LevenbergMarquardt, Silent, Stopping};
 
 /// Number of attempts from the start and from perturbations of it before the table is used.
-const OWN: usize = 2;
+const START_ATTEMPTS: usize = 2;
 /// Largest number of sampled configurations that a query tries: of 240 000 reachable poses 64 fail on two, 128 on none.
-const SEEDS: usize = 128;
+const MAX_TABLE_ATTEMPTS: usize = 128;
 /// Number of steps without halving the cost after which an attempt from the table ends.
-const PATIENCE: usize = 10;
+const STALL_STEPS: usize = 10;
 /// Number of attempts at the same minimum after which a target counts as out of reach, if no number of attempts is set.
-const AGREEING: usize = 10;
+const AGREEING_ATTEMPTS: usize = 10;
 /// Largest number of steps of all random attempts, if no number of iterations is set.
-const STEPS: usize = 2500;
+const MAX_RANDOM_STEPS: usize = 2500;
 
 impl Arm {
     /// Searches from the workspace's start, then from sampled configurations near the target, then from random ones.
     ///
     /// A solution is left in the workspace's x. If there is none, x is the start and `best` the best of all attempts.
-    pub(super) fn search_by_core(
+    pub(super) fn search_by_general_solver(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
     ) -> SearchResult {
         let attempts = self.attempts_at(query.target) as usize;
-        let mut spent = 0;
+        let mut first_iterations = 0;
         if attempts > 1 && self.is_nearby(workspace) {
             // All that a search of one attempt does comes before other attempts.
             let mut first = self.make_attempts(workspace, query, 1);
@@ -41,11 +41,11 @@ impl Arm {
             if first.reached || query.is_late() {
                 return first;
             }
-            spent = first.iterations;
+            first_iterations = first.iterations;
         }
-        let mut found = self.make_attempts(workspace, query, attempts);
-        found.iterations += spent;
-        found
+        let mut result = self.make_attempts(workspace, query, attempts);
+        result.iterations += first_iterations;
+        result
     }
 
     /// Makes at most `attempts` attempts.
@@ -55,58 +55,60 @@ impl Arm {
         query: &Query<'_>,
         attempts: usize,
     ) -> SearchResult {
-        let mut found = self.restart(workspace, query, attempts.min(OWN));
+        let mut result = self.restart(workspace, query, attempts.min(START_ATTEMPTS));
         // If motions are bounded, sampled configurations are far outside the bounds.
-        let everywhere = self.options.max_move.is_none();
-        for seeded in [true, false] {
-            let left = attempts.saturating_sub(found.attempts);
-            if found.reached || query.is_late() || left == 0 || seeded && !everywhere {
+        let uses_table = self.options.max_move.is_none();
+        for from_table in [true, false] {
+            let remaining = attempts.saturating_sub(result.attempts);
+            if result.reached || query.is_late() || remaining == 0 || from_table && !uses_table {
                 continue;
             }
             workspace.best.copy_from_slice(&workspace.x);
-            let more = match seeded {
-                true => self.try_seeds(workspace, query, left.min(SEEDS)),
-                false => self.restart(workspace, query, left),
+            let later = match from_table {
+                true => {
+                    self.run_table_attempts(workspace, query, remaining.min(MAX_TABLE_ATTEMPTS))
+                }
+                false => self.restart(workspace, query, remaining),
             };
-            if !found.merge_later(&more) {
+            if !result.merge_later(&later) {
                 workspace.x.copy_from_slice(&workspace.best);
             }
         }
-        if !found.reached {
+        if !result.reached {
             workspace.best.copy_from_slice(&workspace.x);
             workspace.x.copy_from_slice(&workspace.start);
         }
-        found
+        result
     }
 
     /// Makes an attempt from each of the nearest sampled configurations, until one reaches; the best is in x.
-    fn try_seeds(
+    fn run_table_attempts(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-        most: usize,
+        max_count: usize,
     ) -> SearchResult {
-        self.look_up_seeds(workspace, most);
-        let mut found = SearchResult::default();
-        for turn in 0..workspace.rows.len() {
+        self.look_up_table_rows(workspace, max_count);
+        let mut result = SearchResult::default();
+        for rank in 0..workspace.table_rows.len() {
             if let Some(table) = self.seeds.get() {
-                let (_, row) = workspace.rows[turn];
+                let (_, row) = workspace.table_rows[rank];
                 workspace.x.copy_from_slice(table.seed(row));
             }
-            let patient = stopping().with_patience(Some(PATIENCE));
-            if found.merge_later(&self.attempt_by_core(workspace, query, &patient)) {
+            let stall_stopping = stopping().with_patience(Some(STALL_STEPS));
+            if result.merge_later(&self.run_general_attempt(workspace, query, &stall_stopping)) {
                 workspace.trial.copy_from_slice(&workspace.x);
             }
-            if found.reached || query.is_late() {
+            if result.reached || query.is_late() {
                 break;
             }
         }
         workspace.x.copy_from_slice(&workspace.trial);
-        found
+        result
     }
 
     /// Makes one attempt from the workspace's x and leaves its end there.
-    fn attempt_by_core(
+    fn run_general_attempt(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
@@ -114,13 +116,13 @@ impl Arm {
     ) -> SearchResult {
         let (termination, iterations) = workspace.settle_within(stopping, query.deadline);
         self.unwrap_towards(query.start, workspace);
-        let mut found = SearchResult::single_attempt(termination, iterations);
-        self.judge(workspace, &mut found);
-        found
+        let mut result = SearchResult::single_attempt(termination, iterations);
+        self.judge(workspace, &mut result);
+        result
     }
 
     /// Writes the table's rows nearest to the target to the workspace.
-    fn look_up_seeds(&self, workspace: &mut ArmWorkspace, most: usize) {
+    fn look_up_table_rows(&self, workspace: &mut ArmWorkspace, max_count: usize) {
         let table = self
             .seeds
             .get_or_init(|| SeedTable::new(&self.serial, workspace));
@@ -133,7 +135,7 @@ impl Arm {
             },
         );
         let target = workspace.target();
-        table.nearest(&target, weights, most, &mut workspace.rows);
+        table.nearest(&target, weights, max_count, &mut workspace.table_rows);
     }
 
     /// Makes attempts from the workspace's start, from perturbations of it and from random configurations.
@@ -146,11 +148,11 @@ impl Arm {
         attempts: usize,
     ) -> SearchResult {
         let options = &self.options;
-        let (steps, agreeing) = match (options.iterations, options.attempts_asked) {
+        let (steps, agreeing) = match (options.iterations, options.attempts_given) {
             (Some(steps), true) => (steps as usize, usize::MAX),
-            (Some(steps), false) => (steps as usize, AGREEING),
+            (Some(steps), false) => (steps as usize, AGREEING_ATTEMPTS),
             (None, true) => (usize::MAX, usize::MAX),
-            (None, false) => (STEPS, AGREEING),
+            (None, false) => (MAX_RANDOM_STEPS, AGREEING_ATTEMPTS),
         };
         let restarts = Restarts::default()
             .with_attempts(attempts)
@@ -158,61 +160,61 @@ impl Arm {
             .with_agreeing(agreeing)
             .with_seed(options.seed);
         // Taken out and put back, so that nothing is allocated.
-        let mut search = std::mem::take(&mut workspace.search);
-        let question = workspace.question.ask();
-        search.fit(question, TaskSubset::All);
-        search.start.copy_from_slice(&workspace.start);
+        let mut attempt_loop = std::mem::take(&mut workspace.attempts);
+        let instance = workspace.question.instance();
+        attempt_loop.fit(instance, TaskSubset::All);
+        attempt_loop.start.copy_from_slice(&workspace.start);
         let (method, mut silent) = (LevenbergMarquardt::default(), Silent);
-        let mut engine = workspace.engine(&method, query.deadline, &mut silent);
-        let question = engine.question;
-        let asked = (question, TaskSubset::All);
-        let schedule = Schedule::of_searches(asked, restarts, Stopping::default(), false);
+        let mut minimiser = workspace.minimiser(&method, query.deadline, &mut silent);
+        let instance = minimiser.question;
+        let searched = (instance, TaskSubset::All);
+        let schedule = Schedule::of_searches(searched, restarts, Stopping::default(), false);
         let deadline = query.deadline;
-        let mut found = run(
-            question,
+        let mut result = run(
+            instance,
             TaskSubset::All,
             &schedule,
             deadline,
-            &mut engine,
-            &mut search,
+            &mut minimiser,
+            &mut attempt_loop,
         );
-        workspace.x.copy_from_slice(&search.keeper.x);
-        workspace.search = search;
+        workspace.x.copy_from_slice(&attempt_loop.keeper.x);
+        workspace.attempts = attempt_loop;
         self.unwrap_towards(query.start, workspace);
-        self.judge(workspace, &mut found);
-        found
+        self.judge(workspace, &mut result);
+        result
     }
 
     /// Makes attempts `first`, `first + 1`, … with the general solver, and appends their configurations and outcomes.
-    pub(super) fn attempts_by_core(
+    pub(super) fn append_general_attempts(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
         first: u32,
         count: u32,
     ) {
-        self.look_up_seeds(workspace, SEEDS.min((first + count) as usize));
+        self.look_up_table_rows(workspace, MAX_TABLE_ATTEMPTS.min((first + count) as usize));
         for attempt in first..first + count {
             workspace.x.copy_from_slice(&workspace.start);
             // Every other attempt begins at a row of the table, as long as there are rows.
             let row = match attempt > 0 && attempt % 2 == 0 {
-                true => workspace.rows.get(attempt as usize / 2 - 1),
+                true => workspace.table_rows.get(attempt as usize / 2 - 1),
                 false => None,
             };
             if let (Some((_, row)), Some(table)) = (row, self.seeds.get()) {
                 workspace.x.copy_from_slice(table.seed(*row));
             } else if attempt > 0 {
                 let mut random = RandomStream::new(self.options.seed, u64::from(attempt));
-                let question = workspace.question.ask();
+                let instance = workspace.question.instance();
                 for (i, value) in workspace.x.iter_mut().enumerate() {
-                    let (low, high) = question.sampling_range(i, workspace.start[i]);
+                    let (low, high) = instance.sampling_range(i, workspace.start[i]);
                     *value = low + (high - low) * random.unit();
                 }
             }
-            let mut found = self.attempt_by_core(workspace, query, &stopping());
-            found.number = attempt as usize;
-            workspace.found.extend_from_slice(&workspace.x);
-            let outcome = outcome_of(&found, workspace.errors);
+            let mut result = self.run_general_attempt(workspace, query, &stopping());
+            result.number = attempt as usize;
+            workspace.attempt_ends.extend_from_slice(&workspace.x);
+            let outcome = outcome_of(&result, workspace.errors);
             workspace.outcomes.push(outcome);
         }
     }
@@ -223,7 +225,7 @@ impl Arm {
         for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
             let bounds = (workspace.question.lower[i], workspace.question.upper[i]);
-            if !joint.kind.slides() && !self.serial.followed[i] {
+            if !joint.kind.slides() && !self.serial.drives_mimic[i] {
                 *value = nearest_revolution(start[i], *value, bounds);
             }
         }

@@ -44,7 +44,7 @@ mod move_bounds;
 mod multi_solution;
 mod null_space;
 mod options;
-mod pose_question;
+mod pose_problem;
 mod rate_limits;
 mod redundancy;
 mod seed_table;

@@ -11,10 +11,10 @@ impl Arm {
         match &self.options.max_move {
             Some(max_move) => {
                 self.narrow(workspace, |i| max_move[i]);
-                if let Some(lanes) = &self.lanes {
+                if let Some(simd_solver) = &self.simd_solver {
                     workspace
-                        .bounded_lanes
-                        .get_or_insert_with(|| lanes.without_atlas())
+                        .bounded_simd_solver
+                        .get_or_insert_with(|| simd_solver.without_atlas())
                         .set_bounds(&workspace.question.lower, &workspace.question.upper);
                 }
             }
@@ -35,8 +35,10 @@ impl Arm {
     pub(super) fn bound_step(&self, workspace: &mut ArmWorkspace, start: &[f64], radians: f64) {
         self.bound_moves(workspace, start);
         let max_move = self.options.max_move.as_deref();
-        let most = |i: usize| max_move.map_or(f64::INFINITY, |most| most[i]);
-        self.narrow(workspace, |i| (radians / self.scale[i]).min(most(i)));
+        let joint_max_move = |i: usize| max_move.map_or(f64::INFINITY, |max_move| max_move[i]);
+        self.narrow(workspace, |i| {
+            (radians / self.scale[i]).min(joint_max_move(i))
+        });
     }
 
     fn set_start(&self, workspace: &mut ArmWorkspace, start: &[f64]) {
@@ -46,13 +48,13 @@ impl Arm {
         }
     }
 
-    /// Sets the query's bounds to `most` from the workspace's start, per joint, within the limits.
-    fn narrow(&self, workspace: &mut ArmWorkspace, most: impl Fn(usize) -> f64) {
+    /// Sets the query's bounds to `max_move` from the workspace's start, per joint, within the limits.
+    fn narrow(&self, workspace: &mut ArmWorkspace, max_move: impl Fn(usize) -> f64) {
         let map = &self.serial.map;
         for i in 0..self.joint_count() {
-            let (start, most) = (workspace.start[i], most(i));
-            workspace.question.lower[i] = map.lower()[i].max(within(start, -most));
-            workspace.question.upper[i] = map.upper()[i].min(within(start, most));
+            let (start, max_move) = (workspace.start[i], max_move(i));
+            workspace.question.lower[i] = map.lower()[i].max(within(start, -max_move));
+            workspace.question.upper[i] = map.upper()[i].min(within(start, max_move));
         }
     }
 }

@@ -13,11 +13,11 @@ use crate::solver::Termination;
 use crate::spatial::Placement;
 
 /// Number of attempts between two checks of the budget.
-const GROUP: u32 = 16;
+const GROUP_ATTEMPTS: u32 = 16;
 /// Number of attempts between two checks of the clock, with a time limit: one lock step.
-const TIMED_GROUP: u32 = 8;
+const TIMED_GROUP_ATTEMPTS: u32 = 8;
 /// Number of the nearest solutions that are moved towards the start.
-const REFINED: usize = 6;
+const MAX_REFINED_SOLUTIONS: usize = 6;
 
 impl Arm {
     /// Finds all solutions that the arm's search prefers, nearest to the start first.
@@ -43,31 +43,35 @@ impl Arm {
         self.with_workspace(|workspace| {
             workspace.aim(&target);
             self.bound_moves(workspace, start);
-            let ended = self.gather(workspace, &query);
+            let termination = self.collect_solutions(workspace, &query);
             #[cfg(feature = "collision")]
-            let ended = match self.drop_touching(workspace, &query)? {
-                true => ended,
+            let termination = match self.drop_colliding(workspace, &query)? {
+                true => termination,
                 false => Termination::TimeLimit,
             };
-            Ok(self.distinct(workspace, k, distance, ended))
+            Ok(self.distinct(workspace, k, distance, termination))
         })?
     }
 
     /// Runs attempts and sorts those that reach by their distance from the start.
     ///
     /// The termination shows if all were run, or if the time limit ended them.
-    pub(super) fn gather(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Termination {
+    pub(super) fn collect_solutions(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+    ) -> Termination {
         let n = self.joint_count();
         let wanted = self.attempts_at(query.target);
         let iterations = self.options.iterations;
-        let budget = iterations.map_or(usize::MAX, |most| most as usize);
-        workspace.found.clear();
+        let budget = iterations.map_or(usize::MAX, |limit| limit as usize);
+        workspace.attempt_ends.clear();
         workspace.outcomes.clear();
         let mut first = 0;
-        while first < wanted && spent(&workspace.outcomes) < budget {
+        while first < wanted && total_iterations(&workspace.outcomes) < budget {
             let group = match query.deadline {
-                Some(_) => TIMED_GROUP,
-                None => GROUP,
+                Some(_) => TIMED_GROUP_ATTEMPTS,
+                None => GROUP_ATTEMPTS,
             };
             let count = group.min(wanted - first);
             self.run_attempts(workspace, query, first, count);
@@ -79,17 +83,17 @@ impl Arm {
                 break;
             }
         }
-        workspace.order.clear();
-        for (place, outcome) in workspace.outcomes.iter().enumerate() {
+        workspace.ranking.clear();
+        for (index, outcome) in workspace.outcomes.iter().enumerate() {
             if outcome.reached {
-                let q = &workspace.found[place * n..(place + 1) * n];
+                let q = &workspace.attempt_ends[index * n..(index + 1) * n];
                 let distance = self.distance(q, &workspace.start);
-                workspace.order.push((distance, place));
+                workspace.ranking.push((distance, index));
             }
         }
         // By distance, then by number: no two are equal.
-        let order = &mut workspace.order;
-        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let ranking = &mut workspace.ranking;
+        ranking.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         if query.is_late() && first < wanted {
             Termination::TimeLimit
         } else {
@@ -102,16 +106,16 @@ impl Arm {
         let Some(outcome) = workspace.outcomes.first() else {
             return;
         };
-        let mut found = self.found_by(outcome);
-        if found.reached || self.asks_for_own_way(query.target) {
+        let mut result = self.result_of(outcome);
+        if result.reached || self.needs_only_first_attempt(query.target) {
             return;
         }
-        workspace.stand_at_found(0);
-        self.finish_first(workspace, query, &mut found);
-        if found.reached {
+        workspace.move_to_attempt_end(0);
+        self.finish_first(workspace, query, &mut result);
+        if result.reached {
             let n = self.joint_count();
-            workspace.found[..n].copy_from_slice(&workspace.x);
-            workspace.outcomes[0] = outcome_of(&found, workspace.errors);
+            workspace.attempt_ends[..n].copy_from_slice(&workspace.x);
+            workspace.outcomes[0] = outcome_of(&result, workspace.errors);
         }
     }
 
@@ -124,110 +128,110 @@ impl Arm {
         count: u32,
     ) {
         let n = self.joint_count();
-        let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
-            return self.attempts_by_core(workspace, query, first, count);
+        let Some(simd_solver) = self.simd_solver_within(&workspace.bounded_simd_solver) else {
+            return self.append_general_attempts(workspace, query, first, count);
         };
-        let begun = workspace.outcomes.len();
-        let end = begun + count as usize;
-        workspace.found.resize(end * n, 0.0);
+        let first_index = workspace.outcomes.len();
+        let end = first_index + count as usize;
+        workspace.attempt_ends.resize(end * n, 0.0);
         workspace.outcomes.resize(end, PoseOutcome::default());
-        lanes.run(simd_ik::Work {
+        simd_solver.run(simd_ik::Work {
             targets: std::slice::from_ref(query.target),
             starts: query.start,
             search: simd_ik::Prefer::Start,
             attempts: simd_ik::Attempts::From(first),
             deadline: query.deadline,
-            q: &mut workspace.found[begun * n..],
-            outcomes: &mut workspace.outcomes[begun..],
+            q: &mut workspace.attempt_ends[first_index * n..],
+            outcomes: &mut workspace.outcomes[first_index..],
         });
     }
 
     /// Writes the nearest solution to the workspace's x; for a redundant arm it is first moved towards the start.
     ///
-    /// `ended` is the termination of the attempts.
+    /// `termination` is the termination of the attempts.
     pub(super) fn nearest(
         &self,
         workspace: &mut ArmWorkspace,
         query: &Query<'_>,
-        ended: Termination,
+        termination: Termination,
     ) -> SearchResult {
         let n = self.joint_count();
-        let mut found = SearchResult {
-            termination: ended,
-            iterations: spent(&workspace.outcomes),
+        let mut result = SearchResult {
+            termination,
+            iterations: total_iterations(&workspace.outcomes),
             attempts: workspace.outcomes.len(),
             ..SearchResult::default()
         };
-        let Some(&(_, place)) = workspace.order.first() else {
+        let Some(&(_, index)) = workspace.ranking.first() else {
             // No attempt reached: use the end of the first and the best of all.
             let cost = |outcome: &PoseOutcome| self.cost(Errors::of(outcome));
             let costs = workspace.outcomes.iter().map(cost).enumerate();
             let best = costs.min_by(|a, b| a.1.total_cmp(&b.1));
             let best = best.map_or(0, |best| best.0);
-            workspace.x.copy_from_slice(&workspace.found[..n]);
-            let q = &workspace.found[best * n..(best + 1) * n];
+            workspace.x.copy_from_slice(&workspace.attempt_ends[..n]);
+            let q = &workspace.attempt_ends[best * n..(best + 1) * n];
             workspace.best.copy_from_slice(q);
-            found.number = best;
-            self.judge(workspace, &mut found);
-            return found;
+            result.number = best;
+            self.judge(workspace, &mut result);
+            return result;
         };
-        workspace.stand_at_found(place);
-        found.number = place;
+        workspace.move_to_attempt_end(index);
+        result.number = index;
         if self.has_freedom() {
             let mut best = f64::INFINITY;
             // Taken out and put back, so that nothing is allocated.
             let reference = std::mem::take(&mut workspace.start);
-            let refined = workspace.order.len().min(REFINED);
-            for turn in 0..refined {
-                if turn > 0 && query.is_late() {
-                    found.termination = Termination::TimeLimit;
+            let refined = workspace.ranking.len().min(MAX_REFINED_SOLUTIONS);
+            for rank in 0..refined {
+                if rank > 0 && query.is_late() {
+                    result.termination = Termination::TimeLimit;
                     break;
                 }
-                let place = workspace.order[turn].1;
-                workspace.stand_at_found(place);
-                self.descend(workspace, &reference, query.deadline);
+                let index = workspace.ranking[rank].1;
+                workspace.move_to_attempt_end(index);
+                self.move_towards_posture(workspace, &reference, query.deadline);
                 let distance = self.distance(&workspace.x, &reference);
                 if distance < best {
                     best = distance;
-                    found.number = place;
+                    result.number = index;
                     workspace.best.copy_from_slice(&workspace.x);
                 }
             }
             workspace.start = reference;
             workspace.x.copy_from_slice(&workspace.best);
         }
-        self.judge(workspace, &mut found);
-        found
+        self.judge(workspace, &mut result);
+        result
     }
 
-    /// The first `k` solutions that are farther than `distance` from those before. `ended` is the termination of the
-    /// attempts.
+    /// The first `k` solutions that are farther than `distance` from those before. `termination` is the termination of
+    /// the attempts.
     pub(super) fn distinct(
         &self,
         workspace: &mut ArmWorkspace,
         k: usize,
         distance: f64,
-        ended: Termination,
+        termination: Termination,
     ) -> Vec<Solution> {
         let mut chosen: Vec<Solution> = Vec::new();
-        for turn in 0..workspace.order.len() {
+        for rank in 0..workspace.ranking.len() {
             if chosen.len() >= k {
                 break;
             }
-            let place = workspace.order[turn].1;
-            let q = workspace.found_at(place);
-            let apart = |other: &Solution| self.distance(q, &other.q) > distance;
-            if !chosen.iter().all(apart) {
+            let index = workspace.ranking[rank].1;
+            let q = workspace.attempt_end(index);
+            let is_distinct = |other: &Solution| self.distance(q, &other.q) > distance;
+            if !chosen.iter().all(is_distinct) {
                 continue;
             }
-            let outcome = &workspace.outcomes[place];
+            let outcome = &workspace.outcomes[index];
             let mut solution = Solution::default();
             solution.q.extend_from_slice(q);
-            let found = SearchResult {
-                termination: ended,
-                ..self.found_by(outcome)
+            let result = SearchResult {
+                termination,
+                ..self.result_of(outcome)
             };
-            self.record(&found, Errors::of(outcome), &mut solution);
+            self.record(&result, Errors::of(outcome), &mut solution);
             chosen.push(solution);
         }
         chosen
@@ -242,6 +246,6 @@ impl Arm {
 }
 
 /// Iterations of all attempts together.
-pub(super) fn spent(outcomes: &[PoseOutcome]) -> usize {
+pub(super) fn total_iterations(outcomes: &[PoseOutcome]) -> usize {
     outcomes.iter().map(|o| o.iterations as usize).sum()
 }

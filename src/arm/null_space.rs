@@ -6,7 +6,7 @@ use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
 /// Fraction of the trace of J Jᵀ that is added to its diagonal, so that it can be factored.
-const NO_RANK: f64 = 1e-14;
+const REGULARISATION: f64 = 1e-14;
 
 /// Factorisation of J Jᵀ + δ².
 #[derive(Clone, Copy, Debug)]
@@ -14,33 +14,33 @@ pub(super) struct Factor {
     /// Inverse of the Cholesky factor: a lower triangle, by rows.
     inverse: [[f64; 6]; 6],
     /// Lower bound of the smallest singular value of J.
-    least: f64,
+    min_singular_value: f64,
 }
 
 impl ArmWorkspace {
     /// Writes the null-space part of `motion` to `projected`: (1 − Jᵀ (J Jᵀ + δ²)⁻¹ J) motion.
     ///
-    /// Both are in radians per joint, prismatic joints by the metres that weigh as much. δ is `blunt`, in metres per
+    /// Both are in radians per joint, prismatic joints by the metres that weigh as much. δ is `delta`, in metres per
     /// radian: directions that move the tool by far less count as null space. Joints at a bound of the query stay
     /// within it. The workspace must hold the Jacobian at x.
     ///
     /// Returns a lower bound of the smallest singular value, metres per radian, or 0 if there is none. It is too small
     /// by a factor of at most √6.
-    pub(super) fn project_to_null(&mut self, x: &[f64], motion: &[f64], blunt: f64) -> f64 {
+    pub(super) fn project_to_null(&mut self, x: &[f64], motion: &[f64], delta: f64) -> f64 {
         let mut projected = std::mem::take(&mut self.projected);
         projected.copy_from_slice(motion);
-        let clearance = self.take_null_of(x, motion, blunt, &mut projected);
-        for (i, by) in projected.iter_mut().enumerate() {
-            if self.leaves(x, i, *by) {
-                *by = 0.0;
+        let min_singular_value = self.project_within_bounds(x, motion, delta, &mut projected);
+        for (i, joint_motion) in projected.iter_mut().enumerate() {
+            if self.leaves_bounds(x, i, *joint_motion) {
+                *joint_motion = 0.0;
             }
         }
         self.projected = projected;
-        clearance
+        min_singular_value
     }
 
     /// Factors J Jᵀ for several motions. Returns `None` if a joint is at a bound, which may lock it.
-    pub(super) fn factor_freely(&self, x: &[f64]) -> Option<Factor> {
+    pub(super) fn factor_without_bounds(&self, x: &[f64]) -> Option<Factor> {
         let bounds = self.question.lower.iter().zip(&self.question.upper);
         let free = |(x, (lower, upper))| lower < x && x < upper;
         let all_free = x.iter().zip(bounds).all(free);
@@ -48,19 +48,20 @@ impl ArmWorkspace {
     }
 
     /// Projects as [`project_to_null`](Self::project_to_null) with δ = 0, by a factor of
-    /// [`factor_freely`](Self::factor_freely).
-    pub(super) fn project_freely(&mut self, factor: &Factor, motion: &[f64]) -> f64 {
-        let mut moved = [0.0; 6];
-        for (column, (by, scale)) in columns(&self.jacobian).zip(motion.iter().zip(&self.per_scale))
+    /// [`factor_without_bounds`](Self::factor_without_bounds).
+    pub(super) fn project_without_bounds(&mut self, factor: &Factor, motion: &[f64]) -> f64 {
+        let mut tool_motion = [0.0; 6];
+        for (column, (joint_motion, scale)) in
+            columns(&self.jacobian).zip(motion.iter().zip(&self.per_scale))
         {
-            add(&mut moved, column, by * scale);
+            add(&mut tool_motion, column, joint_motion * scale);
         }
-        let back = factor.solve(&moved);
+        let multipliers = factor.solve(&tool_motion);
         let joints = motion.iter().zip(&self.per_scale).zip(&mut self.projected);
-        for (column, ((by, scale), projected)) in columns(&self.jacobian).zip(joints) {
-            *projected = by - scale * dot(column, &back);
+        for (column, ((joint_motion, scale), projected)) in columns(&self.jacobian).zip(joints) {
+            *projected = joint_motion - scale * dot(column, &multipliers);
         }
-        factor.least
+        factor.min_singular_value
     }
 
     /// Writes the least joint motion that moves the tool by `motion` to `projected`, radians per joint.
@@ -74,7 +75,7 @@ impl ArmWorkspace {
         singular: f64,
     ) {
         debug_assert_eq!(x.len(), self.projected.len());
-        let Some(factor) = self.factor(singular * self.longest_column(), |_| true) else {
+        let Some(factor) = self.factor(singular * self.max_column_norm(), |_| true) else {
             self.projected.fill(0.0);
             return;
         };
@@ -85,54 +86,61 @@ impl ArmWorkspace {
         }
     }
 
-    fn factor(&self, blunt: f64, moves: impl Fn(usize) -> bool) -> Option<Factor> {
+    fn factor(&self, delta: f64, moves: impl Fn(usize) -> bool) -> Option<Factor> {
         let mut normal = [[0.0; 6]; 6];
         let joints = columns(&self.jacobian).zip(&self.per_scale).enumerate();
         for (_, (column, scale)) in joints.filter(|(i, _)| moves(*i)) {
             let weight = scale * scale;
             for k in 0..6 {
-                let by = weight * column[k];
+                let weighted_entry = weight * column[k];
                 for i in 0..=k {
-                    normal[k][i] += by * column[i];
+                    normal[k][i] += weighted_entry * column[i];
                 }
             }
         }
-        Factor::new(normal, blunt)
+        Factor::new(normal, delta)
     }
 
-    fn take_null_of(&self, x: &[f64], motion: &[f64], blunt: f64, projected: &mut [f64]) -> f64 {
-        let mut clearance = 0.0;
+    fn project_within_bounds(
+        &self,
+        x: &[f64],
+        motion: &[f64],
+        delta: f64,
+        projected: &mut [f64],
+    ) -> f64 {
+        let mut min_singular_value = 0.0;
         // Joints that would leave their bounds are locked, and the rest is projected again.
         for _ in 0..2 {
-            let moves = |i: usize| !self.leaves(x, i, projected[i]);
-            let Some(factor) = self.factor(blunt, moves) else {
+            let moves = |i: usize| !self.leaves_bounds(x, i, projected[i]);
+            let Some(factor) = self.factor(delta, moves) else {
                 projected.fill(0.0);
                 return 0.0;
             };
-            let mut moved = [0.0; 6];
+            let mut tool_motion = [0.0; 6];
             for (i, column) in columns(&self.jacobian).enumerate() {
                 if moves(i) {
-                    add(&mut moved, column, motion[i] * self.per_scale[i]);
+                    add(&mut tool_motion, column, motion[i] * self.per_scale[i]);
                 }
             }
-            let back = factor.solve(&moved);
-            clearance = factor.least;
+            let multipliers = factor.solve(&tool_motion);
+            min_singular_value = factor.min_singular_value;
             let mut all_stay = true;
             for (i, column) in columns(&self.jacobian).enumerate() {
-                if !self.leaves(x, i, projected[i]) {
-                    projected[i] = motion[i] - self.per_scale[i] * dot(column, &back);
-                    all_stay &= !self.leaves(x, i, projected[i]);
+                if !self.leaves_bounds(x, i, projected[i]) {
+                    projected[i] = motion[i] - self.per_scale[i] * dot(column, &multipliers);
+                    all_stay &= !self.leaves_bounds(x, i, projected[i]);
                 }
             }
             if all_stay {
                 break;
             }
         }
-        clearance
+        min_singular_value
     }
 
-    fn leaves(&self, x: &[f64], i: usize, by: f64) -> bool {
-        x[i] <= self.question.lower[i] && by < 0.0 || x[i] >= self.question.upper[i] && by > 0.0
+    fn leaves_bounds(&self, x: &[f64], i: usize, joint_motion: f64) -> bool {
+        x[i] <= self.question.lower[i] && joint_motion < 0.0
+            || x[i] >= self.question.upper[i] && joint_motion > 0.0
     }
 
     /// Change of the residual per radian of a joint (or the metres that weigh as much), metres.
@@ -145,11 +153,11 @@ impl ArmWorkspace {
     ///
     /// For the full pose it is the tool's geometric Jacobian, which needs no residual and a third of the instructions.
     pub(super) fn take_twists(&mut self, arm: &Arm, x: &[f64]) {
-        match (&arm.lanes, arm.options.goal.is_full_pose()) {
-            (Some(lanes), true) => {
+        match (&arm.simd_solver, arm.options.goal.is_full_pose()) {
+            (Some(simd_solver), true) => {
                 let radian = arm.options.metres_per_radian;
                 self.forget_jacobian();
-                lanes.write_twists(x, radian, self.jacobian.as_mut_slice());
+                simd_solver.write_twists(x, radian, self.jacobian.as_mut_slice());
             }
             _ => {
                 self.linearise(x);
@@ -165,10 +173,10 @@ pub(super) fn add_square(normal: &mut Matrix6<f64>, column: &Vector6<f64>, weigh
     let (entries, column) = (normal.as_mut_slice(), column.as_slice());
     let mut k = 0;
     while k < 6 {
-        let by = weight * column[k];
+        let weighted_entry = weight * column[k];
         let mut row = k;
         while row < 6 {
-            entries[6 * k + row] += by * column[row];
+            entries[6 * k + row] += weighted_entry * column[row];
             row += 1;
         }
         k += 1;
@@ -181,9 +189,9 @@ fn columns(jacobian: &DMatrix<f64>) -> impl Iterator<Item = &[f64; 6]> {
     columns.filter_map(<[f64]>::first_chunk)
 }
 
-fn add(sum: &mut [f64; 6], column: &[f64; 6], by: f64) {
+fn add(sum: &mut [f64; 6], column: &[f64; 6], factor: f64) {
     for (sum, entry) in sum.iter_mut().zip(column) {
-        *sum += entry * by;
+        *sum += entry * factor;
     }
 }
 
@@ -203,27 +211,27 @@ macro_rules! each_row {
 
 impl Factor {
     /// Factors N + δ², with N given by its lower triangle. Rows without a weight are left out.
-    fn new(mut normal: [[f64; 6]; 6], blunt: f64) -> Option<Self> {
+    fn new(mut normal: [[f64; 6]; 6], delta: f64) -> Option<Self> {
         let trace: f64 = (0..6).map(|k| normal[k][k]).sum();
-        let more = NO_RANK * trace + blunt * blunt;
+        let regularisation = REGULARISATION * trace + delta * delta;
         for (k, row) in normal.iter_mut().enumerate() {
             row[k] = match row[k] > 0.0 {
-                true => row[k] + more,
+                true => row[k] + regularisation,
                 false => trace,
             };
         }
         // The factor replaces the matrix, with the reciprocals of its diagonal.
         each_row!(K, {
-            let left = normal[K][K] - dot_of_first::<K>(&normal[K], &normal[K]);
-            if left.is_nan() || left <= 0.0 {
+            let pivot = normal[K][K] - dot_of_first::<K>(&normal[K], &normal[K]);
+            if pivot.is_nan() || pivot <= 0.0 {
                 return None;
             }
-            let diagonal = left.sqrt().recip();
+            let diagonal = pivot.sqrt().recip();
             normal[K][K] = diagonal;
             let mut row = K + 1;
             while row < 6 {
-                let done = dot_of_first::<K>(&normal[row], &normal[K]);
-                normal[row][K] = (normal[row][K] - done) * diagonal;
+                let eliminated = dot_of_first::<K>(&normal[row], &normal[K]);
+                normal[row][K] = (normal[row][K] - eliminated) * diagonal;
                 row += 1;
             }
         });
@@ -232,8 +240,8 @@ impl Factor {
         each_row!(ROW, {
             let diagonal = normal[ROW][ROW];
             let mut sums = [0.0; 6];
-            for (by, above) in normal[ROW].iter().zip(&inverse).take(ROW) {
-                add(&mut sums, above, *by);
+            for (coefficient, above) in normal[ROW].iter().zip(&inverse).take(ROW) {
+                add(&mut sums, above, *coefficient);
             }
             for (entry, sum) in inverse[ROW].iter_mut().zip(sums).take(ROW) {
                 *entry = -diagonal * sum;
@@ -243,7 +251,7 @@ impl Factor {
         });
         Some(Self {
             inverse,
-            least: square.sqrt().recip(),
+            min_singular_value: square.sqrt().recip(),
         })
     }
 

@@ -44,7 +44,7 @@ pub enum Search {
 
 impl Search {
     /// Preference of the SIMD solver for its attempts.
-    pub(super) fn lanes(self) -> crate::simd_ik::Prefer {
+    pub(super) fn preference(self) -> crate::simd_ik::Prefer {
         match self {
             Self::First => crate::simd_ik::Prefer::First,
             _ => crate::simd_ik::Prefer::Start,
@@ -94,8 +94,8 @@ pub(super) struct Options {
     /// As given; `None` for the default.
     pub(super) iterations: Option<u32>,
     /// True if a number of attempts was given.
-    pub(super) attempts_asked: bool,
-    pub(super) leaps: bool,
+    pub(super) attempts_given: bool,
+    pub(super) global_search_on_failure: bool,
     /// Radians, see [`with_limit_avoidance`](super::ArmBuilder::with_limit_avoidance).
     pub(super) limit_avoidance: f64,
     pub(super) time_limit: Option<Duration>,
@@ -116,8 +116,8 @@ impl Default for Options {
             posture: None,
             attempts: ATTEMPTS,
             iterations: None,
-            attempts_asked: false,
-            leaps: false,
+            attempts_given: false,
+            global_search_on_failure: false,
             limit_avoidance: LIMIT_AVOIDANCE,
             time_limit: None,
             seed: 0,
@@ -144,7 +144,7 @@ impl Options {
             check("distinct k", &[k as f64], AT_LEAST_ONE)?;
             check("distinct distance", &[distance], NOT_NEGATIVE)?;
         }
-        let one_a_joint = |option, values: &[f64], range| match values.len() == joints.len() {
+        let check_per_joint = |option, values: &[f64], range| match values.len() == joints.len() {
             true => check(option, values, range),
             false => Err(ArmError::JointCount {
                 option,
@@ -152,12 +152,12 @@ impl Options {
                 joints: joints.iter().map(|&name| name.to_owned()).collect(),
             }),
         };
-        one_a_joint("joint_weights", &self.weights, POSITIVE)?;
+        check_per_joint("joint_weights", &self.weights, POSITIVE)?;
         if let Some(moves) = &self.max_move {
-            one_a_joint("max_move", moves, AT_LEAST_0)?;
+            check_per_joint("max_move", moves, AT_LEAST_0)?;
         }
         if let Some(posture) = &self.posture {
-            one_a_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
+            check_per_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
             if self.search.compares() {
                 return Err(ArmError::Conflict(
                     "a posture goes with the searches `Start` and `First`: `Nearest` and `Distinct` \
@@ -178,14 +178,14 @@ impl Options {
     pub(super) fn budget(&self) -> u32 {
         match self.iterations {
             Some(iterations) => iterations,
-            None if self.attempts_asked => u32::MAX,
+            None if self.attempts_given => u32::MAX,
             None => ITERATIONS,
         }
     }
 
     /// Returns true if a failed query returns the best of all attempts, on any branch.
-    pub(super) fn leaps_on_miss(&self) -> bool {
-        self.leaps || self.search == Search::First
+    pub(super) fn searches_globally(&self) -> bool {
+        self.global_search_on_failure || self.search == Search::First
     }
 }
 

@@ -17,14 +17,14 @@ pub(super) struct RateLimits<T> {
 
 impl RateLimits<Option<f64>> {
     /// Limits of the model's joints in the order of their ids; `None` for no limit.
-    pub(super) fn of(mechanism: &impl ArmModel) -> Self {
-        let joints = || mechanism.model().joint_ids();
+    pub(super) fn of(arm_model: &impl ArmModel) -> Self {
+        let joints = || arm_model.model().joint_ids();
         Self {
-            velocity: joints().map(|id| mechanism.velocity_limit(id)).collect(),
+            velocity: joints().map(|id| arm_model.velocity_limit(id)).collect(),
             acceleration: joints()
-                .map(|id| mechanism.acceleration_limit(id))
+                .map(|id| arm_model.acceleration_limit(id))
                 .collect(),
-            jerk: joints().map(|id| mechanism.jerk_limit(id)).collect(),
+            jerk: joints().map(|id| arm_model.jerk_limit(id)).collect(),
         }
     }
 
@@ -37,26 +37,29 @@ impl RateLimits<Option<f64>> {
         full: &ParameterMap,
         serial: &Serial,
     ) -> RateLimits<f64> {
-        let least = |limits: &[Option<f64>]| {
-            let mut least = vec![f64::INFINITY; serial.joints.len()];
+        let min_limits = |limits: &[Option<f64>]| {
+            let mut min_limits = vec![f64::INFINITY; serial.joints.len()];
             for (coordinate, id) in model.moving_joints().iter().enumerate() {
                 let limit = limits.get(id.index()).copied().flatten();
                 if let (Some((variable, ratio)), Some(limit)) =
                     (source_of(full, coordinate).slope(), limit)
                 {
-                    let leader = model.moving_joints()[full.leaders()[variable]];
-                    let own = serial.joints.iter().position(|joint| *joint == leader);
-                    if let Some(known) = own.and_then(|own| least.get_mut(own)) {
-                        *known = known.min((limit / ratio).abs());
+                    let source_joint = model.moving_joints()[full.leaders()[variable]];
+                    let index = serial
+                        .joints
+                        .iter()
+                        .position(|joint| *joint == source_joint);
+                    if let Some(min_limit) = index.and_then(|index| min_limits.get_mut(index)) {
+                        *min_limit = min_limit.min((limit / ratio).abs());
                     }
                 }
             }
-            least
+            min_limits
         };
         RateLimits {
-            velocity: least(&self.velocity),
-            acceleration: least(&self.acceleration),
-            jerk: least(&self.jerk),
+            velocity: min_limits(&self.velocity),
+            acceleration: min_limits(&self.acceleration),
+            jerk: min_limits(&self.jerk),
         }
     }
 }

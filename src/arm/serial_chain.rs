@@ -23,7 +23,7 @@ pub(super) struct Serial {
     /// Joint of the source model for every variable.
     pub(super) joints: Vec<JointId>,
     /// Flags of the variables that drive a mimic joint of the chain.
-    pub(super) followed: Vec<bool>,
+    pub(super) drives_mimic: Vec<bool>,
     /// Sum of the lengths of all translations from base to tip, with free prismatic joints at zero; metres.
     extent_to_tip: f64,
     /// Sum of the lengths of all translations from base to tool, with free prismatic joints at zero; metres.
@@ -36,22 +36,22 @@ struct Assembly<'a> {
     full: &'a ParameterMap,
     builder: ModelBuilder,
     last: Option<JointId>,
-    way: Placement<f64>,
+    last_from_next: Placement<f64>,
     chain: Vec<ChainJoint>,
     extent: f64,
     /// Joint of the chain for every variable of the full map.
-    leaders: Vec<Option<JointId>>,
+    source_joints: Vec<Option<JointId>>,
     /// Source joint of every variable, base to tip.
     joints: Vec<JointId>,
     /// Mimic joints: (joint, variable of the full map, ratio, offset).
-    followers: Vec<(JointId, usize, f64, f64)>,
+    mimic_joints: Vec<(JointId, usize, f64, f64)>,
 }
 
 /// Source of a coordinate's value; a variable whose bounds are equal is a constant.
 pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
     let source = full.sources()[coordinate];
-    let one_value = |(variable, _): (usize, f64)| full.lower()[variable] == full.upper()[variable];
-    match source.slope().is_some_and(one_value) {
+    let is_fixed = |(variable, _): (usize, f64)| full.lower()[variable] == full.upper()[variable];
+    match source.slope().is_some_and(is_fixed) {
         true => Source::Constant(source.at(full.lower())),
         false => source,
     }
@@ -60,13 +60,13 @@ pub(super) fn source_of(full: &ParameterMap, coordinate: usize) -> Source {
 impl Serial {
     /// Radians that a radian or metre of each variable counts as, by the metres that weigh as much as a radian.
     pub(super) fn scales(&self, metres_per_radian: f64) -> Vec<f64> {
-        let leader = |&c: &usize| self.model.moving_joints()[c].index();
-        let leaders = self.map.leaders().iter().map(leader);
+        let joint_index = |&c: &usize| self.model.moving_joints()[c].index();
+        let joint_indices = self.map.leaders().iter().map(joint_index);
         let scale = |joint: usize| match self.model.joints()[joint].kind.slides() {
             true => metres_per_radian.recip(),
             false => 1.0,
         };
-        leaders.map(scale).collect()
+        joint_indices.map(scale).collect()
     }
 
     /// Combines the parts into a chain; `full` gives the free joints of `source`.
@@ -91,12 +91,12 @@ impl Serial {
             full,
             builder: Model::builder(format!("{} from {} to {}", source.name(), name.0, name.1)),
             last: None,
-            way: Placement::identity(),
+            last_from_next: Placement::identity(),
             chain: Vec::new(),
             extent: 0.0,
-            leaders: vec![None; full.variables()],
+            source_joints: vec![None; full.variables()],
             joints: Vec::new(),
-            followers: Vec::new(),
+            mimic_joints: Vec::new(),
         };
         for part in parts {
             assembly.add(part, parts);
@@ -119,7 +119,7 @@ impl Serial {
             extent_to_tip: self.extent_to_tip,
             extent,
             joints: self.joints.clone(),
-            followed: self.followed.clone(),
+            drives_mimic: self.drives_mimic.clone(),
         })
     }
 }
@@ -127,9 +127,9 @@ impl Serial {
 impl Assembly<'_> {
     fn add(&mut self, part: &Part, parts: &[Part]) {
         let (id, reversed) = match *part {
-            Part::Fixed(way) => {
-                self.extent += way.translation.norm();
-                self.way = self.way * way;
+            Part::Fixed(placement) => {
+                self.extent += placement.translation.norm();
+                self.last_from_next = self.last_from_next * placement;
                 return;
             }
             Part::Joint { id, reversed } => (id, reversed),
@@ -145,64 +145,65 @@ impl Assembly<'_> {
             Source::Constant(value) => {
                 let motion = joint.kind.joint_from_moved(axis, value);
                 self.extent += motion.translation.norm();
-                self.way = self.way * motion;
+                self.last_from_next = self.last_from_next * motion;
             }
             Source::Variable {
                 variable,
                 ratio,
                 offset,
             } => {
-                let leader = self.source.moving_joints()[self.full.leaders()[variable]];
-                let leads = leader == id;
-                let limits = if leads {
+                let source_joint = self.source.moving_joints()[self.full.leaders()[variable]];
+                let is_source = source_joint == id;
+                let limits = if is_source {
                     Limits::new(self.full.lower()[variable], self.full.upper()[variable])
                 } else {
                     joint.limits
                 };
-                let on_the_way = parts.iter().any(|part| part.is_joint(leader));
-                if !leads && self.leaders[variable].is_none() && !on_the_way {
-                    self.add_leader_elsewhere(leader, variable);
+                let is_on_chain = parts.iter().any(|part| part.is_joint(source_joint));
+                if !is_source && self.source_joints[variable].is_none() && !is_on_chain {
+                    self.add_outside_source(source_joint, variable);
                 }
-                let own = self.builder.joint(Joint {
+                let chain_joint = self.builder.joint(Joint {
                     name: joint.name.clone(),
                     parent: self.last,
-                    parent_from_joint: self.way,
+                    parent_from_joint: self.last_from_next,
                     kind: joint.kind.within(&limits),
                     axis,
                     limits,
                     ball: None,
                 });
                 self.chain.push(ChainJoint {
-                    parent_from_joint: self.way,
+                    parent_from_joint: self.last_from_next,
                     axis,
                     kind: joint.kind,
                     lower: limits.lower,
                     upper: limits.upper,
                 });
-                self.way = Placement::identity();
-                self.last = Some(own);
-                if leads {
-                    self.leaders[variable] = Some(own);
+                self.last_from_next = Placement::identity();
+                self.last = Some(chain_joint);
+                if is_source {
+                    self.source_joints[variable] = Some(chain_joint);
                     self.joints.push(id);
                 } else {
-                    self.followers.push((own, variable, ratio, offset));
+                    self.mimic_joints
+                        .push((chain_joint, variable, ratio, offset));
                 }
             }
         }
     }
 
     /// Adds the source of a mimic joint that is outside the chain, as a joint without a parent.
-    fn add_leader_elsewhere(&mut self, leader: JointId, variable: usize) {
-        let joint = &self.source.joints()[leader.index()];
+    fn add_outside_source(&mut self, source_joint: JointId, variable: usize) {
+        let joint = &self.source.joints()[source_joint.index()];
         let limits = Limits::new(self.full.lower()[variable], self.full.upper()[variable]);
-        let own = self.builder.joint(Joint {
+        let chain_joint = self.builder.joint(Joint {
             parent: None,
             kind: joint.kind.within(&limits),
             limits,
             ..joint.clone()
         });
-        self.leaders[variable] = Some(own);
-        self.joints.push(leader);
+        self.source_joints[variable] = Some(chain_joint);
+        self.joints.push(source_joint);
     }
 
     fn finish(
@@ -216,24 +217,24 @@ impl Assembly<'_> {
                 tip: name.1.to_owned(),
             });
         }
-        let last_from_tool = self.way * tip_from_tool;
+        let last_from_tool = self.last_from_next * tip_from_tool;
         let extent = self.extent + tip_from_tool.translation.norm();
         let tool = self.builder.frame(TOOL, self.last, last_from_tool);
         let model = self.builder.build()?;
         let mut map = ParameterMap::builder(&model);
-        let mut followed = vec![false; self.joints.len()];
-        for &(follower, variable, ratio, offset) in &self.followers {
-            if let Some(leader) = self.leaders[variable] {
-                map = map.with_coupled(follower, leader, ratio, offset);
+        let mut drives_mimic = vec![false; self.joints.len()];
+        for &(mimic_joint, variable, ratio, offset) in &self.mimic_joints {
+            if let Some(source_joint) = self.source_joints[variable] {
+                map = map.with_coupled(mimic_joint, source_joint, ratio, offset);
                 let source = self.source.moving_joints()[self.full.leaders()[variable]];
-                for (followed, &joint) in followed.iter_mut().zip(&self.joints) {
-                    *followed |= joint == source;
+                for (drives_mimic, &joint) in drives_mimic.iter_mut().zip(&self.joints) {
+                    *drives_mimic |= joint == source;
                 }
             }
         }
         let map = map.build()?;
         // The general solver handles chains with bounds beyond a million radians.
-        let chain = match self.followers.is_empty() {
+        let chain = match self.mimic_joints.is_empty() {
             true => Chain::new(self.chain, last_from_tool).ok(),
             false => None,
         };
@@ -242,10 +243,10 @@ impl Assembly<'_> {
             model,
             map,
             tool,
-            last_from_tip: self.way,
+            last_from_tip: self.last_from_next,
             chain,
             joints: self.joints,
-            followed,
+            drives_mimic,
             extent_to_tip: self.extent,
             extent,
         })

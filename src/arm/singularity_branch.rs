@@ -11,42 +11,42 @@ use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
 /// Offset of a step's start to the side of a stretched arm, radians; constant, as a growing one makes the arm swing.
-const LEANING: f64 = 2e-3;
+const SIDE_OFFSET: f64 = 2e-3;
 /// Tool motion below which a carried direction counts as null space, as a fraction of the longest Jacobian column.
-const BLUNT: f64 = 0.05;
+const CARRIED_TOLERANCE: f64 = 0.05;
 /// Tool motion below which a corrected direction counts as null space, as a fraction of the longest Jacobian column.
-const SHARP: f64 = 0.01;
+const CORRECTED_TOLERANCE: f64 = 0.01;
 /// Smallest fraction of a direction that must be in the null space.
-const LEAST_SHARE: f64 = 0.5;
+const MIN_NULL_SPACE_FRACTION: f64 = 0.5;
 /// Smallest growth of the error along a new direction, as a fraction of the error times the longest column.
-const LEAST_BEND: f64 = 0.02;
+const MIN_ERROR_GROWTH: f64 = 0.02;
 /// Step of a central difference, radians.
-const PROBE: f64 = 1e-3;
+const PROBE_STEP: f64 = 1e-3;
 /// Number of corrections of a new direction; a carried one takes one.
-const ROUNDS: usize = 3;
+const CORRECTIONS: usize = 3;
 /// Joint motion after which a configuration is recorded, radians.
-const STRIDE: f64 = 0.1;
+const RECORDING_DISTANCE: f64 = 0.1;
 
 /// Direction in joint space back to the arm's branch, radians (prismatic joints by the metres that weigh as much).
 ///
 /// Its length is 1 while the target is not reached, and shrinks as the arm leaves the singularity.
 #[derive(Clone, Debug)]
 pub(super) struct SingularityBranch {
-    way: Vec<f64>,
+    direction: Vec<f64>,
     known: bool,
     /// Configuration recorded last.
-    lately: Vec<f64>,
+    last_recorded: Vec<f64>,
     /// Configuration recorded before that, a stride of one joint away.
-    earlier: Vec<f64>,
+    previous_recorded: Vec<f64>,
 }
 
 impl SingularityBranch {
     pub(super) fn unknown(start: &[f64]) -> Self {
         Self {
-            way: vec![0.0; start.len()],
+            direction: vec![0.0; start.len()],
             known: false,
-            lately: start.to_vec(),
-            earlier: start.to_vec(),
+            last_recorded: start.to_vec(),
+            previous_recorded: start.to_vec(),
         }
     }
 
@@ -57,85 +57,92 @@ impl SingularityBranch {
     /// Restarts at a configuration after a jump.
     pub(super) fn begin(&mut self, q: &[f64]) {
         self.known = false;
-        self.lately.copy_from_slice(q);
-        self.earlier.copy_from_slice(q);
+        self.last_recorded.copy_from_slice(q);
+        self.previous_recorded.copy_from_slice(q);
     }
 
     /// Records a configuration that reached its target, if a joint has moved far enough.
-    pub(super) fn note(&mut self, arm: &Arm, q: &[f64]) {
-        if arm.longest_move(&self.lately, q).1 > STRIDE {
-            std::mem::swap(&mut self.earlier, &mut self.lately);
-            self.lately.copy_from_slice(q);
+    pub(super) fn record(&mut self, arm: &Arm, q: &[f64]) {
+        if arm.largest_joint_move(&self.last_recorded, q).1 > RECORDING_DISTANCE {
+            std::mem::swap(&mut self.previous_recorded, &mut self.last_recorded);
+            self.last_recorded.copy_from_slice(q);
         }
     }
 
     /// Removes the component along this direction from a motion, radians.
-    pub(super) fn take_from(&self, motion: &mut [f64]) {
-        let along: f64 = motion.iter().zip(&self.way).map(|(a, b)| a * b).sum();
-        for (by, way) in motion.iter_mut().zip(&self.way) {
-            *by -= along * way;
+    pub(super) fn remove_from(&self, motion: &mut [f64]) {
+        let along: f64 = motion.iter().zip(&self.direction).map(|(a, b)| a * b).sum();
+        for (joint_motion, direction) in motion.iter_mut().zip(&self.direction) {
+            *joint_motion -= along * direction;
         }
     }
 
     /// Moves the workspace's x slightly to this side, within the bounds.
-    pub(super) fn lean(&self, workspace: &mut ArmWorkspace) {
+    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace) {
         if self.known {
-            for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
-                *projected = LEANING * way;
+            for (projected, direction) in workspace.projected.iter_mut().zip(&self.direction) {
+                *projected = SIDE_OFFSET * direction;
             }
-            workspace.go_by_projected();
+            workspace.apply_projected();
         }
     }
 
     /// Carries the direction to the workspace's x, or finds it there from an earlier configuration.
     ///
     /// It is found when a target is not reached, and lost when it is no longer in the null space.
-    pub(super) fn carry_on(
+    pub(super) fn update(
         &mut self,
         arm: &Arm,
         workspace: &mut ArmWorkspace,
-        ease: &[f64],
-        missed: bool,
+        nominal_posture: &[f64],
+        is_unreached: bool,
     ) {
-        if !(self.known || missed) {
+        if !(self.known || is_unreached) {
             return;
         }
         let x = std::mem::take(&mut workspace.x);
         let residual = Vector6::from(workspace.linearise(&x));
         if !self.known {
-            let before = match arm.has_freedom() {
-                true => ease,
-                false => &self.earlier,
+            let reference = match arm.has_freedom() {
+                true => nominal_posture,
+                false => &self.previous_recorded,
             };
-            for (i, way) in self.way.iter_mut().enumerate() {
-                *way = (before[i] - x[i]) * arm.scale[i];
+            for (i, direction) in self.direction.iter_mut().enumerate() {
+                *direction = (reference[i] - x[i]) * arm.scale[i];
             }
-            normalise(&mut self.way);
+            normalise(&mut self.direction);
         }
-        let carried = self.known;
-        self.known = self.turn_into_null(workspace, &x, BLUNT);
-        if self.known && missed {
-            let rounds = if carried { 1 } else { ROUNDS };
-            let mut bend = 0.0;
-            for _ in 0..rounds {
-                bend = self.turn_where_it_bends(workspace, &x, &residual);
+        let was_known = self.known;
+        self.known = self.project_into_null_space(workspace, &x, CARRIED_TOLERANCE);
+        if self.known && is_unreached {
+            let corrections = if was_known { 1 } else { CORRECTIONS };
+            let mut growth = 0.0;
+            for _ in 0..corrections {
+                growth = self.correct_by_curvature(workspace, &x, &residual);
             }
-            self.known = carried || bend > LEAST_BEND;
+            self.known = was_known || growth > MIN_ERROR_GROWTH;
             if arm.has_freedom() {
-                self.turn_to(arm, &x, ease);
+                self.orient_to_posture(arm, &x, nominal_posture);
             }
         }
         workspace.x = x;
     }
 
     /// Points the direction to the side of the nominal posture, for a redundant arm.
-    fn turn_to(&mut self, arm: &Arm, x: &[f64], ease: &[f64]) {
-        let ways = self.way.iter().zip(ease).zip(x).zip(&arm.scale);
-        let along: f64 = ways
-            .map(|(((way, ease), x), scale)| way * (ease - x) * scale)
+    fn orient_to_posture(&mut self, arm: &Arm, x: &[f64], nominal_posture: &[f64]) {
+        let directions = self
+            .direction
+            .iter()
+            .zip(nominal_posture)
+            .zip(x)
+            .zip(&arm.scale);
+        let along: f64 = directions
+            .map(|(((direction, nominal_posture), x), scale)| {
+                direction * (nominal_posture - x) * scale
+            })
             .sum();
-        for way in &mut self.way {
-            *way *= 1.0_f64.copysign(along);
+        for direction in &mut self.direction {
+            *direction *= 1.0_f64.copysign(along);
         }
     }
 
@@ -143,11 +150,16 @@ impl SingularityBranch {
     ///
     /// The workspace must hold the Jacobian at x. Little remains of joints that limits hold, as no free joint
     /// compensates for them.
-    fn turn_into_null(&mut self, workspace: &mut ArmWorkspace, x: &[f64], blunt: f64) -> bool {
-        let blunt = blunt * workspace.longest_column();
-        workspace.project_to_null(x, &self.way, blunt);
-        self.way.copy_from_slice(&workspace.projected);
-        length(&self.way) > LEAST_SHARE
+    fn project_into_null_space(
+        &mut self,
+        workspace: &mut ArmWorkspace,
+        x: &[f64],
+        tolerance: f64,
+    ) -> bool {
+        let tolerance = tolerance * workspace.max_column_norm();
+        workspace.project_to_null(x, &self.direction, tolerance);
+        self.direction.copy_from_slice(&workspace.projected);
+        length(&self.direction) > MIN_NULL_SPACE_FRACTION
     }
 
     /// Corrects the direction within the null space towards growth of the error, by a step of the power method on r ·
@@ -155,53 +167,66 @@ impl SingularityBranch {
     ///
     /// Returns the growth along the previous direction, as a fraction of the error times the longest column. Without
     /// growth the direction stays.
-    fn turn_where_it_bends(
+    fn correct_by_curvature(
         &mut self,
         workspace: &mut ArmWorkspace,
         x: &[f64],
         residual: &Vector6<f64>,
     ) -> f64 {
-        let scale = residual.norm() * workspace.longest_column();
-        let mut bend = std::mem::take(&mut workspace.wanted);
+        let scale = residual.norm() * workspace.max_column_norm();
+        let mut curvature = std::mem::take(&mut workspace.scratch_motion);
         let mut trial = std::mem::take(&mut workspace.trial);
-        bend.fill(0.0);
+        curvature.fill(0.0);
         // The Jacobian at x is needed again: swap it out.
-        std::mem::swap(&mut workspace.jacobian, &mut workspace.aside);
-        for side in [PROBE, -PROBE] {
+        std::mem::swap(&mut workspace.jacobian, &mut workspace.second_jacobian);
+        for probe in [PROBE_STEP, -PROBE_STEP] {
             for (i, trial) in trial.iter_mut().enumerate() {
-                *trial = x[i] + side * self.way[i] / workspace.scale[i];
+                *trial = x[i] + probe * self.direction[i] / workspace.scale[i];
             }
-            workspace.differentiate_beside(&trial);
-            for (i, bend) in bend.iter_mut().enumerate() {
-                *bend += workspace.column(i).dot(residual) / (2.0 * side);
+            workspace.overwrite_jacobian(&trial);
+            for (i, curvature) in curvature.iter_mut().enumerate() {
+                *curvature += workspace.column(i).dot(residual) / (2.0 * probe);
             }
         }
-        std::mem::swap(&mut workspace.jacobian, &mut workspace.aside);
-        let along: f64 = self.way.iter().zip(&bend).map(|(a, b)| a * b).sum();
-        let square = self.way.iter().map(|by| by * by).sum::<f64>();
-        let bends = along / (square * scale);
-        if bends > 0.0 {
-            normalise(&mut bend);
-            std::mem::swap(&mut self.way, &mut bend);
-            self.turn_into_null(workspace, x, SHARP);
-            normalise(&mut self.way);
+        std::mem::swap(&mut workspace.jacobian, &mut workspace.second_jacobian);
+        let curvature_along: f64 = self
+            .direction
+            .iter()
+            .zip(&curvature)
+            .map(|(a, b)| a * b)
+            .sum();
+        let squared_length = self
+            .direction
+            .iter()
+            .map(|component| component * component)
+            .sum::<f64>();
+        let growth = curvature_along / (squared_length * scale);
+        if growth > 0.0 {
+            normalise(&mut curvature);
+            std::mem::swap(&mut self.direction, &mut curvature);
+            self.project_into_null_space(workspace, x, CORRECTED_TOLERANCE);
+            normalise(&mut self.direction);
         }
-        workspace.wanted = bend;
+        workspace.scratch_motion = curvature;
         workspace.trial = trial;
-        bends
+        growth
     }
 }
 
 /// Scales a direction to length 1; zero stays.
-fn normalise(way: &mut [f64]) {
-    let length = length(way);
+fn normalise(direction: &mut [f64]) {
+    let length = length(direction);
     if length > 0.0 {
-        for by in way {
-            *by /= length;
+        for component in direction {
+            *component /= length;
         }
     }
 }
 
-fn length(way: &[f64]) -> f64 {
-    way.iter().map(|by| by * by).sum::<f64>().sqrt()
+fn length(direction: &[f64]) -> f64 {
+    direction
+        .iter()
+        .map(|component| component * component)
+        .sum::<f64>()
+        .sqrt()
 }

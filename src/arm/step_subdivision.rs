@@ -15,20 +15,20 @@ use crate::spatial::{Placement, Quaternion, rotation_exp};
 /// Largest number of fractions of the motion to the target that are tried.
 const FRACTIONS: usize = 64;
 /// Smallest fraction.
-const SMALLEST: f64 = 1.0 / 128.0;
+const MIN_FRACTION: f64 = 1.0 / 128.0;
 /// Longest joint motion of a step by local descent, radians.
-const SETTLING_STEP: f64 = 0.5 * LONG_STEP;
+const DESCENT_JOINT_STEP: f64 = 0.5 * LONG_STEP;
 /// Largest number of steps of one descent; the next target continues from there.
-const SETTLING_STEPS: usize = 60;
+const MAX_DESCENT_STEPS: usize = 60;
 
 impl Arm {
     /// Returns true if the SIMD solver alone makes the steps of a path.
-    pub(super) fn follows_by_lanes(&self) -> bool {
+    pub(super) fn steps_by_simd_solver(&self) -> bool {
         self.options.max_move.is_none() && self.options.posture.is_none()
     }
 
     /// Advances to a target on the arm's branch without a long motion: to a solution or to the closest pose.
-    pub(super) fn keep_to_branch(
+    pub(super) fn descend_on_branch(
         &self,
         target: &Placement<f64>,
         from: &[f64],
@@ -38,62 +38,63 @@ impl Arm {
         let deadline = self.deadline();
         self.with_workspace(|workspace| {
             workspace.aim(target);
-            self.bound_step(workspace, from, SETTLING_STEP);
+            self.bound_step(workspace, from, DESCENT_JOINT_STEP);
             workspace.x.copy_from_slice(&workspace.start);
-            branch.lead(self, workspace, LONGEST_EASE);
-            let how = Settling::freely(SETTLING_STEPS, deadline);
-            let (termination, iterations) = workspace.settle_near(&how);
-            let mut found = SearchResult::single_attempt(termination, iterations);
-            self.judge(workspace, &mut found);
-            if let (true, Some(posture)) = (found.reached, &self.options.posture) {
-                self.descend(workspace, posture, deadline);
-                self.judge(workspace, &mut found);
+            branch.begin_step(self, workspace, LONGEST_EASE);
+            let descent = Settling::freely(MAX_DESCENT_STEPS, deadline);
+            let (termination, iterations) = workspace.settle_near(&descent);
+            let mut result = SearchResult::single_attempt(termination, iterations);
+            self.judge(workspace, &mut result);
+            if let (true, Some(posture)) = (result.reached, &self.options.posture) {
+                self.move_towards_posture(workspace, posture, deadline);
+                self.judge(workspace, &mut result);
             }
-            branch.arrive(self, workspace, found.reached);
-            found.termination = self.ended(&found, termination == Termination::TimeLimit);
-            self.record_configuration(&found, workspace, solution);
+            branch.arrive(self, workspace, result.reached);
+            result.termination =
+                self.final_termination(&result, termination == Termination::TimeLimit);
+            self.record_configuration(&result, workspace, solution);
         })
     }
 
     /// Advances to a target far from the last one, by small steps along the straight line between the poses.
     ///
     /// Returns true if they reach it.
-    pub(super) fn go_far(
+    pub(super) fn advance_in_small_steps(
         &self,
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
     ) -> Result<bool, QueryError> {
-        let (Some(lanes), true) = (&self.lanes, self.follows_by_lanes()) else {
+        let (Some(simd_solver), true) = (&self.simd_solver, self.steps_by_simd_solver()) else {
             return Ok(false);
         };
         self.with_workspace(|workspace| {
             workspace.x.copy_from_slice(from);
-            let Some(iterations) = self.go_by_fractions(workspace, lanes, target) else {
+            let Some(iterations) = self.advance_by_fractions(workspace, simd_solver, target) else {
                 return false;
             };
             workspace.aim(target);
-            let mut found = SearchResult {
+            let mut result = SearchResult {
                 termination: Termination::Reached,
                 iterations,
                 attempts: 1,
                 ..SearchResult::default()
             };
-            self.judge(workspace, &mut found);
-            self.record_configuration(&found, workspace, solution);
+            self.judge(workspace, &mut result);
+            self.record_configuration(&result, workspace, solution);
             solution.reached
         })
     }
 
     /// Jumps to the nearest solution on any branch, or if there is none to the best of all attempts.
-    pub(super) fn leap(
+    pub(super) fn jump_to_solution(
         &self,
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
     ) -> Result<(), QueryError> {
-        self.answer(&self.query(target, from), solution)?;
-        if !(solution.reached && self.follows_by_lanes()) {
+        self.solve_query(&self.query(target, from), solution)?;
+        if !(solution.reached && self.steps_by_simd_solver()) {
             return Ok(());
         }
         // The attempt from the start may have led far away.
@@ -101,11 +102,11 @@ impl Arm {
         self.with_workspace(|workspace| {
             workspace.aim(target);
             self.bound_moves(workspace, from);
-            self.gather(workspace, &query);
-            let found = self.nearest(workspace, &query, Termination::Reached);
-            let known = self.distance(&solution.q, &workspace.start);
-            if found.reached && self.distance(&workspace.x, &workspace.start) < known {
-                self.record_configuration(&found, workspace, solution);
+            self.collect_solutions(workspace, &query);
+            let result = self.nearest(workspace, &query, Termination::Reached);
+            let known_distance = self.distance(&solution.q, &workspace.start);
+            if result.reached && self.distance(&workspace.x, &workspace.start) < known_distance {
+                self.record_configuration(&result, workspace, solution);
             }
         })
     }
@@ -117,16 +118,16 @@ impl Arm {
         from: &[f64],
         count: usize,
     ) -> Result<Vec<Solution>, QueryError> {
-        if !self.follows_by_lanes() {
+        if !self.steps_by_simd_solver() {
             return Ok(Vec::new());
         }
         let query = self.query(target, from);
         self.with_workspace(|workspace| {
             workspace.aim(target);
             self.bound_moves(workspace, from);
-            self.gather(workspace, &query);
+            self.collect_solutions(workspace, &query);
             #[cfg(feature = "collision")]
-            self.drop_touching(workspace, &query)?;
+            self.drop_colliding(workspace, &query)?;
             Ok(self.distinct(workspace, count, LONG_STEP, Termination::Reached))
         })?
     }
@@ -135,40 +136,41 @@ impl Arm {
     /// motion.
     ///
     /// Returns the number of iterations, or `None` if it does not arrive.
-    fn go_by_fractions(
+    fn advance_by_fractions(
         &self,
         workspace: &mut ArmWorkspace,
-        lanes: &PoseSolver,
+        simd_solver: &PoseSolver,
         target: &Placement<f64>,
     ) -> Option<usize> {
         let origin = self.base_from_tool(&workspace.x).ok()?;
-        let turn = Quaternion::from_matrix(&(origin.rotation.transpose() * target.rotation)).log();
-        let way = target.translation - origin.translation;
-        let (mut done, mut fraction, mut iterations) = (0.0_f64, 0.5, 0);
+        let rotation =
+            Quaternion::from_matrix(&(origin.rotation.transpose() * target.rotation)).log();
+        let translation = target.translation - origin.translation;
+        let (mut done_fraction, mut fraction, mut iterations) = (0.0_f64, 0.5, 0);
         for _ in 0..FRACTIONS {
-            let to = (done + fraction).min(1.0);
-            let pose = if to < 1.0 {
+            let target_fraction = (done_fraction + fraction).min(1.0);
+            let pose = if target_fraction < 1.0 {
                 Placement::new(
-                    origin.rotation * rotation_exp(turn * to),
-                    origin.translation + way * to,
+                    origin.rotation * rotation_exp(rotation * target_fraction),
+                    origin.translation + translation * target_fraction,
                 )
             } else {
                 *target
             };
             let ArmWorkspace { x, trial, .. } = workspace;
-            let outcome = lanes.attempt_from_start(&pose, x, None, trial);
+            let outcome = simd_solver.attempt_from_start(&pose, x, None, trial);
             iterations += outcome.iterations as usize;
-            if outcome.reached && self.longest_move(x, trial).1 <= SETTLING_STEP {
+            if outcome.reached && self.largest_joint_move(x, trial).1 <= DESCENT_JOINT_STEP {
                 x.copy_from_slice(trial);
-                done = to;
+                done_fraction = target_fraction;
                 fraction *= 2.0;
             } else {
                 fraction *= 0.5;
             }
-            if done >= 1.0 {
+            if done_fraction >= 1.0 {
                 return Some(iterations);
             }
-            if fraction < SMALLEST {
+            if fraction < MIN_FRACTION {
                 return None;
             }
         }

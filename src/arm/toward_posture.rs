@@ -19,58 +19,62 @@ const HALVINGS: usize = 5;
 /// Largest number of corrections to the pose after a step.
 const CORRECTIONS: usize = 6;
 /// Longest step of one joint, radians or metres.
-const LONGEST: f64 = 0.4;
+const MAX_JOINT_STEP: f64 = 0.4;
 /// Relative approach below which a step is the last.
-const WORTHWHILE: f64 = 1e-7;
+const MIN_RELATIVE_APPROACH: f64 = 1e-7;
 
 impl Arm {
-    /// Moves the workspace's x, which reaches its target, towards `wanted`.
+    /// Moves the workspace's x, which reaches its target, towards `posture`.
     ///
     /// It stays within the tolerances and the bounds, and never ends farther away.
-    pub(super) fn descend(
+    pub(super) fn move_towards_posture(
         &self,
         workspace: &mut ArmWorkspace,
-        wanted: &[f64],
+        posture: &[f64],
         deadline: Option<Instant>,
     ) {
-        let mut distance = self.distance(&workspace.x, wanted);
+        let mut distance = self.distance(&workspace.x, posture);
         for _ in 0..STEPS {
             if is_past(deadline) {
                 return;
             }
             let x = std::mem::take(&mut workspace.x);
             let residual = workspace.linearise(&x);
-            workspace.projected.copy_from_slice(wanted);
+            workspace.projected.copy_from_slice(posture);
             self.project(workspace, &x, &residual);
-            let way: &mut Vec<f64> = &mut workspace.gradient;
-            for ((way, x), to) in way.iter_mut().zip(&x).zip(&workspace.projected) {
-                *way = to - x;
+            let direction: &mut Vec<f64> = &mut workspace.gradient;
+            for ((direction, x), projected) in
+                direction.iter_mut().zip(&x).zip(&workspace.projected)
+            {
+                *direction = projected - x;
             }
-            let longest = way.iter().fold(0.0_f64, |most, by| most.max(by.abs()));
-            let mut share = (LONGEST / longest).min(1.0);
-            let mut nearer = None;
+            let max_step = direction.iter().fold(0.0_f64, |max_component, component| {
+                max_component.max(component.abs())
+            });
+            let mut fraction = (MAX_JOINT_STEP / max_step).min(1.0);
+            let mut nearer_distance = None;
             for _ in 0..HALVINGS {
                 for (i, trial) in workspace.trial.iter_mut().enumerate() {
-                    let moved = x[i] + share * workspace.gradient[i];
+                    let moved = x[i] + fraction * workspace.gradient[i];
                     *trial = workspace.question.clamp(i, moved);
                 }
                 if self.correct(workspace) {
-                    let now = self.distance(&workspace.trial, wanted);
-                    if now < distance {
-                        nearer = Some(now);
+                    let new_distance = self.distance(&workspace.trial, posture);
+                    if new_distance < distance {
+                        nearer_distance = Some(new_distance);
                         break;
                     }
                 }
-                share *= 0.5;
+                fraction *= 0.5;
             }
             workspace.x = x;
-            let Some(now) = nearer else {
+            let Some(new_distance) = nearer_distance else {
                 return;
             };
             workspace.x.copy_from_slice(&workspace.trial);
-            let worthwhile = now < distance * (1.0 - WORTHWHILE);
-            distance = now;
-            if !worthwhile {
+            let is_worthwhile = new_distance < distance * (1.0 - MIN_RELATIVE_APPROACH);
+            distance = new_distance;
+            if !is_worthwhile {
                 return;
             }
         }
@@ -107,27 +111,30 @@ impl Arm {
         let weights = &self.options.weights;
         let n = x.len();
         let mut y = Vector6::<f64>::zeros();
-        let wanted = &mut workspace.wanted;
-        workspace.projected.clone_into(wanted);
+        let unprojected = &mut workspace.scratch_motion;
+        workspace.projected.clone_into(unprojected);
         let column =
             |i: usize| -> Vector6<f64> { workspace.jacobian.fixed_view::<6, 1>(0, i).into() };
         for _ in 0..12 {
-            let mut miss = Vector6::from(*residual);
+            let mut pose_residual = Vector6::from(*residual);
             let mut normal = Matrix6::<f64>::zeros();
             for i in 0..n {
                 let column = column(i);
                 // In z = w q the column is J/w; in q the step of the multiplier is J y / w².
                 let inverse = 1.0 / (weights[i] * weights[i]);
-                let free = wanted[i] + column.dot(&y) * inverse;
-                let held = workspace.question.clamp(i, free);
-                workspace.projected[i] = held;
-                miss += column * (held - x[i]);
-                if held == free {
+                let unclamped = unprojected[i] + column.dot(&y) * inverse;
+                let clamped = workspace.question.clamp(i, unclamped);
+                workspace.projected[i] = clamped;
+                pose_residual += column * (clamped - x[i]);
+                if clamped == unclamped {
                     normal += column * column.transpose() * inverse;
                 }
             }
             let scale = normal.trace();
-            if scale.is_nan() || scale <= 0.0 || miss.norm() <= 1e-14 * (1.0 + scale.sqrt()) {
+            if scale.is_nan()
+                || scale <= 0.0
+                || pose_residual.norm() <= 1e-14 * (1.0 + scale.sqrt())
+            {
                 return;
             }
             for k in 0..6 {
@@ -136,7 +143,7 @@ impl Arm {
             let Some(factor) = normal.cholesky() else {
                 return;
             };
-            y -= factor.solve(&miss);
+            y -= factor.solve(&pose_residual);
         }
     }
 }

@@ -7,15 +7,15 @@ use crate::ik::Solution;
 use crate::spatial::Placement;
 
 /// Number of solutions beyond the end of a branch that are tried as starts of a backward path.
-const OTHER_SOLUTIONS: usize = 16;
+const MAX_ALTERNATIVES: usize = 16;
 /// Attraction of a backward path to the known one, tried in order, in radians of each joint per radian of path.
 ///
 /// A strong one meets sooner; a weak one avoids limits better.
-const PULLS: [f64; 3] = [0.3, 0.1, 0.03];
+const ATTRACTIONS: [f64; 3] = [0.3, 0.1, 0.03];
 /// Largest number of backward steps in all, as a multiple of the path's length.
-const LOOK_BACK: usize = 32;
+const BACKWARD_STEPS_PER_TARGET: usize = 32;
 /// Largest difference of a joint at which two paths meet, radians.
-const MEETING: f64 = 0.25 * LONG_STEP;
+const MAX_MEETING_DISTANCE: f64 = 0.25 * LONG_STEP;
 
 /// Joint path along targets, and its jumps.
 #[derive(Clone, Debug, Default)]
@@ -30,7 +30,7 @@ pub struct Track {
 impl Track {
     /// Returns true if every target is reached without a jump.
     #[cfg(feature = "collision")]
-    fn is_whole(&self) -> bool {
+    fn is_complete(&self) -> bool {
         self.jumps.is_empty() && self.solutions.iter().all(|solution| solution.reached)
     }
 }
@@ -60,10 +60,10 @@ impl Arm {
         }
         let track = self.follow(&mut follower, base_from_tools)?;
         #[cfg(feature = "collision")]
-        if let (true, false) = (self.keeps_clear(), track.is_whole())
-            && let Some(plain) = self.plain_if_free(base_from_tools, start)?
+        if let (true, false) = (self.avoids_collisions(), track.is_complete())
+            && let Some(unchecked_track) = self.unchecked_track_if_free(base_from_tools, start)?
         {
-            return Ok(plain);
+            return Ok(unchecked_track);
         }
         Ok(track)
     }
@@ -76,13 +76,13 @@ impl Arm {
     ) -> Result<Track, QueryError> {
         let mut track = Track::default();
         track.solutions.reserve(base_from_tools.len());
-        let mut back_left = LOOK_BACK * base_from_tools.len();
-        let mut missing = false;
+        let mut backward_steps_left = BACKWARD_STEPS_PER_TARGET * base_from_tools.len();
+        let mut is_unreached = false;
         for (step, target) in base_from_tools.iter().enumerate() {
             let mut solution = Solution::default();
             let jump = if step == 0 {
                 let jump = follower.begin(*target, &mut solution)?;
-                follower.set_ease(&solution.q);
+                follower.set_nominal_posture(&solution.q);
                 jump
             } else {
                 follower.advance(*target, &mut solution)?
@@ -90,11 +90,13 @@ impl Arm {
             let reached = solution.reached;
             track.solutions.push(solution);
             // A branch ends at a jump or at its first unreached target.
-            let ends = jump.is_some() || !reached && !missing;
-            missing = !reached;
-            if ends && self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
+            let branch_ends = jump.is_some() || !reached && !is_unreached;
+            is_unreached = !reached;
+            if branch_ends
+                && self.find_detour(base_from_tools, step, &mut track, &mut backward_steps_left)?
+            {
                 *follower = self.follower_at(base_from_tools, step, &track)?;
-                missing = false;
+                is_unreached = false;
             } else {
                 track.jumps.extend(jump);
             }
@@ -104,22 +106,22 @@ impl Arm {
 
     /// Track of the arm without its checker, if it is complete and collision-free.
     #[cfg(feature = "collision")]
-    fn plain_if_free(
+    fn unchecked_track_if_free(
         &self,
         targets: &[Placement<f64>],
         start: &[f64],
     ) -> Result<Option<Track>, QueryError> {
-        let mut plain = self.clone();
-        plain.collisions = None;
-        let track = plain.follow(&mut plain.follower(start)?, targets)?;
-        let Some(first) = track.solutions.first().filter(|_| track.is_whole()) else {
+        let mut unchecked = self.clone();
+        unchecked.collisions = None;
+        let track = unchecked.follow(&mut unchecked.follower(start)?, targets)?;
+        let Some(first) = track.solutions.first().filter(|_| track.is_complete()) else {
             return Ok(None);
         };
         // For a start far from the path no motion is checked, as for single solutions.
-        let near = self.longest_move(start, &first.q).1 <= LONG_STEP;
-        let mut last = if near { start } else { &first.q };
+        let starts_near = self.largest_joint_move(start, &first.q).1 <= LONG_STEP;
+        let mut last = if starts_near { start } else { &first.q };
         for solution in &track.solutions {
-            if !self.goes_free(last, &solution.q)? {
+            if !self.is_motion_free(last, &solution.q)? {
                 return Ok(None);
             }
             last = &solution.q;
@@ -132,26 +134,33 @@ impl Arm {
     ///
     /// From solutions at that step it goes back along the path, attracted to the joint path already found, until the
     /// two meet.
-    fn go_round(
+    fn find_detour(
         &self,
         targets: &[Placement<f64>],
         step: usize,
         track: &mut Track,
-        back_left: &mut usize,
+        backward_steps_left: &mut usize,
     ) -> Result<bool, QueryError> {
         let Some(last) = step.checked_sub(1) else {
             return Ok(false);
         };
-        let others =
-            self.other_solutions(&targets[step], &track.solutions[last].q, OTHER_SOLUTIONS)?;
+        let alternatives =
+            self.other_solutions(&targets[step], &track.solutions[last].q, MAX_ALTERNATIVES)?;
         let first = Some(track.solutions[step].clone()).filter(|first| first.reached);
-        for pull in PULLS {
-            for other in first.iter().chain(&others) {
-                let way = self.way_back(targets, step, other, pull, track, back_left)?;
-                if let Some(way) = way {
-                    let meeting = step - way.len();
+        for attraction in ATTRACTIONS {
+            for alternative in first.iter().chain(&alternatives) {
+                let path = self.backward_path(
+                    targets,
+                    step,
+                    alternative,
+                    attraction,
+                    track,
+                    backward_steps_left,
+                )?;
+                if let Some(path) = path {
+                    let meeting = step - path.len();
                     track.solutions.truncate(meeting + 1);
-                    track.solutions.extend(way.into_iter().rev());
+                    track.solutions.extend(path.into_iter().rev());
                     track.jumps.retain(|jump| jump.step <= meeting);
                     return Ok(true);
                 }
@@ -160,48 +169,49 @@ impl Arm {
         Ok(false)
     }
 
-    /// Steps from `other` back to the meeting with the track; `None` if they do not meet.
-    fn way_back(
+    /// Steps from `alternative` back to the meeting with the track; `None` if they do not meet.
+    fn backward_path(
         &self,
         targets: &[Placement<f64>],
         step: usize,
-        other: &Solution,
-        pull: f64,
+        alternative: &Solution,
+        attraction: f64,
         track: &Track,
-        back_left: &mut usize,
+        backward_steps_left: &mut usize,
     ) -> Result<Option<Vec<Solution>>, QueryError> {
-        let mut follower = self.follower(&other.q)?;
-        follower.set_configuration(&targets[step], &other.q);
-        let mut way = vec![other.clone()];
-        for (target, known) in targets.iter().zip(&track.solutions).take(step).rev() {
-            if *back_left == 0 {
+        let mut follower = self.follower(&alternative.q)?;
+        follower.set_configuration(&targets[step], &alternative.q);
+        let mut path = vec![alternative.clone()];
+        for (target, track_solution) in targets.iter().zip(&track.solutions).take(step).rev() {
+            if *backward_steps_left == 0 {
                 break;
             }
-            *back_left -= 1;
+            *backward_steps_left -= 1;
             let mut solution = Solution::default();
-            if !follower.try_branch(target, Some((&known.q, pull)), &mut solution) {
+            if !follower.try_branch(target, Some((&track_solution.q, attraction)), &mut solution) {
                 break;
             }
-            let meets = self.longest_move(&known.q, &solution.q).1 <= MEETING;
-            let next = way.last().map_or(&*other.q, |next| &next.q);
+            let is_near =
+                self.largest_joint_move(&track_solution.q, &solution.q).1 <= MAX_MEETING_DISTANCE;
+            let next = path.last().map_or(&*alternative.q, |next| &next.q);
             // The path continues from the known one, without a jump.
-            let joins = || self.longest_move(&known.q, next).1 <= LONG_STEP;
-            if meets && joins() && self.goes_free(&known.q, next)? {
-                return Ok(Some(way));
+            let can_join = || self.largest_joint_move(&track_solution.q, next).1 <= LONG_STEP;
+            if is_near && can_join() && self.is_motion_free(&track_solution.q, next)? {
+                return Ok(Some(path));
             }
-            if !self.goes_free(&solution.q, next)? {
+            if !self.is_motion_free(&solution.q, next)? {
                 break;
             }
             follower.set_configuration(target, &solution.q);
-            way.push(solution);
+            path.push(solution);
         }
         Ok(None)
     }
 
     /// Returns true if the motion between two configurations is collision-free.
     #[cfg(feature = "collision")]
-    fn goes_free(&self, from: &[f64], to: &[f64]) -> Result<bool, QueryError> {
-        Ok(self.in_the_way(from, to)?.is_none())
+    fn is_motion_free(&self, from: &[f64], to: &[f64]) -> Result<bool, QueryError> {
+        Ok(self.motion_collision(from, to)?.is_none())
     }
 
     /// Returns true: without collision checks every motion is free.
@@ -211,7 +221,7 @@ impl Arm {
         clippy::unnecessary_wraps,
         reason = "as the one that looks"
     )]
-    fn goes_free(&self, _: &[f64], _: &[f64]) -> Result<bool, QueryError> {
+    fn is_motion_free(&self, _: &[f64], _: &[f64]) -> Result<bool, QueryError> {
         Ok(true)
     }
 
@@ -224,7 +234,7 @@ impl Arm {
     ) -> Result<Follower<'_>, QueryError> {
         let first = step.saturating_sub(2);
         let mut follower = self.follower(&track.solutions[first].q)?;
-        follower.set_ease(&track.solutions[0].q);
+        follower.set_nominal_posture(&track.solutions[0].q);
         for (target, solution) in targets[first..=step].iter().zip(&track.solutions[first..]) {
             follower.set_configuration(target, &solution.q);
         }

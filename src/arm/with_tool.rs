@@ -65,31 +65,31 @@ impl Arm {
 
     fn with(&self, serial: Serial, mut options: Options) -> Result<Self, ArmError> {
         options.weigh_radians(serial.model.reach());
-        let lanes = self.lanes_for(&serial, &options)?;
-        let changed = self.changed(serial, options, lanes)?;
+        let simd_solver = self.simd_solver_for(&serial, &options)?;
+        let changed = self.changed(serial, options, simd_solver)?;
         #[cfg(feature = "collision")]
         let changed = match &self.collisions {
-            Some(kept) => changed.with_checker(kept.checker(), kept.rest())?,
+            Some(avoidance) => changed.with_checker(avoidance.checker(), avoidance.rest())?,
             None => changed,
         };
         Ok(changed)
     }
 
     /// SIMD solver for another chain and other options, which shares the seed atlas.
-    pub(super) fn lanes_for(
+    pub(super) fn simd_solver_for(
         &self,
         serial: &Serial,
         options: &Options,
     ) -> Result<Option<PoseSolver>, ArmError> {
-        let lanes = self.lanes.as_ref().zip(serial.chain.as_ref());
-        let lanes = lanes.map(|(lanes, chain)| {
+        let simd_solver = self.simd_solver.as_ref().zip(serial.chain.as_ref());
+        let simd_solver = simd_solver.map(|(simd_solver, chain)| {
             let lane_options = LaneOptions {
                 metres_per_radian: options.metres_per_radian,
                 axes: options.goal.into(),
-                ..lanes.options().clone()
+                ..simd_solver.options().clone()
             };
-            lanes.retargeted(chain, lane_options)
+            simd_solver.retargeted(chain, lane_options)
         });
-        Ok(lanes.transpose()?)
+        Ok(simd_solver.transpose()?)
     }
 }

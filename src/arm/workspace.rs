@@ -5,7 +5,7 @@ use crate::clock::Instant;
 use nalgebra::DMatrix;
 
 use super::options::Options;
-use super::pose_question::PoseQuestion;
+use super::pose_problem::PoseProblem;
 use super::serial_chain::Serial;
 use crate::ik::{DerivativeWorkspace, Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
@@ -39,18 +39,18 @@ pub(super) fn stopping() -> Stopping {
 /// Workspace of queries that the general solver takes part in.
 #[derive(Clone, Debug)]
 pub(super) struct ArmWorkspace {
-    pub(super) question: PoseQuestion,
+    pub(super) question: PoseProblem,
     scratch: Scratch,
-    pub(super) memory: SolverState,
+    pub(super) solver_state: SolverState,
     /// Attempts of the general solver.
-    pub(super) search: Attempts,
+    pub(super) attempts: Attempts,
     /// Buffer for solutions of a batch that are solved alone.
-    pub(super) spare: Solution,
+    pub(super) batch_solution: Solution,
     /// Buffers of the collision checks.
     #[cfg(feature = "collision")]
     pub(super) clear_room: Option<super::collision_avoidance::CollisionWorkspace>,
     /// SIMD solver with the bounds of the query, if motions are bounded.
-    pub(super) bounded_lanes: Option<PoseSolver>,
+    pub(super) bounded_simd_solver: Option<PoseSolver>,
     /// Start, clamped to the bounds.
     pub(super) start: Vec<f64>,
     /// Configuration to return.
@@ -59,13 +59,13 @@ pub(super) struct ArmWorkspace {
     pub(super) errors: Errors,
     pub(super) trial: Vec<f64>,
     pub(super) projected: Vec<f64>,
-    pub(super) wanted: Vec<f64>,
+    pub(super) scratch_motion: Vec<f64>,
     /// Pull to the nominal posture in the null space, radians per joint.
     pub(super) slope: Vec<f64>,
     /// Best of all attempts, if the attempt from the start fails.
     pub(super) best: Vec<f64>,
     /// End of the attempt from the start, while others run.
-    pub(super) kept: Vec<f64>,
+    pub(super) saved: Vec<f64>,
     /// Configuration from which a descent measures motion.
     pub(super) anchor: Vec<f64>,
     /// Radians that a radian or metre of each joint counts as.
@@ -79,17 +79,17 @@ pub(super) struct ArmWorkspace {
     /// Residual at that configuration.
     linear_residual: [f64; 6],
     /// Buffer for a second Jacobian.
-    pub(super) aside: DMatrix<f64>,
+    pub(super) second_jacobian: DMatrix<f64>,
     /// Gradient of the cost at the configuration where it was last computed.
     pub(super) gradient: Vec<f64>,
     /// Configurations found, in sequence.
-    pub(super) found: Vec<f64>,
+    pub(super) attempt_ends: Vec<f64>,
     /// Outcomes of the configurations found.
     pub(super) outcomes: Vec<PoseOutcome>,
-    /// (distance from the start, index in `found`).
-    pub(super) order: Vec<(f64, usize)>,
+    /// (distance from the start, index in `attempt_ends`).
+    pub(super) ranking: Vec<(f64, usize)>,
     /// (distance from the target, row of the seed table).
-    pub(super) rows: Vec<(f64, usize)>,
+    pub(super) table_rows: Vec<(f64, usize)>,
     /// Configuration of the whole serial model.
     pub(super) q: Vec<f64>,
     pub(super) derivative: DerivativeWorkspace,
@@ -97,7 +97,7 @@ pub(super) struct ArmWorkspace {
     /// Sum of the lengths of the chain's translations, without prismatic joints, metres.
     extent: f64,
     /// Flags of the coordinates of the serial model that are angles.
-    turns: Vec<bool>,
+    is_angle: Vec<bool>,
     position_tolerance: f64,
     orientation_tolerance: f64,
     metres_per_radian: f64,
@@ -105,44 +105,44 @@ pub(super) struct ArmWorkspace {
 
 impl ArmWorkspace {
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
-        let question = PoseQuestion::new(serial, options)?;
+        let question = PoseProblem::new(serial, options)?;
         let problem = &question.problem;
         let n = problem.variables();
         let scale = serial.scales(options.metres_per_radian);
         Ok(Self {
             scratch: problem.scratch(),
-            memory: SolverState::default(),
-            search: Attempts::default(),
-            spare: Solution::default(),
+            solver_state: SolverState::default(),
+            attempts: Attempts::default(),
+            batch_solution: Solution::default(),
             #[cfg(feature = "collision")]
             clear_room: None,
-            bounded_lanes: None,
+            bounded_simd_solver: None,
             start: vec![0.0; n],
             x: vec![0.0; n],
             errors: Errors::default(),
             trial: vec![0.0; n],
             projected: vec![0.0; n],
-            wanted: vec![0.0; n],
+            scratch_motion: vec![0.0; n],
             slope: vec![0.0; n],
             best: vec![0.0; n],
-            kept: vec![0.0; n],
+            saved: vec![0.0; n],
             anchor: vec![0.0; n],
             per_scale: scale.iter().map(|scale| scale.recip()).collect(),
             scale,
             jacobian: DMatrix::zeros(6, n),
             linear_at: vec![f64::NAN; n],
             linear_residual: [0.0; 6],
-            aside: DMatrix::zeros(6, n),
+            second_jacobian: DMatrix::zeros(6, n),
             gradient: vec![0.0; n],
-            found: Vec::new(),
+            attempt_ends: Vec::new(),
             outcomes: Vec::new(),
-            order: Vec::new(),
-            rows: Vec::new(),
+            ranking: Vec::new(),
+            table_rows: Vec::new(),
             q: vec![0.0; serial.model.configuration_len()],
             derivative: DerivativeWorkspace::default(),
             kinematics: ForwardKinematics::new(&serial.model),
             extent: serial.extent,
-            turns: (serial.model.moving_joints().iter())
+            is_angle: (serial.model.moving_joints().iter())
                 .map(|id| !serial.model.joints()[id.index()].kind.slides())
                 .collect(),
             position_tolerance: options.position_tolerance,
@@ -200,9 +200,9 @@ impl ArmWorkspace {
 
     /// Rounding error of the pose at x, metres and radians.
     fn resolution(&self, x: &[f64]) -> (f64, f64) {
-        let (mut turned, mut slid) = (0.0, 0.0);
+        let (mut angles, mut lengths) = (0.0, 0.0);
         let sources = self.question.problem.parameters().sources();
-        for (source, turns) in sources.iter().zip(&self.turns) {
+        for (source, is_angle) in sources.iter().zip(&self.is_angle) {
             // A mimic joint has the rounding of both of its parts, which may cancel.
             let size = match *source {
                 Source::Constant(value) => value.abs(),
@@ -213,15 +213,15 @@ impl ArmWorkspace {
                     offset,
                 } => (ratio * x[variable]).abs() + offset.abs(),
             };
-            *(if *turns { &mut turned } else { &mut slid }) += size;
+            *(if *is_angle { &mut angles } else { &mut lengths }) += size;
         }
-        rounding(self.turns.len(), turned, self.extent + slid)
+        rounding(self.is_angle.len(), angles, self.extent + lengths)
     }
 
     /// Weighted residual at x.
     pub(super) fn residual(&mut self, x: &[f64]) -> [f64; 6] {
         let mut residual = [0.0; 6];
-        Evaluation::new(self.question.ask(), &mut self.scratch).residual(x, &mut residual);
+        Evaluation::new(self.question.instance(), &mut self.scratch).residual(x, &mut residual);
         residual
     }
 
@@ -229,15 +229,17 @@ impl ArmWorkspace {
     pub(super) fn linearise(&mut self, x: &[f64]) -> [f64; 6] {
         if self.linear_at != x {
             self.linear_residual = self.residual(x);
-            Evaluation::new(self.question.ask(), &mut self.scratch).jacobian(x, &mut self.jacobian);
+            Evaluation::new(self.question.instance(), &mut self.scratch)
+                .jacobian(x, &mut self.jacobian);
             self.linear_at.copy_from_slice(x);
         }
         self.linear_residual
     }
 
-    /// Computes the Jacobian at x, while the current one is in [`aside`](Self::aside).
-    pub(super) fn differentiate_beside(&mut self, x: &[f64]) {
-        Evaluation::new(self.question.ask(), &mut self.scratch).jacobian(x, &mut self.jacobian);
+    /// Computes the Jacobian at x, while the current one is in [`second_jacobian`](Self::second_jacobian).
+    pub(super) fn overwrite_jacobian(&mut self, x: &[f64]) {
+        Evaluation::new(self.question.instance(), &mut self.scratch)
+            .jacobian(x, &mut self.jacobian);
     }
 
     /// Computes the gradient at the workspace's x. Returns the slope that the general solver counts as none there.
@@ -261,20 +263,20 @@ impl ArmWorkspace {
     }
 
     /// Minimiser of the query by a method of the general solver.
-    pub(super) fn engine<'a>(
+    pub(super) fn minimiser<'a>(
         &'a mut self,
         method: &'a dyn AnyMethod,
         deadline: Option<Instant>,
         observer: &'a mut dyn Observer,
     ) -> Minimiser<'a> {
         Minimiser {
-            question: self.question.ask(),
+            question: self.question.instance(),
             share: TaskSubset::All,
             method,
             deadline,
             observer,
             scratch: &mut self.scratch,
-            memory: &mut self.memory,
+            memory: &mut self.solver_state,
             guard: None,
             moved: None,
         }
@@ -296,26 +298,26 @@ impl ArmWorkspace {
         let x = std::mem::take(&mut self.x);
         let method = LevenbergMarquardt::default();
         let attempt = self
-            .engine(&method, deadline, &mut Silent)
+            .minimiser(&method, deadline, &mut Silent)
             .attempt(&x, stopping);
         self.x = x;
         if attempt.termination != Termination::NonFinite {
-            self.x.copy_from_slice(self.memory.x());
+            self.x.copy_from_slice(self.solver_state.x());
         }
         (attempt.termination, attempt.iterations)
     }
 
     /// One of the configurations found.
-    pub(super) fn found_at(&self, place: usize) -> &[f64] {
+    pub(super) fn attempt_end(&self, index: usize) -> &[f64] {
         let n = self.x.len();
-        &self.found[place * n..(place + 1) * n]
+        &self.attempt_ends[index * n..(index + 1) * n]
     }
 
     /// Moves x to one of the configurations found.
-    pub(super) fn stand_at_found(&mut self, place: usize) {
+    pub(super) fn move_to_attempt_end(&mut self, index: usize) {
         let n = self.x.len();
         self.x
-            .copy_from_slice(&self.found[place * n..(place + 1) * n]);
+            .copy_from_slice(&self.attempt_ends[index * n..(index + 1) * n]);
     }
 
     /// Target of the query.
@@ -325,8 +327,8 @@ impl ArmWorkspace {
 
     /// Error far within the tolerances, metres.
     pub(super) fn negligible_error(&self) -> f64 {
-        let turn = self.orientation_tolerance * self.metres_per_radian;
-        1e-3 * self.position_tolerance.min(turn)
+        let orientation_length = self.orientation_tolerance * self.metres_per_radian;
+        1e-3 * self.position_tolerance.min(orientation_length)
     }
 
     /// Pose of the tool in the base frame.

@@ -63,8 +63,8 @@ pub struct MoveLimits {
 
 impl MoveLimits {
     /// Limits displacements from `start`, in radians and metres. `max_moves` has the length of a configuration; the
-    /// four numbers of a ball joint are equal. Infinity is no limit. [`Robot::moves_within`] computes them from velocity
-    /// limits.
+    /// four numbers of a ball joint are equal. Infinity is no limit. [`Robot::moves_within`] computes them from
+    /// velocity limits.
     ///
     /// [`Robot::moves_within`]: crate::robot::Robot::moves_within
     ///

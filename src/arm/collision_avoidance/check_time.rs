@@ -9,10 +9,10 @@ use crate::arm::dispatch::Query;
 use crate::clock::Instant;
 
 /// The time that is kept is at most this part of the time limit.
-const MOST_OF_LIMIT: u128 = 3;
+const RESERVED_LIMIT_DIVISOR: u128 = 3;
 
 /// After as many checks a duration that was not reached again has shrunk to a third.
-const SLOWNESS: u64 = 64;
+const DECAY_CHECKS: u64 = 64;
 
 /// Longest duration of recent checks of all pairs, nanoseconds.
 #[derive(Debug, Default)]
@@ -24,20 +24,20 @@ impl CheckTime {
         let Some(limit) = arm.options.time_limit else {
             return check();
         };
-        let begun = Instant::now();
+        let start = Instant::now();
         let result = check();
-        let took = Instant::now().duration_since(begun).as_nanos() as u64;
-        let before = self.0.load(Ordering::Relaxed);
+        let duration = Instant::now().duration_since(start).as_nanos() as u64;
+        let previous = self.0.load(Ordering::Relaxed);
         // An interruption of the process counts at most as two checks.
-        let took = match before {
-            0 => took,
-            before => took.min(before.saturating_mul(2)),
+        let duration = match previous {
+            0 => duration,
+            previous => duration.min(previous.saturating_mul(2)),
         };
-        let kept = took.max(before - before / SLOWNESS);
+        let stored = duration.max(previous - previous / DECAY_CHECKS);
         // On a busy machine checks seem to take long: a search has most of its time all the same.
-        let most = limit.as_nanos() / MOST_OF_LIMIT;
-        let kept = kept.min(u64::try_from(most).unwrap_or(u64::MAX));
-        self.0.store(kept, Ordering::Relaxed);
+        let max_reserved = limit.as_nanos() / RESERVED_LIMIT_DIVISOR;
+        let stored = stored.min(u64::try_from(max_reserved).unwrap_or(u64::MAX));
+        self.0.store(stored, Ordering::Relaxed);
         result
     }
 
@@ -53,10 +53,10 @@ impl CollisionAvoidance {
     }
 
     /// The query with its deadline earlier by one check.
-    pub(super) fn with_time_to_check<'q>(&self, query: &Query<'q>) -> Query<'q> {
-        let earlier = |at: Instant| at.checked_sub(self.check_time.get()).unwrap_or(at);
+    pub(super) fn with_time_for_check<'q>(&self, query: &Query<'q>) -> Query<'q> {
+        let brought_forward = |at: Instant| at.checked_sub(self.check_time.get()).unwrap_or(at);
         Query {
-            deadline: query.deadline.map(earlier),
+            deadline: query.deadline.map(brought_forward),
             ..*query
         }
     }

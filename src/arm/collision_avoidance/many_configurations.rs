@@ -16,18 +16,20 @@ impl Arm {
     ) -> Result<(), QueryError> {
         free.clear();
         free.resize(q.len() / self.joint_count(), true);
-        self.for_each_touching(q, by_shapes, |place| free[place] = false)
+        self.for_each_colliding(q, by_shapes, |index| free[index] = false)
     }
 
     /// Collision on the motion between two configurations with linear joint interpolation; `None` if it is free.
-    pub(crate) fn in_the_way(
+    pub(crate) fn motion_collision(
         &self,
         from: &[f64],
         to: &[f64],
     ) -> Result<Option<Collision>, QueryError> {
-        let Some(kept) = &self.collisions else {
+        let Some(avoidance) = &self.collisions else {
             return Ok(None);
         };
-        self.with_room(kept, |_, room| kept.blocked(self, room, from, to))
+        self.with_collision_workspace(avoidance, |_, checks| {
+            avoidance.blocked(self, checks, from, to)
+        })
     }
 }

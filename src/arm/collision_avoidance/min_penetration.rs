@@ -1,6 +1,6 @@
 //! Solution of least penetration, for queries without a collision-free one.
 
-use super::search::LOOKED_AT;
+use super::search::MAX_EXACT_CHECKS;
 use super::{CollisionAvoidance, CollisionWorkspace};
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
@@ -12,23 +12,23 @@ impl Arm {
     /// included.
     ///
     /// Returns the distance of its worst pair, metres.
-    pub(super) fn stand_least_deep(
+    pub(super) fn move_to_min_penetration(
         &self,
-        kept: &CollisionAvoidance,
+        avoidance: &CollisionAvoidance,
         workspace: &mut ArmWorkspace,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         query: &Query<'_>,
     ) -> Result<f64, QueryError> {
-        let mut best = kept.worst(self, room, &workspace.x)?;
-        for turn in 0..workspace.order.len().min(LOOKED_AT) {
-            if kept.is_late(query, 2) {
+        let mut best = avoidance.min_distance(self, checks, &workspace.x)?;
+        for rank in 0..workspace.ranking.len().min(MAX_EXACT_CHECKS) {
+            if avoidance.is_late(query, 2) {
                 break;
             }
-            let place = workspace.order[turn].1;
-            let distance = kept.worst(self, room, workspace.found_at(place))?;
+            let index = workspace.ranking[rank].1;
+            let distance = avoidance.min_distance(self, checks, workspace.attempt_end(index))?;
             if distance > best {
                 best = distance;
-                workspace.stand_at_found(place);
+                workspace.move_to_attempt_end(index);
             }
         }
         Ok(best)

@@ -40,7 +40,7 @@ pub(super) struct CollisionAvoidance {
     /// True if a pair that no joint of the arm moves is too near, so that nothing is collision-free.
     never_free: bool,
     /// SIMD checks, if the chain supports them and there are spheres.
-    lanes: Option<InLanes>,
+    simd_checks: Option<SimdChecks>,
     /// Link pairs too close for spheres, by index in the checker's model; the SIMD checks leave them out.
     close_pairs: Vec<[usize; 2]>,
     check_time: CheckTime,
@@ -48,7 +48,7 @@ pub(super) struct CollisionAvoidance {
 
 /// Spheres and solids for SIMD checks, in the base frame.
 #[derive(Debug)]
-struct InLanes {
+struct SimdChecks {
     bodies: Arc<BodyChain>,
     solids: Solids,
     base_from_world: Placement<f64>,
@@ -57,19 +57,19 @@ struct InLanes {
 /// Workspace of the collision checks.
 #[derive(Clone, Debug)]
 pub(super) struct CollisionWorkspace {
-    rooms: SphereWorkspaces,
+    sphere_workspaces: SphereWorkspaces,
     exact: CheckerWorkspace,
     q_model: Vec<f64>,
     /// Configuration of the whole model at the start of a motion.
     q_from: Vec<f64>,
     /// Up to eight configurations, in sequence.
-    several: Vec<f64>,
+    group_configurations: Vec<f64>,
     /// Start configurations of attempts.
     seeds: Vec<f64>,
     /// Targets of these attempts.
     targets: Vec<Placement<f64>>,
     /// Number of solutions of a query that may still be checked by shapes.
-    by_shapes: usize,
+    exact_checks_left: usize,
     /// Until when checks of solutions run: what is cut short counts as touching.
     deadline: Option<Instant>,
 }
@@ -98,16 +98,16 @@ impl Arm {
         self.with_checker_after(checker, q_model, None)
     }
 
-    /// The same arm with a checker, sharing compiled parts of `before`, of an arm of the same chain.
+    /// The same arm with a checker, sharing compiled parts of `previous`, of an arm of the same chain.
     fn with_checker_after(
         self,
         checker: &Checker,
         q_model: &[f64],
-        before: Option<&CollisionAvoidance>,
+        previous: Option<&CollisionAvoidance>,
     ) -> Result<Self, ArmError> {
         let mut arm = self;
-        let kept = CollisionAvoidance::new(&arm, checker, q_model, before)?;
-        arm.collisions = Some(Arc::new(kept));
+        let avoidance = CollisionAvoidance::new(&arm, checker, q_model, previous)?;
+        arm.collisions = Some(Arc::new(avoidance));
         // A workspace of another checker is invalid.
         arm.for_each_workspace(|workspace| workspace.clear_room = None);
         Ok(arm)
@@ -127,24 +127,24 @@ impl Arm {
         world: &World,
         margin: impl Into<Option<f64>>,
     ) -> Result<Self, ArmError> {
-        let Some(kept) = &self.collisions else {
+        let Some(avoidance) = &self.collisions else {
             return Err(ArmError::Conflict(
                 "the arm was made without a world or a margin to keep clear of, so it has none to exchange",
             ));
         };
-        let margin = margin.into().unwrap_or(kept.checker.margin());
-        let checker = kept
+        let margin = margin.into().unwrap_or(avoidance.checker.margin());
+        let checker = avoidance
             .checker
             .clone()
             .with_world(world)?
             .with_margin(margin)?;
-        let lanes = self.lanes_for(&self.serial, &self.options)?;
-        self.changed(self.serial.clone(), self.options.clone(), lanes)?
-            .with_checker_after(&checker, &kept.rest, Some(kept))
+        let simd_solver = self.simd_solver_for(&self.serial, &self.options)?;
+        self.changed(self.serial.clone(), self.options.clone(), simd_solver)?
+            .with_checker_after(&checker, &avoidance.rest, Some(avoidance))
     }
 
     /// Returns true if the arm avoids collisions.
-    pub(super) fn keeps_clear(&self) -> bool {
+    pub(super) fn avoids_collisions(&self) -> bool {
         self.collisions.is_some()
     }
 
@@ -154,7 +154,7 @@ impl Arm {
     /// Returns an error for an arm without a [checker](Self::with_checker), or a configuration of the wrong length or
     /// not finite.
     pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
-        match self.keeps_clear() {
+        match self.avoids_collisions() {
             true => self.touching(q),
             false => Err(QueryError::NothingToKeepClearOf),
         }
@@ -165,26 +165,26 @@ impl Arm {
         self.check_length("q", q.len(), self.joint_count())?;
         self.check_finite("q", q)?;
         match &self.collisions {
-            Some(kept) => kept.collisions(self, &mut kept.room(), q),
+            Some(avoidance) => avoidance.collisions(self, &mut avoidance.room(), q),
             None => Ok(Vec::new()),
         }
     }
 
     /// Runs a function with a workspace and its buffers for collision checks.
-    fn with_room<T>(
+    fn with_collision_workspace<T>(
         &self,
-        kept: &CollisionAvoidance,
+        avoidance: &CollisionAvoidance,
         run: impl FnOnce(&mut ArmWorkspace, &mut CollisionWorkspace) -> Result<T, QueryError>,
     ) -> Result<T, QueryError> {
         self.with_workspace(|workspace| {
             // Taken out and put back, so that nothing is allocated.
-            let mut taken = workspace.clear_room.take();
-            let room = taken.get_or_insert_with(|| kept.room());
-            room.deadline = None;
-            let out = run(workspace, room);
-            room.deadline = None;
-            workspace.clear_room = taken;
-            out
+            let mut stored = workspace.clear_room.take();
+            let checks = stored.get_or_insert_with(|| avoidance.room());
+            checks.deadline = None;
+            let result = run(workspace, checks);
+            checks.deadline = None;
+            workspace.clear_room = stored;
+            result
         })?
     }
 }
@@ -194,7 +194,7 @@ impl CollisionAvoidance {
         arm: &Arm,
         checker: &Checker,
         q_model: &[f64],
-        before: Option<&Self>,
+        previous: Option<&Self>,
     ) -> Result<Self, ArmError> {
         let model = checker.model().model();
         let (given, expected) = (
@@ -211,41 +211,44 @@ impl CollisionAvoidance {
         let _ = arm.configuration(&q, &mut rest);
         // Clamped to their limits, with the joints that the arm locks.
         let _ = arm.joint_values(&rest, &mut q[..]);
-        let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
-        let own = Own {
+        let placements = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
+        let arm_joints = ArmJoints {
             model,
             joints: &arm.serial.joints,
             base: arm.coordinates.base,
         };
-        let at_rest = checker.collisions(&rest)?;
+        let rest_collisions = checker.collisions(&rest)?;
         let check_time = CheckTime::default();
         check_time.measured(arm, || checker.collisions(&rest))?;
-        let never_free = at_rest.iter().any(|pair| own.is_fixed(pair, checker));
+        let never_free = rest_collisions
+            .iter()
+            .any(|pair| arm_joints.is_fixed(pair, checker));
         let chain = arm.serial.chain.as_ref();
-        let changed = before.and_then(|before| before.lanes_in(checker, &rest));
-        let anew = || {
+        let updated = previous.and_then(|previous| previous.simd_checks_in(checker, &rest));
+        let built = || {
             let (chain, spheres) = chain.zip(checker.spheres())?;
-            InLanes::new(chain, &q, &placed, &own, checker, spheres)
+            SimdChecks::new(chain, &q, &placements, &arm_joints, checker, spheres)
         };
-        let lanes = changed.or_else(anew);
-        let joints_to = |place: usize| own.joints_to(checker.model().links().get(place).copied());
-        let moves = |pair: &&[usize; 2]| joints_to(pair[0]) != joints_to(pair[1]);
+        let simd_checks = updated.or_else(built);
+        let joints_to =
+            |index: usize| arm_joints.joints_to(checker.model().links().get(index).copied());
+        let is_movable = |pair: &&[usize; 2]| joints_to(pair[0]) != joints_to(pair[1]);
         Ok(Self {
-            close_pairs: (checker.close_pairs().iter().filter(moves).copied()).collect(),
+            close_pairs: (checker.close_pairs().iter().filter(is_movable).copied()).collect(),
             cautious: checker.clone().with_stand_off(path_steps::STAND_OFF),
             checker: checker.clone(),
             rest,
             never_free,
-            lanes,
+            simd_checks,
             check_time,
         })
     }
 
     /// SIMD checks for a checker that differs only in its world.
-    fn lanes_in(&self, checker: &Checker, rest: &[f64]) -> Option<InLanes> {
-        let same = checker.margin() == self.checker.margin() && rest == self.rest;
-        let lanes = self.lanes.as_ref().filter(|_| same)?;
-        lanes.in_world(&self.checker, checker)
+    fn simd_checks_in(&self, checker: &Checker, rest: &[f64]) -> Option<SimdChecks> {
+        let is_unchanged = checker.margin() == self.checker.margin() && rest == self.rest;
+        let simd_checks = self.simd_checks.as_ref().filter(|_| is_unchanged)?;
+        simd_checks.in_world(&self.checker, checker)
     }
 
     pub(super) fn checker(&self) -> &Checker {
@@ -258,14 +261,14 @@ impl CollisionAvoidance {
 
     pub(super) fn room(&self) -> CollisionWorkspace {
         CollisionWorkspace {
-            rooms: SphereWorkspaces::default(),
+            sphere_workspaces: SphereWorkspaces::default(),
             exact: self.checker.workspace(),
             q_model: self.rest.clone(),
             q_from: self.rest.clone(),
-            several: Vec::new(),
+            group_configurations: Vec::new(),
             seeds: Vec::new(),
             targets: Vec::new(),
-            by_shapes: 0,
+            exact_checks_left: 0,
             deadline: None,
         }
     }
@@ -274,25 +277,31 @@ impl CollisionAvoidance {
     pub(in crate::arm) fn collisions(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<Vec<Collision>, QueryError> {
-        arm.configuration(q, &mut room.q_model)?;
-        let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
+        arm.configuration(q, &mut checks.q_model)?;
+        let check = || {
+            self.checker
+                .collisions_with(&mut checks.exact, &checks.q_model)
+        };
         Ok(self.check_time.measured(arm, check)?)
     }
 
     /// Smallest distance among the checked pairs at a configuration of the arm, metres. Infinite if all pairs are free,
     /// negative infinity if the check was cut short.
-    fn worst(
+    fn min_distance(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<f64, QueryError> {
-        arm.configuration(q, &mut room.q_model)?;
-        let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
-        let Some(pairs) = until(room.deadline, check) else {
+        arm.configuration(q, &mut checks.q_model)?;
+        let check = || {
+            self.checker
+                .collisions_with(&mut checks.exact, &checks.q_model)
+        };
+        let Some(pairs) = until(checks.deadline, check) else {
             return Ok(f64::NEG_INFINITY);
         };
         Ok(pairs?.first().map_or(f64::INFINITY, |pair| pair.distance))
@@ -302,12 +311,12 @@ impl CollisionAvoidance {
     fn is_free(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<bool, QueryError> {
-        arm.configuration(q, &mut room.q_model)?;
-        let check = || self.checker.is_free(&mut room.exact, &room.q_model);
-        let free = until(room.deadline, check);
+        arm.configuration(q, &mut checks.q_model)?;
+        let check = || self.checker.is_free(&mut checks.exact, &checks.q_model);
+        let free = until(checks.deadline, check);
         Ok(free.transpose()?.unwrap_or(false))
     }
 
@@ -316,64 +325,69 @@ impl CollisionAvoidance {
     fn is_free_by_shapes(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<bool, QueryError> {
-        Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
+        Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, checks, q)?)
     }
 
     /// Returns true if a configuration is free by its spheres, or else by its shapes.
     fn is_clear(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<bool, QueryError> {
-        let by_spheres = self.free_by_spheres(arm, room, q)? & 1 != 0;
+        let by_spheres = self.free_by_spheres(arm, checks, q)? & 1 != 0;
         match by_spheres {
-            true => self.close_are_apart(arm, room, q),
-            false => self.is_free_by_shapes(arm, room, q),
+            true => self.are_close_pairs_free(arm, checks, q),
+            false => self.is_free_by_shapes(arm, checks, q),
         }
     }
 
     /// Checks the link pairs that are too close for spheres by their shapes, for a configuration free by spheres.
-    fn close_are_apart(
+    fn are_close_pairs_free(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<bool, QueryError> {
-        if self.close_pairs.is_empty() || self.lanes.is_none() {
+        if self.close_pairs.is_empty() || self.simd_checks.is_none() {
             return Ok(true);
         }
-        arm.configuration(q, &mut room.q_model)?;
-        let (pairs, exact) = (&self.close_pairs, &mut room.exact);
-        Ok(self.checker.are_apart(pairs, exact, &room.q_model)?)
+        arm.configuration(q, &mut checks.q_model)?;
+        let (pairs, exact) = (&self.close_pairs, &mut checks.exact);
+        Ok(self.checker.are_apart(pairs, exact, &checks.q_model)?)
     }
 
     /// Bit mask of up to eight configurations that are free by their spheres, except for [close
-    /// pairs](Self::close_are_apart).
+    /// pairs](Self::are_close_pairs_free).
     ///
     /// Without spheres the shapes decide.
     fn free_by_spheres(
         &self,
         arm: &Arm,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         q: &[f64],
     ) -> Result<u32, QueryError> {
         let n = arm.joint_count();
         if self.never_free {
             return Ok(0);
         }
-        let Some(lanes) = &self.lanes else {
+        let Some(simd_checks) = &self.simd_checks else {
             let mut free = 0;
-            for (place, q) in q.chunks_exact(n).enumerate() {
-                free |= u32::from(self.is_free(arm, room, q)?) << place;
+            for (index, q) in q.chunks_exact(n).enumerate() {
+                free |= u32::from(self.is_free(arm, checks, q)?) << index;
             }
             return Ok(free);
         };
-        let near = simd_spheres::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
-        Ok(!near & ((1 << (q.len() / n)) - 1))
+        let near_bits = simd_spheres::near(
+            &simd_checks.bodies,
+            &simd_checks.solids,
+            q,
+            &mut checks.sphere_workspaces,
+        );
+        Ok(!near_bits & ((1 << (q.len() / n)) - 1))
     }
 
     /// Returns true if the first check is exact: the spheres are the shapes, or there are no SIMD checks.
@@ -382,18 +396,18 @@ impl CollisionAvoidance {
             .checker
             .spheres()
             .is_some_and(|spheres| spheres.max_protrusion() == 0.0);
-        self.lanes.is_none() || exact
+        self.simd_checks.is_none() || exact
     }
 }
 
 /// Joints and base of the arm in the checker's model.
-struct Own<'a> {
+struct ArmJoints<'a> {
     model: &'a Model,
     joints: &'a [JointId],
     base: Option<FrameId>,
 }
 
-impl Own<'_> {
+impl ArmJoints<'_> {
     /// Joints of the arm above a frame.
     fn above(&self, frame: Option<FrameId>) -> Vec<JointId> {
         let mut above = Vec::new();
@@ -426,46 +440,46 @@ impl Own<'_> {
     }
 }
 
-impl InLanes {
+impl SimdChecks {
     /// Returns `None` if the arm moves the world relative to its base, carries an obstacle, or has a link without
     /// spheres.
     fn new(
         chain: &Chain,
         q: &[f64],
-        placed: &[Placement<f64>],
-        own: &Own<'_>,
+        placements: &[Placement<f64>],
+        arm_joints: &ArmJoints<'_>,
         checker: &Checker,
         spheres: &SphereModel,
     ) -> Option<Self> {
-        if own.joints_to(None) > 0 || checker.world().attached().next().is_some() {
+        if arm_joints.joints_to(None) > 0 || checker.world().attached().next().is_some() {
             return None;
         }
-        let base_from_world = match own.base {
-            Some(base) => placed[base.index()].inverse(),
+        let base_from_world = match arm_joints.base {
+            Some(base) => placements[base.index()].inverse(),
             None => Placement::identity(),
         };
         let bodies = spheres.groups().iter().map(|group| {
             let body = Body {
-                joints: own.joints_to(Some(group.link)),
+                joints: arm_joints.joints_to(Some(group.link)),
                 bound: group.bound,
                 spheres: group.spheres.clone(),
             };
-            (body, base_from_world * placed[group.link.index()])
+            (body, base_from_world * placements[group.link.index()])
         });
         let bodies: Vec<_> = bodies.collect();
         // Pairs that no joint of the arm moves are checked once, by their shapes.
-        let counts = |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints;
+        let is_movable = |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints;
         // Use the checker's pairs and links: the spheres may be older.
         let model = checker.model();
         let close = checker.close_pairs();
         let close = |pair: &&[FrameId; 2]| close.contains(&pair.map(|link| model.place_of(link)));
-        let place = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);
-        if !model.links().iter().all(|link| place(link).is_some()) {
+        let group_index = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);
+        if !model.links().iter().all(|link| group_index(link).is_some()) {
             return None;
         }
         let pairs = model.pairs().iter().filter(|pair| !close(pair));
-        let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
-        let pairs = pairs.filter(counts).collect();
+        let pairs = pairs.filter_map(|[a, b]| Some([group_index(a)?, group_index(b)?]));
+        let pairs = pairs.filter(is_movable).collect();
         let planes = checker.model().planes().iter().map(|plane| &plane.obstacle);
         let solids = checker.world().numbered();
         let solids = solids.chain((FIRST_PLANE..).zip(planes));

@@ -7,11 +7,11 @@ use crate::arm::dispatch::Query;
 use crate::arm::workspace::{ArmWorkspace, Errors};
 
 /// Initial and smallest step of the search, radians.
-const STEPS: [f64; 2] = [0.2, 0.001];
+const STEP_RANGE: [f64; 2] = [0.2, 0.001];
 /// Largest number of attempts.
-const TRIES: usize = 40;
+const MAX_ATTEMPTS: usize = 40;
 /// Cosine above which two directions count as one.
-const SAME: f64 = 0.95;
+const MIN_SAME_COSINE: f64 = 0.95;
 
 /// Cost of a null-space search.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,90 +26,102 @@ impl Arm {
     ///
     /// The method is compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3). Each
     /// step tries both signs of each direction, and takes the first configuration with less penetration. If there is
-    /// none, the step halves. `worst` is the distance of the worst pair at x, metres; `most` is the largest number of
-    /// attempts.
-    pub(super) fn free_along_freedom(
+    /// none, the step halves. `min_distance` is the distance of the worst pair at x, metres; `max_attempts` is the
+    /// largest number of attempts.
+    pub(super) fn avoid_in_null_space(
         &self,
-        kept: &CollisionAvoidance,
+        avoidance: &CollisionAvoidance,
         workspace: &mut ArmWorkspace,
-        room: &mut CollisionWorkspace,
+        checks: &mut CollisionWorkspace,
         query: &Query<'_>,
-        (mut worst, most): (f64, usize),
+        (mut min_distance, max_attempts): (f64, usize),
     ) -> Result<(bool, NullSpaceSteps), QueryError> {
-        let mut spent = NullSpaceSteps::default();
+        let mut steps = NullSpaceSteps::default();
         if !self.has_freedom() {
-            return Ok((false, spent));
+            return Ok((false, steps));
         }
         let n = self.joint_count();
-        let (mut at, mut q) = (workspace.x.clone(), vec![0.0; n]);
-        let [mut step, shortest] = STEPS;
-        while step >= shortest {
-            workspace.take_twists(self, &at);
-            let mut tried: Vec<Vec<f64>> = Vec::new();
-            let mut better = false;
+        let (mut centre, mut q) = (workspace.x.clone(), vec![0.0; n]);
+        let [mut step, min_step] = STEP_RANGE;
+        while step >= min_step {
+            workspace.take_twists(self, &centre);
+            let mut directions: Vec<Vec<f64>> = Vec::new();
+            let mut improved = false;
             'directions: for joint in 0..n {
-                for by in [step, -step] {
-                    if kept.is_late(query, 2) || spent.attempts >= most.min(TRIES) {
-                        return Ok((false, spent));
+                for displacement in [step, -step] {
+                    if avoidance.is_late(query, 2)
+                        || steps.attempts >= max_attempts.min(MAX_ATTEMPTS)
+                    {
+                        return Ok((false, steps));
                     }
-                    if !self.stand_beside(workspace, &at, joint, by)
-                        || tried.iter().any(|way| is_along(way, &workspace.trial, &at))
+                    if !self.perturb_in_null_space(workspace, &centre, joint, displacement)
+                        || directions
+                            .iter()
+                            .any(|direction| is_along(direction, &workspace.trial, &centre))
                     {
                         continue;
                     }
-                    let way = workspace.trial.iter().zip(&at).map(|(to, at)| to - at);
-                    tried.push(way.collect());
-                    let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
-                        return Ok((false, spent));
+                    let direction = workspace
+                        .trial
+                        .iter()
+                        .zip(&centre)
+                        .map(|(to, centre)| to - centre);
+                    directions.push(direction.collect());
+                    let Some(simd_solver) = self.simd_solver_within(&workspace.bounded_simd_solver)
+                    else {
+                        return Ok((false, steps));
                     };
                     let (target, deadline) = (workspace.target(), query.deadline);
                     let outcome =
-                        lanes.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
-                    spent.attempts += 1;
-                    spent.iterations += outcome.iterations as usize;
+                        simd_solver.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
+                    steps.attempts += 1;
+                    steps.iterations += outcome.iterations as usize;
                     if !outcome.reached {
                         continue;
                     }
-                    let there = kept.worst(self, room, &q)?;
-                    if there > worst {
-                        (worst, better) = (there, true);
-                        at.copy_from_slice(&q);
+                    let distance = avoidance.min_distance(self, checks, &q)?;
+                    if distance > min_distance {
+                        (min_distance, improved) = (distance, true);
+                        centre.copy_from_slice(&q);
                         workspace.x.copy_from_slice(&q);
                         workspace.errors = Errors::of(&outcome);
                         break 'directions;
                     }
                 }
             }
-            if worst.is_infinite() {
-                return Ok((true, spent));
+            if min_distance.is_infinite() {
+                return Ok((true, steps));
             }
-            if !better {
+            if !improved {
                 step *= 0.5;
             }
         }
-        Ok((false, spent))
+        Ok((false, steps))
     }
 
     /// Writes a configuration near `from` to the workspace's trial, along the null-space part of a joint's motion.
     ///
-    /// The motion is `by` radians long (prismatic joints by the metres that weigh as much), clamped to the bounds. The
-    /// workspace must hold the Jacobian at `from`. Returns false if the joint has no null-space motion.
-    pub(super) fn stand_beside(
+    /// The motion is `displacement` radians long (prismatic joints by the metres that weigh as much), clamped to the bounds.
+    /// The workspace must hold the Jacobian at `from`. Returns false if the joint has no null-space motion.
+    pub(super) fn perturb_in_null_space(
         &self,
         workspace: &mut ArmWorkspace,
         from: &[f64],
         joint: usize,
-        by: f64,
+        displacement: f64,
     ) -> bool {
         // The buffer holds the motion first, so that nothing is allocated.
         let mut motion = std::mem::take(&mut workspace.trial);
         motion.fill(0.0);
-        motion[joint] = by;
+        motion[joint] = displacement;
         workspace.project_to_null(from, &motion, 0.0);
         workspace.trial = motion;
-        let squares = workspace.projected.iter().map(|by| by * by);
+        let squares = workspace
+            .projected
+            .iter()
+            .map(|component| component * component);
         let length = squares.sum::<f64>().sqrt();
-        if length < 1e-3 * by.abs() {
+        if length < 1e-3 * displacement.abs() {
             return false;
         }
         let bounds = workspace
@@ -118,24 +130,24 @@ impl Arm {
             .iter()
             .zip(&workspace.question.upper);
         let moves = workspace.projected.iter().zip(&self.scale).zip(bounds);
-        for ((trial, from), ((way, scale), (lower, upper))) in
+        for ((trial, from), ((direction, scale), (lower, upper))) in
             workspace.trial.iter_mut().zip(from).zip(moves)
         {
-            let moved = from + by.abs() * way / (length * scale);
+            let moved = from + displacement.abs() * direction / (length * scale);
             *trial = moved.max(*lower).min(*upper);
         }
         true
     }
 }
 
-/// Returns true if the direction from `from` to `place` is about the known one.
-fn is_along(known: &[f64], place: &[f64], from: &[f64]) -> bool {
+/// Returns true if the direction from `from` to `configuration` is about the known one.
+fn is_along(known: &[f64], configuration: &[f64], from: &[f64]) -> bool {
     let (mut product, mut squares) = (0.0, [0.0; 2]);
-    for ((known, place), from) in known.iter().zip(place).zip(from) {
-        let by = place - from;
-        product += known * by;
+    for ((known, configuration), from) in known.iter().zip(configuration).zip(from) {
+        let difference = configuration - from;
+        product += known * difference;
         squares[0] += known * known;
-        squares[1] += by * by;
+        squares[1] += difference * difference;
     }
-    product > SAME * (squares[0] * squares[1]).sqrt()
+    product > MIN_SAME_COSINE * (squares[0] * squares[1]).sqrt()
 }

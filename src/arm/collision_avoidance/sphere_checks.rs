@@ -20,44 +20,44 @@ impl Arm {
     pub fn clear_by_spheres(&self, q: &[f64], clear: &mut [bool]) -> Result<(), QueryError> {
         self.check_length("q", q.len(), self.joint_count() * clear.len())?;
         self.check_finite("q", q)?;
-        if !self.keeps_clear() {
+        if !self.avoids_collisions() {
             return Err(QueryError::NothingToKeepClearOf);
         }
         clear.fill(true);
-        self.for_each_touching(q, false, |place| clear[place] = false)
+        self.for_each_colliding(q, false, |index| clear[index] = false)
     }
 
     /// Marks attempts in collision as not reached.
-    pub(in crate::arm) fn take_back_touching(
+    pub(in crate::arm) fn reject_collisions(
         &self,
         q: &[f64],
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
-        self.for_each_touching(q, true, |place| outcomes[place].reached = false)
+        self.for_each_colliding(q, true, |index| outcomes[index].reached = false)
     }
 
     /// Visits the indices of the configurations that are not proven free by spheres, nor, if `by_shapes`, by the exact
     /// check.
-    pub(super) fn for_each_touching(
+    pub(super) fn for_each_colliding(
         &self,
         q: &[f64],
         by_shapes: bool,
-        mut each: impl FnMut(usize),
+        mut visit: impl FnMut(usize),
     ) -> Result<(), QueryError> {
-        let Some(kept) = &self.collisions else {
+        let Some(avoidance) = &self.collisions else {
             return Ok(());
         };
-        self.with_room(kept, |_, room| {
+        self.with_collision_workspace(avoidance, |_, checks| {
             let n = self.joint_count();
-            for (group, several) in q.chunks(CHECKED * n).enumerate() {
-                let by_spheres = kept.free_by_spheres(self, room, several)?;
-                for (lane, q) in several.chunks_exact(n).enumerate() {
+            for (group, configurations) in q.chunks(CHECKED * n).enumerate() {
+                let by_spheres = avoidance.free_by_spheres(self, checks, configurations)?;
+                for (lane, q) in configurations.chunks_exact(n).enumerate() {
                     let is_free = match by_spheres >> lane & 1 != 0 {
-                        true => kept.close_are_apart(self, room, q)?,
-                        false => by_shapes && kept.is_free_by_shapes(self, room, q)?,
+                        true => avoidance.are_close_pairs_free(self, checks, q)?,
+                        false => by_shapes && avoidance.is_free_by_shapes(self, checks, q)?,
                     };
                     if !is_free {
-                        each(group * CHECKED + lane);
+                        visit(group * CHECKED + lane);
                     }
                 }
             }

@@ -139,7 +139,7 @@ impl<'a> Curve<'a> {
             (motion.ratio * (to[motion.variable] - from[motion.variable])).abs()
         };
         for (place, motion) in motions.iter().enumerate().rev() {
-            lever += motion.way_after;
+            lever += motion.length_after;
             let own = moved(motion);
             let before = motions[..place].iter().filter(|before| !before.slides);
             let before: f64 = before.map(moved).sum();

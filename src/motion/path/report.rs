@@ -73,7 +73,7 @@ impl PathSolver<'_> {
         from: &[f64],
         to: &[f64],
     ) -> Result<(), PathError> {
-        if let Some(by) = self.tools.own().in_the_way(from, to)? {
+        if let Some(by) = self.tools.own().motion_collision(from, to)? {
             let blocked = super::solution::Blocked { index, by };
             solution.blocked.push(blocked);
         }

@@ -8,19 +8,19 @@ use crate::task::{Pose, Quantity, RowBlock, Task};
 
 /// Problem of a chain's tool pose, with the target and the bounds of the current query.
 #[derive(Clone, Debug)]
-pub(super) struct PoseQuestion {
+pub(super) struct PoseProblem {
     pub(super) problem: Problem,
     targets: Targets,
     task: TaskId<Pose>,
     /// Measure of the orientation rows.
-    turn: RowBlock,
+    orientation_rows: RowBlock,
     /// Lower bounds of the query.
     pub(super) lower: Vec<f64>,
     /// Upper bounds of the query.
     pub(super) upper: Vec<f64>,
 }
 
-impl PoseQuestion {
+impl PoseProblem {
     /// Problem within all limits, whose target is not set yet.
     pub(super) fn new(serial: &Serial, options: &Options) -> Result<Self, ProblemError> {
         let mut builder = Problem::builder(&serial.model);
@@ -31,7 +31,7 @@ impl PoseQuestion {
         } else {
             f64::INFINITY
         };
-        let [_, turn] = pose.measures();
+        let [_, orientation_rows] = pose.measures();
         let task = builder.add(
             Task::new(pose)
                 .weight(Quantity::Metres, 1.0)
@@ -43,7 +43,7 @@ impl PoseQuestion {
         Ok(Self {
             targets: problem.targets(),
             task,
-            turn,
+            orientation_rows,
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
             problem,
@@ -70,14 +70,14 @@ impl PoseQuestion {
         value.max(self.lower[i]).min(self.upper[i])
     }
 
-    /// Angle of orientation rows whose norm, divided by the weight, is `turn`.
-    pub(super) fn angle(&self, turn: f64) -> f64 {
-        self.turn.error_of(turn)
+    /// Angle of orientation rows whose norm, divided by the weight, is `chord`.
+    pub(super) fn angle(&self, chord: f64) -> f64 {
+        self.orientation_rows.error_of(chord)
     }
 
     /// Problem instance for the general solver.
-    pub(super) fn ask(&self) -> ProblemInstance<'_> {
-        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
-        question.within(&self.lower, &self.upper, &[])
+    pub(super) fn instance(&self) -> ProblemInstance<'_> {
+        let instance = ProblemInstance::from(&self.problem).with_targets(&self.targets);
+        instance.within(&self.lower, &self.upper, &[])
     }
 }
