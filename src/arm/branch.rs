@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::null_space::Factor;
-use super::redundancy::{NullSpaceStep, SHARE};
+use super::redundancy::{NullSpaceStep, STEP_FRACTION};
 use super::singularity_branch::SingularityBranch;
 use super::workspace::ArmWorkspace;
 
@@ -64,12 +64,12 @@ impl Branch {
         /// True if the arm is stretched and its side is known.
         pub(super) fn is_stretched(&self) -> bool = self.singularity_branch.is_known();
         /// True if a target has stayed unreached until the null-space motion ended.
-        pub(super) fn rests_long(&self) -> bool = self.is_unreached && self.remaining < MIN_REMAINING_FRACTION;
+        pub(super) fn has_come_to_rest(&self) -> bool = self.is_unreached && self.remaining < MIN_REMAINING_FRACTION;
     }
 
     /// Returns true if a step includes null-space motion: towards a new target, or back after a failed step.
     pub(super) fn uses_null_space(&self, arm: &Arm) -> bool {
-        arm.has_freedom() && (!self.target_rests || self.is_off_posture)
+        arm.has_null_space() && (!self.target_rests || self.is_off_posture)
     }
 
     /// Records whether the next step's target is the last one's.
@@ -90,8 +90,8 @@ impl Branch {
         workspace: &mut ArmWorkspace,
         max_joint_motion: f64,
     ) {
-        if arm.has_freedom() {
-            self.lead_to_ease(arm, workspace, max_joint_motion, SHARE);
+        if arm.has_null_space() {
+            self.move_to_nominal_posture(arm, workspace, max_joint_motion, STEP_FRACTION);
         }
         if !self.target_rests {
             self.singularity_branch.offset_to_side(workspace);
@@ -101,7 +101,7 @@ impl Branch {
     /// Moves the workspace's x in the null space and returns the largest motion of a joint, radians.
     ///
     /// The motion is at most `max_joint_motion` radians per joint and `fraction` of the distance to the minimum.
-    pub(super) fn lead_to_ease(
+    pub(super) fn move_to_nominal_posture(
         &mut self,
         arm: &Arm,
         workspace: &mut ArmWorkspace,
@@ -109,7 +109,7 @@ impl Branch {
         fraction: f64,
     ) -> f64 {
         let x = std::mem::take(&mut workspace.x);
-        workspace.take_twists(arm, &x);
+        workspace.compute_twists(arm, &x);
         self.aim_at_nominal_posture(arm, workspace, &x, max_joint_motion, fraction, None);
         workspace.x = x;
         workspace.apply_projected();
@@ -151,7 +151,7 @@ impl Branch {
     }
 
     /// Ends a step at the workspace's x.
-    pub(super) fn arrive(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, reached: bool) {
+    pub(super) fn end_step(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, reached: bool) {
         if reached {
             self.singularity_branch.record(arm, &workspace.x);
         }

@@ -139,7 +139,7 @@ impl Arm {
             deadline: None,
         };
         self.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             self.bound_by_limits(workspace);
             workspace.start.copy_from_slice(start);
             workspace.attempt_ends.clear();
@@ -155,7 +155,7 @@ impl Arm {
         /// Radians that a radian or metre of each joint counts as.
         pub(crate) fn scales(&self) -> &[f64] = &self.scale;
         /// True if the goal leaves a null space.
-        pub(crate) fn is_redundant(&self) -> bool = self.has_freedom();
+        pub(crate) fn is_redundant(&self) -> bool = self.has_null_space();
         /// Number of joints beyond the rows of the goal.
         pub(crate) fn spare_joints(&self) -> usize = self.joint_count().saturating_sub(self.options.goal.rows());
         /// Bounds of the pose's components.
@@ -184,7 +184,7 @@ impl Arm {
         q: &[f64],
     ) -> Result<(f64, f64, bool), QueryError> {
         self.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             let errors = workspace.judge(q);
             (errors.position, errors.orientation, errors.reached)
         })
@@ -217,7 +217,7 @@ impl Arm {
             return Ok(());
         }
         self.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             workspace.linearise(q);
             slopes.copy_from_slice(workspace.jacobian.as_slice());
         })

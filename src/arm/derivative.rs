@@ -51,7 +51,7 @@ impl Arm {
         self.with_workspace(|workspace| {
             let (map, question) = (&self.serial.map, &mut workspace.question);
             map.scatter(q, &mut workspace.q);
-            question.aim(&target);
+            question.set_target(&target);
             let buffers = &mut workspace.derivative;
             let derivative = SolutionDerivative::new(question.instance(), &workspace.q, buffers);
             let joints = q.len();

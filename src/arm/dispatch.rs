@@ -168,7 +168,7 @@ impl Arm {
                 _ => best,
             });
             result.number = best_attempt as usize;
-            workspace.aim(query.target);
+            workspace.set_target(query.target);
             self.bound_moves(workspace, query.start);
             self.finish(workspace, query, &mut result);
             self.record_configuration(&result, workspace, solution);
@@ -183,7 +183,7 @@ impl Arm {
         query: &Query<'_>,
         solution: &mut Solution,
     ) -> (SearchResult, Errors) {
-        workspace.aim(query.target);
+        workspace.set_target(query.target);
         self.bound_moves(workspace, query.start);
         let mut result = if self.options.search.compares() {
             let termination = self.collect_solutions(workspace, query);
@@ -314,7 +314,7 @@ impl Arm {
         workspace.x.clone_into(&mut solution.q);
         self.record(result, workspace.errors, solution);
         if !solution.reached {
-            let negligible = workspace.take_slope();
+            let negligible = workspace.compute_gradient();
             let (x, question) = (&workspace.x, workspace.question.instance());
             solution.record_active_limits(question, x, &workspace.gradient, negligible);
             solution.projected_gradient = Some(workspace.projected_gradient(x));

@@ -2,8 +2,8 @@
 
 use super::arm::Arm;
 use super::dispatch::{QUICK_ATTEMPT_ITERATIONS, Query};
-use super::follower::LONG_STEP;
-use super::local_descent::Settling;
+use super::follower::MAX_JOINT_STEP;
+use super::local_descent::LocalDescent;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::problem::NEARBY;
@@ -34,7 +34,7 @@ impl Arm {
         if self.options.search != Search::First {
             result.number = 0;
         }
-        self.settle(workspace, query, result);
+        self.converge(workspace, query, result);
         let stays_on_branch = !self.options.searches_globally();
         let nearby = stays_on_branch && self.is_nearby(workspace);
         let mut searched_near = false;
@@ -42,7 +42,7 @@ impl Arm {
             let mut first = self.save_first(workspace, result);
             result.number = best;
             workspace.x.copy_from_slice(&workspace.best);
-            self.settle(workspace, query, result);
+            self.converge(workspace, query, result);
             if nearby && !result.reached && !query.is_late() {
                 self.restore_first(workspace, &first, result);
                 self.search_near_start(workspace, query, result);
@@ -70,7 +70,7 @@ impl Arm {
         query: &Query<'_>,
         result: &mut SearchResult,
     ) {
-        self.settle(workspace, query, result);
+        self.converge(workspace, query, result);
         if !result.reached && !self.options.searches_globally() && !query.is_late() {
             self.search_near_start(workspace, query, result);
         }
@@ -122,7 +122,7 @@ impl Arm {
     ) {
         let displacement =
             |workspace: &ArmWorkspace| self.largest_joint_move(&workspace.start, &workspace.x).1;
-        if displacement(workspace) <= LONG_STEP {
+        if displacement(workspace) <= MAX_JOINT_STEP {
             self.leave_ridge(workspace, query, result);
             return;
         }
@@ -130,17 +130,17 @@ impl Arm {
         let mut saved = std::mem::take(&mut workspace.saved);
         saved.copy_from_slice(&workspace.x);
         workspace.x.copy_from_slice(&workspace.start);
-        let descent = Settling::freely(MAX_NEAR_STEPS, query.deadline);
-        let (_, steps) = workspace.settle_near(&descent);
+        let descent = LocalDescent::without_anchor(MAX_NEAR_STEPS, query.deadline);
+        let (_, steps) = workspace.descend(&descent);
         result.iterations += steps;
-        let is_near = displacement(workspace) <= LONG_STEP;
+        let is_near = displacement(workspace) <= MAX_JOINT_STEP;
         if is_near {
             saved.copy_from_slice(&workspace.x);
-            let (termination, iterations) = workspace.settle(query.deadline);
+            let (termination, iterations) = workspace.converge(query.deadline);
             result.iterations += iterations;
             result.termination = termination;
         }
-        if displacement(workspace) > LONG_STEP {
+        if displacement(workspace) > MAX_JOINT_STEP {
             workspace.x.copy_from_slice(&saved);
         }
         workspace.saved = saved;
@@ -161,8 +161,9 @@ impl Arm {
     ) {
         let first = self.save_first(workspace, result);
         if workspace.step_off_ridge() {
-            self.settle(workspace, query, result);
-            let is_near = self.largest_joint_move(&workspace.start, &workspace.x).1 <= LONG_STEP;
+            self.converge(workspace, query, result);
+            let is_near =
+                self.largest_joint_move(&workspace.start, &workspace.x).1 <= MAX_JOINT_STEP;
             if !(result.reached && is_near) {
                 self.restore_first(workspace, &first, result);
             }
@@ -223,12 +224,12 @@ impl Arm {
         } else if remaining_result.cost < result.cost {
             workspace.x.copy_from_slice(&workspace.trial);
             result.number = best_attempt;
-            self.settle(workspace, query, result);
+            self.converge(workspace, query, result);
         }
     }
 
-    fn settle(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, result: &mut SearchResult) {
-        let (termination, iterations) = workspace.settle(query.deadline);
+    fn converge(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, result: &mut SearchResult) {
+        let (termination, iterations) = workspace.converge(query.deadline);
         result.iterations += iterations;
         result.termination = termination;
         self.unwrap_towards(query.start, workspace);

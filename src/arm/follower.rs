@@ -7,7 +7,7 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::branch::Branch;
-use super::redundancy::SHARE;
+use super::redundancy::STEP_FRACTION;
 use super::workspace::Errors;
 use crate::ik::Solution;
 use crate::search::SearchResult;
@@ -21,9 +21,9 @@ const MAX_TARGET_DISTANCE: f64 = 0.05;
 /// Longest path step that counts towards the attraction of another path, radians.
 const MAX_ATTRACTED_PATH: f64 = 0.1;
 /// Longest null-space motion of a joint per step, radians.
-pub(super) const LONGEST_EASE: f64 = 0.02;
+pub(super) const MAX_NULL_SPACE_STEP: f64 = 0.02;
 /// Joint motion beyond which a step is a jump, radians; prismatic joints count by the metres that weigh as much.
-pub(super) const LONG_STEP: f64 = 0.2;
+pub(super) const MAX_JOINT_STEP: f64 = 0.2;
 
 /// Step in which a joint moves farther than 0.2 rad.
 ///
@@ -91,7 +91,7 @@ impl Arm {
         })
     }
 
-    /// Index of the joint that moves farthest and its motion, radians (see `LONG_STEP` for prismatic joints).
+    /// Index of the joint that moves farthest and its motion, radians (see `MAX_JOINT_STEP` for prismatic joints).
     pub(super) fn largest_joint_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
         let mut largest = (0, 0.0);
         for (i, ((a, b), scale)) in from.iter().zip(to).zip(&self.scale).enumerate() {
@@ -165,7 +165,8 @@ impl Follower<'_> {
         joints.any(|(limits, q)| !limits.contains(*q))
     }
 
-    /// Moves the joints that are outside their limits towards them, by at most [`LONG_STEP`]; the other joints stay.
+    /// Moves the joints that are outside their limits towards them, by at most [`MAX_JOINT_STEP`]; the other joints
+    /// stay.
     fn return_to_limits(
         &mut self,
         target: &Placement<f64>,
@@ -173,11 +174,11 @@ impl Follower<'_> {
     ) -> Result<(), QueryError> {
         let (arm, q) = (self.arm, &self.q);
         arm.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             arm.bound_by_limits(workspace);
             for (i, limits) in arm.limits().enumerate() {
                 // Slightly less, so that rounding does not make the step a jump.
-                let max_move = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
+                let max_move = (1.0 - 1e-9) * MAX_JOINT_STEP / arm.scale[i];
                 workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-max_move, max_move);
             }
             let mut result = SearchResult::single_attempt(Termination::IterationLimit, 0);
@@ -209,7 +210,7 @@ impl Follower<'_> {
         continuous: bool,
     ) -> Option<Jump> {
         let (joint, distance) = self.arm.largest_joint_move(&self.q, &solution.q);
-        let jump = (distance > LONG_STEP).then_some(Jump {
+        let jump = (distance > MAX_JOINT_STEP).then_some(Jump {
             step: self.steps,
             joint,
             distance,
@@ -276,7 +277,7 @@ impl Follower<'_> {
             &mut solution.q,
         );
         let is_short_step =
-            outcome.reached && arm.largest_joint_move(&self.q, &solution.q).1 <= LONG_STEP;
+            outcome.reached && arm.largest_joint_move(&self.q, &solution.q).1 <= MAX_JOINT_STEP;
         if is_short_step {
             arm.record(&arm.result_of(&outcome), Errors::of(&outcome), solution);
         }
@@ -319,7 +320,7 @@ impl Follower<'_> {
         for (joint_motion, ((q, previous), scale)) in self.motion.iter_mut().zip(motion) {
             let last = q - previous;
             // A jump is not extrapolated.
-            *joint_motion = match last.abs() * scale <= LONG_STEP {
+            *joint_motion = match last.abs() * scale <= MAX_JOINT_STEP {
                 true => fraction * last * scale,
                 false => 0.0,
             };
@@ -349,9 +350,9 @@ impl Follower<'_> {
         let branch = &mut self.branch;
         // Without a workspace the motion stays; the step itself returns the error.
         let _ = arm.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             arm.bound_by_limits(workspace);
-            workspace.take_twists(arm, q);
+            workspace.compute_twists(arm, q);
             let factorisation = workspace.factor_without_bounds(q);
             match &factorisation {
                 Some(factor) => workspace.project_without_bounds(factor, motion),
@@ -364,8 +365,8 @@ impl Follower<'_> {
                 arm,
                 workspace,
                 q,
-                LONGEST_EASE,
-                SHARE,
+                MAX_NULL_SPACE_STEP,
+                STEP_FRACTION,
                 factorisation.as_ref(),
             );
             for (motion, null_space_motion) in motion.iter_mut().zip(&workspace.projected) {

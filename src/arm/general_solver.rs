@@ -114,7 +114,7 @@ impl Arm {
         query: &Query<'_>,
         stopping: &Stopping,
     ) -> SearchResult {
-        let (termination, iterations) = workspace.settle_within(stopping, query.deadline);
+        let (termination, iterations) = workspace.converge_within(stopping, query.deadline);
         self.unwrap_towards(query.start, workspace);
         let mut result = SearchResult::single_attempt(termination, iterations);
         self.judge(workspace, &mut result);

@@ -30,7 +30,7 @@ const MAX_NEWTON_STEPS: usize = 24;
 
 /// Parameters of a local descent.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Settling {
+pub(super) struct LocalDescent {
     /// Largest number of steps.
     pub(super) steps: usize,
     /// Cost of motion: ½ of this factor times the squared distance from the start, m² per rad².
@@ -38,9 +38,9 @@ pub(super) struct Settling {
     pub(super) deadline: Option<Instant>,
 }
 
-impl Settling {
+impl LocalDescent {
     /// Parameters of a descent without a cost of motion.
-    pub(super) fn freely(steps: usize, deadline: Option<Instant>) -> Self {
+    pub(super) fn without_anchor(steps: usize, deadline: Option<Instant>) -> Self {
         let anchor = 0.0;
         Self {
             steps,
@@ -54,20 +54,20 @@ impl ArmWorkspace {
     /// Lowers the cost from x, which must be within the bounds. Returns the termination and the number of steps.
     ///
     /// Nothing is allocated.
-    pub(super) fn settle_near(&mut self, descent: &Settling) -> (Termination, usize) {
+    pub(super) fn descend(&mut self, descent: &LocalDescent) -> (Termination, usize) {
         self.anchor.copy_from_slice(&self.x);
         self.descend_anchored(descent)
     }
 
-    /// Descends as [`settle_near`](Self::settle_near) does, with motion measured from the workspace's anchor.
-    pub(super) fn descend_anchored(&mut self, descent: &Settling) -> (Termination, usize) {
+    /// Descends as [`descend`](Self::descend) does, with motion measured from the workspace's anchor.
+    pub(super) fn descend_anchored(&mut self, descent: &LocalDescent) -> (Termination, usize) {
         let mut x = std::mem::take(&mut self.x);
         let result = self.descend_from(&mut x, descent);
         self.x = x;
         result
     }
 
-    fn descend_from(&mut self, x: &mut [f64], descent: &Settling) -> (Termination, usize) {
+    fn descend_from(&mut self, x: &mut [f64], descent: &LocalDescent) -> (Termination, usize) {
         let mut damping_factor = 1.0;
         for step in 0..descent.steps {
             let residual = Vector6::from(self.linearise(x));

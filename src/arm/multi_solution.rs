@@ -41,7 +41,7 @@ impl Arm {
         self.check_query(0, &target, start)?;
         let query = self.query(&target, start);
         self.with_workspace(|workspace| {
-            workspace.aim(&target);
+            workspace.set_target(&target);
             self.bound_moves(workspace, start);
             let termination = self.collect_solutions(workspace, &query);
             #[cfg(feature = "collision")]
@@ -177,7 +177,7 @@ impl Arm {
         };
         workspace.move_to_attempt_end(index);
         result.number = index;
-        if self.has_freedom() {
+        if self.has_null_space() {
             let mut best = f64::INFINITY;
             // Taken out and put back, so that nothing is allocated.
             let reference = std::mem::take(&mut workspace.start);

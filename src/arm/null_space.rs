@@ -152,11 +152,11 @@ impl ArmWorkspace {
     /// Computes a Jacobian at x with the null space of the goal's.
     ///
     /// For the full pose it is the tool's geometric Jacobian, which needs no residual and a third of the instructions.
-    pub(super) fn take_twists(&mut self, arm: &Arm, x: &[f64]) {
+    pub(super) fn compute_twists(&mut self, arm: &Arm, x: &[f64]) {
         match (&arm.simd_solver, arm.options.goal.is_full_pose()) {
             (Some(simd_solver), true) => {
                 let radian = arm.options.metres_per_radian;
-                self.forget_jacobian();
+                self.invalidate_jacobian();
                 simd_solver.write_twists(x, radian, self.jacobian.as_mut_slice());
             }
             _ => {

@@ -51,7 +51,7 @@ impl PoseProblem {
     }
 
     /// Sets the target.
-    pub(super) fn aim(&mut self, target: &Placement<f64>) {
+    pub(super) fn set_target(&mut self, target: &Placement<f64>) {
         let pose = self.targets.get_mut(self.task);
         debug_assert!(pose.is_ok(), "the task is the problem's own");
         if let Ok(pose) = pose {

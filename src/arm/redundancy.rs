@@ -17,7 +17,7 @@ const FREE_RANGE_FRACTION: f64 = 0.6;
 /// Largest fraction of a joint's half range for a nominal posture.
 const MAX_POSTURE_FRACTION: f64 = 0.95;
 /// Fraction of the distance to the minimum that one step takes.
-pub(super) const SHARE: f64 = 0.5;
+pub(super) const STEP_FRACTION: f64 = 0.5;
 /// Longest motion in one step, as a fraction of the distance to the nearest singularity, within which the null space
 /// rotates.
 const MAX_SINGULARITY_FRACTION: f64 = 0.5;
@@ -30,7 +30,7 @@ const POSTURE_TOLERANCE: f64 = 1e-9;
 
 impl Arm {
     /// Returns true if the goal may leave a null space.
-    pub(super) fn has_freedom(&self) -> bool {
+    pub(super) fn has_null_space(&self) -> bool {
         self.joint_count() > self.options.goal.rows() || self.options.goal.has_room()
     }
 
@@ -121,7 +121,7 @@ impl NullSpaceStep<'_> {
 impl ArmWorkspace {
     /// Writes the null-space motion from x towards the nominal posture to `projected`, radians per joint.
     ///
-    /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::take_twists). Returns true
+    /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::compute_twists). Returns true
     /// if there is any motion, and the smallest stiffness for the next step.
     pub(super) fn aim_at_nominal_posture(
         &mut self,

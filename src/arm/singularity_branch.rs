@@ -103,7 +103,7 @@ impl SingularityBranch {
         let x = std::mem::take(&mut workspace.x);
         let residual = Vector6::from(workspace.linearise(&x));
         if !self.known {
-            let reference = match arm.has_freedom() {
+            let reference = match arm.has_null_space() {
                 true => nominal_posture,
                 false => &self.previous_recorded,
             };
@@ -121,7 +121,7 @@ impl SingularityBranch {
                 growth = self.correct_by_curvature(workspace, &x, &residual);
             }
             self.known = was_known || growth > MIN_ERROR_GROWTH;
-            if arm.has_freedom() {
+            if arm.has_null_space() {
                 self.orient_to_posture(arm, &x, nominal_posture);
             }
         }

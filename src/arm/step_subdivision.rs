@@ -3,8 +3,8 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::branch::Branch;
-use super::follower::{LONG_STEP, LONGEST_EASE};
-use super::local_descent::Settling;
+use super::follower::{MAX_JOINT_STEP, MAX_NULL_SPACE_STEP};
+use super::local_descent::LocalDescent;
 use super::workspace::ArmWorkspace;
 use crate::ik::Solution;
 use crate::search::SearchResult;
@@ -17,7 +17,7 @@ const FRACTIONS: usize = 64;
 /// Smallest fraction.
 const MIN_FRACTION: f64 = 1.0 / 128.0;
 /// Longest joint motion of a step by local descent, radians.
-const DESCENT_JOINT_STEP: f64 = 0.5 * LONG_STEP;
+const DESCENT_JOINT_STEP: f64 = 0.5 * MAX_JOINT_STEP;
 /// Largest number of steps of one descent; the next target continues from there.
 const MAX_DESCENT_STEPS: usize = 60;
 
@@ -37,19 +37,19 @@ impl Arm {
     ) -> Result<(), QueryError> {
         let deadline = self.deadline();
         self.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             self.bound_step(workspace, from, DESCENT_JOINT_STEP);
             workspace.x.copy_from_slice(&workspace.start);
-            branch.begin_step(self, workspace, LONGEST_EASE);
-            let descent = Settling::freely(MAX_DESCENT_STEPS, deadline);
-            let (termination, iterations) = workspace.settle_near(&descent);
+            branch.begin_step(self, workspace, MAX_NULL_SPACE_STEP);
+            let descent = LocalDescent::without_anchor(MAX_DESCENT_STEPS, deadline);
+            let (termination, iterations) = workspace.descend(&descent);
             let mut result = SearchResult::single_attempt(termination, iterations);
             self.judge(workspace, &mut result);
             if let (true, Some(posture)) = (result.reached, &self.options.posture) {
                 self.move_towards_posture(workspace, posture, deadline);
                 self.judge(workspace, &mut result);
             }
-            branch.arrive(self, workspace, result.reached);
+            branch.end_step(self, workspace, result.reached);
             result.termination =
                 self.final_termination(&result, termination == Termination::TimeLimit);
             self.record_configuration(&result, workspace, solution);
@@ -73,7 +73,7 @@ impl Arm {
             let Some(iterations) = self.advance_by_fractions(workspace, simd_solver, target) else {
                 return false;
             };
-            workspace.aim(target);
+            workspace.set_target(target);
             let mut result = SearchResult {
                 termination: Termination::Reached,
                 iterations,
@@ -100,7 +100,7 @@ impl Arm {
         // The attempt from the start may have led far away.
         let query = self.query(target, from);
         self.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             self.bound_moves(workspace, from);
             self.collect_solutions(workspace, &query);
             let result = self.nearest(workspace, &query, Termination::Reached);
@@ -123,12 +123,12 @@ impl Arm {
         }
         let query = self.query(target, from);
         self.with_workspace(|workspace| {
-            workspace.aim(target);
+            workspace.set_target(target);
             self.bound_moves(workspace, from);
             self.collect_solutions(workspace, &query);
             #[cfg(feature = "collision")]
             self.drop_colliding(workspace, &query)?;
-            Ok(self.distinct(workspace, count, LONG_STEP, Termination::Reached))
+            Ok(self.distinct(workspace, count, MAX_JOINT_STEP, Termination::Reached))
         })?
     }
 

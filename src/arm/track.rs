@@ -2,7 +2,7 @@
 
 use super::QueryError;
 use super::arm::Arm;
-use super::follower::{Follower, Jump, LONG_STEP};
+use super::follower::{Follower, Jump, MAX_JOINT_STEP};
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
@@ -15,7 +15,7 @@ const ATTRACTIONS: [f64; 3] = [0.3, 0.1, 0.03];
 /// Largest number of backward steps in all, as a multiple of the path's length.
 const BACKWARD_STEPS_PER_TARGET: usize = 32;
 /// Largest difference of a joint at which two paths meet, radians.
-const MAX_MEETING_DISTANCE: f64 = 0.25 * LONG_STEP;
+const MAX_MEETING_DISTANCE: f64 = 0.25 * MAX_JOINT_STEP;
 
 /// Joint path along targets, and its jumps.
 #[derive(Clone, Debug, Default)]
@@ -118,7 +118,7 @@ impl Arm {
             return Ok(None);
         };
         // For a start far from the path no motion is checked, as for single solutions.
-        let starts_near = self.largest_joint_move(start, &first.q).1 <= LONG_STEP;
+        let starts_near = self.largest_joint_move(start, &first.q).1 <= MAX_JOINT_STEP;
         let mut last = if starts_near { start } else { &first.q };
         for solution in &track.solutions {
             if !self.is_motion_free(last, &solution.q)? {
@@ -195,7 +195,7 @@ impl Arm {
                 self.largest_joint_move(&track_solution.q, &solution.q).1 <= MAX_MEETING_DISTANCE;
             let next = path.last().map_or(&*alternative.q, |next| &next.q);
             // The path continues from the known one, without a jump.
-            let can_join = || self.largest_joint_move(&track_solution.q, next).1 <= LONG_STEP;
+            let can_join = || self.largest_joint_move(&track_solution.q, next).1 <= MAX_JOINT_STEP;
             if is_near && can_join() && self.is_motion_free(&track_solution.q, next)? {
                 return Ok(Some(path));
             }

@@ -48,7 +48,7 @@ pub(super) struct ArmWorkspace {
     pub(super) batch_solution: Solution,
     /// Buffers of the collision checks.
     #[cfg(feature = "collision")]
-    pub(super) clear_room: Option<super::collision_avoidance::CollisionWorkspace>,
+    pub(super) collision_workspace: Option<super::collision_avoidance::CollisionWorkspace>,
     /// SIMD solver with the bounds of the query, if motions are bounded.
     pub(super) bounded_simd_solver: Option<PoseSolver>,
     /// Start, clamped to the bounds.
@@ -115,7 +115,7 @@ impl ArmWorkspace {
             attempts: Attempts::default(),
             batch_solution: Solution::default(),
             #[cfg(feature = "collision")]
-            clear_room: None,
+            collision_workspace: None,
             bounded_simd_solver: None,
             start: vec![0.0; n],
             x: vec![0.0; n],
@@ -153,13 +153,13 @@ impl ArmWorkspace {
     }
 
     /// Sets the target.
-    pub(super) fn aim(&mut self, target: &Placement<f64>) {
-        self.question.aim(target);
-        self.forget_jacobian();
+    pub(super) fn set_target(&mut self, target: &Placement<f64>) {
+        self.question.set_target(target);
+        self.invalidate_jacobian();
     }
 
     /// Marks the workspace's Jacobian as outdated.
-    pub(super) fn forget_jacobian(&mut self) {
+    pub(super) fn invalidate_jacobian(&mut self) {
         self.linear_at.fill(f64::NAN);
     }
 
@@ -243,7 +243,7 @@ impl ArmWorkspace {
     }
 
     /// Computes the gradient at the workspace's x. Returns the slope that the general solver counts as none there.
-    pub(super) fn take_slope(&mut self) -> f64 {
+    pub(super) fn compute_gradient(&mut self) -> f64 {
         let x = std::mem::take(&mut self.x);
         let residual = self.linearise(&x);
         self.x = x;
@@ -285,12 +285,12 @@ impl ArmWorkspace {
     /// Descends from x to a local minimum by the general Levenberg-Marquardt method.
     ///
     /// Returns the termination and the number of steps. If nothing is finite, x stays.
-    pub(super) fn settle(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
-        self.settle_within(&stopping(), deadline)
+    pub(super) fn converge(&mut self, deadline: Option<Instant>) -> (Termination, usize) {
+        self.converge_within(&stopping(), deadline)
     }
 
-    /// Descends as [`settle`](Self::settle) does, with other termination criteria.
-    pub(super) fn settle_within(
+    /// Descends as [`converge`](Self::converge) does, with other termination criteria.
+    pub(super) fn converge_within(
         &mut self,
         stopping: &Stopping,
         deadline: Option<Instant>,

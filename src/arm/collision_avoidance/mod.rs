@@ -109,7 +109,7 @@ impl Arm {
         let avoidance = CollisionAvoidance::new(&arm, checker, q_model, previous)?;
         arm.collisions = Some(Arc::new(avoidance));
         // A workspace of another checker is invalid.
-        arm.for_each_workspace(|workspace| workspace.clear_room = None);
+        arm.for_each_workspace(|workspace| workspace.collision_workspace = None);
         Ok(arm)
     }
 
@@ -165,7 +165,7 @@ impl Arm {
         self.check_length("q", q.len(), self.joint_count())?;
         self.check_finite("q", q)?;
         match &self.collisions {
-            Some(avoidance) => avoidance.collisions(self, &mut avoidance.room(), q),
+            Some(avoidance) => avoidance.collisions(self, &mut avoidance.workspace(), q),
             None => Ok(Vec::new()),
         }
     }
@@ -178,12 +178,12 @@ impl Arm {
     ) -> Result<T, QueryError> {
         self.with_workspace(|workspace| {
             // Taken out and put back, so that nothing is allocated.
-            let mut stored = workspace.clear_room.take();
-            let checks = stored.get_or_insert_with(|| avoidance.room());
+            let mut stored = workspace.collision_workspace.take();
+            let checks = stored.get_or_insert_with(|| avoidance.workspace());
             checks.deadline = None;
             let result = run(workspace, checks);
             checks.deadline = None;
-            workspace.clear_room = stored;
+            workspace.collision_workspace = stored;
             result
         })?
     }
@@ -259,7 +259,7 @@ impl CollisionAvoidance {
         &self.rest
     }
 
-    pub(super) fn room(&self) -> CollisionWorkspace {
+    pub(super) fn workspace(&self) -> CollisionWorkspace {
         CollisionWorkspace {
             sphere_workspaces: SphereWorkspaces::default(),
             exact: self.checker.workspace(),

@@ -37,14 +37,14 @@ impl Arm {
         (mut min_distance, max_attempts): (f64, usize),
     ) -> Result<(bool, NullSpaceSteps), QueryError> {
         let mut steps = NullSpaceSteps::default();
-        if !self.has_freedom() {
+        if !self.has_null_space() {
             return Ok((false, steps));
         }
         let n = self.joint_count();
         let (mut centre, mut q) = (workspace.x.clone(), vec![0.0; n]);
         let [mut step, min_step] = STEP_RANGE;
         while step >= min_step {
-            workspace.take_twists(self, &centre);
+            workspace.compute_twists(self, &centre);
             let mut directions: Vec<Vec<f64>> = Vec::new();
             let mut improved = false;
             'directions: for joint in 0..n {

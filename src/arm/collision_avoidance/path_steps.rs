@@ -3,7 +3,7 @@
 use super::{CollisionAvoidance, CollisionWorkspace};
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
-use crate::arm::follower::LONG_STEP;
+use crate::arm::follower::MAX_JOINT_STEP;
 use crate::arm::workspace::ArmWorkspace;
 use crate::clock::is_past;
 use crate::collision::MotionCheck;
@@ -34,12 +34,12 @@ impl Arm {
             let motion = avoidance.way_from_contact(self, checks, from, &solution.q)?;
             let begins_in_contact = motion.begins_touching();
             if let Some(collision) = motion.blocked_by {
-                workspace.aim(target);
+                workspace.set_target(target);
                 self.bound_by_limits(workspace);
                 let found_detour = solution.reached
                     && self.find_detour_in_null_space(avoidance, workspace, checks, from)?;
                 if !found_detour {
-                    let fraction = avoidance.cautious_share(self, checks, from, &solution.q)?;
+                    let fraction = avoidance.cautious_fraction(self, checks, from, &solution.q)?;
                     let ends = from.iter().zip(&solution.q);
                     for (x, (from, to)) in workspace.x.iter_mut().zip(ends) {
                         *x = from + fraction * (to - from);
@@ -71,10 +71,10 @@ impl Arm {
         checks: &mut CollisionWorkspace,
         from: &[f64],
     ) -> Result<bool, QueryError> {
-        let Some(simd_solver) = self.simd_solver.as_ref().filter(|_| self.has_freedom()) else {
+        let Some(simd_solver) = self.simd_solver.as_ref().filter(|_| self.has_null_space()) else {
             return Ok(false);
         };
-        workspace.take_twists(self, from);
+        workspace.compute_twists(self, from);
         let n = self.joint_count();
         let mut q = vec![0.0; n];
         // One deadline for all attempts.
@@ -92,7 +92,7 @@ impl Arm {
                 let outcome =
                     simd_solver.attempt_from_start(&target, &workspace.trial, deadline, &mut q);
                 let (_, distance) = self.largest_joint_move(from, &q);
-                let is_nearer = outcome.reached && distance <= LONG_STEP && distance < best;
+                let is_nearer = outcome.reached && distance <= MAX_JOINT_STEP && distance < best;
                 let is_free = |checks: &mut CollisionWorkspace| -> Result<bool, QueryError> {
                     let motion = avoidance.way_from_contact(self, checks, from, &q)?;
                     Ok(motion.blocked_by.is_none())
@@ -137,7 +137,7 @@ impl CollisionAvoidance {
     }
 
     /// Fraction of that motion that is free with the larger margin.
-    pub(in crate::arm) fn cautious_share(
+    pub(in crate::arm) fn cautious_fraction(
         &self,
         arm: &Arm,
         checks: &mut CollisionWorkspace,

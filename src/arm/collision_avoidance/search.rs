@@ -59,7 +59,7 @@ impl Arm {
         query: &Query<'_>,
         result: &mut SearchResult,
     ) -> Result<(), QueryError> {
-        workspace.aim(query.target);
+        workspace.set_target(query.target);
         self.bound_moves(workspace, query.start);
         if avoidance.never_free {
             (result.reached, result.termination) = (false, Termination::Stationary);
@@ -313,8 +313,8 @@ impl Arm {
         let Some(avoidance) = &self.collisions else {
             return Ok(true);
         };
-        let mut stored = workspace.clear_room.take();
-        let checks = stored.get_or_insert_with(|| avoidance.room());
+        let mut stored = workspace.collision_workspace.take();
+        let checks = stored.get_or_insert_with(|| avoidance.workspace());
         checks.deadline = query.deadline;
         let mut ranking = std::mem::take(&mut workspace.ranking);
         let mut free = Vec::with_capacity(ranking.len());
@@ -331,7 +331,7 @@ impl Arm {
         all_checked &= !query.is_late();
         checks.deadline = None;
         workspace.ranking = free;
-        workspace.clear_room = stored;
+        workspace.collision_workspace = stored;
         Ok(all_checked)
     }
 }

@@ -16,9 +16,9 @@ use std::cmp::Ordering;
 use self::straight_line::StraightLine;
 use super::arm::Arm;
 use super::branch::Branch;
-use super::follower::{LONG_STEP, LONGEST_EASE};
-use super::local_descent::Settling;
-use super::redundancy::SHARE;
+use super::follower::{MAX_JOINT_STEP, MAX_NULL_SPACE_STEP};
+use super::local_descent::LocalDescent;
+use super::redundancy::STEP_FRACTION;
 use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use crate::bad_option::{ABOVE_0, AT_LEAST_0, BadOption, NOT_NEGATIVE, Range};
@@ -33,7 +33,7 @@ pub use report::{HeldBy, ServoStatus, ServoStep};
 /// Steps of one cycle towards the goal configuration; the next cycle continues from there.
 const GOAL_STEPS: usize = 8;
 /// Largest step of a joint without a velocity limit in a cycle, radians.
-const UNLIMITED_STEP: f64 = 0.5 * LONG_STEP;
+const UNLIMITED_STEP: f64 = 0.5 * MAX_JOINT_STEP;
 /// Default damping, radians.
 const DAMPING: f64 = 0.01;
 /// Fraction of the damping that is left after each cycle with the same target.
@@ -421,7 +421,7 @@ impl Servo<'_> {
 
     /// Errors of the commanded configuration.
     fn errors_at_q(&mut self, target: &Placement<f64>) -> Errors {
-        self.workspace.aim(target);
+        self.workspace.set_target(target);
         self.workspace.x.copy_from_slice(&self.q);
         self.workspace.judge_x()
     }
@@ -485,22 +485,22 @@ impl Servo<'_> {
                 true => *target,
                 false => self.approached.interpolated(target, share),
             };
-            self.workspace.aim(&self.approached);
+            self.workspace.set_target(&self.approached);
             self.bound_goal();
             self.workspace.x.copy_from_slice(&self.goal);
             if lead == 0 {
                 self.branch.take_target(rests);
                 self.lead_null_space(rests);
             }
-            let settling = Settling {
+            let descent = LocalDescent {
                 steps: GOAL_STEPS,
                 anchor: self.damping * self.fading,
                 deadline: None,
             };
-            (ended, _) = self.workspace.settle_near(&settling);
+            (ended, _) = self.workspace.descend(&descent);
             // In flat valleys short steps converge slowly.
-            if arrives && ended == Termination::IterationLimit && self.branch.rests_long() {
-                (ended, _) = self.workspace.settle(None);
+            if arrives && ended == Termination::IterationLimit && self.branch.has_come_to_rest() {
+                (ended, _) = self.workspace.converge(None);
             }
             self.goal.copy_from_slice(&self.workspace.x);
             if arrives {
@@ -510,7 +510,7 @@ impl Servo<'_> {
         let errors = self.workspace.judge_x();
         self.hold_at_limits(errors.reached);
         self.branch
-            .arrive(self.arm, &mut self.workspace, errors.reached);
+            .end_step(self.arm, &mut self.workspace, errors.reached);
         ended
     }
 
@@ -538,10 +538,10 @@ impl Servo<'_> {
 
     /// Adds null-space motion to the goal configuration.
     fn lead_null_space(&mut self, rests: bool) {
-        if !self.arm.has_freedom() {
+        if !self.arm.has_null_space() {
             return;
         }
-        let (mut step, mut change) = (LONGEST_EASE, f64::INFINITY);
+        let (mut step, mut change) = (MAX_NULL_SPACE_STEP, f64::INFINITY);
         for (limits, scale) in self.limits.iter().zip(&self.arm.scale) {
             if limits.step > 0.0 {
                 step = step.min(limits.step * scale);
@@ -561,7 +561,7 @@ impl Servo<'_> {
         let gain = (NULL_SPACE_ACCELERATION * change).min(rise * step);
         // While the arm is far from its goal, the goal's null-space motion does not show.
         let (longest, share) = match rests && self.catches_up {
-            true => (LONGEST_EASE, SHARE),
+            true => (MAX_NULL_SPACE_STEP, STEP_FRACTION),
             false => (
                 step.min(self.null_space_step + gain),
                 self.time_step / (self.time_step + time),
@@ -569,7 +569,7 @@ impl Servo<'_> {
         };
         self.null_space_step =
             self.branch
-                .lead_to_ease(self.arm, &mut self.workspace, longest, share);
+                .move_to_nominal_posture(self.arm, &mut self.workspace, longest, share);
     }
 
     /// Finds the joints that push against a position limit at the goal configuration.
@@ -581,7 +581,7 @@ impl Servo<'_> {
         if reached || !ends.any(|(i, x)| at_limit(i, *x)) {
             return;
         }
-        let negligible = self.workspace.take_slope();
+        let negligible = self.workspace.compute_gradient();
         let ArmWorkspace { x, gradient, .. } = &self.workspace;
         for (i, held) in self.held.iter_mut().enumerate() {
             if x[i] <= map.lower()[i] && gradient[i] > negligible {
@@ -642,7 +642,9 @@ impl Servo<'_> {
         let Some(kept) = &arm.collisions else {
             return Ok(None);
         };
-        let room = workspace.clear_room.get_or_insert_with(|| kept.room());
+        let room = workspace
+            .collision_workspace
+            .get_or_insert_with(|| kept.workspace());
         // Configuration at which the arm would come to rest.
         for (i, x) in workspace.x.iter_mut().enumerate() {
             *x = self.next[i].q + self.next[i].stop(&self.limits[i]).end;
@@ -664,7 +666,7 @@ impl Servo<'_> {
             .iter()
             .all(|limits| limits.change.is_infinite() && limits.change_rate.is_infinite());
         if instant {
-            let share = kept.cautious_share(arm, room, &self.q, &workspace.x)?;
+            let share = kept.cautious_fraction(arm, room, &self.q, &workspace.x)?;
             for (i, x) in workspace.x.iter_mut().enumerate() {
                 *x = self.q[i] + share * (*x - self.q[i]);
                 let step = *x - self.q[i];

@@ -126,7 +126,7 @@ impl StraightLine {
         limits: &[CycleLimits],
         along: &Vector6<f64>,
     ) -> CycleLimits {
-        workspace.take_twists(arm, goal);
+        workspace.compute_twists(arm, goal);
         let weighted = along * arm.options.metres_per_radian;
         workspace.joint_motion_of(goal, &weighted, SINGULAR);
         let mut line = CycleLimits {
