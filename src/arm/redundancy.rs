@@ -121,8 +121,8 @@ impl NullSpaceStep<'_> {
 impl ArmWorkspace {
     /// Writes the null-space motion from x towards the nominal posture to `projected`, radians per joint.
     ///
-    /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::compute_twists). Returns true
-    /// if there is any motion, and the smallest stiffness for the next step.
+    /// The workspace must hold the Jacobian at x, or [one with its null space](ArmWorkspace::compute_twists). Returns
+    /// true if there is any motion, and the smallest stiffness for the next step.
     pub(super) fn aim_at_nominal_posture(
         &mut self,
         arm: &Arm,
