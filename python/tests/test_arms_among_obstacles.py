@@ -123,11 +123,11 @@ def test_bad_worlds_and_margins_are_refused(panda: kinopt.Robot, arm: kinopt.Arm
     with pytest.raises(InvalidValueError, match="Robot"):
         kinopt.Arm(panda.model, "base", "flange", world=table())
     plain = kinopt.Arm(panda, "base", "flange")
-    with pytest.raises(InvalidValueError, match="made without a world or a margin"):
+    with pytest.raises(InvalidValueError, match="built without a world and a margin"):
         plain.with_world(table())
-    with pytest.raises(InvalidValueError, match="not known: it was made without a world"):
+    with pytest.raises(InvalidValueError, match="unknown: the arm was built without a world"):
         plain.collisions(Q)
-    with pytest.raises(InvalidValueError, match="not known"):
+    with pytest.raises(InvalidValueError, match="unknown"):
         plain.clear_by_spheres(np.array([Q]))
     held = table()
     held.attach("post", "claw", (0, 0, 0))

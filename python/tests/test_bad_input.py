@@ -260,5 +260,5 @@ def test_a_ball_asked_as_if_it_were_one_number_is_named() -> None:
     ):
         with pytest.raises(kinopt.InvalidValueError, match="`hip` is a ball"):
             ask()
-    with pytest.raises(kinopt.InvalidValueError, match="the share of the way .* NaN"):
+    with pytest.raises(kinopt.InvalidValueError, match="the interpolation parameter .* NaN"):
         model.interpolate(q, q, float("nan"))

@@ -275,7 +275,7 @@ def test_a_robot_that_moves_freely_has_its_free_base(tmp_path: Path) -> None:
     plain = kinopt.Robot.from_mjcf(file)
     free = kinopt.Robot.from_mjcf(file, base_joint="free", base_bounds={"z": (0.2, 1.5)})
     assert free.joint_names == plain.joint_names and free.lower[2] == 0.2
-    with pytest.raises(InvalidValueError, match="`float/x` moves the whole of `body` freely already"):
+    with pytest.raises(InvalidValueError, match="`float/x` already moves all of `body` freely"):
         kinopt.Robot.from_mjcf(file, base_joint="planar")
 
 

@@ -129,7 +129,7 @@ impl Arm {
     ) -> Result<Self, ArmError> {
         let Some(kept) = &self.collisions else {
             return Err(ArmError::Conflict(
-                "the arm was made without a world or a margin to keep clear of, so it has none to exchange",
+                "the arm was built without a world and a margin: they cannot be replaced",
             ));
         };
         let margin = margin.into().unwrap_or(kept.checker.margin());
