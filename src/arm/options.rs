@@ -160,8 +160,8 @@ impl Options {
             one_a_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
             if self.search.compares() {
                 return Err(ArmError::Conflict(
-                    "a posture goes with the searches `Start` and `First`: `Nearest` and `Distinct` \
-                     use the null space themselves",
+                    "a posture applies to the searches `Start` and `First`: `Nearest` and `Distinct` \
+                     select by joint displacement",
                 ));
             }
         }

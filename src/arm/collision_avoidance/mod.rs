@@ -282,8 +282,8 @@ impl CollisionAvoidance {
         Ok(self.check_time.measured(arm, check)?)
     }
 
-    /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free, and negative
-    /// infinity where the check was cut short.
+    /// Returns the distance of the nearest pair at a configuration of the arm, metres. It is infinite if all pairs are free,
+    /// and negative infinity if the check was cut short.
     fn worst(
         &self,
         arm: &Arm,
