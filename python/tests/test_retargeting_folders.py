@@ -54,7 +54,7 @@ def test_folder_resumes(folder: Path, tmp_path: Path) -> None:
     assert [report.done_before for report in again] == [True, False, True, False]
     second = files(into)
     assert set(second) == {*first, "lost.npz"} and second["one.npz"] == first["one.npz"]
-    assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, again=True))
+    assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, overwrite=True))
     with pytest.raises(InvalidValueError, match="results of other settings"):
         retarget_folder(folder, NAO, into, MAP, whole=True)
 
@@ -102,7 +102,7 @@ def test_interrupt_starts_no_more_movements(tmp_path: Path) -> None:
 
 
 def test_invalid_folders_are_named(folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(FileError, match="no folder"):
+    with pytest.raises(FileError, match="not a folder"):
         retarget_folder(tmp_path / "none", NAO, tmp_path / "into")
     (tmp_path / "empty").mkdir()
     with pytest.raises(FileError, match="no motion file found"):
