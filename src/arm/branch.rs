@@ -89,7 +89,16 @@ impl Branch {
             self.lead_to_ease(arm, workspace, longest, SHARE);
         }
         if !self.rests {
-            self.bend.lean(workspace);
+            self.bend.lean(workspace, f64::INFINITY);
+        }
+    }
+
+    /// Moves the workspace's x slightly to the side of a stretched arm, if the last step missed a target that moves.
+    ///
+    /// The motion is at most `longest` radians per joint.
+    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
+        if self.missed && !self.rests {
+            self.bend.lean(workspace, longest);
         }
     }
 

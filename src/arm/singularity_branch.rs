@@ -77,11 +77,12 @@ impl SingularityBranch {
         }
     }
 
-    /// Moves the workspace's x slightly to this side, within the bounds.
-    pub(super) fn lean(&self, workspace: &mut ArmWorkspace) {
+    /// Moves the workspace's x slightly to this side, by at most `longest` radians, within the bounds.
+    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
         if self.known {
+            let by = LEANING.min(longest);
             for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
-                *projected = LEANING * way;
+                *projected = by * way;
             }
             workspace.go_by_projected();
         }
@@ -121,7 +122,9 @@ impl SingularityBranch {
                 bend = self.turn_where_it_bends(workspace, &x, &residual);
             }
             self.known = carried || bend > LEAST_BEND;
-            if arm.has_freedom() {
+            // At a stretched configuration the carried side is the arm's. Null-space motion may lead far from the
+            // nominal posture there.
+            if arm.has_freedom() && !(carried && bend > LEAST_BEND) {
                 self.turn_to(arm, &x, ease);
             }
         }
