@@ -53,7 +53,7 @@ def nod(chain):
     return builder.build()
 
 
-def test_a_clip_is_at_its_keys_and_between_them(chain):
+def test_clip_is_sampled_at_and_between_keys(chain):
     clip = nod(chain)
     assert clip.span == (0, 2) and clip.duration == 2 and clip.name == "nod"
     times = np.linspace(0, 2, 9)
@@ -84,7 +84,7 @@ def test_playback_repeats(chain):
         clip.sample(1.0, "backwards")
 
 
-def test_events_fire_once_each_time_they_are_passed(chain):
+def test_events_fire_once_per_passage(chain):
     clip = nod(chain)
     for steps in (1, 7, 100):
         playhead, heard = Playhead(), []
@@ -95,7 +95,7 @@ def test_events_fire_once_each_time_they_are_passed(chain):
     assert len(clip.fired(Playhead().advance(1e6), "loop", most=5)) == 5
 
 
-def test_channels_give_the_clip_again(chain):
+def test_channels_rebuild_the_clip(chain):
     clip = nod(chain)
     builder = Clip.builder("twin", chain)
     builder.span(*clip.span)
@@ -109,7 +109,7 @@ def test_channels_give_the_clip_again(chain):
     assert np.array_equal(ours.morph_weights, theirs.morph_weights)
 
 
-def test_copies_are_the_same_to_the_bit(chain):
+def test_copies_are_bitwise_equal(chain):
     clip = nod(chain)
     twin = pickle.loads(pickle.dumps(clip))
     times = np.random.default_rng(3).uniform(-1, 5, 200)
@@ -138,7 +138,7 @@ def test_copies_are_the_same_to_the_bit(chain):
     assert np.array_equal(same.sample(times).rotations_xyzw, keys.sample(times).rotations_xyzw)
 
 
-def test_curves_are_what_their_formulas_say():
+def test_curves_match_formulas():
     times, values = np.array([0.0, 1.0, 3.0]), np.array([1.0, 2.0, -1.0])
     inside = np.linspace(0, 3, 31)
     linear = KeyedCurve.linear(times, values)
@@ -172,7 +172,7 @@ def test_curves_are_what_their_formulas_say():
         assert np.array_equal(twin.at(inside), curve.at(inside))
 
 
-def test_rotations_run_at_constant_speed_and_pass_their_keys():
+def test_rotations_have_constant_speed_and_pass_keys():
     times, angles = np.array([0.0, 1.0, 2.5]), np.array([0.0, 1.0, 0.2])
     inside = np.linspace(0, 2.5, 26)
     slerp = RotationCurve.slerp(times, xyzw=about_z(angles))
@@ -217,7 +217,7 @@ def test_blends_are_weighted_means(chain):
     assert np.array_equal(twin.bones, [1, 0, 0.25])
 
 
-def test_additive_layers_add_the_difference_from_their_reference(chain):
+def test_additive_layers_add_difference_from_reference(chain):
     base, lean = chain.rest, chain.rest
     base.set_local("hips", translation=[0, 5, 0], rotation_xyzw=about_z(np.array(0.4)))
     lean.set_local("hips", translation=[0, 1, 0], rotation_xyzw=about_z(np.array(0.2)))
@@ -231,7 +231,7 @@ def test_additive_layers_add_the_difference_from_their_reference(chain):
     assert np.allclose(base.translations[0], [0, 1, 0])
 
 
-def test_poses_are_made_of_arrays(chain):
+def test_poses_are_built_from_arrays(chain):
     angles = np.linspace(0, 1, 12).reshape(4, 3)
     poses = Poses(chain, rotations_xyzw=about_z(angles), morph_weights=np.ones((4, 2)))
     assert len(poses) == 4
@@ -250,7 +250,7 @@ def test_poses_are_made_of_arrays(chain):
     assert np.allclose(at_rest, np.eye(4), atol=1e-6)
 
 
-def test_bones_are_placed_in_the_model(chain):
+def test_bones_are_placed_in_model_space(chain):
     pose = chain.rest
     chain.set_model_rotation(pose, "chest", xyzw=about_z(np.array(1.0)))
     assert np.allclose(chain.model_rotation_xyzw(pose, "head"), about_z(np.array(1.0)), atol=1e-6)
@@ -261,7 +261,7 @@ def test_bones_are_placed_in_the_model(chain):
     assert np.allclose(moved.rest.translations, pose.translations)
 
 
-def test_what_is_wrong_is_said(chain):
+def test_invalid_arguments_raise_named_errors(chain):
     clip = nod(chain)
     wrong = [
         (kinopt.UnknownNameError, lambda: chain.rest.local("tail")),
@@ -303,7 +303,7 @@ def test_what_is_wrong_is_said(chain):
         pickle.loads(odd.replace(b'"span":[0.0,2.0]', b'"span":[9.0,2.0]'))
 
 
-def test_morph_targets_are_added_and_shapes_are_mixed():
+def test_morph_targets_are_added_and_mixed():
     from kinopt.skinning import BlendShapes, MorphTarget, MorphTargets
 
     rest = np.random.default_rng(1).normal(size=(10, 3)).astype(np.float32)
@@ -337,7 +337,7 @@ def test_morph_targets_are_added_and_shapes_are_mixed():
         MorphTarget("a", [4, 1], np.zeros((2, 3)))
 
 
-def test_sample_counts_seconds_of_the_file():
+def test_sample_uses_seconds_of_the_file():
     armature = Armature(["a"], [-1])
     builder = Clip.builder("late", armature)
     builder.channel("a", "translation", KeyedCurve.linear([1, 2], [[0, 0, 0], [1, 0, 0]]))

@@ -50,7 +50,7 @@ def errors_of(arm, q, targets):
     return distance, np.arctan2(np.linalg.norm(sine, axis=-1), cosine)
 
 
-def test_a_target_is_reached_within_limits(arm, targets):
+def test_target_is_reached_within_limits(arm, targets):
     for target in targets[:50]:
         solution = arm.solve(target, START)
         assert solution.reached and solution.q.shape == (7,)
@@ -61,7 +61,7 @@ def test_a_target_is_reached_within_limits(arm, targets):
         assert abs(angle - solution.orientation_error) < 1e-12
 
 
-def test_what_other_libraries_call_a_pose_is_one(arm, targets):
+def test_poses_of_other_libraries_are_accepted(arm, targets):
     want = arm.solve(targets[0], START).q
 
     class Pinocchio:
@@ -81,7 +81,7 @@ def test_what_other_libraries_call_a_pose_is_one(arm, targets):
     assert all(np.array_equal(q, want) for q in batch.q)
 
 
-def test_a_batch_answers_as_single_questions_do_on_any_number_of_threads(arm, targets):
+def test_batch_equals_single_queries_on_any_threads(arm, targets):
     batch = arm.solve_batch(targets, START)
     assert len(batch) == 300 and batch.reached.all()
     for i in range(0, 300, 7):
@@ -99,7 +99,7 @@ def test_a_batch_answers_as_single_questions_do_on_any_number_of_threads(arm, ta
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
-def test_threads_that_wait_are_not_waited_for_in_a_forked_process(arm, targets):
+def test_forked_process_does_not_wait_for_threads(arm, targets):
     batch = arm.solve_batch(targets, START, threads=2)
     with warnings.catch_warnings():
         # This test is about threads in a forked process.
@@ -113,7 +113,7 @@ def test_threads_that_wait_are_not_waited_for_in_a_forked_process(arm, targets):
     assert np.array_equal(arm.solve_batch(targets, START, threads=2).q, batch.q)
 
 
-def test_a_miss_is_said_by_how_much_and_why(arm):
+def test_unreached_target_reports_error_and_reason(arm):
     far = np.eye(4)
     far[:3, 3] = 3.0, 0.0, 0.0
     solution = arm.solve(far, START)
@@ -126,7 +126,7 @@ def test_a_miss_is_said_by_how_much_and_why(arm):
     assert not arm.distinct(far, START)
 
 
-def test_distinct_solutions_differ_and_all_reach(arm, targets):
+def test_distinct_solutions_differ_and_reach(arm, targets):
     solutions = arm.distinct(targets[3], START, k=6, distance=0.3)
     assert 1 < len(solutions) <= 6
     for i, one in enumerate(solutions):
@@ -135,7 +135,7 @@ def test_distinct_solutions_differ_and_all_reach(arm, targets):
             assert np.linalg.norm(one.q - other.q) > 0.3
 
 
-def test_a_path_is_followed_without_a_jump(arm):
+def test_path_is_followed_without_jumps(arm):
     way = np.linspace(0, 1, 200)[:, None] * np.array([0.5, 0.3, -0.4, 0.2, 0.5, -0.3, 0.4])
     path = arm.base_from_tool(START + way)
     track = arm.track(path, START)
@@ -149,7 +149,7 @@ def test_a_path_is_followed_without_a_jump(arm):
     assert np.array_equal(follower.q, solution.q)
 
 
-def test_a_servo_keeps_its_speeds(arm, targets):
+def test_servo_keeps_velocity_limits(arm, targets):
     servo = arm.servo(START, 0.001)
     last = START
     for _ in range(300):
@@ -159,7 +159,7 @@ def test_a_servo_keeps_its_speeds(arm, targets):
     assert step.status in ("speed_limited", "on_target", "settling", "nearest")
 
 
-def test_options_are_keywords_and_checked(robot, arm, targets):
+def test_options_are_checked_keywords(robot, arm, targets):
     held = kinopt.Arm(robot, "base", "flange", locked={"joint3": 0.25}, goal=kinopt.PoseBounds.position())
     assert held.joint_names == [name for name in arm.joint_names if name != "joint3"]
     tool = np.eye(4)
@@ -188,7 +188,7 @@ def test_options_are_keywords_and_checked(robot, arm, targets):
         kinopt.Arm(robot, "base", "flange", atempts=3)
 
 
-def test_pickles_and_copies_answer_alike(robot, targets):
+def test_pickles_and_copies_solve_equally(robot, targets):
     arm = kinopt.Arm(robot, "base", "flange", search="nearest", max_move=np.full(7, 2.0), atlas=False)
     for twin in (pickle.loads(pickle.dumps(arm)), copy.deepcopy(arm)):
         for target in targets[:5]:
@@ -197,7 +197,7 @@ def test_pickles_and_copies_answer_alike(robot, targets):
     assert np.array_equal(batch.q[2], arm.solve(targets[2], START).q)
 
 
-def test_batches_and_tracks_travel_and_are_gone_through(arm, targets):
+def test_batches_and_tracks_pickle_and_iterate(arm, targets):
     batch, track = arm.solve_batch(targets[:20], START), arm.track(targets[:3], START)
     for twin in (pickle.loads(pickle.dumps(batch)), copy.deepcopy(batch)):
         assert np.array_equal(twin.q, batch.q) and np.array_equal(twin.reached, batch.reached)
@@ -209,13 +209,13 @@ def test_batches_and_tracks_travel_and_are_gone_through(arm, targets):
     assert len(list(track)) == 3
 
 
-def test_what_would_be_lost_cannot_be_written(arm, robot):
+def test_returned_arrays_are_read_only(arm, robot):
     for array in (arm.lower, robot.upper, robot.velocity_limits, arm.solve(arm.base_from_tool(START), START).q):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
 
 
-def test_an_array_given_as_option_may_be_changed_later(robot, targets):
+def test_option_arrays_are_copied(robot, targets):
     moves = np.full(7, 0.5)
     arm = kinopt.Arm(robot, "base", "flange", max_move=moves, atlas=False)
     before = arm.solve(targets[0], START).q
@@ -223,7 +223,7 @@ def test_an_array_given_as_option_may_be_changed_later(robot, targets):
     assert np.array_equal(pickle.loads(pickle.dumps(arm)).solve(targets[0], START).q, before)
 
 
-def test_many_threads_may_ask_one_arm(arm, targets):
+def test_arm_is_shared_by_threads(arm, targets):
     want = arm.solve_batch(targets, START).q
     found = np.zeros_like(want)
 
@@ -239,7 +239,7 @@ def test_many_threads_may_ask_one_arm(arm, targets):
     assert np.array_equal(found, want)
 
 
-def test_progress_is_told_and_what_it_raises_stops_the_batch(arm, targets):
+def test_progress_is_reported_and_its_exception_stops(arm, targets):
     heard = []
     many = np.repeat(targets, 20, axis=0)
     arm.solve_batch(many, START, progress=lambda done, total: heard.append((done, total)))
@@ -268,14 +268,14 @@ def test_progress_is_told_and_what_it_raises_stops_the_batch(arm, targets):
         np.ones((4, 4)),
     ],
 )
-def test_what_is_no_pose_is_told(arm, target):
+def test_invalid_pose_raises(arm, target):
     with pytest.raises(kinopt.KinoptError):
         arm.solve(target, START)
     with pytest.raises(kinopt.KinoptError):
         arm.solve_batch([target], START)
 
 
-def test_a_bad_target_of_a_batch_is_named(arm, targets):
+def test_invalid_target_of_batch_is_named(arm, targets):
     many = np.repeat(targets, 20, axis=0)
     many[5000, 0, 0] = np.nan
     with pytest.raises(kinopt.InvalidValueError, match="target 5000"):

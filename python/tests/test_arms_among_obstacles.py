@@ -33,7 +33,7 @@ def arm(panda: kinopt.Robot) -> kinopt.Arm:
     return kinopt.Arm(panda, "base", "flange", world=table(), margin=0.005)
 
 
-def test_solutions_touch_nothing(arm: kinopt.Arm) -> None:
+def test_solutions_are_collision_free(arm: kinopt.Arm) -> None:
     random = np.random.default_rng(4)
     asked = reached = 0
     while asked < 40:
@@ -49,7 +49,7 @@ def test_solutions_touch_nothing(arm: kinopt.Arm) -> None:
     assert reached >= 38
 
 
-def test_what_is_touched_is_named(arm: kinopt.Arm) -> None:
+def test_pairs_in_contact_are_named(arm: kinopt.Arm) -> None:
     target = arm.base_from_tool(Q)
     target[:3, 3] = [0.6, 0.0, 0.15]
     solution = arm.solve(target, Q)
@@ -65,7 +65,7 @@ def test_what_is_touched_is_named(arm: kinopt.Arm) -> None:
     assert all(pair.distance < 0.005 for pair in solution.collisions)
 
 
-def test_another_world_takes_the_same_arm(arm: kinopt.Arm) -> None:
+def test_arm_accepts_another_world(arm: kinopt.Arm) -> None:
     target = arm.base_from_tool(Q)
     crate = table()
     crate.add_box("crate", (0.3, 0.3, 0.3), pose=target[:3, 3])
@@ -78,7 +78,7 @@ def test_another_world_takes_the_same_arm(arm: kinopt.Arm) -> None:
     assert blocked.with_world(crate, margin=0.0).solve(target, Q).reached
 
 
-def test_many_configurations_are_checked_by_their_spheres(arm: kinopt.Arm) -> None:
+def test_configurations_are_checked_by_spheres(arm: kinopt.Arm) -> None:
     q = np.random.default_rng(2).uniform(arm.lower, arm.upper, (100, 7))
     clear = arm.clear_by_spheres(q)
     assert clear.shape == (100,) and 0 < clear.sum() < 100
@@ -90,7 +90,7 @@ def test_many_configurations_are_checked_by_their_spheres(arm: kinopt.Arm) -> No
         arm.clear_by_spheres(q)
 
 
-def test_paths_stop_before_they_touch(panda: kinopt.Robot) -> None:
+def test_paths_stop_before_contact(panda: kinopt.Robot) -> None:
     arm = kinopt.Arm(panda, "base", "flange", world=kinopt.World())
     begin = arm.base_from_tool(Q)
     wall = kinopt.World()
@@ -105,7 +105,7 @@ def test_paths_stop_before_they_touch(panda: kinopt.Robot) -> None:
         assert arm.with_world(wall).collisions(solution.q) == []
 
 
-def test_arms_with_a_world_are_pickled(arm: kinopt.Arm) -> None:
+def test_arm_with_world_is_pickled(arm: kinopt.Arm) -> None:
     again = pickle.loads(pickle.dumps(arm))
     target = arm.base_from_tool(Q)
     assert np.array_equal(again.solve(target, Q).q, arm.solve(target, Q).q)
@@ -113,7 +113,7 @@ def test_arms_with_a_world_are_pickled(arm: kinopt.Arm) -> None:
     assert again.solve(target, Q).collisions == arm.solve(target, Q).collisions
 
 
-def test_bad_worlds_and_margins_are_refused(panda: kinopt.Robot, arm: kinopt.Arm) -> None:
+def test_invalid_worlds_and_margins_raise(panda: kinopt.Robot, arm: kinopt.Arm) -> None:
     bad: list[Any] = [-1.0, float("nan"), "wide"]
     for margin in bad:
         with pytest.raises(InvalidValueError, match="margin"):
@@ -123,11 +123,11 @@ def test_bad_worlds_and_margins_are_refused(panda: kinopt.Robot, arm: kinopt.Arm
     with pytest.raises(InvalidValueError, match="Robot"):
         kinopt.Arm(panda.model, "base", "flange", world=table())
     plain = kinopt.Arm(panda, "base", "flange")
-    with pytest.raises(InvalidValueError, match="made without a world or a margin"):
+    with pytest.raises(InvalidValueError, match="built without a world and a margin"):
         plain.with_world(table())
-    with pytest.raises(InvalidValueError, match="not known: it was made without a world"):
+    with pytest.raises(InvalidValueError, match="unknown: the arm was built without a world"):
         plain.collisions(Q)
-    with pytest.raises(InvalidValueError, match="not known"):
+    with pytest.raises(InvalidValueError, match="unknown"):
         plain.clear_by_spheres(np.array([Q]))
     held = table()
     held.attach("post", "claw", (0, 0, 0))
@@ -136,7 +136,7 @@ def test_bad_worlds_and_margins_are_refused(panda: kinopt.Robot, arm: kinopt.Arm
     assert arm.collisions(Q) == []
 
 
-def test_what_may_touch_is_passed_over(panda: kinopt.Robot) -> None:
+def test_allowed_collisions_are_ignored(panda: kinopt.Robot) -> None:
     world = table()
     arm = kinopt.Arm(panda, "base", "flange", world=world)
     place = arm.base_from_tool(Q)[:3, 3]
@@ -160,7 +160,7 @@ def test_what_may_touch_is_passed_over(panda: kinopt.Robot) -> None:
         arm.with_world(world)
 
 
-def test_a_collision_model_of_ones_own_decides_what_touches(panda: kinopt.Robot) -> None:
+def test_collision_model_selects_checked_shapes(panda: kinopt.Robot) -> None:
     model = panda.collision_model()
     alone = kinopt.Arm(panda, "base", "flange")
     inside = kinopt.World()
@@ -169,7 +169,7 @@ def test_a_collision_model_of_ones_own_decides_what_touches(panda: kinopt.Robot)
     assert any(pair.second == "ball" for pair in arm.collisions(Q))
 
 
-def test_no_servo_is_on_target_in_an_obstacle(panda: kinopt.Robot) -> None:
+def test_servo_in_contact_is_not_on_target(panda: kinopt.Robot) -> None:
     plain = kinopt.Arm(panda, "base", "flange")
     q = np.array([0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8])
     pose = plain.base_from_tool(q)

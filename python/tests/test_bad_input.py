@@ -113,7 +113,7 @@ def attempt(call):
         return None
 
 
-def test_thousands_of_calls_with_arguments_of_all_kinds():
+def test_random_arguments_never_crash():
     draw = random.Random(12)
     right = things()
     doors = list(public(kinopt))
@@ -142,7 +142,7 @@ def test_thousands_of_calls_with_arguments_of_all_kinds():
     assert len(made) > len(right) + 20
 
 
-def test_numbers_of_things_are_whole_and_not_negative():
+def test_counts_are_non_negative_integers():
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     arm = kinopt.Arm(robot, "base", "flange", atlas=False)
     pose = arm.base_from_tool(np.zeros(6))
@@ -158,7 +158,7 @@ def test_numbers_of_things_are_whole_and_not_negative():
                 call()
 
 
-def test_objects_outlive_what_they_were_made_of():
+def test_objects_outlive_their_sources():
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     arm = kinopt.Arm(robot, "base", "flange", atlas=False)
     q = np.array([0.1, -1.2, 1.0, -1.3, -1.5, 0.2])
@@ -173,7 +173,7 @@ def test_objects_outlive_what_they_were_made_of():
     assert follower.advance(target)[0].reached
 
 
-def test_one_servo_from_many_threads():
+def test_servo_is_shared_by_threads():
     arm = kinopt.Arm(kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf"), "base", "flange", atlas=False)
     q = np.array([0.1, -1.2, 1.0, -1.3, -1.5, 0.2])
     servo, target = arm.servo(q, 1e-3), arm.base_from_tool(q + 0.1)
@@ -196,7 +196,7 @@ def test_one_servo_from_many_threads():
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="SKIPPED: no timers here; Ctrl-C was not tried")
-def test_an_interrupt_stops_a_long_batch():
+def test_interrupt_stops_a_long_batch():
     arm = kinopt.Arm(kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf"), "base", "flange")
     q = np.random.default_rng(1).uniform(-3, 3, (200_000, 6))
     targets = arm.base_from_tool(q)
@@ -244,7 +244,7 @@ def test_builders_name_the_argument(
         ask(builder)
 
 
-def test_a_ball_asked_as_if_it_were_one_number_is_named() -> None:
+def test_ball_joint_with_one_number_is_named() -> None:
     builder = kinopt.ModelBuilder("m")
     builder.ball("hip")
     builder.joint("knee", "revolute", "hip")
@@ -260,5 +260,5 @@ def test_a_ball_asked_as_if_it_were_one_number_is_named() -> None:
     ):
         with pytest.raises(kinopt.InvalidValueError, match="`hip` is a ball"):
             ask()
-    with pytest.raises(kinopt.InvalidValueError, match="the share of the way .* NaN"):
+    with pytest.raises(kinopt.InvalidValueError, match="the interpolation parameter .* NaN"):
         model.interpolate(q, q, float("nan"))

@@ -42,7 +42,7 @@ def wave(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_captured_pose_is_a_configuration_and_back(wave: Path) -> None:
+def test_captured_pose_and_configuration_convert(wave: Path) -> None:
     capture = kinopt.MotionCapture.read(wave)
     figure = kinopt.BallSkeleton.read(wave, root="free")
     pose = capture.clip.sample(0.25)
@@ -60,7 +60,7 @@ def test_a_captured_pose_is_a_configuration_and_back(wave: Path) -> None:
     np.testing.assert_allclose(figure.skinning_transforms(rest), np.tile(np.eye(4), (3, 1, 1)), atol=1e-12)
 
 
-def test_solutions_stay_within_cones_of_a_file_or_a_dict(wave: Path, tmp_path: Path) -> None:
+def test_solutions_stay_within_cones_of_file_or_dict(wave: Path, tmp_path: Path) -> None:
     side = tmp_path / "cones.json"
     side.write_text(json.dumps({"Arm": {"swing": 30, "twist": [-10, 10]}}))
     twist = math.radians(10)
@@ -77,7 +77,7 @@ def test_solutions_stay_within_cones_of_a_file_or_a_dict(wave: Path, tmp_path: P
         assert any(limit.joint == "Arm swing" for limit in solution.active_limits)
 
 
-def test_it_pickles_and_copies(wave: Path) -> None:
+def test_skeleton_is_pickled_and_copied(wave: Path) -> None:
     cones = {"Arm": {"swing": (0.5, 0.25), "about": [0, 1, 0], "axis": [1, 0, 0], "twist": (-0.1, 0.2)}}
     figure = kinopt.BallSkeleton.read(wave, cones=cones, root="free", room={"y": (-1.0, 1.0)})
     q = figure.model.random_configuration(3)
@@ -87,7 +87,7 @@ def test_it_pickles_and_copies(wave: Path) -> None:
         np.testing.assert_array_equal(again.model.random_configuration(3), q)
 
 
-def test_a_rig_s_skeleton_turns_on_balls() -> None:
+def test_rig_skeleton_has_ball_joints() -> None:
     rig = kinopt.Rig.read(Path(__file__).parents[2] / "models" / "humanoid" / "humanoid.json")
     figure = kinopt.BallSkeleton(rig.skeleton)
     assert figure.model.degrees_of_freedom == 3 * len(figure.bone_names)
@@ -95,7 +95,7 @@ def test_a_rig_s_skeleton_turns_on_balls() -> None:
     np.testing.assert_allclose(rest, rig.skeleton.pose(np.zeros(rig.skeleton.angles)), atol=1e-12)
 
 
-def test_a_whole_angle_is_one_in_a_file_and_a_dict(wave: Path, tmp_path: Path) -> None:
+def test_total_angle_is_equal_in_file_and_dict(wave: Path, tmp_path: Path) -> None:
     side = tmp_path / "angle.json"
     side.write_text('{"Arm": {"angle": 30}}')
     for cones in (side, {"Arm": {"angle": np.radians(30)}}):
@@ -124,6 +124,6 @@ def test_a_whole_angle_is_one_in_a_file_and_a_dict(wave: Path, tmp_path: Path) -
         ({"root": "free", "room": {"x": 1.0}}, kinopt.InvalidValueError, "room"),
     ],
 )
-def test_what_cannot_be_is_refused(wave: Path, arguments: dict, error: type, words: str) -> None:
+def test_invalid_arguments_raise(wave: Path, arguments: dict, error: type, words: str) -> None:
     with pytest.raises(error, match=words):
         kinopt.BallSkeleton.read(wave, **arguments)

@@ -33,7 +33,7 @@ def problem(panda: kinopt.Robot, world: kinopt.World | None = None, margin: floa
     return kinopt.Problem(panda, asked, world=world or table(), margin=margin)
 
 
-def test_solutions_touch_nothing_or_say_what(panda: kinopt.Robot) -> None:
+def test_solutions_are_collision_free_or_name_pairs(panda: kinopt.Robot) -> None:
     stated, solver = problem(panda), kinopt.Solver()
     random = np.random.default_rng(5)
     for _ in range(20):
@@ -46,7 +46,7 @@ def test_solutions_touch_nothing_or_say_what(panda: kinopt.Robot) -> None:
     assert "table" in inside.explain()
 
 
-def test_a_drag_slides_along_the_table(panda: kinopt.Robot) -> None:
+def test_drag_slides_along_the_table(panda: kinopt.Robot) -> None:
     stated = problem(panda)
     drag = kinopt.Drag(stated, START)
     checked = kinopt.Problem(panda, world=table(), margin=0.0)
@@ -62,7 +62,7 @@ def test_a_drag_slides_along_the_table(panda: kinopt.Robot) -> None:
     assert places[-1][0] > places[0][0] - 0.05
 
 
-def test_the_world_is_as_it_was_when_it_was_given(panda: kinopt.Robot) -> None:
+def test_problem_copies_the_world(panda: kinopt.Robot) -> None:
     world = table()
     stated = problem(panda, world)
     q = START.copy()
@@ -77,7 +77,7 @@ def test_the_world_is_as_it_was_when_it_was_given(panda: kinopt.Robot) -> None:
         kinopt.Problem(panda).collisions(q)
 
 
-def test_a_rig_keeps_its_hand_out_of_its_belly() -> None:
+def test_rig_avoids_self_collision() -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     rest = rig.skeleton.model.neutral()
     belly = tasks.Point("left_hand/tip", [0.0, 0.0, 1.0], name="hand")
@@ -89,7 +89,7 @@ def test_a_rig_keeps_its_hand_out_of_its_belly() -> None:
     assert not kept.reached
 
 
-def test_what_has_no_shapes_is_refused(panda: kinopt.Robot) -> None:
+def test_model_without_shapes_raises(panda: kinopt.Robot) -> None:
     with pytest.raises(InvalidValueError, match="collision_model"):
         kinopt.Problem(panda.model, world=table())
     with pytest.raises(InvalidValueError, match="kinopt.World"):

@@ -27,7 +27,7 @@ def tip(edited: EditedClip | Clip, bone: str, length: float, time: float) -> np.
     return np.asarray((place @ np.array([length, 0, 0, 1]))[:3], dtype=float)
 
 
-def test_a_hand_reaches_while_feet_stand(wave: tuple[kinopt.Skeleton, Clip]) -> None:
+def test_hand_reaches_while_feet_stay_planted(wave: tuple[kinopt.Skeleton, Clip]) -> None:
     skeleton, clip = wave
     target = (0.35, 0.25, 1.1)
     edited = clip.with_ik(
@@ -49,7 +49,7 @@ def test_a_hand_reaches_while_feet_stand(wave: tuple[kinopt.Skeleton, Clip]) -> 
     assert "2 stances" in repr(edited)
 
 
-def test_a_curve_a_ground_and_a_travel(wave: tuple[kinopt.Skeleton, Clip]) -> None:
+def test_curve_ground_and_travel_options_work(wave: tuple[kinopt.Skeleton, Clip]) -> None:
     skeleton, clip = wave
     given: dict[str, object] = {"up": (0, 0, 1), "keys_per_second": 10, "skeleton": skeleton}
     curve = np.array([[0.3, 0.3, 1.0], [0.35, 0.2, 1.1], [0.3, 0.3, 1.2]])
@@ -70,7 +70,7 @@ def test_a_curve_a_ground_and_a_travel(wave: tuple[kinopt.Skeleton, Clip]) -> No
     assert pelvis[0, 3] - start[0, 3] == pytest.approx(0.6, abs=0.2)
 
 
-def test_what_is_wrong_is_named(wave: tuple[kinopt.Skeleton, Clip]) -> None:
+def test_invalid_arguments_are_named(wave: tuple[kinopt.Skeleton, Clip]) -> None:
     _, clip = wave
     reach = Reach("left_hand", (0, 0, 1))
     with pytest.raises(kinopt.UnknownNameError, match="paw"):

@@ -57,7 +57,7 @@ def test_spheres_hold_points_of_shapes(ur5e: kinopt.Robot) -> None:
     assert all(len(own) <= 5 for own in model.spheres(per_link=5).spheres.values())
 
 
-def test_a_model_is_covered_once_whatever_is_made_of_it(ur5e: kinopt.Robot) -> None:
+def test_spheres_are_computed_once_per_model(ur5e: kinopt.Robot) -> None:
     model = ur5e.collision_model()
     assert not model._is_covered
     kinopt.Problem(ur5e, world=kinopt.World(), collision_model=model)
@@ -72,7 +72,7 @@ def test_a_model_is_covered_once_whatever_is_made_of_it(ur5e: kinopt.Robot) -> N
     assert str(arms[1].collisions(q)) == str(anew.collisions(q))
 
 
-def test_spheres_go_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
+def test_spheres_round_trip_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
     model = ur5e.collision_model()
     spheres = model.spheres(per_link=4)
     (tmp_path / "ur5e.yml").write_text(spheres.to_yaml())
@@ -92,7 +92,7 @@ def test_spheres_go_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
         kinopt.SphereModel.read(tmp_path / "bad.yml", model)
 
 
-def test_an_arm_takes_spheres_and_grows_them_by_what_they_leave(tmp_path: Path) -> None:
+def test_arm_uses_spheres_enlarged_by_their_gap(tmp_path: Path) -> None:
     panda = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
     shapes = panda.collision_model().with_pairs_sampled(300)
     spheres = shapes.spheres(0.03)
@@ -129,7 +129,7 @@ def test_an_arm_takes_spheres_and_grows_them_by_what_they_leave(tmp_path: Path) 
     assert (clear[0] == clear[1]).all() and 0 < clear[0].sum() < 200
 
 
-def test_meshes_are_found_or_told(tmp_path: Path) -> None:
+def test_missing_meshes_raise(tmp_path: Path) -> None:
     mesh = '<collision><geometry><mesh filename="package://lamp/meshes/arm.obj"/></geometry></collision>'
     text = f'<robot name="lamp"><link name="arm">{mesh}</link></robot>'
     robot = kinopt.Robot.from_urdf_text(text)
@@ -161,7 +161,7 @@ def test_models_and_spheres_are_pickled(ur5e: kinopt.Robot) -> None:
     assert all(np.array_equal(spheres_again.spheres[k], own) for k, own in spheres.spheres.items())
 
 
-def test_what_cannot_be_is_refused(ur5e: kinopt.Robot) -> None:
+def test_invalid_arguments_raise(ur5e: kinopt.Robot) -> None:
     model = ur5e.collision_model()
     for bad in (0.0, -1.0, float("nan")):
         with pytest.raises(InvalidValueError, match="max_protrusion"):
@@ -172,7 +172,7 @@ def test_what_cannot_be_is_refused(ur5e: kinopt.Robot) -> None:
         ur5e.collision_model(meshes="boxes")
 
 
-def test_figures_get_capsules_from_their_skin() -> None:
+def test_skeletons_get_capsules_from_their_skin() -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     model = kinopt.CollisionModel.of_skin(rig)
     assert model.is_checked("left_hand", "spine") and not model.is_checked("left_hand", "left_forearm")

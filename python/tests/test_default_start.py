@@ -43,7 +43,7 @@ def test_solve_without_start_begins_at_the_srdf_state(robot):
         kinopt.Arm(robot, "base", "flange", srdf="home")
 
 
-def test_truth_of_a_solution_is_reached(robot):
+def test_bool_of_solution_is_reached(robot):
     arm = kinopt.Arm(robot, "base", "flange", atlas=False, attempts=2)
     near, far = arm.base_from_tool(arm.default_start), np.eye(4)
     far[:3, 3] = 9.0

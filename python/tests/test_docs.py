@@ -137,7 +137,7 @@ def public():
 
 
 @pytest.mark.parametrize(("name", "found", "called"), list(public()), ids=lambda value: str(value)[:60])
-def test_it_says_what_it_is_and_what_it_raises(name, found, called):
+def test_docstrings_state_content_and_exceptions(name, found, called):
     said = inspect.getdoc(found) or ""
     assert len(said) > 10, f"{name} says nothing of itself"
     raises = re.search(r"\b[Rr]aises?\b|\w+Error\b", said)
@@ -145,13 +145,13 @@ def test_it_says_what_it_is_and_what_it_raises(name, found, called):
         assert raises or name in CANNOT_RAISE, f"{name} does not say what it raises"
 
 
-def test_what_cannot_raise_is_there():
+def test_list_of_non_raising_names_exists():
     names = {name for name, _, called in public() if called}
     known = {name for name in CANNOT_RAISE if name.startswith("kinopt.view") and "kinopt.view.Scene" not in names}
     assert CANNOT_RAISE - names - known == set()
 
 
-def test_every_field_of_a_task_and_of_a_method_is_told_of_by_its_class():
+def test_every_field_is_documented():
     for module in (kinopt.tasks, kinopt.methods):
         for name in module.__all__:
             found = getattr(module, name)

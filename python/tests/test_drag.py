@@ -24,7 +24,7 @@ def dragged(robot, **options):
     return kinopt.Drag(problem, start, **options), place, start
 
 
-def test_a_hand_follows_the_mouse(robot):
+def test_hand_follows_the_mouse(robot):
     drag, place, start = dragged(robot)
     assert drag.solution is None and np.array_equal(drag.q, start)
     for step in range(100):
@@ -39,7 +39,7 @@ def test_a_hand_follows_the_mouse(robot):
     assert drag.is_at_rest and not drag.is_speed_limited
 
 
-def test_a_target_that_leaps_is_caught_up_with(robot):
+def test_jumping_target_is_reached_in_frames(robot):
     drag, place, start = dragged(robot, max_move=0.05)
     place[0, 3] -= 0.2
     drag.set_targets({"hand": place})
@@ -52,7 +52,7 @@ def test_a_target_that_leaps_is_caught_up_with(robot):
     assert drag.settle(frames=200).reached
 
 
-def test_out_of_reach_it_stays_near_and_says_so(robot):
+def test_unreachable_target_is_reported(robot):
     drag, place, _ = dragged(robot)
     place[0, 3] = 3.0
     for _ in range(60):
@@ -61,7 +61,7 @@ def test_out_of_reach_it_stays_near_and_says_so(robot):
     assert not solution.reached and solution.is_out_of_reach
 
 
-def test_it_leaps_only_where_a_search_is_asked_for(robot):
+def test_branch_changes_only_with_search(robot):
     quiet, place, _ = dragged(robot)
     leaping, _, _ = dragged(robot, search=8, seed=1)
     # Upside down behind the base.
@@ -78,7 +78,7 @@ def test_it_leaps_only_where_a_search_is_asked_for(robot):
         assert leap.joint in robot.joint_names and leap.distance > 0
 
 
-def test_its_method_may_be_chosen(robot):
+def test_method_is_selectable(robot):
     drag, place, _ = dragged(robot, solver=kinopt.Solver(methods.GaussNewton(), max_iterations=3))
     place[2, 3] += 0.01
     assert drag.follow({"hand": place}).reached
@@ -86,7 +86,7 @@ def test_its_method_may_be_chosen(robot):
         dragged(robot, solver=kinopt.Solver("ccd"))
 
 
-def test_an_exception_in_a_frame_comes_out_and_the_body_stays(robot):
+def test_exception_propagates_and_keeps_configuration(robot):
     fail = [False]
 
     def residual(frames):
@@ -105,7 +105,7 @@ def test_an_exception_in_a_frame_comes_out_and_the_body_stays(robot):
     assert drag.advance().reached
 
 
-def test_many_threads_may_hold_one_drag(robot):
+def test_drag_is_shared_by_threads(robot):
     task = tasks.Residual(lambda f: f[0, :3, 3] - [0.4, 0.0, 0.6], frames=["tool"], rows=3)
     drag = kinopt.Drag(kinopt.Problem(robot, [task]), robot.neutral())
     with ThreadPoolExecutor(4) as pool:
@@ -119,7 +119,7 @@ def test_many_threads_may_hold_one_drag(robot):
     "given",
     [{"max_move": 0.0}, {"max_move": np.nan}, {"search": 0}, {"start": np.zeros(3)}, {"start": np.full(9, np.nan)}],
 )
-def test_what_is_wrong_is_said(robot, given):
+def test_invalid_arguments_raise(robot, given):
     drag, _, start = dragged(robot)
     with pytest.raises(kinopt.KinoptError):
         kinopt.Drag(drag.problem, given.pop("start", start), **given)

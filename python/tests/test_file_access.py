@@ -66,7 +66,7 @@ def silent(error: BaseException) -> None:
     assert SECRET not in str(error) and NUMBER not in str(error), error
 
 
-def test_references_outside_are_refused(inside: Path, tmp_path: Path) -> None:
+def test_references_outside_the_folder_raise(inside: Path, tmp_path: Path) -> None:
     for name in ("good.obj", "bad.ply", "good.png"):
         for file in references(inside, name):
             (inside / "world.json").write_text(world(file))
@@ -132,7 +132,7 @@ def test_large_files_are_not_read(inside: Path) -> None:
         kinopt.Robot.from_urdf(path)
 
 
-def test_a_document_type_is_refused(inside: Path) -> None:
+def test_document_type_raises(inside: Path) -> None:
     entities = "".join(f"<!ENTITY e{k} '{f'&e{k - 1};' * 10 if k else 'x' * 100}'>" for k in range(9))
     (inside / "bomb.dae").write_text(f"<!DOCTYPE x [{entities}]><COLLADA>&e8;</COLLADA>")
     with pytest.raises(InvalidFileError, match="DTD"):
@@ -177,7 +177,7 @@ def test_errors_about_a_map_name_its_file(tmp_path: Path) -> None:
     assert str(path) in said(drives={"hips": {"frame": 3}})
 
 
-def test_sphere_models_of_huge_numbers_are_refused(tmp_path: Path) -> None:
+def test_sphere_models_of_huge_numbers_raise(tmp_path: Path) -> None:
     robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
     model = robot.collision_model()
     path = tmp_path / "spheres.yml"
@@ -187,7 +187,7 @@ def test_sphere_models_of_huge_numbers_are_refused(tmp_path: Path) -> None:
             kinopt.SphereModel.read(path, model)
 
 
-def test_writers_follow_links_and_leave_nothing(tmp_path: Path) -> None:
+def test_writers_follow_links_and_leave_no_files(tmp_path: Path) -> None:
     rig = kinopt.Rig.read(MODELS / "robot-arm" / "robot-arm.json")
     (tmp_path / "own").mkdir()
     (tmp_path / "own" / "rig.json").write_text("{}")
@@ -202,7 +202,7 @@ def test_writers_follow_links_and_leave_nothing(tmp_path: Path) -> None:
         kinopt.retargeting.MapGuess({}, None, None, []).save(tmp_path / "none" / "map.json")
 
 
-def test_the_viewer_opens_no_mesh_outside_of_a_confined_robot(inside: Path) -> None:
+def test_viewer_opens_no_mesh_outside_the_folder(inside: Path) -> None:
     pytest.importorskip("trimesh", reason="SKIPPED: trimesh is not installed; the viewer's meshes are not read")
     from kinopt.view.mesh_files import MeshFiles
 

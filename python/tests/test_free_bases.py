@@ -48,7 +48,7 @@ def free() -> kinopt.Robot:
     return kinopt.Robot.from_urdf(UR5E, base_joint="free")
 
 
-def test_a_configuration_begins_with_place_and_quaternion(free: kinopt.Robot) -> None:
+def test_configuration_starts_with_pose_of_base(free: kinopt.Robot) -> None:
     fixed = kinopt.Robot.from_urdf(UR5E)
     assert (free.configuration_len, free.degrees_of_freedom) == (13, 12)
     assert free.lower.shape == free.upper.shape == free.neutral().shape == (13,)
@@ -83,7 +83,7 @@ def test_integrate_and_difference_are_exp_and_log(free: kinopt.Robot) -> None:
     assert np.allclose(free.normalise(longer), q[0], atol=1e-15)
 
 
-def test_the_jacobian_is_what_moving_along_a_velocity_does(free: kinopt.Robot) -> None:
+def test_jacobian_matches_motion_along_velocity(free: kinopt.Robot) -> None:
     q = free.random_configuration(5)
     jacobian = free.frame_jacobian(q, "flange")
     assert jacobian.shape == (6, 12)
@@ -101,7 +101,7 @@ def test_the_jacobian_is_what_moving_along_a_velocity_does(free: kinopt.Robot) -
         assert np.allclose(jacobian[:, column], np.concatenate([linear, angular]), atol=1e-8)
 
 
-def test_a_base_keeps_to_its_room_and_everything_travels() -> None:
+def test_base_keeps_bounds_and_is_pickled() -> None:
     room = {"x": (-0.1, 0.2), "y": (-1.0, 1.0)}
     robot = kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_bounds=room)
     for same in (pickle.loads(pickle.dumps(robot)), copy.deepcopy(robot)):
@@ -112,7 +112,7 @@ def test_a_base_keeps_to_its_room_and_everything_travels() -> None:
     assert {"root_joint/x", "root_joint/y"} <= {limit.joint for limit in solution.active_limits}
 
 
-def test_a_free_robot_reaches_what_its_arm_does_not(free: kinopt.Robot) -> None:
+def test_free_base_extends_the_reach(free: kinopt.Robot) -> None:
     goal = kinopt.frame_placement(free, "flange", free.random_configuration(9))
     goal[:3, 3] += [4.0, 5.0, 6.0]
     problem = kinopt.Problem(free, [tasks.Pose("flange", goal)])
@@ -141,7 +141,7 @@ def shoulder() -> kinopt.Model:
     return builder.build()
 
 
-def test_a_cone_is_never_left_and_told_by_name() -> None:
+def test_cone_is_kept_and_reported_by_name() -> None:
     model = shoulder()
     joint = model.joints[0]
     assert (joint.kind, joint.swing, joint.twist) == ("ball", [1.0, 1.0], (-0.5, 0.5))
@@ -156,7 +156,7 @@ def test_a_cone_is_never_left_and_told_by_name() -> None:
     assert held.variables == 0
 
 
-def test_what_is_wrong_is_named(free: kinopt.Robot) -> None:
+def test_invalid_arguments_are_named(free: kinopt.Robot) -> None:
     q, v = free.neutral(), np.zeros(12)
     none = q.copy()
     none[3:7] = 0
@@ -194,7 +194,7 @@ def heavy(tmp_path: Path) -> kinopt.Robot:
     return kinopt.Robot.from_urdf(file, base_joint="free")
 
 
-def test_many_configurations_as_one_after_the_other(heavy: kinopt.Robot) -> None:
+def test_batches_equal_single_configurations(heavy: kinopt.Robot) -> None:
     many = heavy.random_configuration(3, 7)
     for of_one in [
         heavy.center_of_mass,
@@ -216,7 +216,7 @@ def test_many_configurations_as_one_after_the_other(heavy: kinopt.Robot) -> None
     assert (rig.center_of_mass(many)[1] == rig.center_of_mass(many[1])).all()
 
 
-def test_one_configuration_goes_with_all_of_a_table(heavy: kinopt.Robot) -> None:
+def test_one_configuration_broadcasts(heavy: kinopt.Robot) -> None:
     many, one = heavy.random_configuration(3, 5), heavy.random_configuration(9)
     for other in (one, one[None]):
         v = heavy.difference(other, many)
@@ -233,7 +233,7 @@ def test_one_configuration_goes_with_all_of_a_table(heavy: kinopt.Robot) -> None
         heavy.difference(many[:2], many[:3])
 
 
-def test_universal_joints_and_where_other_kinds_are() -> None:
+def test_universal_joints_and_joint_coordinates() -> None:
     builder = kinopt.ModelBuilder("arm")
     builder.universal("wrist", axes=[[0, 0, 1], [0, 1, 0]], limits=[(-1, 1), (-0.5, 0.5)])
     builder.frame("hand", "wrist", np.array([[1.0, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]))
@@ -248,12 +248,12 @@ def test_universal_joints_and_where_other_kinds_are() -> None:
 
 
 @pytest.mark.parametrize("swing", ["wide", [0.1], [0.1, 0.2, 0.3], {}])
-def test_a_swing_that_is_none_is_told(swing: object) -> None:
+def test_invalid_swing_raises(swing: object) -> None:
     with pytest.raises(InvalidValueError, match="swing must be a half angle in radians, or two of them, not"):
         kinopt.ModelBuilder("arm").ball("shoulder", swing=swing)  # type: ignore[arg-type]
 
 
-def test_kinds_that_are_no_words_are_told_with_those_there_are() -> None:
+def test_unknown_kinds_list_the_valid_ones() -> None:
     with pytest.raises(InvalidValueError, match="base_joint must be one of fixed, free, planar, slide-x.*not 3"):
         kinopt.Robot.from_urdf(UR5E, base_joint=3)  # type: ignore[arg-type]
     with pytest.raises(UnknownNameError, match="planar"):
@@ -266,7 +266,7 @@ def test_kinds_that_are_no_words_are_told_with_those_there_are() -> None:
         kinopt.BallSkeleton(skeleton, root=3)  # type: ignore[arg-type]
 
 
-def test_a_robot_that_moves_freely_has_its_free_base(tmp_path: Path) -> None:
+def test_free_robot_has_a_free_base(tmp_path: Path) -> None:
     file = tmp_path / "body.xml"
     file.write_text(
         """<mujoco model="body"><worldbody><body name="torso"><freejoint name="float"/>
@@ -275,17 +275,17 @@ def test_a_robot_that_moves_freely_has_its_free_base(tmp_path: Path) -> None:
     plain = kinopt.Robot.from_mjcf(file)
     free = kinopt.Robot.from_mjcf(file, base_joint="free", base_bounds={"z": (0.2, 1.5)})
     assert free.joint_names == plain.joint_names and free.lower[2] == 0.2
-    with pytest.raises(InvalidValueError, match="`float/x` moves the whole of `body` freely already"):
+    with pytest.raises(InvalidValueError, match="`float/x` already moves all of `body` freely"):
         kinopt.Robot.from_mjcf(file, base_joint="planar")
 
 
-def test_a_centre_of_mass_is_called_so(heavy: kinopt.Robot) -> None:
+def test_centre_of_mass_task_is_named(heavy: kinopt.Robot) -> None:
     problem = kinopt.Problem(heavy, [tasks.CenterOfMass([0.0, 0.0, 0.1])])
     solution = kinopt.Solver().solve(problem, heavy.neutral())
     assert [(task.name, task.frame) for task in solution.tasks] == [("center of mass", None)]
 
 
-def test_a_residual_is_asked_of_a_configuration_as_of_its_variables(free: kinopt.Robot) -> None:
+def test_residual_accepts_configuration_or_variables(free: kinopt.Robot) -> None:
     goal = kinopt.frame_placement(free, "flange", free.random_configuration(9))
     problem = kinopt.Problem(free, [tasks.Pose("flange", goal), tasks.Posture(free.neutral())])
     q = kinopt.Solver().solve(problem, free.neutral()).q
@@ -301,7 +301,7 @@ def test_a_residual_is_asked_of_a_configuration_as_of_its_variables(free: kinopt
             problem.residual(other)
 
 
-def test_a_configuration_that_a_problem_cannot_have_is_refused_by_name() -> None:
+def test_configuration_outside_the_map_is_named() -> None:
     robot = kinopt.Robot.from_urdf(UR5E)
     elbow = robot.joint_names[2]
     start = robot.neutral() + 0.25
@@ -320,7 +320,7 @@ def test_a_configuration_that_a_problem_cannot_have_is_refused_by_name() -> None
         problem.residual(q)
 
 
-def test_what_a_foot_stands_on_is_all_that_is_fixed_to_it() -> None:
+def test_sole_includes_fixed_links() -> None:
     robot = kinopt.Robot.from_urdf(UR5E.parent / "aldebaran_nao.urdf", base_joint="free")
     sole = robot.sole("left_sole")
     assert np.array_equal(sole[0], np.zeros(3)) and sole.shape == (10, 3)

@@ -69,7 +69,7 @@ def test_events_of_a_short_span_end() -> None:
     assert time.monotonic() - begun < 5.0
 
 
-def test_threads_are_as_many_as_targets_and_cores() -> None:
+def test_threads_are_limited_by_targets_and_cores() -> None:
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     arm = kinopt.Arm(robot, "base", "flange", atlas=False)
     targets = arm.base_from_tool(np.random.default_rng(1).uniform(-2, 2, (3, 6)))
@@ -88,7 +88,7 @@ def threads() -> int:
     return int(status.read_text().split("Threads:")[1].split()[0])
 
 
-def test_arrays_that_do_not_fit_raise() -> None:
+def test_arrays_of_wrong_size_raise() -> None:
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     for count in (2**40, 2**61, 2**63):
         for model in (robot, robot.model):
@@ -97,7 +97,7 @@ def test_arrays_that_do_not_fit_raise() -> None:
     assert threading.active_count() >= 1
 
 
-def test_values_that_are_not_finite_are_refused() -> None:
+def test_non_finite_values_raise() -> None:
     robot = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
     world = kinopt.World()
     world.add_box("box", [0.1, 0.1, 0.1])

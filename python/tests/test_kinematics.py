@@ -22,7 +22,7 @@ def two_links():
     return builder.build()
 
 
-def test_a_planar_arm_stands_where_trigonometry_says():
+def test_planar_arm_matches_trigonometry():
     model = two_links()
     q = np.random.default_rng(1).uniform(-2.5, 2.5, (50, 2))
     tip = kinopt.frame_placement(model, "tip", q)
@@ -52,7 +52,7 @@ def test_jacobians_are_the_derivatives_of_placements():
         assert np.allclose(many[:, 5, j], spin[:, 1, 0], atol=1e-8)
 
 
-def test_lists_and_single_precision_are_converted_and_strides_understood():
+def test_lists_floats_and_strides_are_converted():
     model = two_links()
     q = np.array([[0.25, 0.5], [1.0, -0.75]])
     want = kinopt.frame_placement(model, "tip", q)
@@ -72,6 +72,6 @@ def test_models_pickle():
 
 
 @pytest.mark.parametrize("q", [[0.1], [[0.1, 0.2, 0.3]], [np.nan, 0.0], ["a", "b"], [1j, 0], None])
-def test_what_is_no_configuration_is_told(q):
+def test_invalid_configuration_raises(q):
     with pytest.raises(kinopt.InvalidValueError):
         kinopt.frame_placement(two_links(), "tip", q)

@@ -53,7 +53,7 @@ def slide(armature, name, height, event=None):
     return builder.build()
 
 
-def test_a_machine_goes_where_its_parameters_lead(leg):
+def test_state_machine_follows_parameters(leg):
     clips = [slide(leg, "stand", 0.0), slide(leg, "walk", 2.0, "step")]
     machine = pickle.loads(pickle.dumps(StateMachine.from_bytes(MACHINE, clips)))
     assert machine.states == ["idle", "move"]
@@ -83,7 +83,7 @@ def test_a_machine_goes_where_its_parameters_lead(leg):
         StateMachine.from_bytes(MACHINE, [])
 
 
-def test_long_steps_end_where_short_ones_do(leg):
+def test_long_and_short_steps_end_equally(leg):
     clips = [slide(leg, "stand", 0.0), slide(leg, "walk", 2.0, "step")]
     machine = StateMachine.from_bytes(MACHINE, clips)
     ends = []
@@ -96,7 +96,7 @@ def test_long_steps_end_where_short_ones_do(leg):
     assert np.allclose(ends[0][2], ends[1][2], atol=1e-5)
 
 
-def test_a_limb_reaches_and_bends_about_its_hinge(leg):
+def test_limb_reaches_and_bends_about_its_hinge(leg):
     limb = pickle.loads(pickle.dumps(Limb(leg, "thigh", "shin", "foot", hinge=[1, 0, 0])))
     rng = np.random.default_rng(2)
     for _ in range(20):
@@ -126,7 +126,7 @@ def test_a_limb_reaches_and_bends_about_its_hinge(leg):
     assert np.allclose(leg.local_to_model(pose)[2, :3, 3], [0.3, 0.4, 0], atol=1e-5)
 
 
-def test_an_aim_points_at_its_target(leg):
+def test_aim_points_at_its_target(leg):
     aim = pickle.loads(pickle.dumps(Aim(leg, "foot", [0, 0, 1], up=[0, 1, 0])))
     rng = np.random.default_rng(3)
     for _ in range(20):
@@ -145,7 +145,7 @@ def test_an_aim_points_at_its_target(leg):
         LimbGoal([0, 0, 0], rotation_xyzw=[0, 0, 0, np.nan])
 
 
-def test_a_reach_layer_brings_tips_to_their_goals_within_limits():
+def test_reach_layer_reaches_goals_within_limits():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     skeleton = rig.skeleton
     armature = Armature.of_skeleton(skeleton)
@@ -173,7 +173,7 @@ def test_a_reach_layer_brings_tips_to_their_goals_within_limits():
         layer.apply(Armature(["a"], [-1]).rest)
 
 
-def test_angles_go_into_poses_and_back():
+def test_angles_and_poses_convert():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     angles = pickle.loads(pickle.dumps(EulerPoseMap(rig.skeleton)))
     armature = Armature.of_skeleton(rig.skeleton)
@@ -190,7 +190,7 @@ def test_angles_go_into_poses_and_back():
         angles.pose_of(np.full_like(q[0], np.inf))
 
 
-def test_a_crowd_plays_its_clips_with_the_same_bits_on_any_number_of_threads(leg):
+def test_crowd_is_bitwise_equal_on_any_threads(leg):
     low, high = slide(leg, "low", 0.0), slide(leg, "high", 2.0)
     limb = Limb(leg, "thigh", "shin", "foot", hinge=[1, 0, 0])
     crowds = [Crowd(leg, [limb]) for _ in range(2)]
@@ -220,7 +220,7 @@ def unit(v):
     return v / np.linalg.norm(v)
 
 
-def test_what_is_wrong_is_said(leg):
+def test_invalid_arguments_raise_named_errors(leg):
     wrong = [
         (kinopt.UnknownNameError, lambda: Limb(leg, "thigh", "shin", "toe")),
         (kinopt.InvalidValueError, lambda: Limb(leg, "shin", "thigh", "foot")),

@@ -39,7 +39,7 @@ def freudenstein(crank, rocker):
     return GROUND / CRANK * np.cos(rocker) - GROUND / ROCKER * np.cos(crank) + k3 - np.cos(crank - rocker)
 
 
-def test_dependent_joints_follow_for_one_configuration_and_for_many():
+def test_dependent_joints_follow_in_batches():
     model = four_bar()
     closure = kinopt.LoopClosure(model, ["coupler", "rocker"])
     q = np.column_stack([np.linspace(-3.0, 3.0, 50), np.full(50, 0.5), np.full(50, 1.5)])
@@ -57,7 +57,7 @@ def test_dependent_joints_follow_for_one_configuration_and_for_many():
     assert abs(freudenstein(drawn[0], drawn[2])) < 1e-8
 
 
-def test_a_solution_keeps_loops_or_tells_which_are_open():
+def test_solution_closes_loops_or_names_open_ones():
     model = four_bar()
     assert [(name, kind, frames) for name, kind, frames, _ in model.loops] == [
         ("pin", "connect", ["coupler end", "rocker"])
@@ -80,7 +80,7 @@ def far_tasks():
     return [tasks.Point("coupler end", [0.3, 0.3, 0.0])]
 
 
-def test_an_mjcf_legs_knee_follows_its_motor():
+def test_mjcf_knee_follows_its_motor():
     robot = kinopt.Robot.from_mjcf(LEG)
     closure = kinopt.LoopClosure(robot)
     assert closure.dependent == ["knee_rod", "knee", "ankle_rod", "ankle"]
@@ -98,7 +98,7 @@ def test_an_mjcf_legs_knee_follows_its_motor():
     assert open_robot.loops == [] and len(robot.loops) == 2
 
 
-def test_a_urdf_takes_loops_and_keeps_them_when_it_is_copied():
+def test_urdf_robot_keeps_loops_in_copies():
     robot = kinopt.Robot.from_urdf(ROOT / "models" / "rethink_baxter.urdf")
     grips = []
     for side in (1.0, -1.0):
@@ -124,7 +124,7 @@ def test_a_urdf_takes_loops_and_keeps_them_when_it_is_copied():
         kinopt.Arm(hands, None, "left_tool")
 
 
-def test_what_is_wrong_is_named():
+def test_invalid_arguments_are_named():
     robot = kinopt.Robot.from_urdf(ROOT / "models" / "rethink_baxter.urdf")
     ends = ["left_tool", "right_tool"]
     with pytest.raises(kinopt.UnknownNameError, match="left_tol"):

@@ -14,7 +14,7 @@ REFERENCE = json.loads((FOLDER / "mujoco_placements.json").read_text())
 
 
 @pytest.mark.parametrize("reference", REFERENCE["files"], ids=lambda reference: reference["file"])
-def test_bodies_stand_where_mujoco_places_them_and_in_copies_too(reference):
+def test_bodies_match_mujoco_also_in_copies(reference):
     robot = kinopt.Robot.from_mjcf(FOLDER / "files" / reference["file"])
     for model in (robot.model, pickle.loads(pickle.dumps(robot)).model):
         kinematics = kinopt.ForwardKinematics(model)
@@ -26,7 +26,7 @@ def test_bodies_stand_where_mujoco_places_them_and_in_copies_too(reference):
                 np.testing.assert_allclose(placed[i][:3, :3].ravel(), numbers[3:], atol=1e-12)
 
 
-def test_loops_and_followers_are_told():
+def test_loops_and_mimic_joints_are_listed():
     robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "gripper.xml")
     assert robot.mimics["right"] == ("left", -1.5, pytest.approx(0.1))
     names = [(name, kind) for name, kind, _, _ in robot.loops]
@@ -36,7 +36,7 @@ def test_loops_and_followers_are_told():
     np.testing.assert_allclose(places[0][:3, 3], [0.01, 0.02, 0.03], atol=0)
 
 
-def test_what_was_left_out_is_told_by_the_files_own_lines(tmp_path):
+def test_omissions_are_reported_with_lines(tmp_path):
     path = tmp_path / "hand.xml"
     lines = [
         '<mujoco><worldbody><body name="target" mocap="true"/>',
@@ -49,12 +49,12 @@ def test_what_was_left_out_is_told_by_the_files_own_lines(tmp_path):
     assert 'name="reach"' in lines[line - 1] and "mocap" in robot.repairs[0]
 
 
-def test_a_base_may_be_put_under_it():
+def test_base_joint_is_added():
     robot = kinopt.Robot.from_mjcf(FOLDER / "files" / "gripper.xml", base_joint="free")
     assert len(robot.neutral()) == 7 + 6
 
 
-def test_faults_are_told_by_file_and_line(tmp_path):
+def test_faults_name_file_and_line(tmp_path):
     path = tmp_path / "robot.xml"
     with pytest.raises(kinopt.FileError):
         kinopt.Robot.from_mjcf(path)

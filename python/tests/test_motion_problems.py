@@ -41,7 +41,7 @@ def leap(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
     return kinopt.MotionProblem(arm, FRAMES, STEP, work, **given)  # type: ignore[arg-type]
 
 
-def test_a_motion_keeps_its_limits_and_tells_the_truth(arm: kinopt.Robot) -> None:
+def test_motion_keeps_limits_and_reports_errors(arm: kinopt.Robot) -> None:
     rest = np.array([0.0, -1.2, 1.5, -1.0, -1.5, 0.0])
     motion = leap(arm)
     assert (motion.frames, motion.time_step, motion.task_names) == (FRAMES, STEP, ["reach", "rest"])
@@ -69,7 +69,7 @@ def test_a_motion_keeps_its_limits_and_tells_the_truth(arm: kinopt.Robot) -> Non
     assert windows.cost == pytest.approx(solved.cost, rel=0.05)
 
 
-def test_a_foot_stands_and_fixed_frames_are_fixed() -> None:
+def test_contact_and_fixed_frames_are_kept() -> None:
     nao = kinopt.Robot.from_urdf(MODELS / "aldebaran_nao.urdf")
     start = nao.neutral()
     frames = 12
@@ -117,7 +117,7 @@ def test_other_threads_run_meanwhile(arm: kinopt.Robot) -> None:
     assert len(within) > len(ticks) / 4
 
 
-def test_what_is_wrong_is_named(arm: kinopt.Robot) -> None:
+def test_invalid_arguments_are_named(arm: kinopt.Robot) -> None:
     def says(kind: type[Exception], text: str, **options: object) -> None:
         with pytest.raises(kind, match=text):
             leap(arm, **options)
@@ -155,7 +155,7 @@ def between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return 2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0, 1))
 
 
-def test_free_bases_and_balls_keep_their_speeds() -> None:
+def test_free_bases_and_ball_joints_keep_speeds() -> None:
     free = kinopt.Robot.from_urdf(MODELS / "aldebaran_nao.urdf", base_joint="free")
     start = free.neutral()
     frame = free.frame_names[0]
@@ -175,7 +175,7 @@ def test_free_bases_and_balls_keep_their_speeds() -> None:
         kinopt.MotionProblem(free, FRAMES, STEP, work, max_speeds={"rot_joint": (0.9, 1.3)})
 
 
-def test_two_hands_hold_one_box_all_the_way() -> None:
+def test_two_hands_hold_a_box_in_all_frames() -> None:
     robot = kinopt.Robot.from_urdf(MODELS / "rethink_baxter.urdf")
     left, right = (kinopt.placement([0, 0, 0.2], wxyz=[0.5**0.5, side * 0.5**0.5, 0, 0]) for side in (1, -1))
     robot = robot.with_loop("box", ["left_tool", "right_tool"], "weld", places=[left, right])

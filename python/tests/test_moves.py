@@ -31,7 +31,7 @@ def problem(body):
     return kinopt.Problem(body, [tasks.Pose("hand", goal)])
 
 
-def test_speeds_times_a_time_step(body, problem):
+def test_move_is_speed_times_time_step(body, problem):
     start = body.neutral()
     most = np.array([0.01, 0.02, 0.03] + [0.04] * 4 + [0.05] * 4 + [0.06])
     solution = kinopt.Solver().solve(problem, start, max_move=most)
@@ -44,7 +44,7 @@ def test_speeds_times_a_time_step(body, problem):
     assert {"base/x", "base/y", "base/z", "base/rotation", "shoulder"} <= held
 
 
-def test_by_joints_and_by_one_angle(body, problem):
+def test_moves_by_joint_or_by_one_angle(body, problem):
     start = body.neutral()
     q = kinopt.Solver().solve(problem, start, max_move={"shoulder": 0.1, "elbow": 0.0}).q
     assert q[11] == start[11] and angle(q[7:11], start[7:11]) <= 0.1 + 1e-7
@@ -57,18 +57,18 @@ def test_by_joints_and_by_one_angle(body, problem):
     "given",
     [np.full(3, 0.1), np.full(12, -1.0), np.full(12, np.nan), 0.0, np.arange(1.0, 13.0), {"shoulder": -1.0}],
 )
-def test_what_is_no_move_is_refused(body, problem, given):
+def test_invalid_moves_raise(body, problem, given):
     with pytest.raises(kinopt.InvalidValueError):
         kinopt.Solver().solve(problem, body.neutral(), max_move=given)
 
 
-def test_unknown_joints(body, problem):
+def test_unknown_joints_raise(body, problem):
     with pytest.raises(kinopt.UnknownNameError, match="shoulder"):
         kinopt.Solver().solve(problem, body.neutral(), max_move={"knee": 1.0})
 
 
 @pytest.mark.parametrize("method", ["ccd", "fabrik"])
-def test_geometric_methods_keep_to_moves_of_hinges_and_refuse_balls(body, problem, method):
+def test_geometric_methods_keep_moves_reject_balls(body, problem, method):
     with pytest.raises(kinopt.InvalidValueError, match="is a ball"):
         kinopt.Solver(method).solve(problem, body.neutral(), max_move={"elbow": 0.1})
     builder = kinopt.ModelBuilder("arm")
@@ -85,7 +85,7 @@ def test_geometric_methods_keep_to_moves_of_hinges_and_refuse_balls(body, proble
 
 
 @pytest.mark.parametrize("threads", [1, 3])
-def test_each_of_a_batch_from_its_own_start(body, problem, threads):
+def test_batch_limits_moves_from_each_start(body, problem, threads):
     starts = body.random_configuration(3, 20)
     most = np.full(12, 0.03)
     solver = kinopt.Solver()
@@ -103,7 +103,7 @@ def test_each_of_a_batch_from_its_own_start(body, problem, threads):
         solver.solve_batch(problem, starts, max_move=[0.1])
 
 
-def test_a_ball_turns_within_a_whole_angle():
+def test_ball_joint_keeps_total_angle():
     builder = kinopt.ModelBuilder("arm")
     builder.ball("shoulder", angle=0.5)
     builder.frame("hand", "shoulder")

@@ -38,11 +38,11 @@ SECTIONS = {
 
 
 @pytest.mark.parametrize(("section", "there"), SECTIONS.items())
-def test_a_table_has_every_keyword(section, there):
+def test_table_has_every_keyword(section, there):
     assert named(section) == there
 
 
-def test_the_page_on_choosing_names_what_there_is():
+def test_page_on_choosing_names_existing_items():
     page = (Path(__file__).parents[2] / "docs/guide/choosing.md").read_text()
     dotted = keyword = 0
     for table in re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE):

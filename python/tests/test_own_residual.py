@@ -33,7 +33,7 @@ def own(**about):
 
 
 @pytest.mark.parametrize("jacobian", [None, slope_at_target])
-def test_it_solves_what_the_librarys_task_solves(robot, jacobian):
+def test_residual_equals_the_library_task(robot, jacobian):
     problem = kinopt.Problem(robot, [own(jacobian=jacobian)])
     theirs = kinopt.Problem(robot, [tasks.Point("tool", TARGET)])
     x = robot.random_configuration(1)[:8]
@@ -50,7 +50,7 @@ def test_it_solves_what_the_librarys_task_solves(robot, jacobian):
         assert np.linalg.norm(place[:3, 3] - TARGET) <= 1e-6
 
 
-def test_it_reads_frames_joints_or_both(robot):
+def test_residual_reads_frames_joints_or_both(robot):
     seen = {}
 
     def frames_alone(frames):
@@ -76,7 +76,7 @@ def test_it_reads_frames_joints_or_both(robot):
     assert seen == {"frames": ((2, 4, 4), np.float64), "joints": (9,), "both": ((1, 4, 4), (2,))}
 
 
-def test_a_mixed_jacobian_has_twists_first_then_joints(robot):
+def test_mixed_jacobian_has_twists_before_joints(robot):
     def residual(frames, q):
         a, b = frames
         return [a[:3, 0] @ b[:3, 3] + q[0] ** 2]
@@ -97,7 +97,7 @@ def test_a_mixed_jacobian_has_twists_first_then_joints(robot):
         assert np.abs(differences.jacobian(q) - by_q).max() < 1e-8
 
 
-def test_it_takes_room_weights_and_roles_as_any_task(robot):
+def test_residual_accepts_bounds_weights_and_roles(robot):
     wish = tasks.Residual(at_target, frames=["tool"], rows=3, role="preference")
     look = tasks.Point("flange", TARGET + 0.1)
     solution = kinopt.Solver().solve(kinopt.Problem(robot, [look, wish]), robot.neutral())
@@ -114,7 +114,7 @@ class Mine(Exception):
 
 @pytest.mark.parametrize("after", [0, 1, 5, 40])
 @pytest.mark.parametrize("where", ["function", "jacobian"])
-def test_what_it_raises_comes_out_unchanged(robot, after, where):
+def test_exception_propagates_unchanged(robot, after, where):
     mine, calls = Mine("mine"), [0]
 
     def failing(inner):
@@ -142,7 +142,7 @@ def test_what_it_raises_comes_out_unchanged(robot, after, where):
 
 
 @pytest.mark.parametrize("threads", [1, 3])
-def test_what_it_raises_comes_out_of_batches_too(robot, threads):
+def test_exception_propagates_from_batches(robot, threads):
     mine = Mine("mine")
 
     def failing(frames):
@@ -154,7 +154,7 @@ def test_what_it_raises_comes_out_of_batches_too(robot, threads):
     assert caught.value is mine
 
 
-def test_it_answers_the_same_bits_from_any_thread(robot):
+def test_results_are_bitwise_equal_on_any_thread(robot):
     problem = kinopt.Problem(robot, [own(), tasks.Posture(robot.neutral())])
     starts, solver = robot.random_configuration(5, 20), kinopt.Solver()
     alone = np.stack([solver.solve(problem, start).q for start in starts])
@@ -164,7 +164,7 @@ def test_it_answers_the_same_bits_from_any_thread(robot):
         assert np.array_equal(list(answers), alone)
 
 
-def test_it_may_solve_something_itself(robot):
+def test_residual_may_solve_another_problem(robot):
     inner, solver = kinopt.Problem(robot, [own()]), kinopt.Solver()
 
     def residual(q):
@@ -177,7 +177,7 @@ def test_it_may_solve_something_itself(robot):
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf])
-def test_numbers_that_are_not_finite_end_the_search(robot, number):
+def test_non_finite_values_end_the_search(robot, number):
     task = tasks.Residual(lambda frames: [number, 0, 0], frames=["tool"], rows=3)
     solution = kinopt.Solver().solve(kinopt.Problem(robot, [task]), robot.neutral())
     assert not solution.reached and solution.termination == "non_finite"
@@ -187,7 +187,7 @@ def test_numbers_that_are_not_finite_end_the_search(robot, number):
 
 
 @pytest.mark.parametrize("result", [[1.0], np.zeros(4), np.zeros((3, 1)), "three", None, [1j, 0, 0]])
-def test_results_of_the_wrong_shape_are_told(robot, result):
+def test_results_of_wrong_shape_raise(robot, result):
     task = tasks.Residual(lambda frames: result, frames=["tool"], rows=3)
     with pytest.raises(kinopt.InvalidValueError, match="the residual's function returned"):
         kinopt.Solver().solve(kinopt.Problem(robot, [task]), robot.neutral())
@@ -196,7 +196,7 @@ def test_results_of_the_wrong_shape_are_told(robot, result):
         kinopt.Solver().solve(kinopt.Problem(robot, [task]), robot.neutral())
 
 
-def test_it_travels_as_far_as_its_function(robot):
+def test_residual_pickles_if_its_function_does(robot):
     problem = kinopt.Problem(robot, [own(jacobian=slope_at_target)])
     expected = kinopt.Solver().solve(problem, robot.neutral()).q
     for twin in (pickle.loads(pickle.dumps(problem)), copy.deepcopy(problem)):
@@ -223,12 +223,12 @@ def test_it_travels_as_far_as_its_function(robot):
         {"frames": ["tool"], "rows": 3, "jacobian": 3},
     ],
 )
-def test_what_is_wrong_is_said(robot, given):
+def test_invalid_arguments_raise(robot, given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Problem(robot, [tasks.Residual(given.pop("function", at_target), **given)])
 
 
-def test_a_wrong_jacobian_is_found_and_its_entry_named(robot):
+def test_wrong_jacobian_entry_is_named(robot):
     q = robot.random_configuration(4)
 
     def leans(frames, joints):
@@ -268,7 +268,7 @@ def test_a_wrong_jacobian_is_found_and_its_entry_named(robot):
         residual(lambda frames, joints: np.zeros((2, 13))).check_jacobian(robot, q)
 
 
-def test_a_jacobian_by_a_ball_is_checked_along_its_turns():
+def test_jacobian_of_ball_joint_is_checked():
     builder = kinopt.ModelBuilder("arm")
     builder.joint("hinge", "revolute", axis=[0, 0, 1], lower=-2.0, upper=2.0)
     builder.ball("wrist", "hinge")

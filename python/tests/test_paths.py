@@ -27,7 +27,7 @@ def sideways(arm: kinopt.Arm, points: int = 60) -> np.ndarray:
     return path
 
 
-def test_a_line_is_one_piece(arm: kinopt.Arm) -> None:
+def test_line_is_one_segment(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     solved = kinopt.solve_path(arm, path)
     assert solved.reconfigurations == 0 and solved.reconfigured_at == [] and solved.is_whole
@@ -43,7 +43,7 @@ def test_a_line_is_one_piece(arm: kinopt.Arm) -> None:
     assert np.linalg.norm(away, axis=-1).max() <= solved.largest_deviation + 1e-9 < 1e-3
 
 
-def test_points_and_files(arm: kinopt.Arm, tmp_path: Path) -> None:
+def test_points_are_read_from_files(arm: kinopt.Arm, tmp_path: Path) -> None:
     x, y, z = arm.base_from_tool(Q)[:3, 3]
     rows = np.array([[x, y + 0.005 * k, z, 0.0, 1.0, 0.0, 0.0] for k in range(20)])
     by_points = kinopt.solve_path(arm, rows)
@@ -56,7 +56,7 @@ def test_points_and_files(arm: kinopt.Arm, tmp_path: Path) -> None:
     assert np.array_equal(kinopt.solve_path(arm, last, order="w-last").q, by_points.q)
 
 
-def test_ends_courses_and_tools(arm: kinopt.Arm) -> None:
+def test_ends_traversals_and_tools(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     assert np.array_equal(kinopt.solve_path(arm, path, start=Q).q[0], Q)
     there_and_back = np.concatenate([path, path[-2:0:-1]])
@@ -72,7 +72,7 @@ def test_ends_courses_and_tools(arm: kinopt.Arm) -> None:
     assert np.allclose(drilling.base_from_tool(both.q[30:]), path[30:], atol=2e-6)
 
 
-def test_a_table_says_which_tool_a_point_is_for(arm: kinopt.Arm, tmp_path: Path) -> None:
+def test_table_names_the_tool_of_a_point(arm: kinopt.Arm, tmp_path: Path) -> None:
     path = sideways(arm)
     drill = np.eye(4)
     drill[2, 3] = 0.1
@@ -89,7 +89,7 @@ def test_a_table_says_which_tool_a_point_is_for(arm: kinopt.Arm, tmp_path: Path)
         kinopt.solve_path(seeking[0], table)
 
 
-def test_what_is_missed_is_told(arm: kinopt.Arm) -> None:
+def test_missed_points_are_reported(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     path[30, 0, 3] += 3.0
     solved = kinopt.solve_path(arm, path)
@@ -185,7 +185,7 @@ def test_trajectory_limits_name_option_and_joint(arm: kinopt.Arm) -> None:
         solved.trajectory(1.0, corner_tolerance=-1.0)
 
 
-def test_bad_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:
+def test_invalid_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:
     path = sideways(arm)
     path[3, 0, 0] = np.nan
     with pytest.raises(InvalidValueError, match="point 3"):

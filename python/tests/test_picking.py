@@ -42,7 +42,7 @@ def all_kinds(robot, arm, targets):
     ]
 
 
-def test_slices_masks_and_lists_take_a_part(all_kinds):
+def test_slices_masks_and_lists_select(all_kinds):
     for many in all_kinds:
         assert not many.reached.all() and many.reached.any()
         mask = np.arange(20) % 3 == 0
@@ -59,7 +59,7 @@ def test_slices_masks_and_lists_take_a_part(all_kinds):
             assert len(part[:2]) == min(len(part), 2)
 
 
-def test_whole_numbers_take_one_from_either_end(all_kinds):
+def test_integers_select_from_either_end(all_kinds):
     for many in all_kinds:
         for index in (0, 19, -1, -20, np.int64(3), np.uint8(7)):
             assert np.array_equal(many[index].q, many.q[index])
@@ -75,7 +75,7 @@ def test_whole_numbers_take_one_from_either_end(all_kinds):
                 many[index]
 
 
-def test_a_track_is_its_steps_solutions_and_its_jumps(arm, targets):
+def test_track_contains_solutions_and_jumps(arm, targets):
     track = arm.track(targets[:3], START)
     assert isinstance(track, kinopt.Solutions)
     back = pickle.loads(pickle.dumps(track))
@@ -84,12 +84,12 @@ def test_a_track_is_its_steps_solutions_and_its_jumps(arm, targets):
     assert repr(track) == f"Track(3 of 3 reached, {len(track.jumps)} jumps)"
 
 
-def test_an_arm_knows_what_it_was_made_of(robot, arm):
+def test_arm_has_robot_base_and_tip(robot, arm):
     assert arm.robot is robot and (arm.base, arm.tip) == ("base", "flange")
     assert kinopt.Arm(robot, None, "flange", atlas=False).base is None
 
 
-def test_an_arms_jacobian_is_the_derivative_of_its_tool(robot):
+def test_arm_jacobian_is_the_derivative_of_its_tool(robot):
     tool = np.eye(4)
     tool[:3, 3] = [0.1, 0.2, 0.3]
     for name, base, tip in [("universal_ur5e", "forearm_link", "flange"), ("franka_panda", "link2", "tool")]:

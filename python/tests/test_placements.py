@@ -11,7 +11,7 @@ def rotations(n):
     return q / np.linalg.norm(q, axis=1, keepdims=True)
 
 
-def test_both_orders_of_a_quaternion_turn_vectors_alike():
+def test_quaternion_orders_rotate_equally():
     wxyz = rotations(50)
     placed = kinopt.placement(np.arange(150.0).reshape(50, 3), wxyz=wxyz)
     assert np.array_equal(placed, kinopt.placement(np.arange(150.0).reshape(50, 3), xyzw=np.roll(wxyz, -1, 1)))
@@ -23,7 +23,7 @@ def test_both_orders_of_a_quaternion_turn_vectors_alike():
     assert np.array_equal(placed[:, 3], np.tile([0.0, 0, 0, 1], (50, 1)))
 
 
-def test_rounded_numbers_become_poses_that_an_arm_takes():
+def test_rounded_numbers_become_valid_poses():
     robot = kinopt.ModelBuilder("hinge")
     robot.joint("hinge", lower=-3, upper=3)
     robot.frame("tip", "hinge")
@@ -51,6 +51,6 @@ def test_rounded_numbers_become_poses_that_an_arm_takes():
         {"position": np.zeros((3, 3)), "wxyz": np.ones((2, 4))},
     ],
 )
-def test_what_is_no_placement_is_told(wrong):
+def test_invalid_placement_raises(wrong):
     with pytest.raises(kinopt.InvalidValueError):
         kinopt.placement(**wrong)

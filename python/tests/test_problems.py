@@ -29,7 +29,7 @@ def hand(target, **about):
     return tasks.Pose("tool", target, name="hand", **about)
 
 
-def test_a_robots_mimic_joints_follow(robot, target):
+def test_mimic_joints_of_robot_follow(robot, target):
     problem = kinopt.Problem(robot, [hand(target)])
     assert problem.configuration_len == 9 and problem.variables == 8
     q = kinopt.Solver().solve(problem, robot.random_configuration(4)).q
@@ -86,7 +86,7 @@ def test_joints_are_locked_coupled_narrowed_and_freed(robot, target):
         {"at": np.zeros(9)},
     ],
 )
-def test_wrong_parameters_are_told(robot, given):
+def test_invalid_parameters_raise(robot, given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.ParameterMap(robot, **given)
 
@@ -103,12 +103,12 @@ def test_wrong_parameters_are_told(robot, given):
         {"preferences": "none"},
     ],
 )
-def test_wrong_options_are_told(robot, target, given):
+def test_invalid_options_raise(robot, target, given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Problem(robot, [hand(target)], **given)
 
 
-def test_a_problem_travels_and_answers_the_same_bits(robot, target):
+def test_pickled_problem_solves_bitwise_equally(robot, target):
     posture = tasks.Posture(robot.neutral(), scale=0.1)
     parameters = kinopt.ParameterMap(robot, lock={"joint3": 0.25})
     problem = kinopt.Problem(
@@ -129,7 +129,7 @@ def test_a_problem_travels_and_answers_the_same_bits(robot, target):
         assert np.array_equal(again.q, answer.q) and again.counts == answer.counts
 
 
-def test_targets_move_beside_the_problem(robot, target):
+def test_targets_change_without_a_new_problem(robot, target):
     problem = kinopt.Problem(robot, [hand(target), tasks.Posture(robot.neutral(), name="rest")])
     start, solver = robot.random_configuration(4), kinopt.Solver()
     before = solver.solve(problem, start)
@@ -144,7 +144,7 @@ def test_targets_move_beside_the_problem(robot, target):
     assert np.array_equal(problem.residual(x, {"hand": other, "rest": rest}), stated.residual(x))
 
 
-def test_every_kind_of_target_moves(robot):
+def test_every_kind_of_target_changes(robot):
     rest = robot.neutral()
     first, other = np.array([0.3, 0.1, 0.4]), np.array([0.5, -0.2, 0.3])
     pose, moved = np.eye(4), np.eye(4)
@@ -206,7 +206,7 @@ def stated_with(task, target):
         [np.eye(4)],
     ],
 )
-def test_wrong_targets_are_told_and_change_nothing(robot, target, targets):
+def test_invalid_targets_raise_and_change_nothing(robot, target, targets):
     problem = kinopt.Problem(robot, [hand(target)])
     start = robot.random_configuration(4)
     with pytest.raises(kinopt.KinoptError):
@@ -214,7 +214,7 @@ def test_wrong_targets_are_told_and_change_nothing(robot, target, targets):
     assert kinopt.Solver().solve(problem, start).reached
 
 
-def test_one_problem_serves_many_threads(robot):
+def test_problem_is_shared_by_threads(robot):
     problem = kinopt.Problem(robot, [hand(np.eye(4)), tasks.Posture(robot.neutral())])
     solver, start = kinopt.Solver(), robot.neutral()
     targets = [kinopt.frame_placement(robot, "tool", q) for q in robot.random_configuration(1, 60)]

@@ -85,7 +85,7 @@ def gathered(dataset):
     return pa.concat_tables([ray.get(block) for block in dataset.to_arrow_refs()])
 
 
-def test_arrays_go_into_tables_and_back_without_a_copy(targets):
+def test_arrays_and_tables_convert_without_a_copy(targets):
     table = kr.table(target=targets, number=np.arange(COUNT))
     back = kr.numbers(table, "target", (4, 4))
     assert np.array_equal(back, targets) and np.shares_memory(back, targets)
@@ -126,12 +126,12 @@ def test_targets_of_any_arrow_kind_are_read(targets, kind):
         ([[1.0] * 16], "target 0"),
     ],
 )
-def test_what_is_no_column_of_targets_is_told(arm, column, says):
+def test_invalid_target_columns_raise(arm, column, says):
     with pytest.raises(kinopt.InvalidValueError, match=says):
         kr.SolveArm(arm)(pa.table({"target": column}))
 
 
-def test_what_does_not_fit_is_told_before_a_worker_starts(arm, start, targets):
+def test_invalid_input_raises_before_workers_start(arm, start, targets):
     table = kr.table(target=targets, q=np.zeros(COUNT))
     with pytest.raises(kinopt.InvalidValueError, match="start"):
         kr.SolveArm(arm, start[:3])
@@ -162,7 +162,7 @@ def problem():
     )
 
 
-def test_problems_are_answered_as_without_tables(problem):
+def test_tables_solve_problems_equally(problem):
     seeded = np.random.default_rng(3)
     count = 20
     frames = {task.name: task for task in problem.tasks}
@@ -215,7 +215,7 @@ def test_goals_in_other_units_have_empty_errors():
     assert answers["position_error"].null_count == 2 and answers["reached"].to_pylist() == [True, True]
 
 
-def test_a_table_may_be_empty_and_may_bring_its_starts(arm, targets, want):
+def test_table_may_be_empty_or_contain_starts(arm, targets, want):
     answers = kr.SolveArm(arm)(kr.table(target=targets[:0]))
     assert answers.num_rows == 0 and answers.column_names == ANSWERS
     starts = want.q[::-1].copy()
@@ -243,7 +243,7 @@ def dies(tmp_path, arm, start):
     assert int(solver.marker.read_text()) != os.getpid()
 
 
-def test_a_dataset_has_the_same_bits_as_without_ray_and_loses_nothing_by_a_killed_worker(
+def test_dataset_survives_a_killed_worker_bitwise(
     cluster, folder, dies, want
 ):
     dataset = ray.data.read_parquet(str(folder / "targets"))
@@ -270,7 +270,7 @@ kr.solve_files(folder + "/targets", folder + "/answers", Slow(arm, np.full(7, 0.
 """
 
 
-def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
+def test_killed_job_resumes_after_a_killed_worker(
     cluster, folder, arm, start, dies, targets, want
 ):
     address = ray.get_runtime_context().gcs_address
@@ -316,7 +316,7 @@ def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
     assert {name: (into / name).stat().st_mtime_ns for name in finished} == before
 
 
-def test_what_the_readme_shows_runs(cluster, tmp_path, monkeypatch, arm, start, targets):
+def test_readme_code_runs(cluster, tmp_path, monkeypatch, arm, start, targets):
     page = (Path(__file__).parents[1] / "README.md").read_text()
     blocks = re.findall(r"^<!-- with Ray -->\n```python\n(.*?)^```", page, re.S | re.M)
     monkeypatch.chdir(tmp_path)
@@ -327,7 +327,7 @@ def test_what_the_readme_shows_runs(cluster, tmp_path, monkeypatch, arm, start, 
     assert np.array_equal(names["q"], arm.solve_batch(targets, start).q)
 
 
-def test_the_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, capsys):
+def test_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib", reason="SKIPPED LOUDLY: matplotlib is not installed").use("Agg")
     path = Path(__file__).parents[1] / "examples" / "reachability.py"
     spec = importlib.util.spec_from_file_location("reachability", path)
@@ -358,7 +358,7 @@ def test_the_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, ca
     assert capsys.readouterr().out == first
 
 
-def test_folders_that_are_none_are_named(tmp_path, arm):
+def test_missing_folders_are_named(tmp_path, arm):
     with pytest.raises(kinopt.FileError, match="nowhere"):
         kr.solve_files(tmp_path / "nowhere", tmp_path / "answers", kr.SolveArm(arm))
     with pytest.raises(kinopt.FileError, match="no Parquet files"):

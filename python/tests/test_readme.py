@@ -34,7 +34,7 @@ def without_counts(output):
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if any(blocks_of(page))])
-def test_what_a_page_shows_runs(monkeypatch, page):
+def test_page_code_runs_and_prints_its_output(monkeypatch, page):
     monkeypatch.chdir(ROOT)
     names = {}
     for block, output in blocks_of(page):
@@ -61,7 +61,7 @@ def a_free_port():
 
 
 @pytest.mark.parametrize("language, block", OPENERS)
-def test_what_opens_a_page_opens_one(language, block):
+def test_viewer_commands_open_a_page(language, block):
     pytest.importorskip("viser", reason="SKIPPED LOUDLY: viser is not installed: pip install 'kinopt[view]'")
     if language == "sh":
         (line,) = [line for line in block.splitlines() if not line.startswith("pip install")]
@@ -85,7 +85,7 @@ def test_what_opens_a_page_opens_one(language, block):
             process.kill()
 
 
-def test_some_pages_open_one():
+def test_some_pages_have_viewer_commands():
     assert len(OPENERS) >= 4
 
 

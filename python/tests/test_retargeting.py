@@ -68,7 +68,7 @@ def nao() -> kinopt.Robot:
     return kinopt.Robot.from_urdf_text(text, NAO.name, base_joint="free")
 
 
-def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> None:
+def test_array_is_retargeted_within_limits(nao: kinopt.Robot) -> None:
     for whole in (False, True):
         found = kinopt.retarget(sway(), nao, MAP, whole=whole)
         assert found.q.shape == (30, nao.configuration_len) and found.names == nao.coordinate_names
@@ -88,7 +88,7 @@ def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> Non
         assert found.lost_contacts == [] and 0 <= found.ground_penetration < 1e-3
 
 
-def test_what_is_met_is_at_its_limit(nao: kinopt.Robot) -> None:
+def test_active_limits_are_at_their_bound(nao: kinopt.Robot) -> None:
     # A fast sideways motion, limited by the speed limits.
     places = sway(20)
     places[10:, 0, 1] += 0.3
@@ -106,7 +106,7 @@ def test_what_is_met_is_at_its_limit(nao: kinopt.Robot) -> None:
             assert np.allclose(q[limit.first : limit.end], ends[column(limit.joint)])
 
 
-def test_sources_of_every_kind_say_the_same(nao: kinopt.Robot, tmp_path: Path) -> None:
+def test_sources_of_every_kind_are_equal(nao: kinopt.Robot, tmp_path: Path) -> None:
     expected = kinopt.retarget(sway(), nao, MAP).q
     np.save(tmp_path / "sway.npy", sway().astype(np.float32).astype(np.float64))
     (tmp_path / "map.json").write_text(json.dumps(MAP))
@@ -150,7 +150,7 @@ Frame Time: 0.04
 """
 
 
-def test_a_file_of_motion_capture_and_its_clip_are_the_same(nao: kinopt.Robot, tmp_path: Path) -> None:
+def test_capture_file_and_its_clip_are_equal(nao: kinopt.Robot, tmp_path: Path) -> None:
     rows = "\n".join(f"0 {0.9 - 0.01 * k} 0" + " 0" * 9 for k in range(5))
     (tmp_path / "squat.bvh").write_text(BVH + rows + "\n")
     found = kinopt.retarget(tmp_path / "squat.bvh", nao, {"drives": MAP["drives"]})
@@ -162,7 +162,7 @@ def test_a_file_of_motion_capture_and_its_clip_are_the_same(nao: kinopt.Robot, t
     assert found.contacts.shape == (5, 0) and found.contact_frames == []
 
 
-def test_the_body_that_ships_is_known(nao: kinopt.Robot) -> None:
+def test_shipped_capture_has_a_map(nao: kinopt.Robot) -> None:
     names, places = person()
     guess = kinopt.guess_map(Capture(places, names, 30), nao)
     assert (guess.skeleton, guess.body) == ("smpl", "nao")
@@ -170,7 +170,7 @@ def test_the_body_that_ships_is_known(nao: kinopt.Robot) -> None:
     assert guess.map["drives"]["left_foot"]["offset"][0] > 0
 
 
-def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
+def test_map_is_guessed_and_correctable(tmp_path: Path) -> None:
     names, places = person()
     # With a renamed link the body is not recognised.
     text = NAO.read_text().replace('velocity="0"', 'velocity="3"').replace('"left_shank"', '"left_calf"')
@@ -196,7 +196,7 @@ def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
     assert len(kinopt.guess_map(Capture(places, other, 30), nao).map["drives"]) == len(drives)
 
 
-def test_a_rig_moves_as_a_whole() -> None:
+def test_rig_is_a_target() -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid/humanoid.json")
     names, places = person()
     places[:, :, 0] += 0.02 * np.arange(len(places))[:, None]
@@ -206,7 +206,7 @@ def test_a_rig_moves_as_a_whole() -> None:
     assert found.map["drives"]["left_foot"] == "left_toes"
 
 
-def test_frames_can_come_one_by_one(nao: kinopt.Robot) -> None:
+def test_frames_are_followed_one_by_one(nao: kinopt.Robot) -> None:
     places = sway(40)
     live = kinopt.RetargetFollower(places[:10], nao, MAP)
     q = np.array([live.step(frame) for frame in places])
@@ -227,7 +227,7 @@ def test_frames_can_come_one_by_one(nao: kinopt.Robot) -> None:
         live.step(places[0][:2])
 
 
-def test_what_is_found_is_saved_and_pickled(nao: kinopt.Robot, tmp_path: Path) -> None:
+def test_result_is_saved_and_pickled(nao: kinopt.Robot, tmp_path: Path) -> None:
     found = kinopt.retarget(sway(), nao, MAP)
     found.save(tmp_path / "sway.npz")
     with np.load(tmp_path / "sway.npz") as read:
@@ -244,7 +244,7 @@ def test_what_is_found_is_saved_and_pickled(nao: kinopt.Robot, tmp_path: Path) -
     assert capture.joints == JOINTS and capture.up == "y" and np.array_equal(capture.positions, sway())
 
 
-def test_others_work_meanwhile(nao: kinopt.Robot) -> None:
+def test_other_threads_run_meanwhile(nao: kinopt.Robot) -> None:
     counted = 0
     worker = threading.Thread(target=lambda: kinopt.retarget(sway(600), nao, MAP))
     worker.start()
@@ -253,7 +253,7 @@ def test_others_work_meanwhile(nao: kinopt.Robot) -> None:
     assert counted > 10
 
 
-def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
+def test_invalid_arguments_are_named(nao: kinopt.Robot, tmp_path: Path) -> None:
     lost = sway()
     lost[7, 1, 2] = np.nan
     with pytest.raises(InvalidValueError, match="frame 7.*`left`"):
@@ -308,7 +308,7 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
             kinopt.retarget(tmp_path / name, nao, MAP)
 
 
-def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:
+def test_self_collisions_are_avoided() -> None:
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
     places = sway(6) * np.array([1.0, 1.5, 1.0])
     found = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
@@ -321,7 +321,7 @@ def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:
         kinopt.retarget(places, robot, MAP, keep_clear=-1.0)
 
 
-def test_a_robot_keeps_clear_of_a_world() -> None:
+def test_robot_avoids_a_world() -> None:
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
     places = sway(6) * np.array([1.0, 1.5, 1.0])
     plain = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
@@ -364,7 +364,7 @@ def heights(clip: Any, bone: str, times: list[float]) -> list[float]:
     return places
 
 
-def test_a_figure_does_the_movement_in_its_own_file(tmp_path: Path) -> None:
+def test_figure_moves_in_its_file_format(tmp_path: Path) -> None:
     # Retargeting to a body with equal bones, whose file has y up, returns the motion itself.
     capture = kinopt.MotionCapture.read(STEPS)
     found = kinopt.retarget(STEPS, capture, fps=30)
@@ -390,7 +390,7 @@ def test_a_figure_does_the_movement_in_its_own_file(tmp_path: Path) -> None:
     assert np.allclose(heights(written.clips[0], "Head", times), heights(capture.clip, "Head", times), rtol=0.04)
 
 
-def test_a_rig_whose_up_is_z_stands_in_a_written_scene(tmp_path: Path) -> None:
+def test_rig_with_z_up_is_upright_in_scene(tmp_path: Path) -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     found = kinopt.retarget(STEPS, rig, fps=30)
     clip = found.clip(rig, "Steps")
@@ -403,7 +403,7 @@ def test_a_rig_whose_up_is_z_stands_in_a_written_scene(tmp_path: Path) -> None:
         scene.to_bytes(up=(0, 0, 0))
 
 
-def test_a_map_of_another_robot_is_completed_by_names(nao: kinopt.Robot) -> None:
+def test_map_of_other_robot_is_completed_by_names(nao: kinopt.Robot) -> None:
     other = {"drives": {"g1.urdf": {"Hips": "pelvis_link"}}}
     found = kinopt.retarget(STEPS, nao, other, fps=30)
     guessed = kinopt.retarget(STEPS, nao, fps=30)
@@ -411,7 +411,7 @@ def test_a_map_of_another_robot_is_completed_by_names(nao: kinopt.Robot) -> None
     assert "guessed from names" in found.notes[0]
 
 
-def test_what_is_no_figure_is_refused(nao: kinopt.Robot, tmp_path: Path) -> None:
+def test_invalid_figures_raise(nao: kinopt.Robot, tmp_path: Path) -> None:
     with pytest.raises(InvalidValueError, match="rig"):
         FigureTarget(nao)
     with pytest.raises(InvalidValueError, match="\\(frames, "):
@@ -448,7 +448,7 @@ def test_whole_movement_reports_progress() -> None:
     np.testing.assert_array_equal(found.q, plain.q)
 
 
-def test_whole_movement_ends_by_an_exception_of_progress() -> None:
+def test_whole_movement_ends_by_progress_exception() -> None:
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
 
     def stop(done: int, total: int) -> None:
@@ -476,7 +476,7 @@ def test_whole_movement_ends_by_ctrl_c() -> None:
     assert out == "" and "KeyboardInterrupt" in errors
 
 
-def test_axis_upward_is_detected(tmp_path: Path) -> None:
+def test_up_axis_is_detected(tmp_path: Path) -> None:
     nao = kinopt.Robot.from_urdf(NAO, base_joint="free")
     joints = ["Hips", "LeftFoot", "RightFoot"]
     places = np.zeros((12, 3, 3))

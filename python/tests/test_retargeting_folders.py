@@ -31,7 +31,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
+def test_folder_resumes(folder: Path, tmp_path: Path) -> None:
     into = tmp_path / "into"
     lost = sway(5)
     lost[2, 1] = np.nan
@@ -54,12 +54,12 @@ def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
     assert [report.done_before for report in again] == [True, False, True, False]
     second = files(into)
     assert set(second) == {*first, "lost.npz"} and second["one.npz"] == first["one.npz"]
-    assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, again=True))
+    assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, overwrite=True))
     with pytest.raises(InvalidValueError, match="results of other settings"):
         retarget_folder(folder, NAO, into, MAP, whole=True)
 
 
-def test_what_is_asked_is_asked_of_every_movement(folder: Path, tmp_path: Path) -> None:
+def test_options_apply_to_every_movement(folder: Path, tmp_path: Path) -> None:
     into = tmp_path / "into"
     asked: dict[str, Any] = {"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3, "keep_clear": 0.001, "world": kinopt.World()}
     reports = retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
@@ -73,7 +73,7 @@ def test_what_is_asked_is_asked_of_every_movement(folder: Path, tmp_path: Path) 
         retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
 
 
-def test_what_changed_of_a_map_is_another_question(folder: Path, tmp_path: Path) -> None:
+def test_changed_map_is_another_job(folder: Path, tmp_path: Path) -> None:
     into, file = tmp_path / "into", tmp_path / "map.json"
     file.write_text(json.dumps(MAP))
     retarget_folder(folder / "deeper", NAO, into, file)
@@ -84,7 +84,7 @@ def test_what_changed_of_a_map_is_another_question(folder: Path, tmp_path: Path)
         retarget_folder(folder / "deeper", NAO, into, file)
 
 
-def test_what_is_interrupted_begins_nothing_more(tmp_path: Path) -> None:
+def test_interrupt_starts_no_more_movements(tmp_path: Path) -> None:
     source, into = tmp_path / "many", tmp_path / "into"
     source.mkdir()
     for number in range(40):
@@ -101,7 +101,7 @@ def test_what_is_interrupted_begins_nothing_more(tmp_path: Path) -> None:
     assert sum(report.done_before for report in again) == done
 
 
-def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> None:
+def test_invalid_folders_are_named(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="not a folder"):
         retarget_folder(tmp_path / "none", NAO, tmp_path / "into")
     (tmp_path / "empty").mkdir()
@@ -118,7 +118,7 @@ def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> No
 @pytest.mark.skipif(
     importlib.util.find_spec("ray") is None, reason="SKIPPED LOUDLY: ray is not installed: pip install 'kinopt[ray]'"
 )
-def test_ray_writes_the_same(folder: Path, tmp_path: Path) -> None:
+def test_ray_writes_equal_files(folder: Path, tmp_path: Path) -> None:
     import kinopt.ray
 
     from ray_cluster import ray_cluster

@@ -31,7 +31,7 @@ def rotation_about(axis, angle):
     return turn
 
 
-def test_a_rig_has_a_skeleton_a_mesh_weights_and_keys(rig):
+def test_rig_has_skeleton_mesh_weights_and_keys(rig):
     skeleton = rig.skeleton
     bones = len(skeleton.bones)
     assert skeleton.angles == rig.model.degrees_of_freedom == 3 * bones
@@ -45,7 +45,7 @@ def test_a_rig_has_a_skeleton_a_mesh_weights_and_keys(rig):
     assert rig.notes == []
 
 
-def test_bones_stand_where_a_chain_of_turns_puts_them(rig):
+def test_bones_match_a_chain_of_rotations(rig):
     """W_bone = W_parent R̂_parent⁻¹ R̂_bone X(θ₃) Z(θ₂) X(θ₁), in numpy."""
     skeleton = rig.skeleton
     q = poses(rig, 3)
@@ -66,7 +66,7 @@ def test_bones_stand_where_a_chain_of_turns_puts_them(rig):
     assert np.allclose(transforms @ np.array(rest), posed, atol=1e-12)
 
 
-def test_names_of_frames_and_joints_are_the_models(rig):
+def test_frame_and_joint_names_are_the_models(rig):
     skeleton = rig.skeleton
     hand = skeleton.bone("left_hand")
     assert skeleton.tail("left_hand") == "left_hand"
@@ -95,7 +95,7 @@ def linear_blend(rig, q):
     return np.einsum("vb,bvi->vi", rig.weights.to_table(), by_bone)
 
 
-def test_skin_is_the_weighted_mean_of_what_bones_do(rig):
+def test_skin_is_the_weighted_mean_of_bone_transforms(rig):
     q = poses(rig, 2)
     posing = rig.posing()
     for row in q:
@@ -109,7 +109,7 @@ def test_skin_is_the_weighted_mean_of_what_bones_do(rig):
     assert np.array_equal(many[1], posing.positions(q[1]))
 
 
-def test_a_rest_pose_leaves_the_mesh_as_it_is(rig):
+def test_rest_pose_keeps_the_mesh(rig):
     rest = np.zeros(rig.skeleton.angles)
     for method in ("lbs", "dqs"):
         posing = rig.posing(method)
@@ -120,7 +120,7 @@ def test_a_rest_pose_leaves_the_mesh_as_it_is(rig):
             assert np.abs(lengths - 1).max() < 1e-5
 
 
-def test_out_takes_the_result_without_a_copy(rig):
+def test_out_receives_result_without_a_copy(rig):
     q = poses(rig, 4)
     posing = rig.posing("dqs")
     room = np.full((4, len(rig.mesh.positions), 3), np.nan, np.float32)
@@ -139,7 +139,7 @@ def test_out_takes_the_result_without_a_copy(rig):
     assert np.array_equal(frames[1], rig.skeleton.pose(q[1]))
 
 
-def test_many_threads_pose_at_once(rig):
+def test_posing_is_shared_by_threads(rig):
     q = poses(rig, 8)
     posing = rig.posing()
     expected = posing.positions(q)
@@ -153,7 +153,7 @@ def test_many_threads_pose_at_once(rig):
     assert all(np.array_equal(result, one) for result, one in zip(results, expected))
 
 
-def test_what_is_wrong_is_said(rig):
+def test_invalid_arguments_raise_named_errors(rig):
     posing = rig.posing()
     q = poses(rig, 1)[0]
     with pytest.raises(kinopt.InvalidValueError, match=r"q has shape \(3,\), expected"):
@@ -181,7 +181,7 @@ def test_what_is_wrong_is_said(rig):
         kinopt.TriangleMesh(np.zeros((3, 3)), [[0, 1, 1.5]])
 
 
-def test_copies_are_the_same_rig_to_the_bit(rig):
+def test_copies_are_bitwise_equal(rig):
     q = poses(rig, 3)
     for twin in (pickle.loads(pickle.dumps(rig)), copy.deepcopy(rig)):
         assert np.array_equal(twin.skeleton.pose(q), rig.skeleton.pose(q))
@@ -193,7 +193,7 @@ def test_copies_are_the_same_rig_to_the_bit(rig):
     assert np.array_equal(posing.positions(q), rig.posing("dqs").positions(q))
 
 
-def test_a_rig_is_read_from_text_as_from_its_file(rig, tmp_path):
+def test_rig_is_equal_from_text_and_file(rig, tmp_path):
     folder = MODELS / "humanoid"
     text = (folder / "humanoid.json").read_text()
     files = {p.name: p.read_bytes() for p in folder.iterdir()}
@@ -214,7 +214,7 @@ def test_a_rig_is_read_from_text_as_from_its_file(rig, tmp_path):
     assert np.abs(again.posing().positions(q) - rig.posing().positions(q)).max() < 1e-6
 
 
-def test_a_skeleton_is_built_bone_by_bone():
+def test_skeleton_is_built_bone_by_bone():
     builder = kinopt.Skeleton.builder("arm")
     limits = [[-1, 1], [0, 2.5], [-1, 1]]
     builder.add("upper", length=0.3, limits=limits)
@@ -289,13 +289,13 @@ def test_clips_of_angles_pass_their_keys(rig):
         kinopt.animation.EulerClip(skeleton, {"left_hand": ([1, 0], np.zeros((2, 3)))})
 
 
-def test_kinematics_take_rigs_and_skeletons(rig):
+def test_kinematics_accept_rigs_and_skeletons(rig):
     for thing in (rig, rig.skeleton, rig.model):
         kinematics = kinopt.ForwardKinematics(thing, ["left_hand"])
         assert kinematics is not None
 
 
-def test_a_rig_balances_by_the_volume_of_its_mesh():
+def test_rig_balances_by_mesh_volume():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     q = np.zeros(len(rig.model.joint_names))
     corners = rig.mesh.positions
@@ -313,7 +313,7 @@ def test_a_rig_balances_by_the_volume_of_its_mesh():
         bare.center_of_mass(q)
 
 
-def test_a_figure_on_balls_has_the_masses_of_its_rig():
+def test_ball_skeleton_has_masses_of_its_rig():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     masses = rig.masses
     rest = rig.skeleton.model.neutral()

@@ -25,7 +25,7 @@ def test_names_and_limits_are_in_configuration_order():
     assert {"base", "flange", "tool"} <= set(robot.frame_names)
 
 
-def test_pickles_and_copies_are_the_same_robot():
+def test_pickles_and_copies_are_equal():
     tool = np.eye(4)
     tool[2, 3] = 0.1
     robot = panda().with_tool("pen", "flange", tool)
@@ -35,7 +35,7 @@ def test_pickles_and_copies_are_the_same_robot():
         assert np.array_equal(twin.random_configuration(3, 5), robot.random_configuration(3, 5))
 
 
-def test_random_configurations_keep_within_the_limits():
+def test_random_configurations_are_within_limits():
     robot = panda()
     q = robot.random_configuration(7, 100)
     assert q.shape == (100, 9)
@@ -45,7 +45,7 @@ def test_random_configurations_keep_within_the_limits():
     assert np.array_equal(drawn, robot.random_configuration(np.random.default_rng(1), 4))
 
 
-def test_what_is_wrong_is_said_by_name():
+def test_invalid_arguments_are_named():
     with pytest.raises(kinopt.UnknownNameError, match="no frame named `nowhere`"):
         panda().chain("base", "nowhere")
     with pytest.raises(kinopt.FileError):

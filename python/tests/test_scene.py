@@ -62,7 +62,7 @@ def scene(rig):
     return kinopt.Scene(armature, [mesh], [wave(armature)])
 
 
-def test_a_scene_poses_its_skin_as_the_rig_does(rig, scene):
+def test_scene_and_rig_pose_equally(rig, scene):
     q = 0.2 * np.sin(np.arange(rig.skeleton.angles))
     pose = scene.armature.rest
     bridge = rig.skeleton.pose(q)
@@ -78,7 +78,7 @@ def test_a_scene_poses_its_skin_as_the_rig_does(rig, scene):
     assert set(moved) <= {0, 3} and len(moved)
 
 
-def test_many_poses_go_into_the_callers_memory(scene):
+def test_poses_are_written_into_out(scene):
     posing = scene.posing("dqs")
     clip = scene.clip("wave")
     poses = clip.sample(np.linspace(0, 1, 6), "loop")
@@ -97,7 +97,7 @@ def test_many_poses_go_into_the_callers_memory(scene):
         posing.positions(kinopt.MotionCapture.from_bytes(NOD).armature.rest)
 
 
-def test_what_is_written_is_read_again(scene, tmp_path):
+def test_scene_round_trips(scene, tmp_path):
     scene.write(tmp_path / "arm.glb")
     for twin in (
         kinopt.Scene.read(tmp_path / "arm.glb"),
@@ -121,7 +121,7 @@ def test_what_is_written_is_read_again(scene, tmp_path):
         scene.clip("walk")
 
 
-def test_a_text_with_buffers_beside_it_is_read():
+def test_text_with_external_buffers_is_read():
     text = (
         '{"asset":{"version":"2.0"},"buffers":[{"uri":"m.bin","byteLength":36}],'
         '"bufferViews":[{"buffer":0,"byteLength":36}],'
@@ -137,7 +137,7 @@ def test_a_text_with_buffers_beside_it_is_read():
         kinopt.Scene.from_bytes(text)
 
 
-def test_copies_are_the_same_scene_to_the_bit(scene):
+def test_copies_are_bitwise_equal(scene):
     twin = pickle.loads(pickle.dumps(scene))
     poses = [one.clip("wave").sample(np.linspace(0, 1, 5)) for one in (scene, twin)]
     assert np.array_equal(poses[0].rotations_xyzw, poses[1].rotations_xyzw)
@@ -146,7 +146,7 @@ def test_copies_are_the_same_scene_to_the_bit(scene):
     assert twin.clip("wave").events == [(0.5, "there")]
 
 
-def test_a_capture_is_what_its_frames_say():
+def test_capture_matches_its_frames():
     capture = kinopt.MotionCapture.from_bytes(NOD, "nod.bvh")
     assert capture.armature.names == ["Neck", "Neck/tip"]
     assert (capture.frames, capture.frame_time) == (3, 0.5)
@@ -163,7 +163,7 @@ def test_a_capture_is_what_its_frames_say():
         kinopt.MotionCapture.from_bytes(b"HIERARCHY\nROOT")
 
 
-def test_capture_written_keeps_its_channels(tmp_path):
+def test_written_capture_keeps_channels(tmp_path):
     text = NOD.replace("1 Xrotation", "2 Yrotation Xrotation").replace("Frames: 3", "Frames: 2")
     capture = kinopt.MotionCapture.from_bytes(text)
     capture.write(tmp_path / "nod.bvh")
@@ -198,7 +198,7 @@ def test_motion_is_written_as_bvh(scene, tmp_path):
         kinopt.io.bvh_to_text(scene.armature, scene.clip("wave"), 30.0)
 
 
-def test_meshes_and_tables_go_through_their_files(rig, tmp_path):
+def test_meshes_and_tables_round_trip(rig, tmp_path):
     io = kinopt.io
     for encoding in ("binary", "binary_big_endian", "text"):
         twin = io.ply_from_bytes(io.ply_to_bytes(rig.mesh, encoding))

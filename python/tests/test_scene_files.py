@@ -46,14 +46,14 @@ def json_of(data: bytes) -> str:
     return data[20 : 20 + length].decode()
 
 
-def test_a_skeleton_with_its_skin_is_a_scene(rig: kinopt.Rig, scene: kinopt.Scene) -> None:
+def test_skeleton_with_skin_is_a_scene(rig: kinopt.Rig, scene: kinopt.Scene) -> None:
     assert scene.armature.names == [*animation.Armature.of_skeleton(rig.skeleton).names, "mesh"]
     assert scene.meshes[0].skin is not None
     with pytest.raises(kinopt.InvalidValueError, match="given together"):
         kinopt.Scene.of_skeleton(rig.skeleton, rig.mesh)
 
 
-def test_what_is_not_understood_stays(scene: kinopt.Scene, tmp_path: Path) -> None:
+def test_unknown_content_is_kept(scene: kinopt.Scene, tmp_path: Path) -> None:
     text = json.dumps({"asset": {"version": "2.0"}, "nodes": [{"name": "root"}], "scenes": [{"nodes": [0]}]})
     text = text[:-1] + ', "extensions": {' + UNKNOWN + "}}"
     file = kinopt.SceneFile.from_bytes(text)
@@ -74,7 +74,7 @@ def test_what_is_not_understood_stays(scene: kinopt.Scene, tmp_path: Path) -> No
         again.set_rest(other.armature.rest)
 
 
-def test_clips_are_made_of_poses_and_thinned(scene: kinopt.Scene) -> None:
+def test_clips_from_poses_are_thinned(scene: kinopt.Scene) -> None:
     armature = scene.armature
     clip = walk(armature)
     times = np.linspace(0, 2, 61)
@@ -94,7 +94,7 @@ def test_clips_are_made_of_poses_and_thinned(scene: kinopt.Scene) -> None:
         animation.Clip.through_poses("no", armature, [0.0, 0.0], poses[:2])
 
 
-def test_root_motion_goes_out_and_in_again(scene: kinopt.Scene) -> None:
+def test_root_motion_is_extracted_and_restored(scene: kinopt.Scene) -> None:
     armature = scene.armature
     clip, root = walk(armature), armature.names[0]
     in_place, motion = clip.without_root_motion(root, (0, 1, 0), 60)
@@ -111,7 +111,7 @@ def test_root_motion_goes_out_and_in_again(scene: kinopt.Scene) -> None:
         clip.without_root_motion("nobody")
 
 
-def test_a_closed_seam_ends_as_it_starts(scene: kinopt.Scene) -> None:
+def test_closed_seam_ends_as_it_starts(scene: kinopt.Scene) -> None:
     clip = walk(scene.armature)
     closed = clip.with_closed_seam(0.5)
     start, end = closed.sample(0.0), closed.sample(2.0)

@@ -70,7 +70,7 @@ def test_packed_and_unpacked_agree(rig):
             MeshWeights(rig.weights, packed=True)
 
 
-def test_a_rigid_motion_of_all_bones_moves_the_mesh_rigidly(rig):
+def test_rigid_motion_moves_the_mesh_rigidly(rig):
     turn = np.eye(4)
     turn[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     turn[:3, 3] = [1, 2, 3]
@@ -101,7 +101,7 @@ def test_dual_quaternions_stretch_about_pivots_only(rig):
     assert np.abs(weights.positions("dqs", grown, rest) - 2 * rest).max() < 1e-3
 
 
-def test_out_takes_the_result(rig):
+def test_out_receives_the_result(rig):
     weights = MeshWeights(rig.weights)
     posed, rest = transforms(rig, 2), rig.mesh.positions
     room = np.empty((2, len(rest), 3), np.float32)
@@ -122,7 +122,7 @@ def test_out_takes_the_result(rig):
         assert np.array_equal(weights.positions("lbs", posed[0], same), room[0])
 
 
-def test_point_handles_move_what_is_near_them():
+def test_point_handles_move_nearby_vertices():
     handles = [PointHandle([0, 0, 0]), PointHandle([1, 0, 0], [1, 2, 0], np.diag([3.0, 1, 1]))]
     handles = [pickle.loads(pickle.dumps(handle)) for handle in handles]
     weights = MeshWeights(SkinWeights.from_table([[1, 0], [0.5, 0.5], [0, 1]]))
@@ -154,7 +154,7 @@ def test_cages_reproduce_affine_maps():
         CageBinding(open_cage, points)
 
 
-def test_boxes_hold_the_skinned_mesh(rig):
+def test_boxes_contain_the_skinned_mesh(rig):
     boxes = pickle.loads(pickle.dumps(BoneBoxes(rig.weights, rig.mesh.positions)))
     for posed in transforms(rig, 5, seed=9):
         low, high = boxes.linear_blend(posed)
@@ -162,7 +162,7 @@ def test_boxes_hold_the_skinned_mesh(rig):
         assert (vertices >= low).all() and (vertices <= high).all()
 
 
-def test_weights_are_made_up_by_distance_and_by_heat():
+def test_weights_are_computed_by_distance_and_heat():
     rig = kinopt.Rig.read(MODELS / "robot-arm" / "robot-arm.json")
     bones = rig.skeleton.bones
     segments = np.array([[bone.rest_tail, bone.rest_tip] for bone in bones])

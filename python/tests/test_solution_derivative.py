@@ -46,7 +46,7 @@ def moved(target, twist):
     return moved
 
 
-def test_an_arm_follows_its_target(arm, targets):
+def test_arm_derivative_predicts_moved_targets(arm, targets):
     q = arm.solve_batch(targets, START).q
     many = arm.derivative(targets, q)
     assert many.by_target.shape == (5, 6, 6)
@@ -59,7 +59,7 @@ def test_an_arm_follows_its_target(arm, targets):
         np.testing.assert_allclose(followed, own_axes(targets[k]), atol=1e-8)
 
 
-def test_wrong_shapes_are_refused(arm, targets):
+def test_wrong_shapes_raise(arm, targets):
     with pytest.raises(kinopt.InvalidValueError, match="4 targets, but 5 rows"):
         arm.derivative(targets[:4], np.tile(START, (5, 1)))
     with pytest.raises(kinopt.InvalidValueError):
@@ -74,7 +74,7 @@ def problem(robot):
     return kinopt.Problem(robot, [hand, posture])
 
 
-def test_velocity_gradient_and_matrix_are_one(problem):
+def test_velocity_gradient_and_matrix_agree(problem):
     solution = kinopt.Solver().solve(problem, START)
     assert solution.reached
     derivative = problem.derivative(solution.q)
@@ -100,7 +100,7 @@ def test_velocity_gradient_and_matrix_are_one(problem):
     np.testing.assert_array_equal(restored.by_target("hand"), by_hand)
 
 
-def test_other_targets_are_those_that_it_was_solved_with(problem):
+def test_targets_of_the_solve_are_used(problem):
     there = {"hand": [0.35, 0.32, 0.45]}
     solution = kinopt.Solver().solve(problem, START, targets=there)
     derivative = problem.derivative(solution.q, there)
@@ -115,7 +115,7 @@ def test_other_targets_are_those_that_it_was_solved_with(problem):
     np.testing.assert_allclose(derivative.by_target("hand")[:, 0], shown, atol=0.1)
 
 
-def test_what_there_is_not_is_refused(problem):
+def test_unknown_names_raise(problem):
     derivative = problem.derivative(kinopt.Solver().solve(problem, START).q)
     with pytest.raises(kinopt.UnknownNameError, match="foot"):
         derivative.by_target("foot")
@@ -127,13 +127,13 @@ def test_what_there_is_not_is_refused(problem):
         derivative.gradient()
 
 
-def test_a_place_that_is_no_solution_is_told(problem):
+def test_unsolved_configuration_is_reported(problem):
     far = {"hand": [3.0, 0.0, 0.0]}
     derivative = problem.derivative(START, far)
     assert derivative.differentiability == "not_stationary" and not derivative.is_unique
 
 
-def test_a_free_base_turns_slopes_by_quaternions_into_its_own(robot):
+def test_free_base_maps_quaternion_gradients(robot):
     body = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf", base_joint="free")
     q = np.concatenate([[0.1, 0.2, 0.3], [0.8, 0.2, -0.4, 0.4], START])
     q[3:7] /= np.linalg.norm(q[3:7])
@@ -155,7 +155,7 @@ def test_a_free_base_turns_slopes_by_quaternions_into_its_own(robot):
 
 
 @pytest.mark.parametrize("length", [1.0, 2.5])
-def test_slopes_by_a_posture_are_by_its_own_numbers(length):
+def test_posture_gradients_are_by_configuration(length):
     """Quaternions of any length included: equal to finite differences."""
     body = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf", base_joint="free")
     posture = np.concatenate([[0.1, 0.2, 0.3], [0.8, 0.2, -0.4, 0.4], START])
@@ -204,7 +204,7 @@ def weighed(robot, target):
     return kinopt.Problem(robot, asked, preferences="traded"), solver
 
 
-def test_weights_and_origins_take_the_place_of_those_that_were(robot, targets):
+def test_weights_and_origins_are_replaced(robot, targets):
     problem, solver = weighed(robot, targets[0])
     weights = problem.weights
     assert weights.shape == (len(problem.derivative(START).gradient(np.ones(6))["weights"]),) == (3,)
@@ -241,7 +241,7 @@ class TestTorch:
         )
     )
 
-    def test_gradients_of_an_arm_are_differences(self, arm, targets):
+    def test_gradients_of_arm_match_differences(self, arm, targets):
         torch = self.torch()
         import kinopt.torch
 
@@ -254,7 +254,7 @@ class TestTorch:
         twists = torch.zeros(2, 6, dtype=torch.float64, requires_grad=True)
         assert torch.autograd.gradcheck(q, twists, eps=1e-5, atol=1e-5)
 
-    def test_gradients_of_a_problem_are_differences(self, robot, targets):
+    def test_gradients_of_problem_match_differences(self, robot, targets):
         torch = self.torch()
         import kinopt.torch
 
@@ -274,7 +274,7 @@ class TestTorch:
         rest = torch.tensor(START, dtype=torch.float64, requires_grad=True)
         assert torch.autograd.gradcheck(q, (twist, rest), eps=1e-4, atol=1e-5)
 
-    def test_gradients_by_weights_and_lengths_are_differences(self, robot, targets):
+    def test_gradients_by_weights_match_differences(self, robot, targets):
         torch = self.torch()
         import kinopt.torch
 
@@ -301,7 +301,7 @@ class TestTorch:
         q.sum().backward()
         assert made.grad.shape == (5, 4, 4) and bool(torch.isfinite(made.grad).all())
 
-    def test_what_a_solution_is_not_differentiated_by_is_told(self, robot):
+    def test_unsupported_parameters_raise(self, robot):
         torch = self.torch()
         import kinopt.torch
 
@@ -315,7 +315,7 @@ class TestTorch:
         with pytest.raises(kinopt.UnknownNameError):
             kinopt.torch.solve(problem, {"flor": plane}, START)
 
-    def test_without_a_derivative_the_gradient_is_as_asked(self, robot):
+    def test_missing_derivative_gives_chosen_gradient(self, robot):
         torch = self.torch()
         import kinopt.torch
 
@@ -341,7 +341,7 @@ class TestJax:
         jax.config.update("jax_enable_x64", True)
         return jax
 
-    def test_gradients_of_an_arm_are_differences(self, digits, arm, targets):
+    def test_gradients_of_arm_match_differences(self, digits, arm, targets):
         jax, jnp = digits, digits.numpy
         import kinopt.jax
 
@@ -354,7 +354,7 @@ class TestJax:
         shown = [(cost(step * unit) - cost(-step * unit)) / (2 * step) for unit in jnp.eye(6)]
         np.testing.assert_allclose(told, shown, atol=1e-5)
 
-    def test_batches_by_vmap_and_by_leading_axes_are_one(self, digits, arm, targets):
+    def test_vmap_and_leading_axes_agree(self, digits, arm, targets):
         jax, jnp = digits, digits.numpy
         import kinopt.jax
 
@@ -365,7 +365,7 @@ class TestJax:
         summed = jax.grad(cost)(jnp.asarray(targets))
         np.testing.assert_allclose(mapped, summed, atol=1e-12)
 
-    def test_a_problem_takes_a_dict(self, digits, problem):
+    def test_problem_accepts_a_dict(self, digits, problem):
         jax, jnp = digits, digits.numpy
         import kinopt.jax
 
@@ -379,7 +379,7 @@ class TestJax:
         np.testing.assert_allclose(told["hand"], np.ones(6) @ derivative.by_target("hand"), atol=1e-7)
         assert told["posture"].shape == (6,)
 
-    def test_gradients_by_weights_and_lengths_are_differences(self, digits, robot, arm, targets):
+    def test_gradients_by_weights_match_differences(self, digits, robot, arm, targets):
         jax, jnp = digits, digits.numpy
         import kinopt.jax
 
@@ -430,7 +430,7 @@ class TestJax:
                     solve(given)
                 assert len(compiled) == before
 
-    def test_wrong_shapes_are_invalid_values(self, digits, arm, robot, targets):
+    def test_wrong_shapes_raise_invalid_value(self, digits, arm, robot, targets):
         import kinopt.jax
 
         problem = kinopt.Problem(robot, [tasks.Pose("flange", targets[0], name="hand")])

@@ -92,7 +92,7 @@ def test_geometric_methods_reach_points():
         assert kinopt.Solver(pole).solve(problem, 0.1 * q[:6]).reached
 
 
-def test_what_a_method_has_no_answer_for_is_told(robot, problem):
+def test_unsupported_task_of_method_raises(robot, problem):
     posture = kinopt.Problem(robot, [tasks.Posture(robot.neutral(), role="goal")])
     for method in ("ccd", "fabrik", methods.TwoBone()):
         with pytest.raises(kinopt.InvalidValueError):
@@ -101,7 +101,7 @@ def test_what_a_method_has_no_answer_for_is_told(robot, problem):
         kinopt.Solver(methods.TwoBone()).solve(kinopt.Problem(chain(3), [tasks.Point("tip", [1, 0, 0])]), np.zeros(9))
 
 
-def test_limits_of_a_search_count(robot, problem):
+def test_search_limits_apply(robot, problem):
     start = robot.random_configuration(11)
     three = kinopt.Solver(max_iterations=3, attempts=1).solve(problem, start)
     assert (three.iterations, three.attempts, three.termination) == (3, 1, "iteration_limit")
@@ -145,18 +145,18 @@ def test_limits_of_a_search_count(robot, problem):
         {"time_limit": np.nan},
     ],
 )
-def test_wrong_settings_are_told(given):
+def test_invalid_settings_raise(given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Solver(**given)
 
 
 @pytest.mark.parametrize("start", [np.zeros(3), np.full(9, np.nan), np.zeros((9, 9)), "here", [1j] * 9, None])
-def test_wrong_starts_are_told(problem, start):
+def test_invalid_starts_raise(problem, start):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Solver().solve(problem, start)
 
 
-def test_starts_may_be_lists_and_float32_and_strided(robot, problem):
+def test_starts_may_be_lists_float32_or_strided(robot, problem):
     start = robot.random_configuration(4).astype(np.float32)
     expected = kinopt.Solver().solve(problem, start.astype(np.float64)).q
     wide = np.zeros((9, 2))
@@ -165,7 +165,7 @@ def test_starts_may_be_lists_and_float32_and_strided(robot, problem):
         assert np.array_equal(kinopt.Solver().solve(problem, given).q, expected)
 
 
-def test_solvers_and_solutions_travel(robot, problem):
+def test_solvers_and_solutions_are_pickled(robot, problem):
     start = robot.random_configuration(11)
     solver = kinopt.Solver(methods.GaussNewton(1e-7), attempts=7, seed=3, time_limit=100.0)
     for targets in (None, {"hand": far(robot)}):
@@ -179,7 +179,7 @@ def test_solvers_and_solutions_travel(robot, problem):
         assert repr(read.active_limits) == repr(answer.active_limits)
 
 
-def test_a_solution_tells_all(robot, problem):
+def test_solution_has_all_reports(robot, problem):
     start = robot.random_configuration(11)
     solution = kinopt.Solver().solve(problem, start, {"hand": far(robot)})
     assert solution.q is solution.q and not solution.q.flags.writeable
@@ -204,7 +204,7 @@ def test_a_solution_tells_all(robot, problem):
     assert within.reached and within.pulling_preferences == []
 
 
-def test_an_observer_sees_every_step_and_may_stop(robot, problem):
+def test_observer_sees_every_step_and_may_stop(robot, problem):
     start, seen = robot.random_configuration(11), []
     solution = kinopt.Solver(attempts=1).solve(problem, start, observer=seen.append)
     assert [step.index for step in seen] == list(range(len(seen)))
@@ -218,7 +218,7 @@ class Mine(Exception):
     pass
 
 
-def test_what_an_observer_raises_comes_out(robot, problem):
+def test_observer_exception_propagates(robot, problem):
     mine = Mine("here")
 
     def observer(step):
@@ -236,7 +236,7 @@ def batch(robot, n):
     return starts, np.stack([kinopt.frame_placement(robot, "tool", q) for q in goals])
 
 
-def test_batches_answer_as_single_questions_at_any_number_of_threads(robot, problem):
+def test_batch_equals_single_queries_on_any_threads(robot, problem):
     starts, targets = batch(robot, 60)
     targets[7] = far(robot)
     solver = kinopt.Solver()
@@ -258,7 +258,7 @@ def test_batches_answer_as_single_questions_at_any_number_of_threads(robot, prob
     assert repr(solutions) == f"Solutions({solutions.reached.sum()} of 60 reached)"
 
 
-def test_a_batch_takes_one_start_or_no_targets(robot, problem):
+def test_batch_accepts_one_start_or_no_targets(robot, problem):
     starts, targets = batch(robot, 5)
     solver = kinopt.Solver()
     assert len(solver.solve_batch(problem, starts)) == 5
@@ -283,7 +283,7 @@ def test_a_batch_takes_one_start_or_no_targets(robot, problem):
         (np.zeros((3, 9)), {"progress": 5}),
     ],
 )
-def test_wrong_batches_are_told(problem, starts, given):
+def test_invalid_batches_raise(problem, starts, given):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Solver().solve_batch(problem, starts, **given)
 

@@ -28,7 +28,7 @@ def door() -> kinopt.Robot:
     return kinopt.Robot.from_urdf_text(DOOR)
 
 
-def test_what_is_said_is_read(door: kinopt.Robot) -> None:
+def test_groups_states_and_pairs_are_read(door: kinopt.Robot) -> None:
     said = kinopt.Srdf.parse(SEMANTICS, door)
     for srdf in (said, pickle.loads(pickle.dumps(said))):
         assert srdf.groups == {"opening": ["hinge"], "all": ["hinge", "latch"]}
@@ -50,7 +50,7 @@ def test_groups_and_passive_joints_are_parameter_maps(door: kinopt.Robot) -> Non
     assert driven.variable_names == ["hinge"] and np.array_equal(driven.expand([0.3]), [0.3, 0.7])
 
 
-def test_what_names_what_there_is_not_is_left_out_on_request(door: kinopt.Robot, tmp_path) -> None:
+def test_lenient_reading_omits_unknown_names(door: kinopt.Robot, tmp_path) -> None:
     text = SEMANTICS.replace('passive_joint name="latch"', 'passive_joint name="bolt"')
     with pytest.raises(InvalidFileError, match="bolt"):
         kinopt.Srdf.parse(text, door)
@@ -65,7 +65,7 @@ def test_what_names_what_there_is_not_is_left_out_on_request(door: kinopt.Robot,
     assert kinopt.Srdf.parse(SEMANTICS, door, lenient=True).repairs == []
 
 
-def test_what_is_wrong_is_named(door: kinopt.Robot, tmp_path) -> None:
+def test_invalid_arguments_are_named(door: kinopt.Robot, tmp_path) -> None:
     srdf = kinopt.Srdf.parse(SEMANTICS, door)
     with pytest.raises(UnknownNameError, match="opening"):
         srdf.only("closing")

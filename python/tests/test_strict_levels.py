@@ -33,7 +33,7 @@ def miss(robot: kinopt.Robot, q: np.ndarray, frame: str, target: np.ndarray) -> 
     return float(np.linalg.norm(place(robot, frame, q)[:3, 3] - target))
 
 
-def test_a_problem_stated_task_by_task_is_the_one_stated_at_once(robot: kinopt.Robot) -> None:
+def test_tasks_added_singly_give_an_equal_problem(robot: kinopt.Robot) -> None:
     target = place(robot, "tool", robot.random_configuration(3))
     start = robot.random_configuration(4)
     problem = kinopt.Problem(robot)
@@ -64,7 +64,7 @@ def test_a_problem_stated_task_by_task_is_the_one_stated_at_once(robot: kinopt.R
         assert len(problem.tasks) == 2
 
 
-def test_what_add_is_given_stands_for_the_tasks_own(robot: kinopt.Robot) -> None:
+def test_add_overrides_the_task_level(robot: kinopt.Robot) -> None:
     task = tasks.Point("tool", [0.3, 0.0, 0.5], level=3, weight=2.0)
     problem = kinopt.Problem(robot)
     problem.add(task)
@@ -88,7 +88,7 @@ USES: dict[str, Callable[[kinopt.Problem, np.ndarray], Any]] = {
 
 
 @pytest.mark.parametrize("use", USES)
-def test_without_tasks_there_is_nothing_to_solve(robot: kinopt.Robot, use: str) -> None:
+def test_problem_without_tasks_raises(robot: kinopt.Robot, use: str) -> None:
     problem = kinopt.Problem(robot)
     with pytest.raises(InvalidValueError, match="no task"):
         USES[use](problem, robot.neutral())
@@ -96,7 +96,7 @@ def test_without_tasks_there_is_nothing_to_solve(robot: kinopt.Robot, use: str) 
     assert repr(problem) == repr(pickle.loads(pickle.dumps(problem))) == "Problem(no tasks)"
 
 
-def test_a_problem_without_tasks_is_checked_all_the_same(robot: kinopt.Robot) -> None:
+def test_problem_without_tasks_is_validated(robot: kinopt.Robot) -> None:
     wrong: list[dict[str, Any]] = [
         {"bounds": {"joint1": (5.0, 6.0)}},
         {"bounds": {"nose": (0.0, 1.0)}},
@@ -107,7 +107,7 @@ def test_a_problem_without_tasks_is_checked_all_the_same(robot: kinopt.Robot) ->
             kinopt.Problem(robot, **given)
 
 
-def test_what_cannot_be_added_leaves_the_problem_as_it_was(robot: kinopt.Robot) -> None:
+def test_invalid_task_leaves_the_problem_unchanged(robot: kinopt.Robot) -> None:
     problem = kinopt.Problem(robot, [tasks.Point("tool", [0.3, 0.0, 0.5], name="hand")])
     before = repr(problem), kinopt.Solver().solve(problem, robot.neutral()).q
     with pytest.raises(UnknownNameError, match="nose"):
@@ -121,7 +121,7 @@ def test_what_cannot_be_added_leaves_the_problem_as_it_was(robot: kinopt.Robot) 
 
 
 @pytest.mark.parametrize("level", [-1, 1.5, "first", None, True, 2**70, np.nan])
-def test_a_level_is_a_whole_number(robot: kinopt.Robot, level: Any) -> None:
+def test_level_is_an_integer(robot: kinopt.Robot, level: Any) -> None:
     with pytest.raises(InvalidValueError, match="level must be a whole number of at least 0"):
         tasks.Point("tool", [0.3, 0.0, 0.5], level=level)
     if level is not None:
@@ -130,7 +130,7 @@ def test_a_level_is_a_whole_number(robot: kinopt.Robot, level: Any) -> None:
     assert tasks.Point("tool", [0.3, 0.0, 0.5], level=np.int64(2)).level == 2  # type: ignore[arg-type]
 
 
-def test_a_drag_keeps_the_tasks_that_it_began_with(robot: kinopt.Robot) -> None:
+def test_drag_keeps_its_initial_tasks(robot: kinopt.Robot) -> None:
     q = robot.random_configuration(6)
     problem = kinopt.Problem(robot, [tasks.Point("tool", place(robot, "tool", q)[:3, 3], name="hand")])
     drag = kinopt.Drag(problem, q)
@@ -141,7 +141,7 @@ def test_a_drag_keeps_the_tasks_that_it_began_with(robot: kinopt.Robot) -> None:
         drag.set_targets({"elbow": [0.0, 0.0, 0.0]})
 
 
-def test_tasks_are_added_from_many_threads_and_none_is_lost(robot: kinopt.Robot) -> None:
+def test_tasks_are_added_from_many_threads(robot: kinopt.Robot) -> None:
     problem = kinopt.Problem(robot)
     made = [tasks.Point("tool", [0.3, 0.0, 0.5], name=f"task {i}") for i in range(24)]
     with ThreadPoolExecutor(8) as threads:
@@ -151,7 +151,7 @@ def test_tasks_are_added_from_many_threads_and_none_is_lost(robot: kinopt.Robot)
         assert problem.task_names[number] == task.name
 
 
-def test_a_lower_level_costs_the_first_one_nothing_however_heavy_it_is(robot: kinopt.Robot) -> None:
+def test_lower_level_never_changes_the_first(robot: kinopt.Robot) -> None:
     solver, conflicts, nearer = kinopt.Solver(), 0, 0
     for seed in range(12):
         start, there, elsewhere = robot.random_configuration(seed, 3)
@@ -172,7 +172,7 @@ def test_a_lower_level_costs_the_first_one_nothing_however_heavy_it_is(robot: ki
     assert conflicts > 3 and nearer > conflicts / 2
 
 
-def test_a_drag_keeps_the_first_level_while_the_second_is_pulled_out_of_reach(robot: kinopt.Robot) -> None:
+def test_drag_keeps_level_0_with_unreachable_level_1(robot: kinopt.Robot) -> None:
     q = robot.random_configuration(6)
     tool, elbow = (place(robot, frame, q)[:3, 3] for frame in ("tool", "link4"))
     problem = kinopt.Problem(robot)

@@ -207,7 +207,7 @@ NAMES = list(cases(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_residuals_are_those_of_numpy(robot, name):
+def test_residuals_match_numpy(robot, name):
     task, expected = cases(robot)[name]
     if expected is None:
         pytest.skip("has no short formula: its derivatives are held against each other")
@@ -234,7 +234,7 @@ def test_derivative_routes_agree(robot, name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_tasks_travel(robot, name):
+def test_tasks_are_pickled(robot, name):
     task, _ = cases(robot)[name]
     x = robot.random_configuration(7)
     expected = kinopt.Problem(robot.model, [task]).residual(x)
@@ -243,7 +243,7 @@ def test_tasks_travel(robot, name):
         assert np.array_equal(kinopt.Problem(robot.model, [twin]).residual(x), expected)
 
 
-def test_weights_tolerances_roles_and_names_count():
+def test_weights_tolerances_roles_and_names_apply():
     robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
     q = robot.random_configuration(1)
     place = kinopt.frame_placement(robot, "tool", q)
@@ -274,7 +274,7 @@ def test_weights_tolerances_roles_and_names_count():
     assert look.solve(kinopt.Problem(robot.model, [unasked]), q).reached
 
 
-def test_what_is_given_is_copied(robot):
+def test_arguments_are_copied(robot):
     target = np.array([0.1, 0.2, 0.3])
     point = tasks.Point("tool", target)
     target[0] = 9.0
@@ -287,7 +287,7 @@ def test_what_is_given_is_copied(robot):
     assert "at=" not in repr(point) and "target=[0.1, 0.2, 0.3]" in repr(point)
 
 
-def test_cameras_see_and_look_back():
+def test_cameras_project_and_invert():
     camera = tasks.Camera.pinhole(POSE, [500, 500], [320, 240])
     point = (POSE @ [0.1, -0.2, 2.0, 1.0])[:3]
     assert np.allclose(camera.project(point), [320 + 25, 240 - 50])
@@ -378,7 +378,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_wrong_is_said(robot, name):
+def test_invalid_arguments_raise(robot, name):
     with pytest.raises(kinopt.KinoptError):
         kinopt.Problem(robot, WRONG[name]())
 
@@ -386,7 +386,7 @@ def test_what_is_wrong_is_said(robot, name):
 LEANING = Path(__file__).parents[2] / "tests" / "kinematics" / "leaning.urdf"
 
 
-def test_centres_of_mass_are_pinocchio_s():
+def test_centres_of_mass_match_pinocchio():
     """The numbers of tests/kinematics/centre_of_mass.rs, of pin 4.1.0."""
     robot = kinopt.Robot.from_urdf(LEANING)
     q = [0.3, -0.7, 1.9, 0.12]
@@ -410,7 +410,7 @@ def test_centres_of_mass_are_pinocchio_s():
         kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf").center_of_mass(np.zeros(9))
 
 
-def test_inside_its_room_a_one_sided_task_costs_nothing():
+def test_one_sided_task_is_zero_within_bounds():
     robot = kinopt.Robot.from_urdf(LEANING)
     q = np.array([0.1, 0.1, 0.1, 0.1])
     x, y, _ = robot.center_of_mass(q)
@@ -425,7 +425,7 @@ def test_inside_its_room_a_one_sided_task_costs_nothing():
         assert np.allclose(problem.residual(q), left, atol=1e-12)
 
 
-def test_bodies_on_free_bases_balance_and_share():
+def test_free_bases_balance_and_couple_joints():
     robot = kinopt.Robot.from_urdf(LEANING, base_joint="free")
     q = np.asarray(robot.random_configuration(4))
     # The plate is not fixed in the world here.

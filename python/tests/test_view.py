@@ -43,14 +43,14 @@ def half_turns():
 
 
 @pytest.mark.parametrize("rotations", [random_rotations(500), half_turns(), np.eye(3)[None]])
-def test_quaternions_are_their_rotations_near_half_turns_too(rotations):
+def test_quaternions_match_rotations_near_pi(rotations):
     wxyz = wxyz_of(rotations)
     assert np.allclose(np.linalg.norm(wxyz, axis=1), 1.0, atol=1e-15)
     back = np.stack([matrix_of(one, np.zeros(3))[:3, :3] for one in wxyz])
     assert np.abs(back - rotations).max() < 1e-14
 
 
-def test_the_way_between_placements_is_straight_and_turns_evenly():
+def test_interpolation_is_straight_and_uniform():
     first, second = np.eye(4), np.eye(4)
     second[:3, :3] = random_rotations(1, 5)[0]
     second[:3, 3] = [1.0, 2.0, 3.0]
@@ -105,7 +105,7 @@ def sent(scene, kind):
 
 
 @pytest.mark.parametrize("style", ["auto", "file", "capsules"])
-def test_a_robot_stands_where_its_kinematics_says(scene, style):
+def test_robot_is_placed_by_kinematics(scene, style):
     robot = panda()
     at = np.eye(4)
     at[:3, 3] = [0.5, -1.0, 0.2]
@@ -127,7 +127,7 @@ def rig():
     return kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
 
 
-def test_a_character_stands_where_its_kinematics_says_and_its_mesh_with_it(scene):
+def test_character_and_mesh_are_placed_by_kinematics(scene):
     character = rig()
     at = np.eye(4)
     at[:3, 3] = [0.5, -1.0, 0.2]
@@ -141,7 +141,7 @@ def test_a_character_stands_where_its_kinematics_says_and_its_mesh_with_it(scene
     assert np.abs(piece.solid.vertices - posed - at[:3, 3]).max() < 2e-6
 
 
-def test_the_page_blends_as_the_library_does_but_for_the_weights_that_are_cut(scene):
+def test_page_blends_as_library_except_cut_weights(scene):
     character = rig()
     body = scene.add(character)
     assert 0.0 < body.cut < 0.2
@@ -165,7 +165,7 @@ def test_bones_without_a_mesh_have_bodies(scene):
     assert (tips > low - 1e-9).all() and (tips < high + 1e-9).all()
 
 
-def test_only_parts_that_moved_are_sent(scene):
+def test_only_moved_parts_are_sent(scene):
     body = scene.add(panda())
     q = body.q
     body.q = q
@@ -179,7 +179,7 @@ def test_only_parts_that_moved_are_sent(scene):
     assert 0 < moved < len(sent(scene, "SetPositionMessage"))
 
 
-def test_what_is_wrong_is_said_by_the_library(scene):
+def test_invalid_arguments_raise(scene):
     body = scene.add(panda())
     with pytest.raises(kinopt.InvalidValueError):
         body.q = [0.0, 1.0]
@@ -199,7 +199,7 @@ URDF = """<robot name="one"><link name="a"><visual><geometry><mesh filename="{fi
 @pytest.mark.parametrize(
     "file", ["package://parts/meshes/cube.stl", "meshes/cube.stl", "../parts/meshes/cube.stl"]
 )
-def test_meshes_at_hand_are_drawn(scene, tmp_path, file):
+def test_available_meshes_are_drawn(scene, tmp_path, file):
     import trimesh
 
     folder = tmp_path / "parts" / "meshes"
@@ -211,7 +211,7 @@ def test_meshes_at_hand_are_drawn(scene, tmp_path, file):
     assert sum(volume(piece.solid) for piece in body.pieces()) == pytest.approx(8.0)
 
 
-def test_meshes_that_are_not_at_hand_are_told_and_capsules_stand_for_them(scene, tmp_path):
+def test_missing_meshes_are_replaced_by_capsules(scene, tmp_path):
     (tmp_path / "broken.stl").write_text("no mesh at all")
     for file in ("package://parts/meshes/cube.stl", "broken.stl"):
         body = scene.add(kinopt.Robot.from_urdf_text(URDF.format(file=file)), beside=tmp_path)
@@ -219,7 +219,7 @@ def test_meshes_that_are_not_at_hand_are_told_and_capsules_stand_for_them(scene,
         assert body.pieces()
 
 
-def test_large_and_small_models_are_drawn_in_a_usual_size():
+def test_large_and_small_models_are_scaled():
     for factor in (1e-3, 1.0, 100.0):
         builder = kinopt.ModelBuilder("chain", "units")
         place = np.eye(4)
@@ -234,7 +234,7 @@ def test_large_and_small_models_are_drawn_in_a_usual_size():
             assert np.allclose(body.frame("tip")[:3, 3], [0.0, -factor, factor])
 
 
-def test_a_target_glides_between_the_places_that_the_page_sends(scene):
+def test_target_interpolates_between_positions(scene):
     body = scene.add(panda())
     target = scene.target("goal", body.frame("tool"))
     heard = []
@@ -253,7 +253,7 @@ def test_a_target_glides_between_the_places_that_the_page_sends(scene):
     assert np.array_equal(target.placement, end)
 
 
-def test_a_scripts_own_mistake_is_shown_and_the_page_goes_on(scene, capsys):
+def test_script_error_is_shown_and_page_continues(scene, capsys):
     body = scene.add(panda())
     target = scene.target("goal", body.frame("tool"))
     target.on_move(lambda place: 1 / 0)
@@ -263,7 +263,7 @@ def test_a_scripts_own_mistake_is_shown_and_the_page_goes_on(scene, capsys):
     assert "ZeroDivisionError" in capsys.readouterr().err
 
 
-def test_the_same_name_replaces_and_removal_forgets(scene):
+def test_equal_name_replaces_and_removal_deletes(scene):
     first = scene.add(panda(), "robot")
     second = scene.add(panda(), "robot", color=(200, 100, 50))
     assert repr(scene).count("robot") == 1 and first is not second
@@ -280,7 +280,7 @@ def test_frames_points_and_paths_are_drawn(scene):
     assert len(scene.snapshot()) > 10_000
 
 
-def test_what_is_no_place_or_colour_is_refused_by_name(scene):
+def test_invalid_position_or_colour_is_named(scene):
     for wrong in (np.zeros((3, 2)), np.zeros(3), np.full((2, 3), np.nan), "abc", [[1, 2, "x"]], np.zeros((2, 3, 4))):
         for draw in (scene.points, scene.path):
             with pytest.raises(kinopt.InvalidValueError, match="positions"):
@@ -292,7 +292,7 @@ def test_what_is_no_place_or_colour_is_refused_by_name(scene):
             scene.label("wrong", "text", wrong)
 
 
-def test_a_scene_tells_what_is_in_it_and_embeds_itself_without_ipython(scene):
+def test_scene_repr_and_embedding_without_ipython(scene):
     body = scene.add(panda(), "arm")
     target = scene.target("goal", [0.1, 0.2, 0.3])
     assert repr(body) == "RobotBody('arm', 9 joints)"
@@ -302,7 +302,7 @@ def test_a_scene_tells_what_is_in_it_and_embeds_itself_without_ipython(scene):
     assert scene.url in shown and 'height="300"' in shown and scene.url in scene._repr_html_()
 
 
-def test_a_robot_with_loops_stands_with_them_closed_and_sliders_keep_them_so(scene):
+def test_sliders_keep_loops_of_robot_closed(scene):
     robot = kinopt.Robot.from_mjcf(Path(__file__).parents[2] / "tests" / "loops" / "files" / "knee.xml")
     body = scene.add(robot)
     gaps = kinopt.LoopClosure(robot).gaps

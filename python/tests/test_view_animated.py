@@ -35,7 +35,7 @@ def opened(tmp_path):
         page.scene.close()
 
 
-def test_a_scene_plays_as_the_library_poses_it(humanoid, opened, tmp_path):
+def test_scene_plays_as_the_library_poses(humanoid, opened, tmp_path):
     made.write_scene(humanoid, "humanoid", tmp_path / "humanoid.glb")
     page = opened("humanoid.glb")
     scene = kinopt.Scene.read(tmp_path / "humanoid.glb")
@@ -50,7 +50,7 @@ def test_a_scene_plays_as_the_library_poses_it(humanoid, opened, tmp_path):
         assert np.abs(vertices.mean(axis=0) - expected.mean(axis=0)).max() < 2e-2
 
 
-def test_a_scene_is_dragged_from_where_a_clip_has_it(humanoid, opened, tmp_path):
+def test_scene_is_dragged_from_its_clip_pose(humanoid, opened, tmp_path):
     made.write_scene(humanoid, "humanoid", tmp_path / "humanoid.glb")
     page = opened("humanoid.glb")
     page.call(lambda: page.time.show(1.3))
@@ -68,7 +68,7 @@ def test_a_scene_is_dragged_from_where_a_clip_has_it(humanoid, opened, tmp_path)
     assert not page.body.q.any()
 
 
-def test_a_capture_is_played_and_dragged(humanoid, opened, tmp_path):
+def test_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     made.write_capture(humanoid, tmp_path / "waving.bvh")
     page = opened("waving.bvh")
     capture = kinopt.MotionCapture.read(tmp_path / "waving.bvh")
@@ -88,7 +88,7 @@ def test_a_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     assert page.scene.loop.failure is None and page.time.now > 0.5
 
 
-def test_bones_that_scale_send_the_vertices_of_their_mesh(tmp_path, opened):
+def test_scaled_bones_send_mesh_vertices(tmp_path, opened):
     armature = kinopt.animation.Armature(["root", "tip"], [-1, 0], translations=[[0, 0, 0], [0, 1, 0]])
     clip = kinopt.animation.Clip.builder("grow", armature)
     growing = kinopt.animation.KeyedCurve.linear([0.0, 1.0], [[1.0, 1.0, 1.0], [1.0, 3.0, 1.0]])

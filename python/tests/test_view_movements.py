@@ -17,7 +17,7 @@ from test_retargeting import JOINTS, MAP, NAO, person, sway  # noqa: E402
 MODELS = Path(__file__).parents[2] / "models"
 
 
-def test_a_robot_and_a_person_move_together():
+def test_robot_and_subject_move_together():
     robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
     movement = kinopt.retarget(sway(), robot, MAP)
     with Scene(port=8250) as scene:
@@ -39,7 +39,7 @@ def test_a_robot_and_a_person_move_together():
             scene.add_movement(movement, other)
 
 
-def test_a_page_opens_with_a_movement_that_keeps_clear():
+def test_page_opens_with_collision_free_motion():
     steps = MODELS / "captures" / "steps.bvh"
     page = open_page(NAO, port=8252, retarget=steps, fps=10, keep_clear=0.002)
     with page.scene:
@@ -49,7 +49,7 @@ def test_a_page_opens_with_a_movement_that_keeps_clear():
         assert np.array_equal(page.body.q, movement.q[20])
 
 
-def test_a_rig_moves_as_a_whole():
+def test_rig_follows_the_movement():
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     names, places = person()
     places[:, :, 0] += 0.02 * np.arange(len(places))[:, None]
@@ -65,7 +65,7 @@ def test_a_rig_moves_as_a_whole():
         assert np.array_equal(body.q, movement.q[-1, 7:])
 
 
-def test_bones_join_what_keeps_its_distance():
+def test_bones_connect_points_of_constant_distance():
     # A chain of three whose ends come near each other, and one next to it.
     turn = np.linspace(0.0, 2.5, 40)
     places = np.zeros((40, 4, 3))

@@ -69,7 +69,7 @@ BODY = """<mujoco model="body"><worldbody><body name="torso" pos="0 0 1"><freejo
 </body></worldbody></mujoco>"""
 
 
-def test_a_body_of_a_file_with_a_free_joint_stands(opened, tmp_path):
+def test_free_joint_of_file_is_the_base(opened, tmp_path):
     (tmp_path / "body.xml").write_text(BODY)
     page = opened(tmp_path / "body.xml", hold=["foot"])
     assert list(page.targets) == ["foot", "hand"]
@@ -81,7 +81,7 @@ def test_a_body_of_a_file_with_a_free_joint_stands(opened, tmp_path):
     assert same.body.model.free_joints == ["float"]
 
 
-def test_what_is_fixed_to_one_thing_has_one_gizmo(opened, tmp_path):
+def test_fixed_links_share_one_gizmo(opened, tmp_path):
     links = ["palm", "foot", "thumb", "finger", "toe", "heel", "camera", "body"]
     ends = [("body", "palm"), ("body", "foot")]
     fixed = [("palm", "thumb"), ("palm", "finger"), ("foot", "toe"), ("foot", "heel"), ("body", "camera")]
@@ -97,7 +97,7 @@ def test_what_is_fixed_to_one_thing_has_one_gizmo(opened, tmp_path):
     assert list(page.targets) == ["foot", "thumb", "camera"]
 
 
-def test_a_robot_on_a_free_base_is_dragged_as_a_whole(opened):
+def test_robot_on_free_base_is_dragged_as_a_whole(opened):
     page = opened(MODELS / "universal_ur5e.urdf", base_joint="free")
     before = page.body.q.copy()
     # Farther than the arm is long: the base follows.
@@ -111,7 +111,7 @@ def test_a_robot_on_a_free_base_is_dragged_as_a_whole(opened):
         open_page(HUMANOID, base_joint="free")
 
 
-def test_a_body_crouches_over_the_feet_that_it_is_opened_on(opened):
+def test_robot_starts_crouched_over_its_feet(opened):
     page = opened(NAO, base_joint="free", hold=["left_sole", "right_sole"])
     assert page.pinned == {"left_sole", "right_sole"} and not page.turns
     stood = {foot: page.body.frame(foot) for foot in page.pinned}
@@ -126,7 +126,7 @@ def test_a_body_crouches_over_the_feet_that_it_is_opened_on(opened):
         open_page(NAO, base_joint="free", hold=["left_sol"], port=8229)
 
 
-def test_feet_stay_where_a_hand_is_pulled_out_of_reach(opened):
+def test_feet_stay_with_an_unreachable_hand_target(opened):
     page = opened(NAO, base_joint="free", hold=["left_sole", "right_sole"])
     stood = {foot: page.body.frame(foot) for foot in page.pinned}
     drag(page, "left_hand", [0.8, 0.3, 0.2], moves=60)
@@ -136,7 +136,7 @@ def test_feet_stay_where_a_hand_is_pulled_out_of_reach(opened):
     assert "Level 2 gives way" in page.answer.solution.explain()
 
 
-def test_every_solver_of_a_robot_follows(opened):
+def test_every_solver_follows_the_drag(opened):
     page = opened(PANDA)
     assert list(page.targets) == ["tool"]
     for solver in page.posing.solvers():
@@ -151,7 +151,7 @@ def test_every_solver_of_a_robot_follows(opened):
     assert (page.body.q >= page.body.model.lower).all() and (page.body.q <= page.body.model.upper).all()
 
 
-def test_what_a_solver_has_no_answer_for_is_told(opened, monkeypatch):
+def test_solver_error_is_shown(opened, monkeypatch):
     page = opened(PANDA)
 
     def refuse(goals):
@@ -165,7 +165,7 @@ def test_what_a_solver_has_no_answer_for_is_told(opened, monkeypatch):
     assert page.status.text.startswith("Reached")
 
 
-def test_a_robot_begins_where_it_can_be_dragged_every_way(opened):
+def test_robot_starts_in_a_movable_configuration(opened):
     page = opened(PANDA)
     for axis in np.concatenate([np.eye(3), -np.eye(3)]):
         drag(page, "tool", 0.1 * axis)
@@ -187,7 +187,7 @@ def test_several_tips_stay_pinned_while_another_is_dragged(opened):
     assert np.linalg.norm(page.body.frame("head/tip")[:3, 3] - kept["head/tip"]) > 1e-4
 
 
-def test_a_drag_of_a_character_does_not_leap(opened):
+def test_character_drag_has_no_jumps(opened):
     page = opened(HUMANOID)
     shown = []
     place = page.body._place
@@ -203,7 +203,7 @@ def test_a_drag_of_a_character_does_not_leap(opened):
     assert page.status.marks == {}
 
 
-def test_what_is_not_dragged_is_held_unless_told_otherwise(opened):
+def test_other_tips_are_held_by_option(opened):
     moved = {}
     for holds in (True, False):
         page = opened(HUMANOID)
@@ -215,7 +215,7 @@ def test_what_is_not_dragged_is_held_unless_told_otherwise(opened):
     assert moved[True] < 1e-5 < moved[False]
 
 
-def test_a_slider_moves_one_joint_and_pins_hold_as_far_as_they_can(opened):
+def test_slider_moves_one_joint_and_pins_adapt(opened):
     page = opened(PANDA)
     model = page.body.model
     page.call(lambda: page.pin("tool", True))
@@ -230,7 +230,7 @@ def test_a_slider_moves_one_joint_and_pins_hold_as_far_as_they_can(opened):
     assert follower not in {model.joint_names[i] for i in page.joints._sliders}
 
 
-def test_any_frame_gets_a_gizmo_and_loses_it(opened):
+def test_any_frame_gets_and_loses_a_gizmo(opened):
     page = opened(PANDA)
     page.call(lambda: page.add_target("link4"))
     page.call(lambda: page.set_turns(False))
@@ -263,7 +263,7 @@ def test_keyframes_play_and_pause(opened):
 
 
 @pytest.mark.parametrize("path", [PANDA, HUMANOID])
-def test_a_pose_is_saved(opened, path):
+def test_pose_is_saved(opened, path):
     import trimesh
 
     page = opened(path)
@@ -286,7 +286,7 @@ def test_a_pose_is_saved(opened, path):
     assert np.allclose(glb.bounds, [[low[0], low[2], -high[1]], [high[0], high[2], -low[1]]], atol=1e-5)
 
 
-def test_a_script_shows_its_robot_in_ten_lines():
+def test_script_shows_a_robot_in_ten_lines():
     text = Scene.__doc__.split("```python")[1].split("```")[0]
     script = textwrap.dedent(text)
     assert len(script.strip().splitlines()) <= 12
@@ -302,7 +302,7 @@ def test_a_script_shows_its_robot_in_ten_lines():
     scene.close()
 
 
-def test_the_command_says_what_is_wrong(capsys, tmp_path):
+def test_command_reports_errors(capsys, tmp_path):
     assert main([str(tmp_path / "no such.urdf")]) == 1
     assert "no such.urdf" in capsys.readouterr().err
     (tmp_path / "model.step").write_text("")
@@ -310,7 +310,7 @@ def test_the_command_says_what_is_wrong(capsys, tmp_path):
     assert ".urdf" in capsys.readouterr().err
 
 
-def test_a_tool_that_is_dragged_into_a_table_slides_along_it(opened):
+def test_tool_dragged_into_a_table_slides(opened):
     world = kinopt.World.read(MODELS / "worlds" / "table.json")
     page = opened(PANDA, world=world, margin=0.002)
     stated = kinopt.Problem(page.body.thing, world=world)
@@ -353,7 +353,7 @@ def test_every_kind_of_obstacle_is_drawn(opened):
     assert "ball" not in page.obstacles._handles
 
 
-def test_a_world_around_what_has_no_shapes_is_refused(tmp_path):
+def test_world_without_robot_shapes_raises(tmp_path):
     (tmp_path / "nod.gltf").write_text('{"asset":{"version":"2.0"},"nodes":[{"name":"a"}],"scenes":[{"nodes":[0]}]}')
     with pytest.raises(kinopt.InvalidValueError, match="shapes"):
         open_page(tmp_path / "nod.gltf", port=8220, world=MODELS / "worlds" / "table.json")

@@ -39,7 +39,7 @@ def everything() -> kinopt.World:
     return world
 
 
-def test_a_world_says_how_much_it_holds() -> None:
+def test_repr_counts_obstacles() -> None:
     world = kinopt.World()
     assert repr(world) == "World(0 obstacles)"
     world.add_box("table", (1, 0.6, 0.04))
@@ -47,7 +47,7 @@ def test_a_world_says_how_much_it_holds() -> None:
     assert len(repr(everything())) < 40 and repr(len(everything())) in repr(everything())
 
 
-def test_obstacles_are_what_was_added() -> None:
+def test_obstacles_match_the_added_shapes() -> None:
     world = everything()
     assert len(world) == 9 and "table" in world and "chair" not in world
     kinds = [world[name].kind for name in world.names]
@@ -66,7 +66,7 @@ def test_obstacles_are_what_was_added() -> None:
     assert [note for note in world.notes if "shell" in note and "open at 3 edges" in note]
 
 
-def test_a_world_is_pickled_copied_and_written(tmp_path) -> None:
+def test_world_is_pickled_copied_and_written(tmp_path) -> None:
     world = everything()
     world.write(tmp_path / "world.json")
     assert list(world) == world.names
@@ -88,7 +88,7 @@ def test_a_world_is_pickled_copied_and_written(tmp_path) -> None:
     assert "ball" in world
 
 
-def test_meshes_come_from_files_beside_the_world(tmp_path) -> None:
+def test_meshes_are_read_next_to_the_world_file(tmp_path) -> None:
     lines = [f"v {x} {y} {z}" for x, y, z in TETRAHEDRON]
     lines += ["f " + " ".join(str(i + 1) for i in face) for face in FACES]
     (tmp_path / "corner.obj").write_text("\n".join(lines))
@@ -102,7 +102,7 @@ def test_meshes_come_from_files_beside_the_world(tmp_path) -> None:
         kinopt.World.read(tmp_path / "world.json")
 
 
-def test_distances_and_depths_are_those_of_geometry() -> None:
+def test_distances_and_depths_match_geometry() -> None:
     world = kinopt.World()
     world.add_box("box", (2, 2, 2))
     world.add_sphere("ball", 0.5, (3, 0, 0))
@@ -121,7 +121,7 @@ def test_distances_and_depths_are_those_of_geometry() -> None:
     assert world.separation("pole", "box").distance == pytest.approx(0.5, abs=1e-15)
 
 
-def test_edits_raise_the_revision_and_nothing_else_does() -> None:
+def test_only_edits_raise_the_revision() -> None:
     world = everything()
     before = world.revision
     world.separation("ball", "table")
@@ -132,7 +132,7 @@ def test_edits_raise_the_revision_and_nothing_else_does() -> None:
     assert "ball" not in world
 
 
-def test_what_cannot_be_is_named(tmp_path) -> None:
+def test_invalid_arguments_are_named(tmp_path) -> None:
     world = everything()
     before = world.to_json()
     for fails, error, match in (
@@ -161,7 +161,7 @@ def test_what_cannot_be_is_named(tmp_path) -> None:
     assert world.to_json() == before
 
 
-def test_a_mesh_may_be_a_file(tmp_path) -> None:
+def test_mesh_is_read_from_a_file(tmp_path) -> None:
     faces = "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in np.multiply(TETRAHEDRON, 1000)) + faces
     file = tmp_path / "shard.obj"
@@ -188,7 +188,7 @@ def test_a_mesh_may_be_a_file(tmp_path) -> None:
     assert len(world) == 3
 
 
-def test_a_million_triangles_are_one_obstacle() -> None:
+def test_million_triangles_are_one_obstacle() -> None:
     n = 708
     u, v = np.meshgrid(*2 * [np.arange(n) * (2 * np.pi / n)], indexing="ij")
     r = 1 + 0.3 * np.cos(v)

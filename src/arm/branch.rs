@@ -94,7 +94,18 @@ impl Branch {
             self.move_to_nominal_posture(arm, workspace, max_joint_motion, STEP_FRACTION);
         }
         if !self.target_rests {
-            self.singularity_branch.offset_to_side(workspace);
+            self.singularity_branch
+                .offset_to_side(workspace, f64::INFINITY);
+        }
+    }
+
+    /// Moves the workspace's x slightly to the side of a stretched arm, if the last step missed a target that moves.
+    ///
+    /// The motion is at most `max_offset` radians per joint.
+    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace, max_offset: f64) {
+        if self.is_unreached && !self.target_rests {
+            self.singularity_branch
+                .offset_to_side(workspace, max_offset);
         }
     }
 

@@ -20,7 +20,7 @@ pub enum ArmError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// No joint between base and tip can move.
-    #[error("no free joint between `{base}` and `{tip}`")]
+    #[error("no free joint between base `{base}` and tip `{tip}`")]
     NoFreeJoint {
         /// Name of the base frame.
         base: String,
@@ -28,15 +28,16 @@ pub enum ArmError {
         tip: String,
     },
     /// A ball joint is between base and tip.
-    #[error("`{joint}` is a ball joint: an arm has joints of one number each, a `Problem` any")]
+    #[error(
+        "joint `{joint}` is a ball joint: an arm supports revolute and prismatic joints; use a `Problem`"
+    )]
     BallJoint {
         /// Name of the joint.
         joint: String,
     },
     /// A joint of the arm moves a loop of the model, which an arm does not close.
     #[error(
-        "joint `{joint}` moves loop `{closed}`, which an arm does not close: a `Problem` on the model does \
-         (or lock the joint)"
+        "joint `{joint}` moves loop `{closed}`: an arm does not close loops; lock the joint, or use a `Problem`"
     )]
     InLoop {
         /// Name of the joint.
@@ -68,7 +69,9 @@ pub enum ArmError {
     #[error(transparent)]
     Checker(#[from] crate::collision::CheckerError),
     /// The checker belongs to another model, recognised by its size.
-    #[error("the checker's model has {given} numbers a configuration, the arm's has {expected}")]
+    #[error(
+        "the configuration of the checker's model has {given} numbers, that of the arm's model has {expected}"
+    )]
     ForeignChecker {
         /// Degrees of freedom of the checker's model.
         given: usize,
@@ -94,7 +97,7 @@ pub enum ArmError {
 #[non_exhaustive]
 pub enum QueryError {
     /// A slice has the wrong length.
-    #[error("{what} has {given} numbers, {expected} are needed ({joints} joints a configuration)")]
+    #[error("{what} has {given} numbers, expected {expected} (the arm has {joints} joints)")]
     Length {
         /// Name of the argument.
         what: &'static str,
@@ -106,7 +109,7 @@ pub enum QueryError {
         joints: usize,
     },
     /// A start is NaN or infinite. A start outside the limits is valid.
-    #[error("the start of query {query} holds {value} for joint `{joint}`, which is not finite")]
+    #[error("the start of query {query}: joint `{joint}` is {value}, which is not finite")]
     StartNotFinite {
         /// Index of the query in the batch, 0 for a single one.
         query: usize,
@@ -124,7 +127,7 @@ pub enum QueryError {
         problem: RigidDefect,
     },
     /// A configuration, velocity or acceleration that holds NaN or infinity.
-    #[error("{what} holds {value} for joint `{joint}`, which is not finite")]
+    #[error("{what}: joint `{joint}` is {value}, which is not finite")]
     NotFinite {
         /// The argument.
         what: &'static str,
@@ -134,12 +137,10 @@ pub enum QueryError {
         value: f64,
     },
     /// The arm has no [checker](super::Arm::with_checker), so its collisions are unknown.
-    #[error(
-        "what the arm touches is not known: it was made without a world or a margin to keep clear of"
-    )]
+    #[error("collisions are unknown: the arm was built without a world and a margin")]
     NothingToKeepClearOf,
     /// The time step of a servo is not a positive number of seconds.
-    #[error("the time step is {0} s: a positive finite number")]
+    #[error("the time step is {0} s, expected a positive finite number")]
     TimeStep(f64),
     /// The start state of a servo exceeds a velocity or acceleration limit.
     #[error("joint `{joint}`: {rate} {value} exceeds its limit {limit}")]
@@ -155,7 +156,7 @@ pub enum QueryError {
     },
     /// In the start state of a servo an acceleration cannot end before the velocity limit.
     #[error(
-        "joint `{joint}`: its acceleration cannot end before its velocity is {velocity:.6}, beyond its limit {limit}"
+        "joint `{joint}`: its velocity is {velocity:.6} when its acceleration ends, beyond the limit {limit}"
     )]
     CannotCoast {
         /// Name of the joint.
@@ -167,7 +168,7 @@ pub enum QueryError {
     },
     /// In the start state of a servo a joint cannot brake before a position limit.
     #[error(
-        "joint `{joint}` cannot brake before its position limit {limit}: it would pass it by {distance:.6} rad or m"
+        "joint `{joint}` cannot brake before its position limit {limit}: it stops {distance:.6} rad or m beyond"
     )]
     CannotBrake {
         /// Name of the joint.

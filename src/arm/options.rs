@@ -160,8 +160,8 @@ impl Options {
             check_per_joint("posture", posture, (f64::is_finite, "finite numbers"))?;
             if self.search.compares() {
                 return Err(ArmError::Conflict(
-                    "a posture goes with the searches `Start` and `First`: `Nearest` and `Distinct` \
-                     use the null space themselves",
+                    "a posture applies to the searches `Start` and `First`: `Nearest` and `Distinct` \
+                     select by joint displacement",
                 ));
             }
         }
@@ -192,13 +192,13 @@ impl Options {
 /// Checks the half widths of a goal, and that some component counts.
 pub(super) fn check_goal(goal: &PoseBounds) -> Result<(), ArmError> {
     if let Some((_, value)) = goal.bad_half_width() {
-        let allowed = "half widths are numbers of at least 0";
+        let allowed = "half widths must be at least 0";
         return check("goal", &[value], (|_| false, allowed));
     }
     match goal.has_position() || goal.has_orientation() {
         true => Ok(()),
         false => {
-            let allowed = "some component must count";
+            let allowed = "at least one component must be constrained";
             check("goal", &[f64::INFINITY], (|_| false, allowed))
         }
     }

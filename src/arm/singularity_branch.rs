@@ -77,11 +77,12 @@ impl SingularityBranch {
         }
     }
 
-    /// Moves the workspace's x slightly to this side, within the bounds.
-    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace) {
+    /// Moves the workspace's x slightly to this side, by at most `max_offset` radians, within the bounds.
+    pub(super) fn offset_to_side(&self, workspace: &mut ArmWorkspace, max_offset: f64) {
         if self.known {
+            let offset = SIDE_OFFSET.min(max_offset);
             for (projected, direction) in workspace.projected.iter_mut().zip(&self.direction) {
-                *projected = SIDE_OFFSET * direction;
+                *projected = offset * direction;
             }
             workspace.apply_projected();
         }
@@ -121,7 +122,9 @@ impl SingularityBranch {
                 growth = self.correct_by_curvature(workspace, &x, &residual);
             }
             self.known = was_known || growth > MIN_ERROR_GROWTH;
-            if arm.has_null_space() {
+            // At a stretched configuration the carried side is the arm's. Null-space motion may lead far from the
+            // nominal posture there.
+            if arm.has_null_space() && !(was_known && growth > MIN_ERROR_GROWTH) {
                 self.orient_to_posture(arm, &x, nominal_posture);
             }
         }

@@ -14,7 +14,7 @@ pub enum GeometricError {
     #[error(transparent)]
     Start(#[from] SolveError),
     /// A task that the method does not support.
-    #[error("{solver} has no answer for task {task}; it takes tasks of kind {valid}")]
+    #[error("{solver} does not support task {task}; supported tasks: {valid}")]
     UnsupportedTask {
         /// The name of the method.
         solver: &'static str,
@@ -24,9 +24,7 @@ pub enum GeometricError {
         valid: &'static str,
     },
     /// A ball joint: these methods move joints with one axis.
-    #[error(
-        "joint `{joint}` is a ball; {solver} turns joints about one axis each (a `Solver` any)"
-    )]
+    #[error("joint `{joint}` is a ball joint, which {solver} does not support; use a `Solver`")]
     BallJoint {
         /// The name of the method.
         solver: &'static str,
@@ -34,7 +32,7 @@ pub enum GeometricError {
         joint: String,
     },
     /// A prismatic joint, for a method that needs fixed distances between joints.
-    #[error("joint `{joint}` slides; {solver} needs fixed distances between joints (CCD does not)")]
+    #[error("joint `{joint}` is prismatic, which {solver} does not support; use CCD")]
     SlidingJoint {
         /// The name of the method.
         solver: &'static str,
@@ -43,8 +41,8 @@ pub enum GeometricError {
     },
     /// A chain without exactly two bones.
     #[error(
-        "model `{model}`: the free joints make {bones} bones with {tips} tip points, the analytic \
-         solution is for 2 bones with 1; lock the other joints with a ParameterMap"
+        "model `{model}`: the free joints form {bones} bones with {tips} tip points, but the analytic \
+         solution needs 2 bones with 1 tip point; lock other joints by a `ParameterMap`"
     )]
     NotTwoBones {
         /// The name of the model.

@@ -27,7 +27,7 @@ pub(super) struct Goal {
 }
 
 /// The kinds of tasks that [`goals`] supports.
-const VALID: &str = "`point`, `pose` or `orientation`, in the world and without room";
+const VALID: &str = "`point`, `pose` or `orientation`, in the world and without goal bounds";
 
 /// The targets of the problem's tasks, in order. Rows of weight zero have no target.
 pub(super) fn goals(

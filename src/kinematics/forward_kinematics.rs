@@ -12,7 +12,7 @@ use crate::spatial::Placement;
 #[non_exhaustive]
 pub enum KinematicsError {
     /// A frame id that is not in the model.
-    #[error("frame number {index} was asked for, but model `{model}` has {frames} frames")]
+    #[error("frame {index} does not exist: model `{model}` has {frames} frames")]
     ForeignFrame {
         /// Name of the model.
         model: String,
@@ -32,7 +32,7 @@ pub enum KinematicsError {
         model_coordinates: usize,
     },
     /// A slice of wrong length.
-    #[error("{given} numbers were given, placing the frames of `{model}` takes {expected}")]
+    #[error("{given} numbers, expected {expected} for the frames of `{model}`")]
     Length {
         /// Name of the model.
         model: String,
@@ -42,7 +42,7 @@ pub enum KinematicsError {
         expected: usize,
     },
     /// A quaternion of length zero, or one whose length overflows or underflows.
-    #[error("the quaternion from number {index} of a configuration of `{model}` is no rotation")]
+    #[error("configuration of `{model}`: the quaternion at index {index} has length 0")]
     NoRotation {
         /// Name of the model.
         model: String,
@@ -50,7 +50,7 @@ pub enum KinematicsError {
         index: usize,
     },
     /// A number that is NaN or infinite.
-    #[error("number {index} of those that place the frames of `{model}` is not finite")]
+    #[error("model `{model}`: the number at index {index} is not finite")]
     NotFinite {
         /// Name of the model.
         model: String,

@@ -85,24 +85,24 @@ impl BallLimits {
         let turn = |end: f64| end.abs() <= PI || end.is_infinite();
         let ends = [self.twist.lower, self.twist.upper];
         if !self.swing.iter().all(|&swing| angle(swing)) {
-            return Some("a swing that is not above 0 and at most π");
+            return Some("a swing limit outside (0, π]");
         }
         if !self.twist.is_valid() || !ends.into_iter().all(turn) {
-            return Some("a twist that is no range within [-π, π]");
+            return Some("twist limits that are not an interval within [-π, π]");
         }
         let least = self.twist.clamp(0.0).abs();
         if self
             .angle
             .is_some_and(|angle| angle <= least || angle.is_nan())
         {
-            return Some("a whole angle that is not above 0, or below the least twist");
+            return Some("an angle limit that is not above 0, or below the smallest twist");
         }
         let about = self
             .about
             .map(|about| (about - axis * axis.dot(about)).norm());
         match about {
             Some(across) if !(across > 1e-9 && across.is_finite()) => {
-                Some("a swing about the joint's own axis")
+                Some("a swing axis parallel to the joint's axis")
             }
             _ => None,
         }

@@ -409,7 +409,7 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
     let fault = match (joint.kind, &joint.ball) {
         (_, None) => None,
         (JointKind::Ball, Some(limits)) => limits.fault(joint.axis),
-        (_, Some(_)) => Some("a cone, which only a ball joint can have"),
+        (_, Some(_)) => Some("cone limits, but it is not a ball joint"),
     };
     match fault {
         None => Ok(()),

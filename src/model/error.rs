@@ -17,7 +17,7 @@ pub enum ModelError {
         name: String,
     },
     /// An id that is not in the model, or a parent that comes after its child.
-    #[error("{kind} `{name}` refers to a joint that is not in this model or comes after it")]
+    #[error("{kind} `{name}` refers to a joint that is missing or comes after it")]
     ForeignId {
         /// The kind of the object with the wrong reference.
         kind: &'static str,
@@ -43,13 +43,13 @@ pub enum ModelError {
         problem: &'static str,
     },
     /// A quaternion that is zero or not finite.
-    #[error("joint `{joint}`: a quaternion without length is no rotation")]
+    #[error("joint `{joint}`: a quaternion of length 0 is not a rotation")]
     NoRotation {
         /// Name of the ball joint.
         joint: String,
     },
     /// A ball joint in a role for joints with one coordinate.
-    #[error("joint `{joint}` is a ball and cannot be {role} by one number")]
+    #[error("joint `{joint}` is a ball joint and cannot be {role} by one number")]
     BallJoint {
         /// Name of the joint.
         joint: String,
@@ -57,14 +57,14 @@ pub enum ModelError {
         role: &'static str,
     },
     /// A joint that is not a ball joint, locked at a rotation.
-    #[error("joint `{joint}` is no ball and cannot be locked at a rotation")]
+    #[error("joint `{joint}` is not a ball joint and cannot be locked at a rotation")]
     NoBallJoint {
         /// Name of the joint.
         joint: String,
     },
     /// A free joint whose prismatic joints and ball joint are not consecutive.
     #[error(
-        "free joint `{joint}` is not three slides and a ball side by side in the configuration"
+        "free joint `{joint}`: its prismatic joints and its ball joint are not consecutive in the configuration"
     )]
     BrokenFreeJoint {
         /// Its first prismatic joint.
@@ -95,13 +95,13 @@ pub enum ModelError {
         problem: RigidDefect,
     },
     /// A loop with a frame that is not in the model.
-    #[error("loop `{name}` joins a frame that is not in this model")]
+    #[error("loop `{name}` connects a frame that is not in this model")]
     ForeignLoop {
         /// Name of the loop.
         name: String,
     },
     /// A loop of a frame with itself.
-    #[error("loop `{name}` joins the frame `{frame}` to itself")]
+    #[error("loop `{name}` connects frame `{frame}` to itself")]
     LoopOfOneFrame {
         /// Name of the loop.
         name: String,
@@ -110,7 +110,7 @@ pub enum ModelError {
     },
     /// A base joint for a robot whose own free joint already moves all of it.
     #[error(
-        "joint `{joint}` moves the whole of `{model}` freely already: its base may be free, within a room, or left as it is"
+        "joint `{joint}` already moves all of `{model}` freely: use a free base, base bounds, or no base joint"
     )]
     FreeAlready {
         /// The first prismatic joint of the free joint.
@@ -121,7 +121,7 @@ pub enum ModelError {
     /// A loop that no configuration closes.
     ///
     /// One link is longer than all others together, or no joint moves the anchors relative to each other.
-    #[error("loop `{name}` cannot close: its places stay at least {gap} {unit} apart")]
+    #[error("loop `{name}` cannot close: its closure error is at least {gap} {unit}")]
     LoopCannotClose {
         /// Name of the loop.
         name: String,
@@ -132,7 +132,7 @@ pub enum ModelError {
     },
     /// A configuration order that does not contain every moving joint once.
     #[error(
-        "the configuration order names {given} joints but must name each of the {moving} moving joints once"
+        "the configuration order names {given} joints, expected each of the {moving} moving joints once"
     )]
     BadConfigurationOrder {
         /// Number of joints in the order.
@@ -165,7 +165,7 @@ pub enum ModelError {
         role: &'static str,
     },
     /// Mimic joints that form a cycle.
-    #[error("joint `{joint}` follows itself through its masters")]
+    #[error("joint `{joint}` is its own source through mimic joints")]
     CouplingCycle {
         /// One joint of the cycle.
         joint: String,
@@ -193,7 +193,7 @@ pub enum ModelError {
         upper: f64,
     },
     /// A slice of wrong length.
-    #[error("{what} has {expected} numbers, {given} were given")]
+    #[error("{what} has {expected} numbers, not {given}")]
     Length {
         /// Name of the slice: "a configuration of this model", "the variables of this map", …
         what: &'static str,
@@ -213,15 +213,13 @@ pub enum ModelError {
         value: f64,
     },
     /// An interpolation parameter that is not finite.
-    #[error(
-        "the share of the way between two configurations is {share}, which is not a finite number"
-    )]
+    #[error("the interpolation parameter is {share}, which is not a finite number")]
     BadShare {
         /// The interpolation parameter.
         share: f64,
     },
     /// Coupled joints whose limits have no common value.
-    #[error("joint `{joint}` and the joints that follow it have no value within all limits")]
+    #[error("joint `{joint}` and its mimic joints have no value within all limits")]
     EmptyRange {
         /// The source joint.
         joint: String,

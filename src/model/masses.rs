@@ -20,13 +20,13 @@ pub struct PointMass {
 #[non_exhaustive]
 pub enum MassError {
     /// No mass on any body that joints move.
-    #[error("`{model}` has no centre of mass: nothing that its joints move has mass")]
+    #[error("`{model}` has no centre of mass: its joints move no masses")]
     NoMass {
         /// Name of the model.
         model: String,
     },
     /// A mass is negative or not finite.
-    #[error("the mass of `{frame}` is {mass} kg, which is no number of at least 0")]
+    #[error("the mass of `{frame}` is {mass} kg, expected a finite number of at least 0")]
     BadMass {
         /// The frame with the mass.
         frame: String,
@@ -34,9 +34,7 @@ pub enum MassError {
         mass: f64,
     },
     /// A position of a mass that is not finite.
-    #[error(
-        "the mass of `{frame}` stands at {coordinate} m in one axis, which is not a finite number"
-    )]
+    #[error("the mass of `{frame}`: coordinate {coordinate} m is not a finite number")]
     BadPlace {
         /// The frame with the mass.
         frame: String,
@@ -44,7 +42,7 @@ pub enum MassError {
         coordinate: f64,
     },
     /// A frame id that is not in the model.
-    #[error("a mass is on frame number {index}, but model `{model}` has {frames} frames")]
+    #[error("a mass is on frame {index}, but model `{model}` has {frames} frames")]
     ForeignFrame {
         /// Name of the model.
         model: String,
@@ -55,11 +53,11 @@ pub enum MassError {
     },
     /// A robot description without inertials whose masses depend on mesh files, which are not opened.
     #[error(
-        "{} its mass or its centre to the file of a mesh, which is not opened: state it by an inertial, or give masses",
+        "{} no inertial: mass and centre depend on mesh files, which are not opened; add an inertial or set masses",
         match others {
-            0 => format!("`{frame}` leaves"),
-            1 => format!("`{frame}`, like one more body, leaves"),
-            n => format!("`{frame}`, like {n} more bodies, leaves"),
+            0 => format!("`{frame}` has"),
+            1 => format!("`{frame}` and 1 more body have"),
+            n => format!("`{frame}` and {n} more bodies have"),
         }
     )]
     MissingInertia {
@@ -69,7 +67,7 @@ pub enum MassError {
         others: usize,
     },
     /// A mesh without volume to compute masses from.
-    #[error("masses come from the volume of a mesh: {0}")]
+    #[error("mass from the volume of a mesh: {0}")]
     NoVolume(String),
 }
 

@@ -185,8 +185,8 @@ impl<'m> ParameterMapBuilder<'m> {
 
         // Products along a chain of mimic joints may overflow although every factor is finite.
         let through = [
-            "the ratio through its masters",
-            "the offset through its masters",
+            "the ratio to its source joint",
+            "the offset to its source joint",
         ];
         let ends = map.lower.iter().zip(&map.upper);
         let mut bounds: Vec<Limits> = ends.map(|(&l, &u)| Limits::new(l, u)).collect();

@@ -78,7 +78,7 @@ pub(super) struct Map {
 
 /// A contradiction in a deserialised parameter map.
 #[derive(Debug, thiserror::Error)]
-#[error("a parameter map whose {0}")]
+#[error("invalid parameter map: {0}")]
 pub(super) struct NoMap(&'static str);
 
 impl From<ParameterMap> for Map {
@@ -133,27 +133,27 @@ impl TryFrom<Map> for ParameterMap {
         for (fine, what) in [
             (
                 limits.len() == sources.len(),
-                "limits are not one for each coordinate",
+                "the number of limits differs from the number of coordinates",
             ),
             (
                 bounds.len() == leaders.len(),
-                "bounds are not one for each variable",
+                "the number of bounds differs from the number of variables",
             ),
             (
                 limits.iter().chain(&bounds).all(Limits::is_valid),
-                "limits or bounds leave nothing",
+                "limits or bounds are not an interval",
             ),
             (
                 sources.iter().all(known),
-                "sources are not finite or of no variable",
+                "`sources` are not finite or have no variable",
             ),
             (
                 balls.iter().all(whole),
-                "balls are not of four coordinates and three variables each",
+                "`balls` need four coordinates and three variables each",
             ),
             (
                 leaders.iter().enumerate().all(leads),
-                "variables lead no coordinate",
+                "variables without a coordinate",
             ),
         ] {
             if !fine {

@@ -91,7 +91,7 @@ impl fmt::Display for UnknownName {
         let note = self.note.as_ref().map_or("", |note| note.0.as_str());
         let count = self.valid.len();
         if count == 0 {
-            write!(out, "there is none")?;
+            write!(out, "there are no names")?;
         } else if count <= LISTED {
             if let Some(meant) = self.nearest() {
                 write!(out, "did you mean `{meant}`? ")?;
@@ -116,7 +116,7 @@ impl fmt::Display for UnknownName {
                         .collect();
                     write!(
                         out,
-                        "none is like it; they begin with `{}`",
+                        "no similar name; the first are `{}`",
                         first.join("`, `")
                     )?;
                 }

@@ -12,7 +12,7 @@ pub enum SolveError {
     #[error(transparent)]
     Option(#[from] BadOption),
     /// The start has a wrong length.
-    #[error("the start has {given} numbers, a configuration of `{model}` has {expected}")]
+    #[error("the start has {given} numbers, expected {expected} for `{model}`")]
     StartLength {
         /// Name of the model.
         model: String,
@@ -22,13 +22,13 @@ pub enum SolveError {
         expected: usize,
     },
     /// The start has a zero quaternion for a ball joint.
-    #[error("the start holds a quaternion without length for joint `{joint}`")]
+    #[error("the start: the quaternion of joint `{joint}` has length 0")]
     StartNoRotation {
         /// Name of the joint.
         joint: String,
     },
     /// The start is NaN or infinite. A start outside the limits is allowed.
-    #[error("the start holds {value} for joint `{joint}`, which is not a finite number")]
+    #[error("the start: joint `{joint}` is {value}, which is not a finite number")]
     StartNotFinite {
         /// Name of the joint.
         joint: String,
@@ -37,7 +37,7 @@ pub enum SolveError {
     },
     /// Joints of another model.
     #[error(
-        "a model whose configuration has {given} numbers is not `{model}`, whose configuration has {expected}"
+        "a configuration of the given model has {given} numbers, one of `{model}` has {expected}"
     )]
     OtherModel {
         /// The model that is solved.
@@ -48,13 +48,13 @@ pub enum SolveError {
         given: usize,
     },
     /// Joints cannot move on their parents where collisions are avoided.
-    #[error("`{model}` avoids collisions, so its joints stay where they are on their parents")]
+    #[error("`{model}`: joint origins are constant with collision avoidance")]
     JointsOfCollisions {
         /// The model.
         model: String,
     },
     /// Another number of moves than a configuration has numbers.
-    #[error("{given} moves are given, a configuration of `{model}` has {expected} numbers")]
+    #[error("{given} moves, expected {expected} for a configuration of `{model}`")]
     MovesLength {
         /// Name of the model.
         model: String,
@@ -64,13 +64,13 @@ pub enum SolveError {
         expected: usize,
     },
     /// The four moves of a ball joint differ; it has one rotation angle.
-    #[error("the four moves of ball joint `{joint}` are not the same")]
+    #[error("the four moves of ball joint `{joint}` differ")]
     MovesOfBall {
         /// Name of the joint.
         joint: String,
     },
     /// The number of motion limits differs from the length of a configuration.
-    #[error("{option} has {given} numbers, a configuration of `{model}` has {expected}")]
+    #[error("{option} has {given} numbers, expected {expected} for a configuration of `{model}`")]
     MotionLimitsLength {
         /// Name of the option.
         option: &'static str,
@@ -82,13 +82,13 @@ pub enum SolveError {
         expected: usize,
     },
     /// The motion of the problem cannot be limited by a time step.
-    #[error("time_step: a drag with {reason} cannot keep limits of acceleration")]
+    #[error("time_step: a drag with {reason} does not support acceleration limits")]
     UnsupportedTimeStep {
         /// The unsupported property of the drag.
         reason: String,
     },
     /// The moves belong to a problem with other variables.
-    #[error("moves of a problem of {given} variables; that on `{model}` has {expected}")]
+    #[error("moves for {given} variables, expected {expected} for the problem on `{model}`")]
     ForeignMoves {
         /// Name of the model.
         model: String,

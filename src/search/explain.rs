@@ -57,7 +57,7 @@ impl Solution {
         writeln!(text, ": {}.", self.reason())?;
         self.write_unreached_tasks(text)?;
         if !self.collisions.is_empty() {
-            text.push_str("  In the way:\n");
+            text.push_str("  Collisions:\n");
             self.write_pairs(text)?;
         }
         self.write_levels(text)?;
@@ -69,7 +69,7 @@ impl Solution {
     fn write_collisions(&self, text: &mut String) -> std::fmt::Result {
         writeln!(
             text,
-            ": every goal is met here, but nowhere that was found without touching something."
+            ": all required tasks are met, but no collision-free solution was found."
         )?;
         self.write_pairs(text)
     }
@@ -81,14 +81,18 @@ impl Solution {
             let size = Significant(pair.distance.abs());
             let penetrates = pair.distance < 0.0;
             if pair.on_the_way {
-                let relation = if penetrates { "deep" } else { "apart" };
-                writeln!(text, "  {pair} end the way, {size} {unit} {relation}.")?;
+                let measure = if penetrates {
+                    "penetration"
+                } else {
+                    "clearance"
+                };
+                writeln!(text, "  {pair} block the motion: {measure} {size} {unit}.")?;
                 continue;
             }
             let relation = if penetrates {
-                "is in"
+                "penetrates"
             } else {
-                "is too near to"
+                "is nearer than the margin to"
             };
             let Collision { first, second, .. } = pair;
             let [first_kind, second_kind] = [pair.first_kind, pair.second_kind];
@@ -110,12 +114,14 @@ impl Solution {
     fn ended_early(&self) -> Option<&'static str> {
         let has_soft_tasks = self.rows.iter().any(|rows| rows.role == Role::Preference);
         Some(match (self.termination, has_soft_tasks) {
-            (Termination::TimeLimit, false) => "the time limit ended the search for others early",
-            (Termination::TimeLimit, true) => {
-                "the time limit ended the pull of the preferences early"
+            (Termination::TimeLimit, false) => {
+                "the time limit ended the search for other solutions early"
             }
-            (Termination::Cancelled, _) => "the observer ended the pull of the preferences early",
-            (Termination::NonFinite, _) => "a preference is not a finite number",
+            (Termination::TimeLimit, true) => {
+                "the time limit ended the descent of the soft tasks early"
+            }
+            (Termination::Cancelled, _) => "the observer ended the descent of the soft tasks early",
+            (Termination::NonFinite, _) => "the error of a soft task is not a finite number",
             _ => return None,
         })
     }
@@ -123,18 +129,18 @@ impl Solution {
     fn reason(&self) -> &'static str {
         match self.termination {
             Termination::Reached | Termination::Stationary if !self.pulling.is_empty() => {
-                "no free joint can lower the sum of goals and preferences from here"
+                "no free joint can lower the weighted sum of required and soft tasks from here"
             }
             Termination::Reached | Termination::Stationary => {
                 "no free joint can lower the error from here"
             }
             Termination::SmallStep => "steps became too small to change anything",
             Termination::Stalled => "progress became too slow",
-            Termination::IterationLimit => "the iteration limit was hit",
+            Termination::IterationLimit => "the iteration limit was reached",
             Termination::CannotContinue => {
-                "none of these came to a solution within the moves allowed from the start"
+                "no attempt found a solution within the allowed moves from the start"
             }
-            Termination::TimeLimit => "the time limit was hit",
+            Termination::TimeLimit => "the time limit was reached",
             Termination::Cancelled => "the observer stopped the search",
             Termination::NonFinite => "a residual or a derivative is not a finite number",
         }
@@ -182,20 +188,20 @@ impl Solution {
         match (above.max(), first < last) {
             (Some(above), _) if unreached_levels.len() == 1 => writeln!(
                 text,
-                "  Level {first} gives way: the goals up to level {above} are met, and leave it no more."
+                "  Level {first} gives way: the levels up to {above} are met and allow no smaller error."
             ),
             (Some(above), _) => {
                 let unreached_levels: Vec<String> =
                     unreached_levels.iter().map(usize::to_string).collect();
                 writeln!(
                     text,
-                    "  Levels {} give way, each as little as those before it allow: the goals up to level {above} are met.",
+                    "  Levels {} give way: the levels up to {above} are met, and each level allows no smaller error of the next.",
                     unreached_levels.join(", ")
                 )
             }
             (None, true) => writeln!(
                 text,
-                "  Level {first} comes first: it misses as it would alone, and lower levels cost it nothing."
+                "  Level {first} has the highest priority: lower levels do not increase its error."
             ),
             (None, false) => Ok(()),
         }
@@ -232,7 +238,7 @@ impl Solution {
             };
             return writeln!(
                 text,
-                " {verb} against the goals: preferences are traded off by their weights."
+                " {verb} against the required tasks: weighted soft tasks can increase their errors."
             );
         }
         match (self.agreeing, self.attempts) {
@@ -250,8 +256,8 @@ impl Solution {
             ),
             (agreeing, attempts) => writeln!(
                 text,
-                "  {agreeing} of {attempts} attempts ended at this same miss: most likely nothing \
-                 comes nearer."
+                "  {agreeing} of {attempts} attempts ended with this error: a closer solution is \
+                 unlikely."
             ),
         }
     }
@@ -279,13 +285,13 @@ impl Solution {
             }
         } else if limits.peek().is_none() {
             let verdict = match cut_short {
-                true => "No joint limit is in the way so far",
+                true => "No joint limit is active so far",
                 false => "No joint limit holds it back",
             };
             write!(text, "  {verdict}.")?;
         } else {
             let verdict = match cut_short {
-                true => "So far it stands against",
+                true => "So far it is held back by",
                 false => "It is held back by",
             };
             write!(text, "  {verdict} ")?;

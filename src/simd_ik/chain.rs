@@ -48,10 +48,10 @@ pub enum ChainError {
     #[error("joint {0} of the chain is fixed")]
     Fixed(usize),
     /// The axis is zero or not finite.
-    #[error("joint {0} of the chain has no usable axis")]
+    #[error("joint {0} of the chain: the axis is zero or not finite")]
     Axis(usize),
     /// The bounds are NaN, crossed, or leave no finite value.
-    #[error("joint {joint} of the chain has bounds [{lower}, {upper}]")]
+    #[error("joint {joint} of the chain: bounds [{lower}, {upper}] are not an interval")]
     Bounds {
         /// Index of the joint, from 0 at the base.
         joint: usize,
@@ -61,7 +61,7 @@ pub enum ChainError {
         upper: f64,
     },
     /// The placement is not finite, or its rotation is not orthonormal to 1e-6.
-    #[error("placement {0} of the chain (the tip comes last) is not a rigid motion")]
+    #[error("placement {0} of the chain (the tip's is last) is not a rigid motion")]
     Placement(usize),
 }
 

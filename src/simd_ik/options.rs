@@ -149,7 +149,7 @@ pub enum LaneError {
     #[error(transparent)]
     Option(#[from] BadOption),
     /// A slice has another length than the chain and the number of targets require.
-    #[error("{what} holds {found} numbers, {expected} are needed")]
+    #[error("{what} has {found} numbers, expected {expected}")]
     Length {
         /// Name of the argument.
         what: &'static str,

@@ -5,10 +5,16 @@
 //! structured secant update of Dennis, Gay & Welsch (1981, "An adaptive nonlinear least-squares algorithm", ACM TOMS 7,
 //! 348-368, section 3). The model that predicted the last step better makes the next one. A search that stays slow at a
 //! large residual computes S from differences of the exact gradient, at one gradient per free variable.
+//!
+//! With many variables and few rows, S is [semiseparable](super::linear::Semiseparable) instead: its m numbers per
+//! variable follow from differences of the gradient along m probes. A further probe checks that S has this form. If
+//! it repeatedly has not, as with tasks that are no function of frames, the search continues with the n × n matrix.
 
 use nalgebra::DMatrix;
 
-use super::linear::{add_scaled, dot, multiply_symmetric, quadratic};
+use super::linear::{
+    SecondOrder, Semiseparable, SemiseparableNormal, add_scaled, dot, multiply_symmetric, quadratic,
+};
 use super::{LeastSquares, SolverState};
 use crate::buffer::{refill, vacate};
 
@@ -25,6 +31,19 @@ const SLOWER_STEPS: usize = 10;
 /// Below it the residual adds at most that fraction of JᵀJ to the Hessian, and a search is slow because J is singular.
 const LARGE_RESIDUAL: f64 = 1e-3;
 
+/// Number of variables above which S is semiseparable.
+const MANY_VARIABLES: usize = 128;
+/// Smallest number of variables per row of a semiseparable S.
+const VARIABLES_PER_ROW: usize = 8;
+/// Sum of the differences in x of all variables along a probe, in the scales of the variables.
+const PROBE_LENGTH: f64 = 1e-6;
+/// Smallest column of J in the weights of a probe, relative to the largest.
+const SHORT_COLUMN: f64 = 1e-3;
+/// Largest error of a semiseparable S along the last probe, relative to the product.
+const FORM_ERROR: f64 = 0.1;
+/// Number of failed checks of the form after which S is dense.
+const FORM_CHECKS: usize = 3;
+
 /// Difference in x, relative to max(1, |x|): ∛ε, as gradients may be differences themselves.
 const RELATIVE_STEP: f64 = 6.055_454_452_393_343e-6;
 
@@ -37,6 +56,12 @@ const NEGLIGIBLE_COSINE: f64 = 1e-10;
 pub(super) struct Curvature {
     /// S, n × n, symmetric, row by row; empty until it is learnt.
     matrix: Vec<f64>,
+    /// True while S is semiseparable.
+    is_separable: bool,
+    /// Generators of a semiseparable S, m numbers per variable; empty until they are computed.
+    generators: Vec<f64>,
+    /// Number of failed checks of the semiseparable form.
+    failed_checks: usize,
     /// True if S predicted the last step better than S = 0.
     in_use: bool,
     slow_steps: usize,
@@ -48,6 +73,13 @@ pub(super) struct Curvature {
     crossed: Vec<f64>,
     /// y# − S s.
     missing: Vec<f64>,
+    /// Buffer for m numbers.
+    sum: Vec<f64>,
+}
+
+/// Returns true if S is sought in semiseparable form for m rows and n variables.
+pub(super) fn is_separable(m: usize, n: usize) -> bool {
+    n > MANY_VARIABLES && VARIABLES_PER_ROW * m <= n
 }
 
 /// Buffers for S from differences of the gradient.
@@ -57,6 +89,13 @@ pub(super) struct Differences {
     residual: Vec<f64>,
     gradient: Vec<f64>,
     gradient_here: Vec<f64>,
+    /// Weights of the variables in a probe.
+    weights: Vec<f64>,
+    /// Probe, and the product of J with it.
+    probe: Vec<f64>,
+    image: Vec<f64>,
+    /// Product of S with a probe.
+    product: Vec<f64>,
     /// Scratch memory for gradients that need a Jacobian.
     jacobian: DMatrix<f64>,
 }
@@ -69,6 +108,10 @@ impl Differences {
             (&mut self.residual, m),
             (&mut self.gradient, n),
             (&mut self.gradient_here, n),
+            (&mut self.weights, n),
+            (&mut self.probe, n),
+            (&mut self.image, m),
+            (&mut self.product, n),
         ] {
             refill(vector, length, 0.0);
         }
@@ -87,15 +130,67 @@ impl Differences {
             &mut self.jacobian,
         );
     }
+
+    /// Weights the free variables for probes: by the inverse square of their column of J.
+    ///
+    /// Short columns, of joints near a tip, then count as much as long ones in the equations for the generators.
+    /// Variables at a bound are left out, as probes go to both sides.
+    fn weigh(&mut self, problem: &dyn LeastSquares, at: &SolverState) {
+        let short = SHORT_COLUMN * at.column_norm;
+        let space = problem.space();
+        for &j in &at.free {
+            let unit = at.step_scale.get(j).copied().unwrap_or(1.0);
+            let column = at.jacobian.column(j).norm() * unit;
+            let (below, above) = space.room(&at.x, j);
+            if below.min(above) > 2.0 * PROBE_LENGTH * unit {
+                let length = column.max(short) / unit;
+                self.weights[j] = 1.0 / (length * length);
+            }
+        }
+    }
+
+    /// Writes S times the probe: the difference of the gradient, less JᵀJ.
+    fn multiply_probe(&mut self, problem: &mut dyn LeastSquares, at: &SolverState) {
+        let units = at.step_scale.iter().copied().chain(std::iter::repeat(1.0));
+        let parts = self.probe.iter().zip(units);
+        let length: f64 = parts.map(|(part, unit)| part.abs() / unit).sum();
+        self.product.fill(0.0);
+        if length == 0.0 {
+            return;
+        }
+        let share = PROBE_LENGTH / length;
+        let space = problem.space();
+        space.integrate_share(&at.x, share, &self.probe, &mut self.x);
+        self.gradient(problem);
+        self.image.fill(0.0);
+        let rows = self.image.len().max(1);
+        let columns = || at.jacobian.as_slice().chunks_exact(rows);
+        for (column, &part) in columns().zip(&self.probe) {
+            add_scaled(&mut self.image, part, column);
+        }
+        for &j in &at.free {
+            let column = &at.jacobian.as_slice()[j * rows..(j + 1) * rows];
+            let change = (self.gradient[j] - self.gradient_here[j]) / share;
+            self.product[j] = change - dot(column, &self.image);
+        }
+    }
 }
 
 impl Curvature {
-    /// Clears all data and reserves memory for n variables.
-    pub(super) fn reset(&mut self, n: usize) {
+    /// Clears all data and reserves memory for m rows and n variables.
+    pub(super) fn reset(&mut self, m: usize, n: usize) {
+        self.is_separable = is_separable(m, n);
+        self.failed_checks = 0;
         self.in_use = false;
         self.slow_steps = 0;
         self.pending = false;
-        vacate(&mut self.matrix, n * n);
+        let (dense, separable) = if self.is_separable {
+            (0, m * n)
+        } else {
+            (n * n, 0)
+        };
+        vacate(&mut self.matrix, dense);
+        vacate(&mut self.generators, separable);
         for vector in [
             &mut self.step,
             &mut self.gradient_before,
@@ -114,30 +209,66 @@ impl Curvature {
             &self.crossed,
             &self.missing,
         ];
-        let square = self.matrix.len() == n * n || (self.matrix.is_empty() && !self.in_use);
-        square && vectors.iter().all(|vector| vector.len() == n)
+        let is_known = match self.is_separable {
+            true => !self.generators.is_empty() && self.generators.len().is_multiple_of(n.max(1)),
+            false => self.matrix.len() == n * n,
+        };
+        let is_empty = self.matrix.is_empty() && self.generators.is_empty() && !self.in_use;
+        (is_known || is_empty) && vectors.iter().all(|vector| vector.len() == n)
     }
 
     /// S, if the next step uses it.
-    pub(super) fn in_use(&self) -> Option<&[f64]> {
-        self.in_use.then_some(self.matrix.as_slice())
+    pub(super) fn in_use(&self) -> Option<SecondOrder<'_>> {
+        self.in_use.then_some(match self.is_separable {
+            true => SecondOrder::Semiseparable(&self.generators),
+            false => SecondOrder::Dense(&self.matrix),
+        })
+    }
+
+    /// Returns true while S is semiseparable.
+    pub(super) fn is_separable(&self) -> bool {
+        self.is_separable
+    }
+
+    /// True until S is learnt.
+    fn is_unknown(&self) -> bool {
+        match self.is_separable {
+            true => self.generators.is_empty(),
+            false => self.matrix.is_empty(),
+        }
+    }
+
+    /// ½ sᵀ S s for the last step s, 0 until S is learnt.
+    fn bend(&mut self, at: &SolverState) -> f64 {
+        let whole = match self.is_separable {
+            true => {
+                let jacobian = &at.jacobian;
+                let generators = &self.generators;
+                Semiseparable {
+                    jacobian,
+                    generators,
+                }
+                .quadratic(&at.step, &mut self.sum)
+            }
+            false => quadratic(&self.matrix, &at.step),
+        };
+        0.5 * whole
     }
 
     /// ½ sᵀ S s if steps use S, else 0: the second-order part of the predicted cost.
-    pub(super) fn bend_in_use(&self, step: &[f64]) -> f64 {
-        self.in_use().map_or(0.0, |s| 0.5 * quadratic(s, step))
+    pub(super) fn bend_in_use(&mut self, at: &SolverState) -> f64 {
+        if self.in_use { self.bend(at) } else { 0.0 }
     }
 
     /// Records a step that will be accepted, before x moves and J is evaluated again.
     ///
     /// `linear` is the cost that JᵀJ predicted for it.
     pub(super) fn note(&mut self, at: &SolverState, linear: f64, new_cost: f64) {
-        let bent = linear + 0.5 * quadratic(&self.matrix, &at.step);
-        self.in_use =
-            !self.matrix.is_empty() && (bent - new_cost).abs() < (linear - new_cost).abs();
+        let bent = linear + self.bend(at);
+        self.in_use = !self.is_unknown() && (bent - new_cost).abs() < (linear - new_cost).abs();
         let slow = new_cost > SLOW * at.cost;
         self.slow_steps = if slow { self.slow_steps + 1 } else { 0 };
-        self.pending = self.slow_steps >= SLOW_STEPS || !self.matrix.is_empty();
+        self.pending = self.slow_steps >= SLOW_STEPS || !self.is_unknown();
         if !self.pending {
             return;
         }
@@ -152,10 +283,11 @@ impl Curvature {
 
     /// Returns true if S should be computed from differences.
     pub(super) fn wants_differences(&self, cost: f64, column_norm: f64) -> bool {
-        self.pending
-            && self.slow_steps.is_multiple_of(SLOWER_STEPS)
-            && self.slow_steps > 0
-            && (2.0 * cost).sqrt() > LARGE_RESIDUAL * column_norm
+        let is_due = match self.is_separable {
+            true => self.slow_steps >= SLOW_STEPS,
+            false => self.slow_steps > 0 && self.slow_steps.is_multiple_of(SLOWER_STEPS),
+        };
+        self.pending && is_due && (2.0 * cost).sqrt() > LARGE_RESIDUAL * column_norm
     }
 
     /// Computes S = H − JᵀJ over the free variables, with H from differences of the gradient at x.
@@ -203,9 +335,75 @@ impl Curvature {
         free.len() + 1
     }
 
+    /// Computes a semiseparable S over the free variables from differences of the gradient along probes at x.
+    ///
+    /// Returns the number of gradients evaluated. If S repeatedly has not this form, the search continues with a dense S.
+    pub(super) fn take_separable(
+        &mut self,
+        problem: &mut dyn LeastSquares,
+        at: &SolverState,
+        room: &mut Differences,
+        normal: &mut SemiseparableNormal,
+    ) -> usize {
+        let (m, n) = (at.residual.len(), at.x.len());
+        room.reserve(m, n);
+        let is_first = self.generators.is_empty();
+        refill(&mut self.generators, m * n, 0.0);
+        room.x.copy_from_slice(&at.x);
+        // Evaluated like the others, so that rounding cancels: the gradient in memory may be Jᵀr.
+        room.gradient(problem);
+        std::mem::swap(&mut room.gradient, &mut room.gradient_here);
+        room.weigh(problem, at);
+        for k in 0..m {
+            for &j in &at.free {
+                room.probe[j] = room.weights[j] * at.jacobian[(k, j)];
+            }
+            room.multiply_probe(problem, at);
+            for &j in &at.free {
+                self.generators[j * m + k] = room.product[j];
+            }
+        }
+        normal.recover(&at.jacobian, &room.weights, &at.free, &mut self.generators);
+        self.in_use = true;
+        if !is_first {
+            self.pending = false;
+            return m + 1;
+        }
+        // A probe that is no combination of the others.
+        for (k, &j) in at.free.iter().enumerate() {
+            let column = at.jacobian.column(j);
+            let ramp = (k + 1) as f64 / at.free.len() as f64;
+            room.probe[j] = ramp * room.weights[j] * column.sum();
+        }
+        room.multiply_probe(problem, at);
+        let whole = dot(&room.product, &room.product);
+        let generators = &self.generators;
+        let jacobian = &at.jacobian;
+        room.x.fill(0.0);
+        Semiseparable {
+            jacobian,
+            generators,
+        }
+        .add_product(&room.probe, &mut room.x, &mut self.sum);
+        let wrong = at.free.iter().map(|&j| {
+            let error = room.x[j] - room.product[j];
+            error * error
+        });
+        let wrong = wrong.sum::<f64>();
+        // Away from a minimum, the three columns of a ball joint depend on their order, and S may be known later.
+        self.pending = false;
+        if wrong > FORM_ERROR * FORM_ERROR * whole {
+            self.in_use = false;
+            self.generators.clear();
+            self.failed_checks += 1;
+            self.is_separable = self.failed_checks < FORM_CHECKS;
+        }
+        m + 2
+    }
+
     /// Updates S by the recorded step, with the gradient after it.
     pub(super) fn learn(&mut self, gradient: &[f64]) {
-        if !std::mem::take(&mut self.pending) {
+        if !std::mem::take(&mut self.pending) || self.is_separable {
             return;
         }
         let n = gradient.len();

@@ -3,7 +3,7 @@
 //! If a large residual makes the search slow, and the learnt [curvature](super::curvature) S predicts better, the
 //! matrix is JᵀJ + S + λI.
 
-use super::curvature::{Curvature, Differences};
+use super::curvature::{Curvature, Differences, is_separable};
 use super::linear::{CurvedModel, CurvedNormal, DampedNormal};
 use super::{Iterate, Method, SolverState, Step};
 use crate::bad_option::{BadOption, POSITIVE};
@@ -111,7 +111,7 @@ impl Method for LevenbergMarquardt {
 
     fn reserve(&self, own: &mut Self::State, rows: usize, variables: usize) {
         (own.damping, own.growth, own.per_cost) = (0.0, 0.0, 0.0);
-        own.curvature.reset(variables);
+        own.curvature.reset(rows, variables);
         own.buffers.reserve(rows, variables);
     }
 
@@ -131,7 +131,7 @@ impl Method for LevenbergMarquardt {
         }
         at.project_step();
         let linear = at.model_cost();
-        let promised = at.cost - linear - own.curvature.bend_in_use(&at.step);
+        let promised = at.cost - linear - own.curvature.bend_in_use(at.state);
         let trial_cost = at.evaluate_trial();
         let won = at.cost - trial_cost;
         let accepted = won > 0.0;
@@ -173,7 +173,8 @@ impl Method for LevenbergMarquardt {
 impl Buffers {
     fn reserve(&mut self, rows: usize, variables: usize) {
         self.normal.reserve(rows, variables);
-        self.curved.reserve(rows, variables);
+        self.curved
+            .reserve(rows, variables, is_separable(rows, variables));
         self.differences.reserve(rows, variables);
     }
 }
@@ -183,8 +184,19 @@ impl LevenbergMarquardtState {
     fn learn_curvature(&mut self, iterate: &mut Iterate<'_>) {
         let Iterate { problem, state: at } = iterate;
         if self.curvature.wants_differences(at.cost, at.column_norm) {
-            let room = &mut self.buffers.differences;
-            let taken = self.curvature.take(*problem, at, room);
+            let Buffers {
+                differences,
+                curved,
+                ..
+            } = &mut self.buffers;
+            let taken = match self.curvature.is_separable() {
+                true => {
+                    let normal = &mut curved.semiseparable;
+                    self.curvature
+                        .take_separable(*problem, at, differences, normal)
+                }
+                false => self.curvature.take(*problem, at, differences),
+            };
             at.counts.residuals += taken;
             at.counts.gradients += taken;
         } else {

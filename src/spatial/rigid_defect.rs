@@ -7,11 +7,11 @@ use super::{Placement, Vector3};
 #[non_exhaustive]
 pub enum RigidDefect {
     /// An entry is NaN or infinite.
-    #[error("it has an entry that is not finite")]
+    #[error("an entry is not finite")]
     NotFinite,
     /// The columns are not of unit length and at right angles.
     #[error(
-        "its rotation is not orthonormal: an entry of R^T R is {off:.1e} off the identity, at most \
+        "the rotation is not orthonormal: an entry of R^T R differs by {off:.1e} from the identity, at most \
          {tolerance:.1e} is allowed"
     )]
     NotOrthonormal {
@@ -21,7 +21,7 @@ pub enum RigidDefect {
         tolerance: f64,
     },
     /// The determinant is −1.
-    #[error("its rotation mirrors: its determinant is -1, not +1")]
+    #[error("the rotation is a reflection: its determinant is -1, not +1")]
     Mirrors,
 }
 

@@ -6,7 +6,7 @@ use kinopt::arm::{Arm, HeldBy, PoseBounds, Servo, ServoStatus};
 use kinopt::model::Limits;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, distance, planar_with_hand, robot, within_limits};
-use support::lines::{Line, ROBOTS, lines, robots};
+use support::lines::{Line, ROBOTS, STEP, lines, robots};
 use support::sample::cases;
 
 const TICK: f64 = 1e-3;
@@ -74,6 +74,44 @@ fn lines_out_of_reach_and_back_keep_limits() {
                 assert!(off.is_none_or(|off| off < BACK), "{name}: {off:?}");
             }
         }
+    }
+}
+
+/// Lines along which an arm stretches out and then bends again.
+///
+/// A UR5e ended on the other side of its elbow. A Panda rested 0.7 to 2.4 mm from its start, with its elbow at a limit.
+#[test]
+fn stretched_arm_returns_on_its_side() {
+    let cases: [(&str, &[f64], [f64; 3]); 3] = [
+        (
+            "universal_ur5e",
+            &[-1.885, -0.123, 0.527, 2.572, 0.843, -2.032],
+            [0.482867, 0.714803, -0.505861],
+        ),
+        (
+            "franka_panda",
+            &[-0.511, 0.715, -0.93, -0.827, 1.448, 1.259, -0.189],
+            [0.980331, -0.093031, -0.174059],
+        ),
+        (
+            "franka_panda",
+            &[-0.41, 0.426, 1.303, -0.798, -1.393, 1.908, -1.69],
+            [0.42207, -0.799132, 0.428071],
+        ),
+    ];
+    for (name, start, direction) in cases {
+        let arm = arm(name);
+        let first = arm.base_from_tool(start).unwrap();
+        let at = |metres: f64| {
+            let by = Vector3::from(direction) * metres;
+            Placement::new(first.rotation, first.translation + by)
+        };
+        let line = Line {
+            start: start.to_vec(),
+            out: (0..200).map(|k| at(STEP * f64::from(k))).collect(),
+        };
+        let off = out_and_back(&arm, name, &line, 1.0);
+        assert!(off.is_some_and(|off| off < BACK), "{name}: {off:?}");
     }
 }
 

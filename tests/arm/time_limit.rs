@@ -135,7 +135,7 @@ fn interrupted_comparison_is_reported() {
                 let words = solution.explain();
                 assert_eq!(
                     solution.reached,
-                    words.contains("search for others"),
+                    words.contains("search for other solutions"),
                     "{words}"
                 );
                 reported += usize::from(solution.reached);

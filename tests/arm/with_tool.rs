@@ -180,7 +180,7 @@ fn invalid_tools_and_goals_are_rejected() {
         .with_goal(PoseBounds::within([f64::INFINITY; 6]))
         .unwrap_err();
     assert!(
-        error.to_string().contains("some component must count"),
+        error.to_string().contains("at least one component must"),
         "{error}"
     );
     let error = arm.with_goal(PoseBounds::within([-1.0; 6])).unwrap_err();

@@ -134,8 +134,8 @@ fn drag_onto_a_table_slides_along_it() {
                 // Without contact the blocking pair is reported as met on the way.
                 assert!(pairs[0].on_the_way && pairs[0].distance >= margin - 1e-9);
                 let text = solution.explain();
-                assert!(text.contains("obstacle `table` end the way"), "{text}");
-                assert!(!text.contains("too near"), "{text}");
+                assert!(text.contains("obstacle `table` block the motion"), "{text}");
+                assert!(!text.contains("nearer than"), "{text}");
             }
             let motion = checker
                 .check_motion(&mut workspace, &before, drag.q())

@@ -328,7 +328,7 @@ fn arm_without_checker_reports_an_error() {
     let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0; 7];
     let message = plain.collisions(&q).unwrap_err().to_string();
-    assert!(message.contains("not known"), "{message}");
+    assert!(message.contains("are unknown"), "{message}");
     assert!(plain.clear_by_spheres(&q, &mut [true]).is_err());
     let message = plain
         .with_world(&World::new(), None)

@@ -168,7 +168,7 @@ fn json_errors_name_the_location() {
         (
             r#"{"planes": [{"name": "a", "rotation": [[1,0,0],[0,1,0],[0,0,-1]]}]}"#,
             "planes[0]",
-            "mirrors",
+            "reflection",
         ),
         (
             r#"{"planes": [{"name": "a"}], "order": ["b"]}"#,

@@ -235,7 +235,7 @@ fn chain_without_two_bones_is_rejected() {
     let error = two_bone
         .solve(&problem(&slider, target), &[0.0])
         .unwrap_err();
-    assert!(error.to_string().contains("`lift` slides"), "{error}");
+    assert!(error.to_string().contains("`lift` is prismatic"), "{error}");
 
     let two = planar_arm(&[1.0, 1.0], None);
     let tip = two.frame("tip").unwrap();

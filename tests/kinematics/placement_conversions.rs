@@ -64,7 +64,10 @@ fn non_rigid_maps_are_rejected() {
     for (map, reason) in [
         (Affine3A::from_scale(Vec3::splat(1.001)), "orthonormal"),
         (shear, "orthonormal"),
-        (Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0)), "mirrors"),
+        (
+            Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0)),
+            "reflection",
+        ),
         (
             Affine3A::from_translation(Vec3::new(f32::NAN, 0.0, 0.0)),
             "not finite",

@@ -45,7 +45,7 @@ fn few_names_are_listed_in_full() {
     let text = "no joint named `c`; valid names: a, b (each with /tip)";
     assert_eq!(noted.to_string(), text);
     let none = UnknownName::new("clip", "c", []);
-    assert_eq!(none.to_string(), "no clip named `c`; there is none");
+    assert_eq!(none.to_string(), "no clip named `c`; there are no names");
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn similar_names_are_suggested_of_many() {
 fn first_names_are_listed_if_none_is_similar() {
     for name in ["zzzzzz", "", "q"] {
         let text = unknown_bone(name).to_string();
-        let end = "; none is like it; they begin with `hips`, `spine`, `chest` (14 names)";
+        let end = "; no similar name; the first are `hips`, `spine`, `chest` (14 names)";
         assert!(text.ends_with(end), "{text}");
         assert!(unknown_bone(name).suggestions().is_empty(), "{name}");
     }

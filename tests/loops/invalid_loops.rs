@@ -97,13 +97,13 @@ fn invalid_names_frames_and_points_are_named() {
     let itself = Loop::weld("alone", [ends[1]; 2]);
     assert_eq!(
         built(&[itself]),
-        "loop `alone` joins the frame `rocker end` to itself"
+        "loop `alone` connects frame `rocker end` to itself"
     );
     let (mut foreign, _) = two_revolutes(1.0);
     let beyond = (0..9).map(|k| foreign.frame(format!("{k}"), None, Placement::identity()));
     let beyond = beyond.last().unwrap();
     let own = Loop::weld("other", [ends[0], beyond]);
-    assert!(built(&[own]).contains("loop `other` joins a frame that is not in this model"));
+    assert!(built(&[own]).contains("loop `other` connects a frame that is not in this model"));
     for bad in [f64::NAN, f64::INFINITY] {
         let places = [along_x(0.0), along_x(bad)];
         let reported = built(&[Loop::connect("nowhere", ends).at(places)]);
@@ -211,7 +211,7 @@ fn unclosable_loops_are_named() {
     let closure = LoopClosure::new(parameters(), &dependent).unwrap();
     for (q, reported) in [
         (vec![0.1, f64::NAN, 0.0], "not a finite number"),
-        (vec![0.1, 0.0], "has 3 numbers, 2 were given"),
+        (vec![0.1, 0.0], "has 3 numbers, not 2"),
         (vec![4.1, 0.0, 0.0], "joint `crank` cannot be locked at 4.1"),
     ] {
         let mut given = q.clone();

@@ -324,7 +324,7 @@ fn non_rigid_rest_placements_are_named() {
         2,
         2,
         -1.0,
-        &["bones[1].rest_T: ", "rigid", "mirror"],
+        &["bones[1].rest_T: ", "rigid", "reflection"],
     );
     rest("zero", 1, 1, 0.0, &["bones[1].rest_T: ", "rigid"]);
     rest("overflowing", 1, 1, 1e300, &["bones[1].rest_T: ", "rigid"]);

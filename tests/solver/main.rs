@@ -20,6 +20,7 @@ mod invariance;
 mod joint_limits;
 mod limit_kinds;
 mod local_minimum_escape;
+mod long_chains;
 mod low_redundancy;
 mod method_battery;
 mod method_options;

@@ -66,7 +66,7 @@ fn agreeing_attempts_are_counted_and_reported() {
     let hole = solve([0.2, 0.1, 0.0], 32);
     assert!(!hole.reached && hole.agreeing >= 3 && !hole.is_out_of_reach());
     let message = format!(
-        "{} of {} attempts ended at this same miss",
+        "{} of {} attempts ended with this error",
         hole.agreeing, hole.attempts
     );
     assert!(hole.explain().contains(&message), "{}", hole.explain());
@@ -380,7 +380,7 @@ fn failed_drag_search_agrees_with_the_frame() {
         }
         searched += 1;
         let message = format!(
-            "{} of {} attempts ended at this same miss",
+            "{} of {} attempts ended with this error",
             solution.agreeing, solution.attempts
         );
         assert!(solution.agreeing > 2, "{}", solution.explain());

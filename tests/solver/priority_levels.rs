@@ -160,7 +160,10 @@ fn lower_level_does_not_increase_a_miss() {
         };
         gained += usize::from(elbow(&solution.q) < elbow(&by_itself.q) - 1e-6);
         let explanation = solution.explain();
-        assert!(explanation.contains("Level 0 comes first"), "{explanation}");
+        assert!(
+            explanation.contains("Level 0 has the highest priority"),
+            "{explanation}"
+        );
     }
     assert!(gained > 0, "nothing is ever gained");
 }

@@ -362,15 +362,11 @@ fn interrupted_search_reports_limits_so_far() {
         let solver = solver.with_stopping(stopping);
         // Between its limits, and with a joint on a limit; both targets unreachable.
         for (target, start, words) in [
-            (
-                [3.0, 0.1, 0.0],
-                START,
-                "No joint limit is in the way so far",
-            ),
+            ([3.0, 0.1, 0.0], START, "No joint limit is active so far"),
             (
                 [-2.57, 1.55, 0.0],
                 [2.0, 0.2, 0.1],
-                "So far it stands against the upper limit 2.000 rad",
+                "So far it is held back by the upper limit 2.000 rad",
             ),
         ] {
             let solution = solver.solve_once(&problem(target), &start).unwrap();

@@ -106,7 +106,7 @@ fn blocking_limit_is_named() {
         assert_eq!(solution.termination, Termination::Stationary);
         let explanation = solution.explain();
         // Without contacts none are reported.
-        assert!(!explanation.contains("In the way"), "{explanation}");
+        assert!(!explanation.contains("Collisions:"), "{explanation}");
         assert!(
             explanation.contains("the upper limit 0.5236 rad (30.00°) of `joint 0`"),
             "{explanation}"

@@ -43,10 +43,10 @@ fn weighted_soft_tasks_are_named() {
         assert_eq!(named, ["my posture"]);
         let words = solution.explain();
         assert!(
-            words.contains("my posture pulls against the goals"),
+            words.contains("my posture pulls against the required tasks"),
             "{words}"
         );
-        assert!(words.contains("sum of goals and preferences"), "{words}");
+        assert!(words.contains("sum of required and soft tasks"), "{words}");
     }
 }
 
@@ -151,7 +151,11 @@ fn interrupted_or_nan_soft_task_is_reported() {
         let solution = solution.unwrap();
         assert!(solution.reached);
         assert_eq!(solution.termination, ended);
-        assert!(solution.explain().contains("pull of the preferences early"));
+        assert!(
+            solution
+                .explain()
+                .contains("descent of the soft tasks early")
+        );
     }
     let mut targets = problem.targets();
     let posture = targets.get_mut(task).unwrap();

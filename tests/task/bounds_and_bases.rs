@@ -183,7 +183,7 @@ fn geometric_solvers_reject_bounds_and_bases() {
     ] {
         let error = ccd.solve(&refused, &[0.1; 3]).unwrap_err().to_string();
         assert!(
-            error.contains("of `tip`") && error.contains("without room"),
+            error.contains("of `tip`") && error.contains("without goal bounds"),
             "{error}"
         );
     }

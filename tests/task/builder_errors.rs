@@ -123,7 +123,7 @@ fn model_errors_name_the_culprit() {
     let nowhere = Placement::translation(Vector3::new(NAN, 0.0, 0.0));
     let wrong = [
         (stretched(), "orthonormal"),
-        (mirror(), "mirrors"),
+        (mirror(), "reflection"),
         (nowhere, "finite"),
     ];
     for (placement, problem) in wrong {
@@ -232,14 +232,14 @@ fn parameter_map_errors_name_the_joint() {
     );
     names(
         map().with_coupled(elbow, elbow, 1.0, 0.0).build(),
-        &["`elbow`", "follows itself"],
+        &["`elbow`", "is its own source"],
     );
     names(
         map()
             .with_coupled(elbow, wrist, 1.0, 0.0)
             .with_coupled(wrist, elbow, 1.0, 0.0)
             .build(),
-        &["follows itself"],
+        &["is its own source"],
     );
     names(
         map().with_coupled(wrist, elbow, 1.0, 9.0).build(),
@@ -421,10 +421,10 @@ fn task_errors_name_the_task() {
         problem(Pose::new(hand, stretched())),
         &["pose of `hand`", "orthonormal"],
     );
-    names(problem(Pose::new(hand, mirror())), &["mirrors"]);
+    names(problem(Pose::new(hand, mirror())), &["reflection"]);
     names(
         problem(Pose::new(hand, still()).with_tool(mirror())),
-        &["pose of `hand`", "tool", "mirrors"],
+        &["pose of `hand`", "tool", "reflection"],
     );
     for half_width in [-1.0, NAN] {
         let goal = PoseBounds::within([0.0, 0.0, 0.0, 0.1, half_width, 0.0]);
@@ -542,7 +542,7 @@ fn skeleton_errors_name_the_bone() {
         wrong.limits[k] = Limits::new(1.0, -1.0);
         names(build(vec![wrong]), &["`a`", angle, "[1, -1]"]);
     }
-    for (rest, problem) in [(stretched(), "orthonormal"), (mirror(), "mirrors")] {
+    for (rest, problem) in [(stretched(), "orthonormal"), (mirror(), "reflection")] {
         let wrong = Bone {
             model_from_rest: rest,
             ..bone("a")

@@ -148,7 +148,7 @@ fn free_base_may_be_bounded_but_not_repeated() {
             .unwrap_err()
             .to_string();
         assert!(
-            error.contains("`root_joint/x` moves the whole of `two` freely already"),
+            error.contains("`root_joint/x` already moves all of `two` freely"),
             "{error}"
         );
     }

@@ -231,7 +231,7 @@ const DEFECTS: &[(&str, &str, &str)] = &[
     (
         "<axis xyz=\"0 0 1\"/>",
         r#"<axis xyz="0 0 1"/><mimic joint="elbow"/>"#,
-        "two.urdf: joint `elbow` follows itself through its masters",
+        "two.urdf: joint `elbow` is its own source through mimic joints",
     ),
     // Macros, which need expansion.
     (

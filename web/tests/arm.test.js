@@ -138,7 +138,7 @@ test("an arm avoids a box and reports collisions", () => {
     world.forbidCollision("shelf", blocked[0].first);
     assert.equal(arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]).length, 1);
     assert.throws(() => world.allowCollision("hand", "shell"), /neither.*shelf/s);
-    assert.throws(() => free.collisions(solution.q), /not known/);
+    assert.throws(() => free.collisions(solution.q), /unknown/);
 });
 
 test("a world reports its notes", () => {

@@ -20,8 +20,8 @@ pub(super) fn stages() -> Vec<Stage> {
         build,
     };
     vec![
-        stage("lane engine, first solution of one query", queries),
-        stage("lane engine, first solutions of a batch", batch),
+        stage("SIMD solver, first solution of one query", queries),
+        stage("SIMD solver, first solutions of a batch", batch),
     ]
 }
 

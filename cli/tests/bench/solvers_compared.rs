@@ -52,10 +52,10 @@ fn bench_runs_on_a_robot_with_default_tip() {
 fn bench_runs_on_a_rig_with_pinned_tips() {
     let folder = Folder::new("bench-rig");
     let (file, out) = (folder.rig(), folder.file("out"));
-    let limits = "--problems random:2 --bones 0 --solver 'lane engine'";
+    let limits = "--problems random:2 --bones 0 --solver 'SIMD solver'";
     let document = answer!("bench {file} --out {out} {limits} {TWO}");
     let mut runs = list(&document["runs"]).iter();
-    let lanes = runs.find(|run| run["solver"] == "lane engine").unwrap();
+    let lanes = runs.find(|run| run["solver"] == "SIMD solver").unwrap();
     says!(word(&lanes["sat_out"]) => "one frame");
     let frames = ["bone/2/tip", "bone/4/tip"];
     has!(results(&folder)["model"], {"frames": frames, "turns": false});
@@ -137,7 +137,7 @@ fn bench_runs_on_external_models() {
         let file = shared.join(model).display().to_string();
         let out = folder.file("out");
         let limits = "--bones 0 --problems random:3 --time-limit 60000";
-        let solvers = "--solver 'kinopt default' --solver 'lane engine'";
+        let solvers = "--solver 'kinopt default' --solver 'SIMD solver'";
         let document = answer!("bench {file} --out {out} {limits} {solvers}");
         for run in list(&document["runs"]) {
             assert_eq!(run["solved"], 3, "{model}: {run}");

@@ -68,7 +68,7 @@ fn body_solution_is_free_or_names_collisions() {
     );
     assert!(number(&pairs[0]["distance"]) < 0.0);
     let text = inside["explanation"].as_str().unwrap();
-    says!(text => "every goal is met here | `board`");
+    says!(text => "all required tasks are met | `board`");
     assert!(!text.ends_with('\n'));
     let far = ask("3,0,1");
     has!(far, {"reached": false, "goals_reached": false});

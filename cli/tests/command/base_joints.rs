@@ -117,7 +117,7 @@ fn body_crouches_over_its_held_feet() {
 #[test]
 fn zero_quaternion_is_rejected_by_name() {
     let q = "0,0,0,0,0,0,0,0,0,0,0,0,0";
-    refused!("fk {UR5E} --base-joint free --q {q} --frame flange" => 2, "root_joint | quaternion without length");
+    refused!("fk {UR5E} --base-joint free --q {q} --frame flange" => 2, "root_joint | length 0");
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn arm(set: &ProblemSet, frame: FrameId, budget: Budget) -> Result<Arm, ArmError
 
 impl Adapter for LaneEngineAdapter {
     fn name(&self) -> &str {
-        "lane engine"
+        "SIMD solver"
     }
 
     fn family(&self) -> &str {
@@ -46,7 +46,7 @@ impl Adapter for LaneEngineAdapter {
     fn prepare(&mut self, set: &ProblemSet, budget: Budget) -> Result<(), String> {
         self.arm = None;
         let [frame] = *set.frames() else {
-            return Err(format!("takes one frame, not {}", set.frames().len()));
+            return Err(format!("supports one frame, not {}", set.frames().len()));
         };
         let arm = arm(set, frame, budget).map_err(|error| error.to_string())?;
         self.arm = Some(arm);

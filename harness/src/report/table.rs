@@ -178,7 +178,7 @@ fn settings(results: &Results) -> String {
         }
         told.push(&run.solver);
         let _ = match &run.sat_out {
-            Some(why) => writeln!(text, "- **{}** sat out: {why}", run.solver),
+            Some(why) => writeln!(text, "- **{}** does not apply: {why}", run.solver),
             None if run.about.is_empty() => writeln!(text, "- **{}**", run.solver),
             None => writeln!(text, "- **{}**: {}", run.solver, run.about),
         };

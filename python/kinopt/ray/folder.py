@@ -27,7 +27,7 @@ class Folder:
             else:
                 self.system, self.path = fs.LocalFileSystem(), os.path.abspath(self.name)
         except (OSError, pa.ArrowException) as error:
-            raise FileError(f"{self.name} is no folder: {error}") from None
+            raise FileError(f"{self.name} is not a folder: {error}") from None
 
     def path_of(self, name: str) -> str:
         return f"{self.path}/{name}"

@@ -19,7 +19,7 @@ from kinopt.view.opening import open_page  # noqa: E402
 MODELS = Path(__file__).parents[3] / "models"
 
 
-def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
+def test_source_and_target_play_together(tmp_path, open_tab):
     person = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     made.write_capture(person, tmp_path / "waving.bvh")
     page = open_page(MODELS / "aldebaran_nao.urdf", port=8340, retarget=tmp_path / "waving.bvh", fps=30.0)

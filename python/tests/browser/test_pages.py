@@ -99,7 +99,7 @@ def error_of(page, frame):
     return float(np.linalg.norm(page.body.frame(frame)[:3, 3] - page.targets[frame].placement[:3, 3]))
 
 
-def test_the_pandas_tool_is_dragged(opened, open_tab):
+def test_panda_tool_is_dragged(opened, open_tab):
     page = opened("franka_panda.urdf")
     shown = open_tab(page)
     assert list(page.targets) == ["tool"]
@@ -121,7 +121,7 @@ def test_the_pandas_tool_is_dragged(opened, open_tab):
     assert unexpected(shown.console) == []
 
 
-def test_what_is_out_of_reach_is_told(opened, open_tab):
+def test_unreachable_target_is_reported(opened, open_tab):
     page = opened("universal_ur5e.urdf")
     shown = open_tab(page)
     watched = Watched(page)
@@ -137,7 +137,7 @@ def test_what_is_out_of_reach_is_told(opened, open_tab):
     assert unexpected(shown.console) == []
 
 
-def test_the_humanoids_hand_is_dragged_and_its_mesh_follows(opened, open_tab):
+def test_humanoid_mesh_follows_dragged_hand(opened, open_tab):
     page = opened("humanoid", "humanoid.json")
     shown = open_tab(page)
     hand = "left_hand/tip"
@@ -167,7 +167,7 @@ def test_the_humanoids_hand_is_dragged_and_its_mesh_follows(opened, open_tab):
     assert unexpected(shown.console) == []
 
 
-def test_joints_pins_choices_and_time_are_steered_from_the_panel(opened, open_tab):
+def test_panel_controls_joints_pins_options_and_time(opened, open_tab):
     page = opened("humanoid", "humanoid.json")
     shown = open_tab(page, width=900, height=900)
     tab = shown.tab

@@ -60,7 +60,7 @@ WORLDS = {"obstacles": MODELS / "worlds" / "table.json", "window": MODELS / "wor
 
 
 @pytest.mark.parametrize("kind", SCENES if PICTURES else TRIED)
-def test_a_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
+def test_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
     if kind == "fox" and not SHARED:
         pytest.skip("SKIPPED: the fox is no part of the project; KINOPT_SHARED names a folder with it")
     page = open_page(model(kind, tmp_path), port=8320, world=WORLDS.get(kind), margin=0.01)

@@ -129,7 +129,7 @@ impl Arm {
     ) -> Result<Self, ArmError> {
         let Some(avoidance) = &self.collisions else {
             return Err(ArmError::Conflict(
-                "the arm was made without a world or a margin to keep clear of, so it has none to exchange",
+                "the arm was built without a world and a margin: they cannot be replaced",
             ));
         };
         let margin = margin.into().unwrap_or(avoidance.checker.margin());
@@ -288,8 +288,8 @@ impl CollisionAvoidance {
         Ok(self.check_time.measured(arm, check)?)
     }
 
-    /// Smallest distance among the checked pairs at a configuration of the arm, metres. Infinite if all pairs are free,
-    /// negative infinity if the check was cut short.
+    /// Returns the distance of the nearest pair at a configuration of the arm, metres. It is infinite if all pairs are free,
+    /// and negative infinity if the check was cut short.
     fn min_distance(
         &self,
         arm: &Arm,

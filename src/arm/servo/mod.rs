@@ -50,6 +50,10 @@ const NULL_SPACE_SHARE_ON_LINE: f64 = 0.2;
 const NULL_SPACE_ACCELERATION: f64 = 0.1;
 /// Time in which null-space motion gains its full speed without acceleration limits, seconds.
 const NULL_SPACE_RISE: f64 = 0.05;
+/// Largest offset of the goal configuration to the side of a stretched arm, radians per radian of its last error.
+///
+/// Lag of a target within reach is also an error, but a small one.
+const LEANING_PER_ERROR: f64 = 10.0;
 /// Distance of a target from the last one beyond which it is approached in steps, radians.
 const LEAD: f64 = 0.1;
 /// Largest number of those steps in a cycle.
@@ -87,6 +91,8 @@ pub struct Servo<'a> {
     line: Option<StraightLine>,
     branch: Branch,
     goal: Vec<f64>,
+    /// Error of the goal configuration, radians; metres convert by their weight.
+    goal_error: f64,
     history: GoalHistory,
     /// True while the arm moves to a target that jumped.
     catches_up: bool,
@@ -150,6 +156,7 @@ impl Arm {
             branch: Branch::begin(self, &goal),
             history: GoalHistory::resting_at(&goal),
             goal,
+            goal_error: 0.0,
             catches_up: false,
             null_space_step: 0.0,
             joints: start.iter().map(|q| JointMotion::at_rest(*q)).collect(),
@@ -491,6 +498,8 @@ impl Servo<'_> {
             if lead == 0 {
                 self.branch.take_target(rests);
                 self.lead_null_space(rests);
+                let longest = LEANING_PER_ERROR * self.goal_error;
+                self.branch.offset_to_side(&mut self.workspace, longest);
             }
             let descent = LocalDescent {
                 steps: GOAL_STEPS,
@@ -508,6 +517,8 @@ impl Servo<'_> {
             }
         }
         let errors = self.workspace.judge_x();
+        let metres = arm.options.metres_per_radian;
+        self.goal_error = (errors.position / metres).hypot(errors.orientation);
         self.hold_at_limits(errors.reached);
         self.branch
             .end_step(self.arm, &mut self.workspace, errors.reached);

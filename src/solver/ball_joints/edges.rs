@@ -23,12 +23,20 @@ impl<'a> ConfigurationSpace<'a> {
     #[inline]
     pub(in crate::solver) fn frames(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
         // Called in every step, and most models have no ball joints.
-        let edged = self.has_edges().then(|| self.frames_of_sets(x));
+        let edged = self.has_edges().then(|| self.frames_of_sets(x, |_| true));
         edged.into_iter().flatten()
     }
 
-    pub(in crate::solver) fn frames_of_sets(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
-        let turned = self.turns().enumerate().filter_map(|(k, (turn, _))| {
+    /// Frames of the sets whose first variable is chosen.
+    fn frames_of_sets(
+        &self,
+        x: &[f64],
+        chosen: impl Fn(usize) -> bool + Copy,
+    ) -> impl Iterator<Item = EdgeFrame> {
+        let turned = self.turns().enumerate().filter_map(move |(k, (turn, _))| {
+            if !chosen(turn.first) {
+                return None;
+            }
             turn.near_edge(x)?;
             let mut before = self
                 .turns()
@@ -37,7 +45,9 @@ impl<'a> ConfigurationSpace<'a> {
             let is_first = before.all(|(own, _)| own.near_edge(x).is_none());
             is_first.then(|| EdgeFrame::of_ball(turn.first, self.edges_near(x, turn.first)))
         });
-        let swung = self.rotations.swings.iter().filter_map(|swing| {
+        let swings = self.rotations.swings.iter();
+        let swings = swings.filter(move |swing| chosen(swing.first));
+        let swung = swings.filter_map(|swing| {
             let near = swing.near(x)?;
             let mut turns = self.turns().filter(|(turn, _)| turn.first == swing.first);
             let is_alone = turns.all(|(turn, _)| turn.near_edge(x).is_none());
@@ -84,15 +94,23 @@ impl<'a> ConfigurationSpace<'a> {
     #[inline]
     pub(in crate::solver) fn frame_of(&self, x: &[f64], component: usize) -> Option<EdgeFrame> {
         let sets = self.rotations;
-        let is_swung = sets.swing_of(component).is_some();
-        if !is_swung
+        let swing = sets.swing_of(component);
+        if let Some(swing) = swing
+            && sets.turns.is_empty()
+            && self.moves.is_empty()
+        {
+            let near = swing.near(x)?;
+            return Some(EdgeFrame::of_swing(swing.first, near));
+        }
+        if swing.is_none()
             && !self
                 .turns()
                 .any(|(turn, _)| turn.variables().contains(&component))
         {
             return None;
         }
-        let mut frames = self.frames(x);
+        // A set has three variables at most. The near edges of all sets would cost as many operations as there are sets.
+        let mut frames = self.frames_of_sets(x, |first| (first..first + 3).contains(&component));
         frames.find(|frame| frame.variables().contains(&component))
     }
 

@@ -11,7 +11,7 @@ use crate::spatial::Vector3;
 pub(crate) struct RotationSets {
     /// First of the three variables of each rotation vector.
     pub(crate) vectors: Vec<usize>,
-    /// Bounded swings.
+    /// Bounded swings, in the order of their variables.
     pub(crate) swings: Vec<Swing>,
     /// Ball joints with a largest angle.
     pub(crate) turns: Vec<TurnLimit>,
@@ -28,8 +28,11 @@ impl RotationSets {
     /// Swing that a variable belongs to.
     #[inline]
     pub(crate) fn swing_of(&self, variable: usize) -> Option<&Swing> {
-        let mut swings = self.swings.iter();
-        swings.find(|swing| swing.first == variable || swing.first + 1 == variable)
+        let next = self
+            .swings
+            .partition_point(|swing| swing.first + 1 < variable);
+        let swing = self.swings.get(next);
+        swing.filter(|swing| swing.first <= variable)
     }
 }
 

@@ -5,14 +5,23 @@ use nalgebra::DMatrix;
 use super::cholesky;
 use super::dense::{add_scaled, dot};
 use super::inner_products::InnerProducts;
+use super::semiseparable::{Semiseparable, SemiseparableNormal};
 use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
+
+/// Second-order part S of the Hessian.
+#[derive(Clone, Copy)]
+pub(in crate::solver) enum SecondOrder<'a> {
+    /// S, n × n, row by row.
+    Dense(&'a [f64]),
+    /// S by its generators, m numbers per variable, see [`Semiseparable`].
+    Semiseparable(&'a [f64]),
+}
 
 /// Quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
 pub(in crate::solver) struct CurvedModel<'a> {
     pub(in crate::solver) jacobian: &'a DMatrix<f64>,
-    /// S, n × n, row by row.
-    pub(in crate::solver) curvature: &'a [f64],
+    pub(in crate::solver) curvature: SecondOrder<'a>,
     pub(in crate::solver) gradient: &'a [f64],
     pub(in crate::solver) free: &'a [usize],
     /// Units of the steps for λ, by variable; empty if all are 1.
@@ -32,12 +41,16 @@ pub(in crate::solver) struct CurvedNormal {
     /// J Δ of the variables that a bound has stopped.
     stopped_effect: Vec<f64>,
     products: InnerProducts,
+    pub(in crate::solver) semiseparable: SemiseparableNormal,
 }
 
 impl CurvedNormal {
-    /// Reserves memory for every problem of this shape.
-    pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
-        vacate(&mut self.factor, columns * columns);
+    /// Reserves memory for every problem of this shape, whose S is semiseparable or dense.
+    pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize, separable: bool) {
+        match separable {
+            true => self.semiseparable.reserve(rows, columns),
+            false => vacate(&mut self.factor, columns * columns),
+        }
         for (vector, room) in [
             (&mut self.pivot_column, 2 * columns),
             (&mut self.unknown, columns),
@@ -63,7 +76,19 @@ impl CurvedNormal {
         model.free.clone_into(&mut self.moving);
         loop {
             let before = self.moving.len();
-            if !self.solve(model, damping, step) {
+            let solved = match model.curvature {
+                SecondOrder::Dense(matrix) => self.solve(model, matrix, damping, step),
+                SecondOrder::Semiseparable(generators) => {
+                    let s = Semiseparable {
+                        jacobian: model.jacobian,
+                        generators,
+                    };
+                    let variables = (self.moving.as_slice(), &*step);
+                    self.semiseparable
+                        .solve(model, s, damping, variables, &mut self.unknown)
+                }
+            };
+            if !solved {
                 return false;
             }
             let unknown = &self.unknown;
@@ -84,12 +109,18 @@ impl CurvedNormal {
     }
 
     /// Solves for the moving variables, with the displacement of the stopped ones.
-    fn solve(&mut self, model: &CurvedModel<'_>, damping: f64, stopped: &[f64]) -> bool {
+    fn solve(
+        &mut self,
+        model: &CurvedModel<'_>,
+        curvature: &[f64],
+        damping: f64,
+        stopped: &[f64],
+    ) -> bool {
         let (order, n) = (self.moving.len(), stopped.len());
         let rows = model.jacobian.nrows();
         let entries = model.jacobian.as_slice();
         let column = |j: usize| &entries[j * rows..(j + 1) * rows];
-        let bend = |j: usize| &model.curvature[j * n..(j + 1) * n];
+        let bend = |j: usize| &curvature[j * n..(j + 1) * n];
 
         refill(&mut self.factor, order * order, 0.0);
         let (moving, factor) = (&self.moving, &mut self.factor);
