@@ -14,18 +14,18 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 pub enum SkeletonRoot {
     /// The bones rotate about their positions at rest.
     Fixed,
-    /// The bones move with six degrees of freedom. x, y and z are offsets from the position at rest within `room` (the
+    /// The bones move with six degrees of freedom. x, y and z are offsets from the position at rest within `bounds` (the
     /// rig's unit, along the model's axes). A unit quaternion is the rotation from rest in the model's axes.
     Free {
         /// Bounds of the offsets, in the rig's unit.
-        room: [Limits; 3],
+        bounds: [Limits; 3],
     },
 }
 
 impl SkeletonRoot {
     /// Six degrees of freedom without bounds.
     pub const FREE: Self = Self::Free {
-        room: [Limits::UNBOUNDED; 3],
+        bounds: [Limits::UNBOUNDED; 3],
     };
 }
 
@@ -116,11 +116,11 @@ impl BallSkeleton {
                 (true, SkeletonRoot::Free { .. }) if below.is_none() && cone.is_some() => {
                     return Err(SkeletonError::ConeOfFreeBone { bone: name() });
                 }
-                (true, SkeletonRoot::Free { room }) if below.is_none() => {
+                (true, SkeletonRoot::Free { bounds }) if below.is_none() => {
                     let at = Placement::translation(below_from_bone.translation);
                     let turned = Placement::new(below_from_bone.rotation, Vector3::zero());
                     free.push(BoneId::new(index));
-                    (Some(builder.free(name(), None, at, room)), turned)
+                    (Some(builder.free(name(), None, at, bounds)), turned)
                 }
                 (true, _) => {
                     let axis = cone.and_then(|cone| cone.axis);

@@ -44,18 +44,18 @@ pub(super) fn check_handles<V: CurveValue>(
             ),
             ("leaving", leaving, leaving.time, gap(Some(key))),
         ];
-        for (side, handle, away, room) in sides {
+        for (side, handle, away, interval) in sides {
             if !(handle.time.is_finite() && handle.value.all_finite()) {
                 let what = "handle";
                 return Err(KeyError::NonFiniteValue { key, what });
             }
-            if let Some(room) = room.filter(|&room| away < zero || away > room) {
-                let (time, room) = (handle.time.as_f64(), room.as_f64());
+            if let Some(interval) = interval.filter(|&interval| away < zero || away > interval) {
+                let (time, interval) = (handle.time.as_f64(), interval.as_f64());
                 return Err(KeyError::HandleTime {
                     key,
                     side,
                     time,
-                    room,
+                    interval,
                 });
             }
         }

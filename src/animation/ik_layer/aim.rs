@@ -63,7 +63,7 @@ pub enum AimError {
     UpIsForward,
     /// An offset that is not finite.
     #[error("the offset must be finite")]
-    BadMuzzle,
+    BadOffset,
 }
 
 /// Goal of an aim for one frame.
@@ -141,7 +141,7 @@ impl Aim {
     pub fn with_offset(mut self, offset: impl Into<Vec3A>) -> Result<Self, AimError> {
         let offset = offset.into();
         if !offset.is_finite() {
-            return Err(AimError::BadMuzzle);
+            return Err(AimError::BadOffset);
         }
         self.offset = offset;
         Ok(self)
