@@ -88,10 +88,10 @@ impl BoneMotions {
                     self.rigid.push(DualQuaternion::of_rigid(&rigid));
                     self.stretches.push(stretch);
                 }
-                Err(wrong) => {
+                Err(error) => {
                     self.rigid.truncate(old);
                     self.stretches.truncate(old_stretches);
-                    return Err(wrong(bone));
+                    return Err(error(bone));
                 }
             }
         }
@@ -150,12 +150,14 @@ fn two_phases(
 }
 
 /// Largest ratio of the smallest to the largest stretch at which a map counts as singular.
-const FLAT: f64 = 1e-9;
+const MIN_STRETCH_RATIO: f64 = 1e-9;
 
 /// M = R S with a rotation R and a symmetric S; `None` for a singular or mirroring map.
 fn polar(matrix: &Mat3A) -> Option<(Mat3A, Mat3A)> {
-    let wide = matrix.to_cols_array().map(f64::from);
-    let polar = Polar::new(&na::Matrix3::from_column_slice(&wide))?;
-    let narrow = |m: na::Matrix3<f64>| Mat3A::from(DMat3::from_cols_slice(m.as_slice()).as_mat3());
-    (polar.thickness > FLAT).then(|| (narrow(polar.rotation), narrow(polar.stretch)))
+    let entries = matrix.to_cols_array().map(f64::from);
+    let polar = Polar::new(&na::Matrix3::from_column_slice(&entries))?;
+    let to_single =
+        |m: na::Matrix3<f64>| Mat3A::from(DMat3::from_cols_slice(m.as_slice()).as_mat3());
+    (polar.thickness > MIN_STRETCH_RATIO)
+        .then(|| (to_single(polar.rotation), to_single(polar.stretch)))
 }

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3, Vec4};
 
 use super::bone_motions::BoneMotions;
-use super::directions::{turned_normal, turned_tangent};
+use super::directions::{transformed_normal, transformed_tangent};
 use super::{
     Deformation, DualQuaternion, Influence, PosedVertices, RestVertices, SkinWeights, SkinningError,
 };
@@ -107,12 +107,12 @@ pub(super) fn move_by_dual_quaternions(
             *out = motion.transform_point(p);
         }
         if let (Some(&n), Some(out)) = (rest.normals.get(vertex), posed.normals.get_mut(vertex)) {
-            *out = motion.transform_vector(turned_normal(&matrix, n));
+            *out = motion.transform_vector(transformed_normal(&matrix, n));
         }
         if let (Some(&t), Some(out)) = (rest.tangents.get(vertex), posed.tangents.get_mut(vertex)) {
-            let t = turned_tangent(&matrix, t);
-            let turned = motion.transform_vector(t.truncate());
-            *out = Vec4::from((turned, t.w));
+            let t = transformed_tangent(&matrix, t);
+            let rotated = motion.transform_vector(t.truncate());
+            *out = Vec4::from((rotated, t.w));
         }
     }
 }

@@ -90,8 +90,8 @@ impl TwistedTube {
         let vertices = on_rings.chain([0, rings - 1]);
         let mut builder = SkinWeights::builder((rings * sides) as usize + 2, 2);
         for (vertex, ring) in vertices.enumerate() {
-            let share = f64::from(ring) / f64::from(rings - 1);
-            let within = (share - 0.5) / self.blended_share.max(1e-9) + 0.5;
+            let fraction = f64::from(ring) / f64::from(rings - 1);
+            let within = (fraction - 0.5) / self.blended_share.max(1e-9) + 0.5;
             let weight = within.clamp(0.0, 1.0);
             builder.add(vertex, 0, 1.0 - weight)?;
             builder.add(vertex, 1, weight)?;
@@ -118,8 +118,8 @@ impl TwistedTube {
             let distances = points.map(|p| elementary::hypot(p.y, p.z));
             distances.sum::<f64>() / sides as f64
         };
-        let places = (0..self.rings.max(2)).map(|ring| self.along(ring));
-        places.zip(rings.map(radius)).collect()
+        let coordinates = (0..self.rings.max(2)).map(|ring| self.along(ring));
+        coordinates.zip(rings.map(radius)).collect()
     }
 
     fn along(&self, ring: u32) -> f64 {

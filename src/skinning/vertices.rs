@@ -29,7 +29,7 @@ pub struct PosedVertices<'a> {
 
 impl PosedVertices<'_> {
     /// The rest buffers of a mesh that correspond to non-empty posed buffers.
-    pub(crate) fn wanted_of<'r>(&self, mesh: &'r TriangleMesh) -> RestVertices<'r> {
+    pub(crate) fn rest_of<'r>(&self, mesh: &'r TriangleMesh) -> RestVertices<'r> {
         let mut rest = RestVertices::default();
         if !self.positions.is_empty() {
             rest.positions = mesh.positions();

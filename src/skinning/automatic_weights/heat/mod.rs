@@ -22,7 +22,7 @@ use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
 
 /// Smallest weight that is kept.
-const LEAST: f64 = 1e-4;
+const MIN_WEIGHT: f64 = 1e-4;
 
 /// Bone heat weighting (Baran & Popović 2007, "Automatic rigging and animation of 3D characters"). Weights vary
 /// smoothly along the surface and do not cross gaps.
@@ -101,8 +101,9 @@ impl HeatWeights {
         for (bone, heated) in sources.of_bones.iter().enumerate() {
             if !heated.is_empty() {
                 let weights = system.solve(heated);
-                let kept = weights.map(|weight| if weight > LEAST { weight } else { 0.0 });
-                strongest.add(bone, kept);
+                let significant =
+                    weights.map(|weight| if weight > MIN_WEIGHT { weight } else { 0.0 });
+                strongest.add(bone, significant);
             }
         }
         let corners = surface.triangles.iter();

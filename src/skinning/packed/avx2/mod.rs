@@ -177,14 +177,14 @@ fn move_block(
     let (a, b, c) = (y.cross(z), z.cross(x), x.cross(y));
     let determinant = x.dot(a);
     if let Some((rest, posed)) = block.normals {
-        let turned = Vectors::load(rest).weighted(a, b, c, Vectors::zero());
-        *posed = turned.normalised_with_sign_of(determinant).store();
+        let transformed = Vectors::load(rest).weighted(a, b, c, Vectors::zero());
+        *posed = transformed.normalised_with_sign_of(determinant).store();
     }
     if let Some((rest, posed)) = block.tangents {
         let (tangents, signs) = Vectors::load_with_fourth(rest);
-        let turned = tangents.weighted(x, y, z, Vectors::zero());
+        let transformed = tangents.weighted(x, y, z, Vectors::zero());
         let signs = lanes::with_sign_flipped_by(signs, determinant);
-        *posed = turned.normalised().store_with_fourth(signs);
+        *posed = transformed.normalised().store_with_fourth(signs);
     }
 }
 
@@ -202,14 +202,14 @@ fn blocks<'a, T: Pod>(
 ) -> (Blocks<'a, T>, Blocks<'a, T>) {
     let whole = rest.len().min(posed.len()) / BLOCK * BLOCK;
     copy(&mut last.rest[0], &rest[whole..]);
-    let there = usize::from(!rest.is_empty());
+    let block_count = usize::from(!rest.is_empty());
     let whole = Blocks {
         rest: bytemuck::cast_slice(&rest[..whole]),
         posed: bytemuck::cast_slice_mut(&mut posed[..whole]),
     };
     let last = Blocks {
-        rest: &last.rest[..there],
-        posed: &mut last.posed[..there],
+        rest: &last.rest[..block_count],
+        posed: &mut last.posed[..block_count],
     };
     (whole, last)
 }
