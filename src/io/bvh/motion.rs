@@ -1,6 +1,6 @@
 //! MOTION section of a BVH file: a number for each channel and frame.
 
-use super::LONGEST;
+use super::MAX_COORDINATE;
 use super::channel::BvhChannel;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
@@ -74,10 +74,10 @@ fn values(
 ) -> Result<(Vec<f64>, Option<usize>), ReadError> {
     let width = channels.len();
     // Without channels there are no numbers, for any number of frames.
-    let Some(room) = (lexer.left() / NUMBER_WIDTH).checked_div(width) else {
+    let Some(max_frames) = (lexer.remaining_bytes() / NUMBER_WIDTH).checked_div(width) else {
         return Ok((Vec::new(), None));
     };
-    let mut values = Vec::with_capacity(room.min(frames) * width);
+    let mut values = Vec::with_capacity(max_frames.min(frames) * width);
     for frame in 1..=frames {
         let start = values.len();
         for &(joint, channel) in channels {
@@ -139,8 +139,11 @@ fn value(
         format!("{channel} of `{name}` in frame {frame}")
     };
     let value = lexer.number(what)?;
-    if !channel.is_rotation() && value.abs() > LONGEST {
-        let problem = format!("{} must be within ±{LONGEST:e}, not {value:e}", what());
+    if !channel.is_rotation() && value.abs() > MAX_COORDINATE {
+        let problem = format!(
+            "{} must be within ±{MAX_COORDINATE:e}, not {value:e}",
+            what()
+        );
         return Err(lexer.error(lexer.line(), problem));
     }
     Ok(value)

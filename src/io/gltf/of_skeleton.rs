@@ -43,7 +43,7 @@ impl Scene {
         // On a root of its own: a skinned node ignores its parents (section 3.7.3.3).
         let (armature, bone) = bare.with_root("mesh");
         let vertices = mesh.positions().len();
-        let own = SceneMesh {
+        let scene_mesh = SceneMesh {
             name: "mesh".into(),
             bone,
             mesh: mesh.clone(),
@@ -57,9 +57,9 @@ impl Scene {
                 weights: weights.clone(),
             }),
         };
-        own.check(&armature)?;
+        scene_mesh.check(&armature)?;
         let mut scene = Self::bare(armature);
-        scene.meshes.push(own);
+        scene.meshes.push(scene_mesh);
         Ok(scene)
     }
 

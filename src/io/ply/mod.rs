@@ -208,12 +208,12 @@ impl Source<'_> {
             return Ok(());
         }
         let problem = format!("{} bytes are left after the last entry", rest.len());
-        let place = Place::Byte(self.offset());
-        Err(ReadError::malformed(self.name, place, problem))
+        let location = Place::Byte(self.offset());
+        Err(ReadError::malformed(self.name, location, problem))
     }
 
     fn fail(&self, error: &ParseError) -> ReadError {
-        let place = match error.line() {
+        let location = match error.line() {
             // The parser counts binary entries as lines, which is no useful position.
             Some(line) if !self.binary => Place::Line(line),
             _ => Place::Byte(self.offset()),
@@ -227,6 +227,6 @@ impl Source<'_> {
             .map_or(text, |t| t.1);
         let words: Vec<&str> = text.split_whitespace().collect();
         let short: String = words.join(" ").chars().take(200).collect();
-        ReadError::malformed(self.name, place, short)
+        ReadError::malformed(self.name, location, short)
     }
 }

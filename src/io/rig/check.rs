@@ -13,7 +13,7 @@ use crate::skeleton::{Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Largest deviation of `rest_T` from a rigid motion, per entry. Files with seven digits pass.
-const RIGID_WITHIN: f64 = 1e-6;
+const RIGID_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn at(name: &str, path: impl Into<String>, problem: impl Into<String>) -> ReadError {
     ReadError::malformed(name, Place::Json(path.into()), problem)
@@ -29,16 +29,16 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
             |(key, problem): (String, String)| at(name, format!("bones[{index}].{key}"), problem);
         bones.push(bone(index, entry).map_err(fail)?);
     }
-    let second_of = |wanted: &str| {
+    let second_path = |repeated: &str| {
         let named = file.bones.iter().enumerate();
-        let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(wanted));
+        let mut same = named.filter(|(_, bone)| bone.name.as_deref() == Some(repeated));
         same.nth(1).map(|(index, _)| format!("bones[{index}].name"))
     };
     // The skeleton has the name of the file without its folder.
-    let own = Path::new(name).file_stem().and_then(OsStr::to_str);
-    Skeleton::new(own.unwrap_or(name), bones).map_err(|error| {
+    let stem = Path::new(name).file_stem().and_then(OsStr::to_str);
+    Skeleton::new(stem.unwrap_or(name), bones).map_err(|error| {
         let path = match &error {
-            SkeletonError::DuplicateName { name } => second_of(name),
+            SkeletonError::DuplicateName { name } => second_path(name),
             _ => None,
         };
         let path = path.unwrap_or_else(|| "bones".into());
@@ -118,11 +118,11 @@ fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
         })?;
     }
     let [x, y, z, last] = matrix;
-    let mut off = last
+    let mut errors = last
         .iter()
         .zip([0.0, 0.0, 0.0, 1.0])
         .map(|(a, b)| (a - b).abs());
-    if off.any(|error| error.is_nan() || error > RIGID_WITHIN) {
+    if errors.any(|error| error.is_nan() || error > RIGID_TOLERANCE) {
         return fail(
             "rest_T[3]",
             format!("the last row is {last:?}, not 0 0 0 1"),
@@ -131,9 +131,9 @@ fn rest(rows: &[Vec<f64>]) -> Result<Placement<f64>, (String, String)> {
     let column = |j: usize| Vector3::new(x[j], y[j], z[j]);
     let rotation = Matrix3::from_columns(column(0), column(1), column(2));
     let placement = Placement::new(rotation, column(3));
-    match placement.check_rigid(RIGID_WITHIN) {
+    match placement.check_rigid(RIGID_TOLERANCE) {
         Ok(()) => Ok(placement),
-        Err(why) => fail("rest_T", format!("is not a rigid motion: {why}")),
+        Err(reason) => fail("rest_T", format!("is not a rigid motion: {reason}")),
     }
 }
 
@@ -154,7 +154,7 @@ pub(super) fn clip(
     name: &str,
 ) -> Result<EulerClip, ReadError> {
     let mut tracks = Vec::with_capacity(file.fk_animation.len());
-    let mut between = BTreeMap::new();
+    let mut interpolations = BTreeMap::new();
     for (index, entry) in file.fk_animation.iter().enumerate() {
         let path = |rest: String| format!("fk_animation[{index}].{rest}");
         let bone = bone_id(entry.bone_id, skeleton)
@@ -171,10 +171,10 @@ pub(super) fn clip(
         tracks.push(EulerTrack { bone, keys });
         let read = interpolation::read(entry);
         let read = read.map_err(|(key, problem)| at(name, path(key), problem))?;
-        between.insert(bone, read);
+        interpolations.insert(bone, read);
     }
     let clip = EulerClip::new(tracks).and_then(|clip| {
-        clip.interpolated(|track| between.get(&track.bone).cloned().unwrap_or_default())
+        clip.interpolated(|track| interpolations.get(&track.bone).cloned().unwrap_or_default())
     });
     clip.map_err(|error| {
         let path = match error {

@@ -18,7 +18,7 @@ pub(super) fn weights(
     let (rows, columns) = table.shape();
     if let Some(vertices) = mesh
         .map(|mesh| mesh.positions().len())
-        .filter(|own| *own != rows)
+        .filter(|count| *count != rows)
     {
         let problem = format!("has weights for {rows} vertices, but the mesh has {vertices}");
         return Err(at(name, "weights.file", problem));
