@@ -122,12 +122,12 @@ impl BoneMask {
 
 fn set(shares: &mut [f32], what: &'static str, index: usize, share: f32) -> Result<(), MaskError> {
     let count = shares.len();
-    let own = shares.get_mut(index);
-    let own = own.ok_or(MaskError::Unknown { what, index, count })?;
+    let entry = shares.get_mut(index);
+    let entry = entry.ok_or(MaskError::Unknown { what, index, count })?;
     if !(0.0..=1.0).contains(&share) {
         return Err(MaskError::BadShare { what, index, share });
     }
-    *own = share;
+    *entry = share;
     Ok(())
 }
 

@@ -40,7 +40,7 @@ pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendEr
     let total: f64 = poses.iter().map(|(_, weight)| f64::from(*weight)).sum();
     let heaviest = poses
         .iter()
-        .reduce(|best, own| if own.1 > best.1 { own } else { best });
+        .reduce(|best, entry| if entry.1 > best.1 { entry } else { best });
     let Some((heaviest, _)) = heaviest.filter(|_| total > 0.0) else {
         return Err(BlendError::NoWeight);
     };
@@ -64,13 +64,13 @@ pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendEr
             *sum += weight * share;
         }
         let rotations = pose.rotations.iter().zip(&heaviest.rotations);
-        for (sum, (own, reference)) in out.rotations.iter_mut().zip(rotations) {
-            let side = if own.dot(*reference) < 0.0 {
+        for (sum, (rotation, reference)) in out.rotations.iter_mut().zip(rotations) {
+            let signed_share = if rotation.dot(*reference) < 0.0 {
                 -share
             } else {
                 share
             };
-            *sum += *own * side;
+            *sum += *rotation * signed_share;
         }
     }
     for (sum, reference) in out.rotations.iter_mut().zip(&heaviest.rotations) {

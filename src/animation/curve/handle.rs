@@ -64,12 +64,12 @@ pub(super) fn check_handles<V: CurveValue>(
 }
 
 /// Bézier segment between two keys: times as fractions of its duration, and values.
-pub(super) struct Drawn<V> {
+pub(super) struct BezierSegment<V> {
     times: CubicBezier<f64>,
     values: CubicBezier<V>,
 }
 
-impl<V: CurveValue> Drawn<V> {
+impl<V: CurveValue> BezierSegment<V> {
     pub(super) fn new(
         length: V::Real,
         [start, end]: [V; 2],

@@ -28,10 +28,12 @@ pub(super) fn find<'a>(
     mut valid: impl Iterator<Item = &'a str> + Clone,
 ) -> Checked<usize> {
     let names = valid.clone();
-    valid.position(|own| own == name).ok_or_else(|| {
-        let unknown = UnknownName::new(kind, name, names);
-        at(path(), StateMachineProblem::Unknown(unknown))
-    })
+    valid
+        .position(|candidate| candidate == name)
+        .ok_or_else(|| {
+            let unknown = UnknownName::new(kind, name, names);
+            at(path(), StateMachineProblem::Unknown(unknown))
+        })
 }
 
 /// Names that transitions may use.

@@ -35,14 +35,14 @@ impl Motion {
 
     /// Active clips at the values of the parameters.
     pub(super) fn mix(&self, values: &[ParameterDefault]) -> Mix {
-        let alone = |first| Mix { first, share: 0.0 };
+        let single = |first| Mix { first, share: 0.0 };
         let value = match self.parameter.and_then(|index| values.get(index)) {
             Some(ParameterDefault::Number(value)) => *value,
-            _ => return alone(0),
+            _ => return single(0),
         };
         let above = self.clips.partition_point(|(at, _)| *at <= value);
         if above == 0 || above == self.clips.len() {
-            return alone(above.saturating_sub(1));
+            return single(above.saturating_sub(1));
         }
         let [low, high, value] =
             [self.clips[above - 1].0, self.clips[above].0, value].map(f64::from);
@@ -90,13 +90,13 @@ impl Motion {
                 motion.clips.push((0.0, clip));
             }
             MotionDefinition::Blend(blend) => {
-                let place = || format!("{path}.blend.parameter");
+                let parameter_path = || format!("{path}.blend.parameter");
                 let numbers = parameters.iter();
                 let numbers = numbers.filter(|(_, d)| matches!(d, ParameterDefault::Number(_)));
                 let names = numbers.map(|(name, _)| name.as_str());
-                find(place, "number", &blend.parameter, names)?;
-                let own = |(name, _): &(String, _)| *name == blend.parameter;
-                motion.parameter = parameters.iter().position(own);
+                find(parameter_path, "number", &blend.parameter, names)?;
+                let is_parameter = |(name, _): &(String, _)| *name == blend.parameter;
+                motion.parameter = parameters.iter().position(is_parameter);
                 for (index, given) in blend.clips.iter().enumerate() {
                     let path = format!("{path}.blend.clips[{index}]");
                     finite(|| format!("{path}.at"), f64::from(given.at))?;
@@ -129,14 +129,14 @@ fn look_up(
     bones: &mut Option<usize>,
 ) -> Checked<Arc<Clip>> {
     let names = clips.iter().map(|clip| clip.name());
-    let found = position(names, name).map_err(|error| {
+    let index = position(names, name).map_err(|error| {
         let problem = match error {
             ClipNameError::Unknown(unknown) => StateMachineProblem::Unknown(unknown),
             ambiguous => StateMachineProblem::ClipName(ambiguous),
         };
         at(path, problem)
     })?;
-    let clip = &clips[found];
+    let clip = &clips[index];
     let namesakes = clips.iter().filter(|other| other.name() == clip.name());
     if namesakes.clone().any(|other| !Arc::ptr_eq(other, clip)) {
         let problem = StateMachineProblem::AmbiguousClip {
