@@ -101,12 +101,15 @@ impl BoneMotions {
     }
 
     /// Σ_j w_j (stretch of bone j); `None` if no bone stretches.
-    pub(super) fn stretch(&self, shares: impl Iterator<Item = (usize, f32)>) -> Option<Affine3A> {
+    pub(super) fn stretch(
+        &self,
+        influences: impl Iterator<Item = (usize, f32)>,
+    ) -> Option<Affine3A> {
         if self.stretches.is_empty() {
             return None;
         }
         let mut sum = Affine3A::ZERO;
-        for (bone, weight) in shares {
+        for (bone, weight) in influences {
             if let Some(stretch) = self.stretches.get(bone) {
                 sum.matrix3 += stretch.matrix3 * weight;
                 sum.translation += stretch.translation * weight;

@@ -85,9 +85,10 @@ impl Deformation for DualQuaternionBlend<'_> {
     fn deform_range(&self, first: usize, rest: RestVertices<'_>, posed: PosedVertices<'_>) {
         move_by_dual_quaternions(rest, posed, |index| {
             let influences = self.weights.influences(first + index);
-            let shares = influences.iter();
-            let shares = shares.map(|influence| (influence.bone as usize, influence.weight as f32));
-            (self.motions.stretch(shares), self.blended(influences))
+            let bone_weights = influences.iter();
+            let bone_weights =
+                bone_weights.map(|influence| (influence.bone as usize, influence.weight as f32));
+            (self.motions.stretch(bone_weights), self.blended(influences))
         });
     }
 }

@@ -103,8 +103,8 @@ impl TwistedTube {
     #[must_use]
     pub fn transforms(twist: f64) -> [Affine3A; 2] {
         let (sin, cos) = elementary::sin_cos(0.5 * twist);
-        let turn = Quat::from_xyzw(sin as f32, 0.0, 0.0, cos as f32);
-        [Affine3A::IDENTITY, Affine3A::from_quat(turn)]
+        let rotation = Quat::from_xyzw(sin as f32, 0.0, 0.0, cos as f32);
+        [Affine3A::IDENTITY, Affine3A::from_quat(rotation)]
     }
 
     /// Mean radius of each ring of a posed [`mesh`](Self::mesh), from bone 0 to bone 1: (x at rest, radius) in the

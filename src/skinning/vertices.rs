@@ -72,8 +72,8 @@ fn parts<'a, T>(buffer: &mut &'a [T], count: usize) -> &'a [T] {
 /// As `parts`, for mutable buffers.
 #[cfg(feature = "rayon")]
 fn parts_mut<'a, T>(buffer: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let whole = std::mem::take(buffer);
-    let (first, others) = whole.split_at_mut(count.min(whole.len()));
+    let contents = std::mem::take(buffer);
+    let (first, others) = contents.split_at_mut(count.min(contents.len()));
     *buffer = others;
     first
 }

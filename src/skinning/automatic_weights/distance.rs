@@ -102,8 +102,10 @@ impl AutomaticWeights {
         let neighbours = Neighbours::of(points.len(), mesh.triangles().iter().copied());
         let mut strongest = Strongest::new(points.len(), self.most);
         for (bone, segment) in segments.iter().enumerate() {
-            let shares = sums.iter().enumerate();
-            let mut column: Vec<f64> = shares.map(|(i, sum)| influence(i, segment) / sum).collect();
+            let point_sums = sums.iter().enumerate();
+            let mut column: Vec<f64> = point_sums
+                .map(|(i, sum)| influence(i, segment) / sum)
+                .collect();
             for _ in 0..self.smoothing_steps {
                 column = smoothed(&neighbours, &column);
             }

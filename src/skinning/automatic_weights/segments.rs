@@ -16,9 +16,12 @@ pub(super) fn of_skeleton(skeleton: &Skeleton) -> Vec<Segment> {
     ends.collect()
 }
 
-/// Checks that there are bones, that their ends are finite, and that `most` is at least 1.
-pub(super) fn check(segments: &[Segment], most: usize) -> Result<(), AutomaticWeightsError> {
-    if most == 0 {
+/// Checks that there are bones, that their ends are finite, and that `max_influences` is at least 1.
+pub(super) fn check(
+    segments: &[Segment],
+    max_influences: usize,
+) -> Result<(), AutomaticWeightsError> {
+    if max_influences == 0 {
         return Err(AutomaticWeightsError::NoInfluences);
     }
     let is_not_finite = |[tail, tip]: &Segment| !(tail.is_finite() && tip.is_finite());

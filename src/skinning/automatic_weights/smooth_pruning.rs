@@ -22,17 +22,17 @@ const ROUNDS: usize = 10;
 /// neighbours and pruned again, in several rounds.
 pub(super) struct Strongest {
     rows: Vec<Row>,
-    most: usize,
+    max_influences: usize,
 }
 
 /// Bones and weights by descending weight; the earlier bone first among equals.
 type Row = Vec<(usize, f64)>;
 
 impl Strongest {
-    pub(super) fn new(points: usize, most: usize) -> Self {
+    pub(super) fn new(points: usize, max_influences: usize) -> Self {
         Self {
             rows: vec![Row::new(); points],
-            most,
+            max_influences,
         }
     }
 
@@ -42,7 +42,7 @@ impl Strongest {
             if weight > 0.0 {
                 let index = row.partition_point(|(_, other)| *other >= weight);
                 row.insert(index, (bone, weight));
-                row.truncate(self.most.saturating_add(1));
+                row.truncate(self.max_influences.saturating_add(1));
             }
         }
     }
@@ -55,7 +55,11 @@ impl Strongest {
         neighbours: &Neighbours,
     ) -> Result<SkinWeights, WeightsError> {
         let mut removed: Vec<f64> = Vec::with_capacity(self.rows.len());
-        removed.extend(self.rows.iter_mut().map(|row| cut(row, self.most)));
+        removed.extend(
+            self.rows
+                .iter_mut()
+                .map(|row| cut(row, self.max_influences)),
+        );
         for _ in 0..ROUNDS {
             let (before, removed_before) = (self.rows.clone(), removed);
             removed = vec![0.0; before.len()];
@@ -63,7 +67,7 @@ impl Strongest {
                 let nearby = others.iter().map(|other| removed_before[*other as usize]);
                 if nearby.fold(removed_before[point], f64::max) > MAX_UNSMOOTHED_WEIGHT {
                     self.rows[point] = smoothed(&before, point, others);
-                    removed[point] = cut(&mut self.rows[point], self.most);
+                    removed[point] = cut(&mut self.rows[point], self.max_influences);
                 }
             }
         }
@@ -98,9 +102,9 @@ fn smoothed(rows: &[Row], point: usize, others: &[u32]) -> Row {
 }
 
 /// Prunes a row and returns the largest removed weight.
-fn cut(row: &mut Row, most: usize) -> f64 {
-    let largest_removed = row.get(most).map_or(0.0, |(_, weight)| *weight);
-    row.truncate(most);
+fn cut(row: &mut Row, max_influences: usize) -> f64 {
+    let largest_removed = row.get(max_influences).map_or(0.0, |(_, weight)| *weight);
+    row.truncate(max_influences);
     // Equal weights have no transition to smooth.
     let strongest = row.first().map_or(0.0, |(_, weight)| *weight);
     if largest_removed > 0.0 && strongest > largest_removed {

@@ -34,12 +34,12 @@ pub(super) fn upper(v: __m256) -> __m128 {
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn transposed(v: [__m128; BLOCK]) -> (Vectors, __m256) {
-    let both = |low, high| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
+    let join_halves = |low, high| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
     let [a, b, c, d] = [
-        both(v[0], v[4]),
-        both(v[1], v[5]),
-        both(v[2], v[6]),
-        both(v[3], v[7]),
+        join_halves(v[0], v[4]),
+        join_halves(v[1], v[5]),
+        join_halves(v[2], v[6]),
+        join_halves(v[3], v[7]),
     ];
     // Within each half: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 w0 w1, z2 z3 w2 w3.
     let (xy, xy_after) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));

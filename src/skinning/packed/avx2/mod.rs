@@ -118,7 +118,7 @@ fn deform_by(
     rest: RestVertices<'_>,
     posed: PosedVertices<'_>,
 ) {
-    let (whole, after) = influences.split_at(influences.len() - influences.len() % BLOCK);
+    let (full_blocks, after) = influences.split_at(influences.len() - influences.len() % BLOCK);
     // The remaining vertices form a block that is padded with vertices without influences.
     let mut last_influences = [FourInfluences::default(); BLOCK];
     copy(&mut last_influences, after);
@@ -132,7 +132,7 @@ fn deform_by(
         &last_influences[..]
     };
     let parts = [
-        (whole, positions, normals, tangents),
+        (full_blocks, positions, normals, tangents),
         (last_influences, last_positions, last_normals, last_tangents),
     ];
     // One call of the kernel for both parts, so that it is inlined into this loop.
@@ -200,18 +200,18 @@ fn blocks<'a, T: Pod>(
     posed: &'a mut [T],
     last: &'a mut Last<T>,
 ) -> (Blocks<'a, T>, Blocks<'a, T>) {
-    let whole = rest.len().min(posed.len()) / BLOCK * BLOCK;
-    copy(&mut last.rest[0], &rest[whole..]);
+    let full = rest.len().min(posed.len()) / BLOCK * BLOCK;
+    copy(&mut last.rest[0], &rest[full..]);
     let block_count = usize::from(!rest.is_empty());
-    let whole = Blocks {
-        rest: bytemuck::cast_slice(&rest[..whole]),
-        posed: bytemuck::cast_slice_mut(&mut posed[..whole]),
+    let full = Blocks {
+        rest: bytemuck::cast_slice(&rest[..full]),
+        posed: bytemuck::cast_slice_mut(&mut posed[..full]),
     };
     let last = Blocks {
         rest: &last.rest[..block_count],
         posed: &mut last.posed[..block_count],
     };
-    (whole, last)
+    (full, last)
 }
 
 impl<T> Blocks<'_, T> {
@@ -239,8 +239,8 @@ impl<T: Pod> Default for Last<T> {
 impl<T: Pod> Last<T> {
     /// Copies the remaining vertices to the end of the buffer.
     fn put(&self, posed: &mut [T]) {
-        let whole = posed.len() / BLOCK * BLOCK;
-        copy(&mut posed[whole..], &self.posed[0]);
+        let full_length = posed.len() / BLOCK * BLOCK;
+        copy(&mut posed[full_length..], &self.posed[0]);
     }
 }
 
