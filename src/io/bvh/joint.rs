@@ -145,9 +145,9 @@ pub(super) fn joints(
                     let bone = name.clone();
                     return Err(BvhError::Channels { bone, fault });
                 }
-                let missing = (0..3)
+                let missing_axes = (0..3)
                     .filter(|axis| joint.lacks_position(given_channels, *axis, locals.clone()));
-                let missing: Vec<usize> = missing.collect();
+                let missing_axes: Vec<usize> = missing_axes.collect();
                 let axes = given_channels
                     .iter()
                     .filter(|channel| channel.is_rotation());
@@ -155,7 +155,7 @@ pub(super) fn joints(
                 let is_representable =
                     |local: LocalTransform| joint.axes.can_represent(joint.rotation(&local));
                 let is_complete = locals.clone().all(is_representable);
-                joint.set_channels(given_channels, missing, !is_complete);
+                joint.set_channels(given_channels, missing_axes, !is_complete);
             }
         }
         joints.push(joint);

@@ -40,9 +40,9 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
         .iter()
         .flat_map(|joint| joint.channels.iter().map(move |channel| (joint, *channel)))
         .collect();
-    let (values, missing) = values(lexer, frames, &channels)?;
+    let (values, whole_frames) = values(lexer, frames, &channels)?;
     let width = channels.len();
-    let note = match missing {
+    let note = match whole_frames {
         Some(0) => {
             let problem = format!(
                 "{frames} frames of {width} numbers are announced, but the file ends in the first"
@@ -57,7 +57,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
         None => surplus(lexer, frames, width)?,
     };
     Ok(Motion {
-        frames: missing.unwrap_or(frames),
+        frames: whole_frames.unwrap_or(frames),
         frame_time,
         frame_time_line,
         values,

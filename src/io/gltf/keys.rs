@@ -50,9 +50,9 @@ impl<T: Clone> Keys<T> {
         if needed == Some(given) {
             return Ok(());
         }
-        let each = self.sides() * width;
+        let values_per_key = self.sides() * width;
         let problem = format!(
-            "{}: {given} values for {keys} keys of {each} each",
+            "{}: {given} values for {keys} keys of {values_per_key} each",
             self.user
         );
         Err(source.fail(self.path.as_str(), problem))

@@ -203,7 +203,7 @@ fn attributes(primitive: &Primitive, left_out: &mut BTreeSet<String>) -> Attribu
 
 /// Removes normals and tangents that only some primitives have.
 fn keep_common_attributes(counts: &AttributeCounts, raw: &mut RawMesh) {
-    let mut keep = |what: &str, count: usize, exists: bool| {
+    let mut keep_if_common = |what: &str, count: usize, exists: bool| {
         let is_common = count == counts.blocks;
         if !is_common && exists {
             let left_out = format!("{what}, as not every primitive has it");
@@ -211,10 +211,10 @@ fn keep_common_attributes(counts: &AttributeCounts, raw: &mut RawMesh) {
         }
         is_common
     };
-    if !keep("NORMAL", counts.normals, !raw.normals.is_empty()) {
+    if !keep_if_common("NORMAL", counts.normals, !raw.normals.is_empty()) {
         raw.normals.clear();
     }
-    if !keep("TANGENT", counts.tangents, !raw.tangents.is_empty()) {
+    if !keep_if_common("TANGENT", counts.tangents, !raw.tangents.is_empty()) {
         raw.tangents.clear();
     }
     raw.is_skinned = counts.blocks > 0 && counts.joints == counts.blocks;

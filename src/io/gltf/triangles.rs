@@ -62,11 +62,11 @@ pub(super) fn append(
         // Section 3.7.2.1. Degenerate triangles only stitch strips together.
         Mode::TriangleStrip => {
             let windows = indices.windows(3).map(corners).enumerate();
-            let turned = windows.map(|(number, [a, b, c])| match number % 2 {
+            let oriented = windows.map(|(number, [a, b, c])| match number % 2 {
                 0 => [a, b, c],
                 _ => [a, c, b],
             });
-            let nondegenerate = turned.filter(|[a, b, c]| a != b && b != c && c != a);
+            let nondegenerate = oriented.filter(|[a, b, c]| a != b && b != c && c != a);
             raw.triangles.extend(nondegenerate.map(offset));
         }
         _ => {

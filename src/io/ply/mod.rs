@@ -141,12 +141,16 @@ fn put_entry<T: Copy + std::fmt::Display>(
     bytes: &mut Vec<u8>,
     values: impl Iterator<Item = T>,
     encoding: PlyEncoding,
-    little: impl Fn(T) -> [u8; 4],
-    big: impl Fn(T) -> [u8; 4],
+    to_little_endian: impl Fn(T) -> [u8; 4],
+    to_big_endian: impl Fn(T) -> [u8; 4],
 ) {
     match encoding {
-        PlyEncoding::BinaryLittleEndian => values.for_each(|v| bytes.extend_from_slice(&little(v))),
-        PlyEncoding::BinaryBigEndian => values.for_each(|v| bytes.extend_from_slice(&big(v))),
+        PlyEncoding::BinaryLittleEndian => {
+            values.for_each(|v| bytes.extend_from_slice(&to_little_endian(v)))
+        }
+        PlyEncoding::BinaryBigEndian => {
+            values.for_each(|v| bytes.extend_from_slice(&to_big_endian(v)))
+        }
         PlyEncoding::Ascii => {
             let words: Vec<String> = values.map(|v| v.to_string()).collect();
             bytes.extend_from_slice(words.join(" ").as_bytes());

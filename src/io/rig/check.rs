@@ -15,18 +15,23 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 /// Largest deviation of `rest_T` from a rigid motion, per entry. Files with seven digits pass.
 const RIGID_TOLERANCE: f64 = 1e-6;
 
-pub(super) fn at(name: &str, path: impl Into<String>, problem: impl Into<String>) -> ReadError {
+pub(super) fn error_at(
+    name: &str,
+    path: impl Into<String>,
+    problem: impl Into<String>,
+) -> ReadError {
     ReadError::malformed(name, Place::Json(path.into()), problem)
 }
 
 pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError> {
     if file.bones.is_empty() {
-        return Err(at(name, "bones", "there are no bones"));
+        return Err(error_at(name, "bones", "there are no bones"));
     }
     let mut bones = Vec::with_capacity(file.bones.len());
     for (index, entry) in file.bones.iter().enumerate() {
-        let fail =
-            |(key, problem): (String, String)| at(name, format!("bones[{index}].{key}"), problem);
+        let fail = |(key, problem): (String, String)| {
+            error_at(name, format!("bones[{index}].{key}"), problem)
+        };
         bones.push(bone(index, entry).map_err(fail)?);
     }
     let second_path = |repeated: &str| {
@@ -42,7 +47,7 @@ pub(super) fn skeleton(file: &RigFile, name: &str) -> Result<Skeleton, ReadError
             _ => None,
         };
         let path = path.unwrap_or_else(|| "bones".into());
-        at(name, path, error.to_string())
+        error_at(name, path, error.to_string())
     })
 }
 
@@ -158,11 +163,11 @@ pub(super) fn clip(
     for (index, entry) in file.fk_animation.iter().enumerate() {
         let path = |rest: String| format!("fk_animation[{index}].{rest}");
         let bone = bone_id(entry.bone_id, skeleton)
-            .map_err(|problem| at(name, path("bone_id".into()), problem))?;
+            .map_err(|problem| error_at(name, path("bone_id".into()), problem))?;
         let mut keys = Vec::with_capacity(entry.keys.len());
         for (index, key) in entry.keys.iter().enumerate() {
             let degrees = triple(&format!("keys[{index}].xzx"), Some(&key.xzx), 0.0)
-                .map_err(|(key, problem)| at(name, path(key), problem))?;
+                .map_err(|(key, problem)| error_at(name, path(key), problem))?;
             keys.push(EulerKey {
                 time: key.t,
                 angles: degrees.map(f64::to_radians),
@@ -170,7 +175,7 @@ pub(super) fn clip(
         }
         tracks.push(EulerTrack { bone, keys });
         let read = interpolation::read(entry);
-        let read = read.map_err(|(key, problem)| at(name, path(key), problem))?;
+        let read = read.map_err(|(key, problem)| error_at(name, path(key), problem))?;
         interpolations.insert(bone, read);
     }
     let clip = EulerClip::new(tracks).and_then(|clip| {
@@ -191,7 +196,7 @@ pub(super) fn clip(
             | ClipError::NonFiniteControls { .. }
             | ClipError::Curve { .. } => "fk_animation".into(),
         };
-        at(name, path, error.to_string())
+        error_at(name, path, error.to_string())
     })
 }
 
@@ -200,7 +205,7 @@ pub(super) fn constrained(
     skeleton: &Skeleton,
     name: &str,
 ) -> Result<Vec<BoneId>, ReadError> {
-    let fail = |path: String| move |problem: String| at(name, path, problem);
+    let fail = |path: String| move |problem: String| error_at(name, path, problem);
     match &file.ik_constraints {
         None => Ok(skeleton.bone_ids().last().into_iter().collect()),
         Some(Constraints::One(bone)) => {
