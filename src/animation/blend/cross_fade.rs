@@ -20,9 +20,9 @@ impl Pose {
     pub fn cross_fade(&mut self, to: &Self, share: f32) -> Result<(), SizeMismatch> {
         self.check_same_size(to)?;
         let share = within(share);
-        let shares = std::iter::repeat(share);
-        mix(&mut self.translations, &to.translations, shares.clone());
-        mix(&mut self.scales, &to.scales, shares.clone());
+        let weights = std::iter::repeat(share);
+        mix(&mut self.translations, &to.translations, weights.clone());
+        mix(&mut self.scales, &to.scales, weights.clone());
         for (weight, &to) in self.morph_weights.iter_mut().zip(&to.morph_weights) {
             *weight += (to - *weight) * share;
         }
@@ -44,9 +44,9 @@ impl Pose {
         self.check_same_size(to)?;
         mask.check(self)?;
         let share = within(share);
-        let shares = mask.bones().iter().map(|weight| weight * share);
-        mix(&mut self.translations, &to.translations, shares.clone());
-        mix(&mut self.scales, &to.scales, shares);
+        let weights = mask.bones().iter().map(|weight| weight * share);
+        mix(&mut self.translations, &to.translations, weights.clone());
+        mix(&mut self.scales, &to.scales, weights);
         let targets = self.morph_weights.iter_mut().zip(&to.morph_weights);
         for ((weight, &to), masked) in targets.zip(mask.morph_targets()) {
             *weight += (to - *weight) * (share * masked);
@@ -58,13 +58,13 @@ impl Pose {
     }
 }
 
-fn mix(from: &mut [Vec3A], to: &[Vec3A], shares: impl Iterator<Item = f32>) {
-    for ((value, &to), share) in from.iter_mut().zip(to).zip(shares) {
-        *value += (to - *value) * share;
+fn mix(from: &mut [Vec3A], to: &[Vec3A], weights: impl Iterator<Item = f32>) {
+    for ((value, &to), weight) in from.iter_mut().zip(to).zip(weights) {
+        *value += (to - *value) * weight;
     }
 }
 
-fn blend_rotations(from: &mut [Quat], to: &[Quat], share: impl Fn(usize) -> f32) {
+fn blend_rotations(from: &mut [Quat], to: &[Quat], weight: impl Fn(usize) -> f32) {
     let mut groups = from.chunks_exact_mut(WIDTH);
     let mut others = to.chunks_exact(WIDTH);
     let mut first = 0;
@@ -73,7 +73,7 @@ fn blend_rotations(from: &mut [Quat], to: &[Quat], share: impl Fn(usize) -> f32)
             blend_rotation_group::<WIDTH>(
                 rotations,
                 to,
-                std::array::from_fn(|lane| share(first + lane)),
+                std::array::from_fn(|lane| weight(first + lane)),
             );
         }
         first += WIDTH;
@@ -83,7 +83,7 @@ fn blend_rotations(from: &mut [Quat], to: &[Quat], share: impl Fn(usize) -> f32)
         blend_rotation_group(
             std::array::from_mut(rotation),
             std::array::from_ref(to),
-            [share(bone)],
+            [weight(bone)],
         );
     }
 }

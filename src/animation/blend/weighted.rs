@@ -52,25 +52,25 @@ pub fn blend_poses(poses: &[(&Pose, f32)], out: &mut Pose) -> Result<(), BlendEr
     out.morph_weights.fill(0.0);
     out.rotations.fill(Quat::from_vec4(Vec4::ZERO));
     for (pose, weight) in poses.iter().filter(|(_, weight)| *weight > 0.0) {
-        let share = (f64::from(*weight) / total) as f32;
+        let fraction = (f64::from(*weight) / total) as f32;
         let add = |sums: &mut [Vec3A], values: &[Vec3A]| {
             for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += *value * share;
+                *sum += *value * fraction;
             }
         };
         add(&mut out.translations, &pose.translations);
         add(&mut out.scales, &pose.scales);
         for (sum, weight) in out.morph_weights.iter_mut().zip(&pose.morph_weights) {
-            *sum += weight * share;
+            *sum += weight * fraction;
         }
         let rotations = pose.rotations.iter().zip(&heaviest.rotations);
         for (sum, (rotation, reference)) in out.rotations.iter_mut().zip(rotations) {
-            let signed_share = if rotation.dot(*reference) < 0.0 {
-                -share
+            let signed_fraction = if rotation.dot(*reference) < 0.0 {
+                -fraction
             } else {
-                share
+                fraction
             };
-            *sum += *rotation * signed_share;
+            *sum += *rotation * signed_fraction;
         }
     }
     for (sum, reference) in out.rotations.iter_mut().zip(&heaviest.rotations) {

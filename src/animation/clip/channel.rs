@@ -45,11 +45,11 @@ impl EulerCurve {
     /// Rotation of the given angles in radians.
     pub(super) fn rotation(&self, angles: Vec3A) -> Quat {
         let axes = self.order.axes().map(|axis| glam::Vec3::AXES[axis]);
-        let turns = axes.into_iter().zip(angles.to_array());
-        let turned = turns.fold(self.before, |q, (axis, angle)| {
+        let axes_and_angles = axes.into_iter().zip(angles.to_array());
+        let rotation = axes_and_angles.fold(self.before, |q, (axis, angle)| {
             q * rotation_about(axis, angle)
         });
-        turned.normalize()
+        rotation.normalize()
     }
 }
 

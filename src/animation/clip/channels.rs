@@ -28,7 +28,7 @@ impl Clip {
             let translation = KeyedCurve::step(start_time(), vec![current.translation]).ok();
             let rotation = RotationCurve::step(start_time(), vec![current.rotation]).ok();
             let scale = KeyedCurve::step(start_time(), vec![current.scale]).ok();
-            let each = [
+            let candidates = [
                 translation
                     .filter(|_| current.translation != at_rest.translation)
                     .map(Channel::Translation),
@@ -39,7 +39,7 @@ impl Clip {
                     .filter(|_| current.scale != at_rest.scale)
                     .map(Channel::Scale),
             ];
-            for channel in each.into_iter().flatten() {
+            for channel in candidates.into_iter().flatten() {
                 if !moving.contains(&(bone(index), channel.property())) {
                     channels.push((bone(index), channel));
                 }

@@ -66,7 +66,7 @@ pub(crate) fn position<'n>(
 
 /// True if a name ends with `part` after a separator.
 fn ends_with(name: &str, part: &str) -> bool {
-    let before = name.strip_suffix(part).filter(|_| !part.is_empty());
-    let sign = before.and_then(|before| before.chars().next_back());
-    sign.is_some_and(|sign| !sign.is_alphanumeric())
+    let prefix = name.strip_suffix(part).filter(|_| !part.is_empty());
+    let separator = prefix.and_then(|prefix| prefix.chars().next_back());
+    separator.is_some_and(|separator| !separator.is_alphanumeric())
 }

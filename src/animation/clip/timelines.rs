@@ -175,7 +175,7 @@ impl Timelines {
             .is_some_and(|&m| m <= time);
         let before = from
             .checked_sub(max_steps + 1)
-            .map(|at| self.inner_times[at]);
+            .map(|index| self.inner_times[index]);
         !(is_beyond || before.is_some_and(|key_time| key_time > time))
     }
 
@@ -210,7 +210,8 @@ impl Timelines {
         let timelines = self.timelines.iter();
         let tracks = timelines.flat_map(|timeline| {
             let key = timeline.first;
-            let [time, first, tracks] = [key.time, key.values, key.tracks].map(|at| at as usize);
+            let [time, first, tracks] =
+                [key.time, key.values, key.tracks].map(|index| index as usize);
             let times = &self.times[time..time + timeline.keys];
             let timeline_values = &values[first..first + timeline.keys * tracks];
             (0..tracks).map(move |track| {

@@ -51,19 +51,23 @@ impl Clip {
 }
 
 /// Moves a pose by a fraction of the difference between two poses.
-fn add_difference(armature: &Armature, pose: &mut Pose, [from, to]: [&Pose; 2], share: f32) {
+fn add_difference(armature: &Armature, pose: &mut Pose, [from, to]: [&Pose; 2], fraction: f32) {
     for bone in armature.bone_ids() {
         let mut local = pose.local_of(bone);
         let (from, to) = (from.local_of(bone), to.local_of(bone));
-        local.translation += (to.translation - from.translation) * share;
-        local.scale += (to.scale - from.scale) * share;
-        let turn = slerp(Quat::IDENTITY, to.rotation * from.rotation.inverse(), share);
-        local.rotation = (turn * local.rotation).normalize();
+        local.translation += (to.translation - from.translation) * fraction;
+        local.scale += (to.scale - from.scale) * fraction;
+        let rotation = slerp(
+            Quat::IDENTITY,
+            to.rotation * from.rotation.inverse(),
+            fraction,
+        );
+        local.rotation = (rotation * local.rotation).normalize();
         // The sum of finite numbers; if it overflows, the bone does not change.
         let _ = pose.set_local(bone, local);
     }
     let weights = pose.morph_weights_mut().iter_mut();
     for ((weight, from), to) in weights.zip(from.morph_weights()).zip(to.morph_weights()) {
-        *weight += (to - from) * share;
+        *weight += (to - from) * fraction;
     }
 }

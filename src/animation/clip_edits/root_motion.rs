@@ -83,7 +83,7 @@ impl RootMotion {
         };
         let mut placements = Vec::new();
         let mut start_pose: Option<(Quat, Vec3A)> = None;
-        let (mut way, mut heading) = (
+        let (mut displacements, mut heading) = (
             Vec::with_capacity(times.len()),
             Vec::with_capacity(times.len()),
         );
@@ -97,7 +97,7 @@ impl RootMotion {
             let (first, start) = *start_pose.get_or_insert((rotation, position.into()));
             angle = nearest_angle(twist(rotation * first.inverse(), up), angle);
             let displacement = Vec3A::from(position) - rotation_about(up, angle) * start;
-            way.push(displacement - Vec3A::from(up) * displacement.dot(up.into()));
+            displacements.push(displacement - Vec3A::from(up) * displacement.dot(up.into()));
             heading.push(angle);
         }
         let [first, .., last] = times else {
@@ -112,7 +112,7 @@ impl RootMotion {
         Ok(Self {
             up,
             span: [*first, *last],
-            way: KeyedCurve::linear(times.to_vec(), way)?,
+            way: KeyedCurve::linear(times.to_vec(), displacements)?,
             heading: KeyedCurve::linear(times.to_vec(), heading)?,
         })
     }
@@ -127,8 +127,8 @@ impl RootMotion {
     /// Transform from the start to the character's placement at a clip time in seconds.
     #[must_use]
     pub fn at(&self, time: f32) -> Affine3A {
-        let turn = rotation_about(self.up, self.heading.at(time));
-        Affine3A::from_rotation_translation(turn, self.way.at(time).into())
+        let rotation = rotation_about(self.up, self.heading.at(time));
+        Affine3A::from_rotation_translation(rotation, self.way.at(time).into())
     }
 
     /// Transform of the character after `elapsed` seconds of playback. In loop mode the motion accumulates over the
@@ -168,8 +168,8 @@ fn twist(q: Quat, axis: Vec3) -> f32 {
 
 /// The angle plus full turns that is nearest to `to`, radians.
 fn nearest_angle(angle: f32, to: f32) -> f32 {
-    let turn = std::f32::consts::TAU;
-    angle + ((to - angle) / turn).round() * turn
+    let full_turn = std::f32::consts::TAU;
+    angle + ((to - angle) / full_turn).round() * full_turn
 }
 
 /// Moves a bone in model coordinates, with its descendants.

@@ -76,8 +76,8 @@ impl<V: CurveValue> BezierSegment<V> {
         leaving: &BezierHandle<V>,
         arriving: &BezierHandle<V>,
     ) -> Self {
-        let share = |handle: &BezierHandle<V>| handle.time.as_f64() / length.as_f64();
-        let times = [0.0, share(leaving), 1.0 + share(arriving), 1.0];
+        let fraction = |handle: &BezierHandle<V>| handle.time.as_f64() / length.as_f64();
+        let times = [0.0, fraction(leaving), 1.0 + fraction(arriving), 1.0];
         let values = [start, start + leaving.value, end + arriving.value, end];
         Self {
             times: CubicBezier::new(times),
@@ -86,14 +86,14 @@ impl<V: CurveValue> BezierSegment<V> {
     }
 
     /// Value at a fraction of the time.
-    pub(super) fn position(&self, share: V::Real) -> V {
-        let u = self.times.parameter_at(share.as_f64());
+    pub(super) fn position(&self, fraction: V::Real) -> V {
+        let u = self.times.parameter_at(fraction.as_f64());
         self.values.position(V::Real::from_f64(u))
     }
 
     /// Derivative by the fraction of the time.
-    pub(super) fn tangent(&self, share: V::Real) -> V {
-        let u = self.times.parameter_at(share.as_f64());
+    pub(super) fn tangent(&self, fraction: V::Real) -> V {
+        let u = self.times.parameter_at(fraction.as_f64());
         self.times.slope_of(&self.values, u)
     }
 }

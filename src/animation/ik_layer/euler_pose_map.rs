@@ -35,8 +35,9 @@ pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
         [flipped(first), -bend, flipped(second)],
     ];
     let limit_violation = |angles: &[f64; 3]| -> f64 {
-        let each = angles.iter().zip(limits);
-        each.map(|(angle, limits)| (limits.lower - angle).max(angle - limits.upper).max(0.0))
+        let angles_and_limits = angles.iter().zip(limits);
+        angles_and_limits
+            .map(|(angle, limits)| (limits.lower - angle).max(angle - limits.upper).max(0.0))
             .sum()
     };
     let twist = |angles: &[f64; 3]| angles[0].abs() + angles[2].abs();

@@ -104,7 +104,7 @@ impl ReachLayer {
     ) -> Result<Self, ProblemError> {
         let rest = skeleton.model().neutral();
         let mut builder = Problem::builder(skeleton.model());
-        let effectors = once(tips).map(|bone| Effector {
+        let effectors = unique(tips).map(|bone| Effector {
             bone,
             task: builder.add(Point::new(skeleton.tip(bone), Vector3::zero())),
             target: Vector3::zero(),
@@ -112,7 +112,8 @@ impl ReachLayer {
             goal: Vector3::zero(),
         });
         let effectors = effectors.collect();
-        let held_rotations = once(held).map(|bone| HeldRotation::new(skeleton, bone, &mut builder));
+        let held_rotations =
+            unique(held).map(|bone| HeldRotation::new(skeleton, bone, &mut builder));
         let held_rotations = held_rotations.collect();
         let size = skeleton.size();
         if size > 0.0 {
@@ -339,7 +340,7 @@ fn clamped_weight(weight: f64) -> f64 {
 }
 
 /// The distinct bones, in order of first occurrence.
-fn once(bones: &[BoneId]) -> impl Iterator<Item = BoneId> {
+fn unique(bones: &[BoneId]) -> impl Iterator<Item = BoneId> {
     let mut seen = BTreeSet::new();
     bones.iter().copied().filter(move |bone| seen.insert(*bone))
 }

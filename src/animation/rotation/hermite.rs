@@ -53,7 +53,7 @@ impl RotationHermite {
 /// Times strictly increase, one for each rotation. With fewer than two keys all rates are zero.
 #[must_use]
 pub fn mean_rates(times: &[f32], rotations: &[Quat]) -> Vec<Vec3> {
-    let turns: Vec<(Vec3, f32)> = rotations
+    let segment_rotations: Vec<(Vec3, f32)> = rotations
         .windows(2)
         .zip(times.windows(2))
         .map(|(q, t)| {
@@ -64,9 +64,12 @@ pub fn mean_rates(times: &[f32], rotations: &[Quat]) -> Vec<Vec3> {
     (0..rotations.len())
         .map(|key| {
             let sides = [key.checked_sub(1), Some(key)];
-            let sides = sides.into_iter().flatten().filter_map(|k| turns.get(k));
-            let sum = sides.fold((Vec3::ZERO, 0.0), |(turn, time), (t, dt)| {
-                (turn + *t, time + dt)
+            let sides = sides
+                .into_iter()
+                .flatten()
+                .filter_map(|k| segment_rotations.get(k));
+            let sum = sides.fold((Vec3::ZERO, 0.0), |(rotation, time), (t, dt)| {
+                (rotation + *t, time + dt)
             });
             if sum.1 > 0.0 {
                 sum.0 / sum.1

@@ -4,7 +4,7 @@ use super::definition::{
     ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
 };
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, MachineNames, at, finite};
+use super::lookup::{Checked, MachineNames, error_at, finite};
 use crate::animation::Easing;
 
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ impl Transition {
         };
         if from.is_none() && definition.when.is_empty() {
             let path = format!("{path}.when");
-            return Err(at(path, StateMachineProblem::Unconditional));
+            return Err(error_at(path, StateMachineProblem::Unconditional));
         }
         let durations = [
             ("seconds", Some(definition.seconds)),
@@ -59,7 +59,7 @@ impl Transition {
         for (key, seconds) in durations {
             if let Some(seconds) = seconds.filter(|s| !(s.is_finite() && *s >= 0.0)) {
                 let problem = StateMachineProblem::BadDuration { seconds };
-                return Err(at(format!("{path}.{key}"), problem));
+                return Err(error_at(format!("{path}.{key}"), problem));
             }
         }
         let conditions = definition.when.iter().enumerate();
@@ -98,7 +98,10 @@ impl Condition {
             .zip(definition.below)
             .filter(|(a, b)| a >= b)
         {
-            return Err(at(path, StateMachineProblem::NoNumber { above, below }));
+            return Err(error_at(
+                path,
+                StateMachineProblem::NoNumber { above, below },
+            ));
         }
         let mismatch = |expected| {
             let problem = StateMachineProblem::WrongCondition {
@@ -106,7 +109,7 @@ impl Condition {
                 kind: default.kind(),
                 expected,
             };
-            Err(at(path, problem))
+            Err(error_at(path, problem))
         };
         let has_bounds = definition.above.is_some() || definition.below.is_some();
         match (default, definition.is) {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::definition::{MotionDefinition, ParameterDefault};
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, at, find, finite};
+use super::lookup::{Checked, error_at, find, finite};
 use crate::animation::clip::named::position;
 use crate::animation::{Clip, ClipNameError};
 
@@ -21,7 +21,7 @@ pub(super) struct Motion {
 pub(super) struct Mix {
     pub(super) first: usize,
     /// Weight of the next clip, within [0, 1); above 0 a next clip exists.
-    pub(super) share: f32,
+    pub(super) next_weight: f32,
 }
 
 impl Motion {
@@ -35,7 +35,10 @@ impl Motion {
 
     /// Active clips at the values of the parameters.
     pub(super) fn mix(&self, values: &[ParameterDefault]) -> Mix {
-        let single = |first| Mix { first, share: 0.0 };
+        let single = |first| Mix {
+            first,
+            next_weight: 0.0,
+        };
         let value = match self.parameter.and_then(|index| values.get(index)) {
             Some(ParameterDefault::Number(value)) => *value,
             _ => return single(0),
@@ -48,15 +51,15 @@ impl Motion {
             [self.clips[above - 1].0, self.clips[above].0, value].map(f64::from);
         Mix {
             first: above - 1,
-            share: ((value - low) / (high - low)) as f32,
+            next_weight: ((value - low) / (high - low)) as f32,
         }
     }
 
     /// Active clips with their weights, which are above 0 and sum to 1.
     pub(super) fn playing(&self, mix: Mix) -> impl Iterator<Item = (&Clip, f32)> {
-        let shares = [1.0 - mix.share, mix.share].into_iter();
-        let clips = self.clips().skip(mix.first).zip(shares);
-        clips.filter(|(_, share)| *share > 0.0)
+        let weights = [1.0 - mix.next_weight, mix.next_weight].into_iter();
+        let clips = self.clips().skip(mix.first).zip(weights);
+        clips.filter(|(_, weight)| *weight > 0.0)
     }
 
     /// Duration of a cycle at speed 1 in seconds: the mean over clips of non-zero duration.
@@ -106,14 +109,14 @@ impl Motion {
                             before,
                             at: given.at,
                         };
-                        return Err(at(format!("{path}.at"), problem));
+                        return Err(error_at(format!("{path}.at"), problem));
                     }
                     let clip = look_up(&format!("{path}.clip"), &given.clip, clips, bones)?;
                     motion.clips.push((given.at, clip));
                 }
                 if motion.clips.is_empty() {
                     let path = format!("{path}.blend.clips");
-                    return Err(at(path, StateMachineProblem::EmptyBlend));
+                    return Err(error_at(path, StateMachineProblem::EmptyBlend));
                 }
             }
         }
@@ -134,7 +137,7 @@ fn look_up(
             ClipNameError::Unknown(unknown) => StateMachineProblem::Unknown(unknown),
             ambiguous => StateMachineProblem::ClipName(ambiguous),
         };
-        at(path, problem)
+        error_at(path, problem)
     })?;
     let clip = &clips[index];
     let namesakes = clips.iter().filter(|other| other.name() == clip.name());
@@ -143,7 +146,7 @@ fn look_up(
             clip: name.to_owned(),
             clips: namesakes.count(),
         };
-        return Err(at(path, problem));
+        return Err(error_at(path, problem));
     }
     let expected = *bones.get_or_insert(clip.bones());
     if clip.bones() != expected {
@@ -152,7 +155,7 @@ fn look_up(
             bones: clip.bones(),
             expected,
         };
-        return Err(at(path, problem));
+        return Err(error_at(path, problem));
     }
     Ok(Arc::clone(clip))
 }

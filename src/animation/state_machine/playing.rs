@@ -102,9 +102,9 @@ impl Playing {
             clip.sample(time, state.playback, &mut self.cursors[index], pose)
         };
         sample(mix.first, pose)?;
-        if mix.share > 0.0 {
+        if mix.next_weight > 0.0 {
             sample(mix.first + 1, other)?;
-            pose.cross_fade(other, mix.share)?;
+            pose.cross_fade(other, mix.next_weight)?;
         }
         Ok(())
     }
@@ -186,8 +186,8 @@ impl Progress {
     }
 
     /// Weight of the entered state in the pose, `ahead` seconds from now.
-    pub(super) fn share(&self, ahead: f64) -> f32 {
+    pub(super) fn weight_at(&self, lookahead: f64) -> f32 {
         self.easing
-            .at(((self.elapsed + ahead) / self.seconds) as f32)
+            .at(((self.elapsed + lookahead) / self.seconds) as f32)
     }
 }

@@ -159,7 +159,7 @@ impl StateMachineRun {
         let progress = self.fade.as_ref().map(|fade| fade.progress);
         // Weight of the entered state at a fraction of this step.
         let entered =
-            |fraction: f64| progress.map_or(1.0, |progress| progress.share(fraction * seconds));
+            |fraction: f64| progress.map_or(1.0, |progress| progress.weight_at(fraction * seconds));
         if let Some(fade) = &mut self.fade {
             if let Origin::State(from) = &mut fade.from {
                 let state = &machine.states[from.state];
@@ -214,9 +214,9 @@ impl StateMachineRun {
         };
         match &mut fade.from {
             Origin::State(from) => sample(from, &mut self.pose)?,
-            Origin::Still(still) => self.pose.copy_from(still),
+            Origin::Still(pose) => self.pose.copy_from(pose),
         }
         sample(&mut self.current, other)?;
-        self.pose.cross_fade(other, fade.progress.share(0.0))
+        self.pose.cross_fade(other, fade.progress.weight_at(0.0))
     }
 }

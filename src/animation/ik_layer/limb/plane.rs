@@ -57,7 +57,7 @@ impl Plane {
 
     /// The plane moved to a new root-end vector by the shortest arc. This adds no roll, and is continuous except at a
     /// reversal of the vector.
-    pub(super) fn carried(self, to_end: Vec3A) -> Self {
+    pub(super) fn moved_to(self, to_end: Vec3A) -> Self {
         let Some(along) = to_end.try_normalize() else {
             return self;
         };
@@ -73,7 +73,7 @@ impl Plane {
     }
 
     /// The plane rotated about the root-end line by an angle in radians.
-    pub(super) fn turned(self, angle: f32) -> Self {
+    pub(super) fn rotated(self, angle: f32) -> Self {
         if angle == 0.0 {
             return self;
         }

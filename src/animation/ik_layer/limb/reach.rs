@@ -188,14 +188,14 @@ impl Limb {
             limb.lower.rotation * axis.as_vec3a()
         });
         let (old, deviation) = Plane::of(end - root, upper, pole, hinge);
-        let mut new = old.carried(target - root);
+        let mut new = old.moved_to(target - root);
         new = match pole {
             Some(pole) if weight == 1.0 => new.facing(pole),
-            Some(pole) => new.turned(new.angle_to(pole) * weight),
+            Some(pole) => new.rotated(new.angle_to(pole) * weight),
             None => new,
         };
-        new = new.turned(finite_or_0(goal.twist) * weight);
-        let side = new.turned(deviation * (1.0 - weight)).side();
+        new = new.rotated(finite_or_0(goal.twist) * weight);
+        let side = new.rotated(deviation * (1.0 - weight)).side();
         let [base, target, side] = [root, target, side].map(double);
         let solved = triangle(base, lengths.map(f64::from), target, side);
         let [new_mid, new_end] = [single(solved.mid), single(solved.tip)];
