@@ -42,7 +42,7 @@ impl BoneMotions {
             self.rigid.extend(motions);
             return Ok(());
         };
-        let Some(shared) = SharedScale::of(transforms, &mut self.scales) else {
+        let Some(shared) = SharedScale::of_transforms(transforms, &mut self.scales) else {
             return Err(SkinningError::NotRigid { bone });
         };
         let mut remaining = transforms.iter().map(|t| shared.remaining(t));
@@ -80,10 +80,10 @@ impl BoneMotions {
     ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
         SizeMismatch::check("pivots", pivots.len(), bones)?;
-        let shared = SharedScale::of(transforms, &mut self.scales);
+        let shared = SharedScale::of_transforms(transforms, &mut self.scales);
         let (old, old_stretches) = (self.rigid.len(), self.stretches.len());
         for (bone, (transform, pivot)) in transforms.iter().zip(pivots).enumerate() {
-            match two_phases(transform, *pivot, shared) {
+            match factor_transform(transform, *pivot, shared) {
                 Ok((rigid, stretch)) => {
                     self.rigid.push(DualQuaternion::of_rigid(&rigid));
                     self.stretches.push(stretch);
@@ -121,7 +121,7 @@ impl BoneMotions {
 
 /// Factors a transform into a stretch about the pivot, after the shared scale, and a rigid motion. An error is a
 /// function of the bone index.
-fn two_phases(
+fn factor_transform(
     transform: &Affine3A,
     pivot: Vec3,
     shared: Option<SharedScale>,

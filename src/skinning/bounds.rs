@@ -59,7 +59,8 @@ impl BoneBoxes {
     ) -> Result<Option<[Vec3; 2]>, SkinningError> {
         check(transforms, self.boxes.len())?;
         let moved = self.boxes.iter().zip(transforms);
-        let boxes = moved.filter_map(|(entry, transform)| Some(moved_box(transform, (*entry)?)));
+        let boxes =
+            moved.filter_map(|(entry, transform)| Some(transformed_box(transform, (*entry)?)));
         let total_box = boxes.fold(None, |total_box, entry| Some(joined(total_box, entry)));
         Ok(total_box.map(|[low, high]| {
             // Margin for sums other than 1, negative weights and rounding.
@@ -75,7 +76,7 @@ fn joined(total_box: Option<[Vec3; 2]>, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
 }
 
 /// Bounding box of a transformed box (Arvo 1990, "Transforming axis-aligned bounding boxes").
-fn moved_box(transform: &Affine3A, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
+fn transformed_box(transform: &Affine3A, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
     let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let matrix = transform.matrix3;
     let reach =

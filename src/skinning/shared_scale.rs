@@ -17,7 +17,7 @@ pub(super) struct SharedScale(Vec3);
 impl SharedScale {
     /// The median scale of the bones, which single scaled bones do not change. Of two middle scales the one nearer to 1
     /// counts. `scales` is a workspace. `None` for a scale within 1e-4 of 1, the tolerance of rigid transforms.
-    pub(super) fn of(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Option<Self> {
+    pub(super) fn of_transforms(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Option<Self> {
         scales.clear();
         scales.extend(transforms.iter().map(|t| scale_of(&t.matrix3)));
         scales.sort_unstable_by(f32::total_cmp);

@@ -91,8 +91,8 @@ impl TwistedTube {
         let mut builder = SkinWeights::builder((rings * sides) as usize + 2, 2);
         for (vertex, ring) in vertices.enumerate() {
             let fraction = f64::from(ring) / f64::from(rings - 1);
-            let within = (fraction - 0.5) / self.blended_share.max(1e-9) + 0.5;
-            let weight = within.clamp(0.0, 1.0);
+            let raw_weight = (fraction - 0.5) / self.blended_share.max(1e-9) + 0.5;
+            let weight = raw_weight.clamp(0.0, 1.0);
             builder.add(vertex, 0, 1.0 - weight)?;
             builder.add(vertex, 1, weight)?;
         }

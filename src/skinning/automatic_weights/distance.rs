@@ -99,7 +99,7 @@ impl AutomaticWeights {
             }
         }
         // One bone at a time, so that memory does not grow with the number of bones.
-        let neighbours = Neighbours::of(points.len(), mesh.triangles().iter().copied());
+        let neighbours = Neighbours::new(points.len(), mesh.triangles().iter().copied());
         let mut strongest = Strongest::new(points.len(), self.most);
         for (bone, segment) in segments.iter().enumerate() {
             let point_sums = sums.iter().enumerate();

@@ -6,7 +6,7 @@ use crate::skinning::{SkinWeights, WeightsError};
 /// Largest removed weight that needs no smoothing.
 const MAX_UNSMOOTHED_WEIGHT: f64 = 1e-2;
 /// Number of smoothing rounds near removed weights.
-const ROUNDS: usize = 10;
+const SMOOTHING_ROUNDS: usize = 10;
 
 /// Collects weights bone by bone and keeps the strongest of each point.
 ///
@@ -60,7 +60,7 @@ impl Strongest {
                 .iter_mut()
                 .map(|row| cut(row, self.max_influences)),
         );
-        for _ in 0..ROUNDS {
+        for _ in 0..SMOOTHING_ROUNDS {
             let (before, removed_before) = (self.rows.clone(), removed);
             removed = vec![0.0; before.len()];
             for (point, others) in neighbours.rows().enumerate() {

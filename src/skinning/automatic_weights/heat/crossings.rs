@@ -28,7 +28,7 @@ enum Content {
 }
 
 impl<'a> Crossings<'a> {
-    pub(super) fn of(surface: &'a Surface) -> Self {
+    pub(super) fn new(surface: &'a Surface) -> Self {
         let mut tree = Self {
             surface,
             triangles: (0..surface.triangles.len()).collect(),

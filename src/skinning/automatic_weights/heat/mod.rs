@@ -89,13 +89,13 @@ impl HeatWeights {
         if !(self.heat > 0.0 && self.heat.is_finite()) {
             return Err(AutomaticWeightsError::Heat(self.heat));
         }
-        let surface = Surface::of(mesh);
-        let stiffness = Stiffness::of(&surface);
+        let surface = Surface::new(mesh);
+        let stiffness = Stiffness::new(&surface);
         let segments = segments
             .iter()
             .map(|ends| ends.map(|end| end / surface.unit));
         let segments: Vec<_> = segments.collect();
-        let sources = Sources::of(&surface, &stiffness, &segments, self.heat);
+        let sources = Sources::new(&surface, &stiffness, &segments, self.heat);
         let mut system = System::new(&surface, &stiffness, &sources.given)?;
         let mut strongest = Strongest::new(surface.points.len(), self.most);
         for (bone, heated) in sources.of_bones.iter().enumerate() {
@@ -108,7 +108,7 @@ impl HeatWeights {
         }
         let corners = surface.triangles.iter();
         let corners = corners.map(|triangle| triangle.map(|point| point as u32));
-        let neighbours = Neighbours::of(surface.points.len(), corners);
+        let neighbours = Neighbours::new(surface.points.len(), corners);
         Ok(strongest.build(segments.len(), &surface.point_of, &neighbours)?)
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Sources {
 }
 
 impl Sources {
-    pub(super) fn of(
+    pub(super) fn new(
         surface: &Surface,
         stiffness: &Stiffness,
         segments: &[Segment],
@@ -28,14 +28,14 @@ impl Sources {
             given: vec![0.0; surface.points.len()],
             of_bones: vec![Vec::new(); segments.len()],
         };
-        let crossings = Crossings::of(surface);
+        let crossings = Crossings::new(surface);
         for point in 0..surface.points.len() {
             sources.heat(surface, stiffness, segments, heat, point, |segment| {
                 let target = nearest_point(surface.points[point], segment);
                 !crossings.is_hidden(point, target)
             });
         }
-        for point in sources.points_of_cold_pieces(stiffness) {
+        for point in sources.points_of_unheated_components(stiffness) {
             sources.heat(surface, stiffness, segments, heat, point, |_| true);
         }
         sources
@@ -65,7 +65,7 @@ impl Sources {
     }
 
     /// The points of connected pieces without a heated point.
-    fn points_of_cold_pieces(&self, stiffness: &Stiffness) -> Vec<usize> {
+    fn points_of_unheated_components(&self, stiffness: &Stiffness) -> Vec<usize> {
         let mut parents: Vec<usize> = (0..self.given.len()).collect();
         for &(a, b, _) in &stiffness.edges {
             let [a, b] = [a, b].map(|point| find(&mut parents, point));

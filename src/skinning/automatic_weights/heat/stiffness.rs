@@ -24,7 +24,7 @@ impl Stiffness {
     /// Conductances ½ (cot α + cot β), with α and β the angles opposite the edge (Pinkall & Polthier 1993), within
     /// bounds. All off-diagonal entries of the system are then negative, so its inverse has no negative entry. Weights
     /// are within 0 and 1 on any mesh.
-    pub(super) fn of(surface: &Surface) -> Self {
+    pub(super) fn new(surface: &Surface) -> Self {
         let mut edges = Vec::with_capacity(3 * surface.triangles.len());
         let mut areas = vec![0.0; surface.points.len()];
         for &triangle in &surface.triangles {

@@ -18,7 +18,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    pub(super) fn of(mesh: &TriangleMesh) -> Self {
+    pub(super) fn new(mesh: &TriangleMesh) -> Self {
         let unit = Some(mesh.size()).filter(|size| *size > 0.0).unwrap_or(1.0);
         let mut points = Vec::new();
         let mut known: BTreeMap<[u32; 3], usize> = BTreeMap::new();

@@ -122,7 +122,11 @@ fn deform_by(
     // The remaining vertices form a block that is padded with vertices without influences.
     let mut last_influences = [FourInfluences::default(); BLOCK];
     copy(&mut last_influences, after);
-    let mut last = (Last::default(), Last::default(), Last::default());
+    let mut last = (
+        PaddedBlock::default(),
+        PaddedBlock::default(),
+        PaddedBlock::default(),
+    );
     let (positions, last_positions) = blocks(rest.positions, posed.positions, &mut last.0);
     let (normals, last_normals) = blocks(rest.normals, posed.normals, &mut last.1);
     let (tangents, last_tangents) = blocks(rest.tangents, posed.tangents, &mut last.2);
@@ -149,9 +153,9 @@ fn deform_by(
             k += 1;
         }
     }
-    last.0.put(posed.positions);
-    last.1.put(posed.normals);
-    last.2.put(posed.tangents);
+    last.0.copy_to(posed.positions);
+    last.1.copy_to(posed.normals);
+    last.2.copy_to(posed.tangents);
 }
 
 #[inline]
@@ -198,7 +202,7 @@ struct Blocks<'a, T> {
 fn blocks<'a, T: Pod>(
     rest: &'a [T],
     posed: &'a mut [T],
-    last: &'a mut Last<T>,
+    last: &'a mut PaddedBlock<T>,
 ) -> (Blocks<'a, T>, Blocks<'a, T>) {
     let full = rest.len().min(posed.len()) / BLOCK * BLOCK;
     copy(&mut last.rest[0], &rest[full..]);
@@ -222,12 +226,12 @@ impl<T> Blocks<'_, T> {
 }
 
 /// A padded block for the remaining vertices.
-struct Last<T> {
+struct PaddedBlock<T> {
     rest: [[T; BLOCK]; 1],
     posed: [[T; BLOCK]; 1],
 }
 
-impl<T: Pod> Default for Last<T> {
+impl<T: Pod> Default for PaddedBlock<T> {
     fn default() -> Self {
         Self {
             rest: [[T::zeroed(); BLOCK]],
@@ -236,9 +240,9 @@ impl<T: Pod> Default for Last<T> {
     }
 }
 
-impl<T: Pod> Last<T> {
+impl<T: Pod> PaddedBlock<T> {
     /// Copies the remaining vertices to the end of the buffer.
-    fn put(&self, posed: &mut [T]) {
+    fn copy_to(&self, posed: &mut [T]) {
         let full_length = posed.len() / BLOCK * BLOCK;
         copy(&mut posed[full_length..], &self.posed[0]);
     }
