@@ -67,7 +67,7 @@ impl BvhChannel {
 
 /// First fault of a joint's channels: a repeated channel, or more than three rotations. A rotation axis may be repeated
 /// with another one between, as in proper Euler angles.
-pub(super) fn fault(channels: &[BvhChannel]) -> Option<String> {
+pub(super) fn channel_error(channels: &[BvhChannel]) -> Option<String> {
     let mut rotations: Vec<BvhChannel> = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
         let is_duplicate = if channel.is_rotation() {

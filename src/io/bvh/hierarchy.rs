@@ -227,7 +227,7 @@ fn channels(lexer: &mut Lexer, joint: &str) -> Result<Vec<BvhChannel>, ReadError
             return Err(lexer.unexpected(expected, word));
         };
         channels.push(channel);
-        if let Some(fault) = channel::fault(&channels) {
+        if let Some(fault) = channel::channel_error(&channels) {
             return Err(lexer.error(lexer.line(), format!("`{joint}` has {fault}")));
         }
     }

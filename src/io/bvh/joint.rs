@@ -141,7 +141,7 @@ pub(super) fn joints(
                 );
             }
             Some(given_channels) => {
-                if let Some(fault) = channel::fault(given_channels) {
+                if let Some(fault) = channel::channel_error(given_channels) {
                     let bone = name.clone();
                     return Err(BvhError::Channels { bone, fault });
                 }

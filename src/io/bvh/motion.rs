@@ -81,7 +81,7 @@ fn values(
     for frame in 1..=frames {
         let start = values.len();
         for &(joint, channel) in channels {
-            if is_cut(lexer) {
+            if is_truncated(lexer) {
                 lexer.skip_space();
                 values.truncate(start);
                 return Ok((values, Some(frame - 1)));
@@ -93,7 +93,7 @@ fn values(
 }
 
 /// Returns true if the file ends before the next number or within it.
-fn is_cut(lexer: &Lexer) -> bool {
+fn is_truncated(lexer: &Lexer) -> bool {
     let rest = lexer.rest().trim_ascii_start();
     let is_of_number = |byte: u8| byte.is_ascii_digit() || b"+-.eE".contains(&byte);
     rest.is_empty() || rest.bytes().all(is_of_number) && rest.parse::<f64>().is_err()

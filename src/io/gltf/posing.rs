@@ -155,7 +155,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
             };
             let rest = mesh_vertices.rest_of(morphed);
             let method = self.method_of(mesh);
-            move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
+            update_mesh_transforms(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
             self.weights[index]
                 .deform(method, &self.posed_from_mesh, rest, mesh_vertices)
                 .map_err(PosingError::skinning(mesh))?;
@@ -209,7 +209,7 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
     fn posed(&mut self, index: usize, pose: &Pose) -> Result<TriangleMesh, PosingError> {
         let mesh = &self.scene.borrow().meshes[index];
         let method = self.method_of(mesh);
-        move_with(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
+        update_mesh_transforms(mesh, &self.model_from_bone, &mut self.posed_from_mesh);
         let morphed = morphed(mesh, pose)?;
         let rest = morphed.as_ref().unwrap_or(&mesh.mesh);
         let moved = self.weights[index].mesh(method, rest, &self.posed_from_mesh);
@@ -226,7 +226,11 @@ impl<S: Borrow<Scene>> ScenePosing<S> {
 }
 
 /// The transforms from the mesh to the pose, of the mesh's joints or of its bone.
-fn move_with(mesh: &SceneMesh, model_from_bone: &[Affine3A], posed_from_mesh: &mut Vec<Affine3A>) {
+fn update_mesh_transforms(
+    mesh: &SceneMesh,
+    model_from_bone: &[Affine3A],
+    posed_from_mesh: &mut Vec<Affine3A>,
+) {
     let placement = |bone: usize| model_from_bone.get(bone).copied().unwrap_or_default();
     posed_from_mesh.clear();
     match &mesh.skin {

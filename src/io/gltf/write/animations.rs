@@ -64,7 +64,7 @@ pub(super) fn add(
         }
     }
     if keyed != Some([first, last]) {
-        builder.hold(armature, &channels, [first, last]);
+        builder.add_constant_translation(armature, &channels, [first, last]);
     }
     let animation = builder.animation;
     if !animation.channels.is_empty() {
@@ -93,7 +93,12 @@ impl AnimationBuilder<'_> {
 
     /// Adds constant keys of a bone's translation over the span. A glTF animation lasts exactly as long as its keys,
     /// while a clip may last longer.
-    fn hold(&mut self, armature: &Armature, channels: &[(BoneId, Channel)], span: [f32; 2]) {
+    fn add_constant_translation(
+        &mut self,
+        armature: &Armature,
+        channels: &[(BoneId, Channel)],
+        span: [f32; 2],
+    ) {
         let has_translation = |bone: BoneId| {
             let mut bone_channels = channels.iter().filter(|(other, _)| *other == bone);
             bone_channels.any(|(_, channel)| channel.property() == Property::Translation)

@@ -75,7 +75,7 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
         mesh.check(&scene.armature)?;
     }
     let mut document = Document::new();
-    document.root.nodes = nodes::of(&scene.armature);
+    document.root.nodes = nodes::from_armature(&scene.armature);
     let bones = (0..scene.armature.bones()).map(BoneId::new);
     let roots = bones.filter(|bone| scene.armature.parent(*bone).is_none());
     let mut roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();

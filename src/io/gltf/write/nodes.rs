@@ -9,7 +9,7 @@ use crate::animation::Armature;
 use crate::skeleton::BoneId;
 
 /// The bones of an armature as nodes, in their rest pose.
-pub(super) fn of(armature: &Armature) -> Vec<Node> {
+pub(super) fn from_armature(armature: &Armature) -> Vec<Node> {
     let mut nodes = Vec::with_capacity(armature.bones());
     let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); armature.bones()];
     for (index, name) in armature.names().iter().enumerate() {
