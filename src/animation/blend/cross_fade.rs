@@ -19,7 +19,7 @@ impl Pose {
     /// The poses are of different armatures.
     pub fn cross_fade(&mut self, to: &Self, share: f32) -> Result<(), SizeMismatch> {
         self.check_same_size(to)?;
-        let share = within(share);
+        let share = clamp_to_unit(share);
         let weights = std::iter::repeat(share);
         mix(&mut self.translations, &to.translations, weights.clone());
         mix(&mut self.scales, &to.scales, weights.clone());
@@ -43,7 +43,7 @@ impl Pose {
     ) -> Result<(), SizeMismatch> {
         self.check_same_size(to)?;
         mask.check(self)?;
-        let share = within(share);
+        let share = clamp_to_unit(share);
         let weights = mask.bones().iter().map(|weight| weight * share);
         mix(&mut self.translations, &to.translations, weights.clone());
         mix(&mut self.scales, &to.scales, weights);

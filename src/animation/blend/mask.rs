@@ -132,7 +132,7 @@ fn set(weights: &mut [f32], what: &'static str, index: usize, share: f32) -> Res
 }
 
 /// Clamps to [0, 1]; 0 for NaN.
-pub(in crate::animation) fn within(weight: f32) -> f32 {
+pub(in crate::animation) fn clamp_to_unit(weight: f32) -> f32 {
     if weight > 0.0 { weight.min(1.0) } else { 0.0 }
 }
 

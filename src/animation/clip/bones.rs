@@ -12,7 +12,7 @@ pub(super) struct Bones {
 }
 
 impl Bones {
-    pub(super) fn of<C>(tracks: &[Track<C>]) -> Self {
+    pub(super) fn new<C>(tracks: &[Track<C>]) -> Self {
         Self {
             list: tracks.iter().map(|track| track.target as u32).collect(),
             is_prefix: (0..).zip(tracks).all(|(k, track)| track.target == k),

@@ -43,11 +43,11 @@ impl Clip {
         let repeats = playback != Playback::Hold && length > 0.0;
         let is_ping_pong = playback == Playback::PingPong;
         let period = if is_ping_pong { 2.0 * length } else { length };
-        let within = |event: &&Event| (start..=end).contains(&f64::from(event.time));
+        let is_in_span = |event: &&Event| (start..=end).contains(&f64::from(event.time));
         let outbound = self
             .events
             .iter()
-            .filter(within)
+            .filter(is_in_span)
             .map(move |event| (event, f64::from(event.time) - start));
         // Turning points belong to the forward direction.
         let inbound = outbound

@@ -72,7 +72,7 @@ impl Slerps {
         let (timelines, tracks) = Timelines::arrange(tracks, RotationCurve::times);
         let arcs: Vec<Vec<Arc>> = tracks.iter().map(|track| arcs(&track.curve)).collect();
         Self {
-            bones: Bones::of(&tracks),
+            bones: Bones::new(&tracks),
             keys: timelines.in_order(|track| tracks[track].curve.rotations()),
             arcs: timelines.in_order(|track| &arcs[track]),
             timelines,

@@ -53,7 +53,7 @@ impl Vectors {
         let (timelines, tracks) = Timelines::arrange(tracks, KeyedCurve::times);
         Self {
             keys: timelines.in_order(|track| tracks[track].curve.values()),
-            bones: Bones::of(&tracks),
+            bones: Bones::new(&tracks),
             timelines,
         }
     }

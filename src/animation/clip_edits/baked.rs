@@ -49,7 +49,7 @@ impl Clip {
             let locals = || poses.iter().map(|pose| pose.local_of(bone));
             let at_rest = rest.local_of(bone);
             let translations = locals().map(|local| local.translation).collect();
-            if let Some(curve) = straight(times, translations, at_rest.translation)? {
+            if let Some(curve) = linear_curve(times, translations, at_rest.translation)? {
                 builder.channel(bone, Channel::Translation(curve))?;
             }
             let rotations = locals().map(|local| local.rotation).collect();
@@ -58,7 +58,7 @@ impl Clip {
                 builder.channel(bone, Channel::Rotation(curve))?;
             }
             let scales = locals().map(|local| local.scale).collect();
-            if let Some(curve) = straight(times, scales, at_rest.scale)? {
+            if let Some(curve) = linear_curve(times, scales, at_rest.scale)? {
                 builder.channel(bone, Channel::Scale(curve))?;
             }
         }
@@ -66,7 +66,7 @@ impl Clip {
             let weights = poses
                 .iter()
                 .filter_map(|pose| pose.morph_weights().get(target));
-            if let Some(curve) = straight(times, weights.copied().collect(), at_rest)? {
+            if let Some(curve) = linear_curve(times, weights.copied().collect(), at_rest)? {
                 builder.morph_weight(target, curve)?;
             }
         }
@@ -135,7 +135,7 @@ impl Clip {
     }
 }
 
-fn straight<V: CurveValue<Real = f32> + PartialEq>(
+fn linear_curve<V: CurveValue<Real = f32> + PartialEq>(
     times: &[f32],
     values: Vec<V>,
     rest_value: V,

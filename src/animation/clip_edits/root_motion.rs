@@ -41,7 +41,7 @@ impl Clip {
             .try_normalize()
             .ok_or(ChannelError::BadUp { up: up.to_array() })?;
         self.resampled(armature, keys_per_second, |times, poses| {
-            let motion = RootMotion::of(armature, bone, up, (times, poses))?;
+            let motion = RootMotion::from_poses(armature, bone, up, (times, poses))?;
             for (time, pose) in times.iter().zip(poses) {
                 move_bone(armature, bone, motion.at(*time).inverse(), pose)?;
             }
@@ -71,7 +71,7 @@ impl Clip {
 
 impl RootMotion {
     /// Root motion of a bone over poses.
-    fn of(
+    fn from_poses(
         armature: &Armature,
         bone: BoneId,
         up: Vec3,
@@ -141,10 +141,10 @@ impl RootMotion {
             return self.at(playback.within(start + elapsed, [start, end]) as f32);
         }
         // The end of a loop is the start of the next.
-        let within = self.at((start + elapsed.rem_euclid(end - start)) as f32);
+        let current = self.at((start + elapsed.rem_euclid(end - start)) as f32);
         let cycle = self.at(self.span[1]);
         let step = if loops < 0.0 { cycle.inverse() } else { cycle };
-        power(step, loops.abs().min(f64::from(u32::MAX)) as u32) * within
+        power(step, loops.abs().min(f64::from(u32::MAX)) as u32) * current
     }
 }
 

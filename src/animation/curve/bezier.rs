@@ -20,7 +20,7 @@ impl<V: CurveValue> CubicBezier<V> {
     /// B(u) for u in [0, 1], by de Casteljau's algorithm.
     #[must_use]
     pub fn position(&self, u: V::Real) -> V {
-        let (_, [left, right]) = self.rounds(u);
+        let (_, [left, right]) = self.de_casteljau(u);
         lerp(left, right, u)
     }
 
@@ -28,14 +28,14 @@ impl<V: CurveValue> CubicBezier<V> {
     /// of the last two points of de Casteljau's algorithm.
     #[must_use]
     pub fn tangent(&self, u: V::Real) -> V {
-        let (_, [left, right]) = self.rounds(u);
+        let (_, [left, right]) = self.de_casteljau(u);
         (right - left) * V::Real::from(3.0)
     }
 
     /// Splits the curve at u; each part is over [0, 1].
     #[must_use]
     pub fn split(&self, u: V::Real) -> [Self; 2] {
-        let ([first, _, last], [left, right]) = self.rounds(u);
+        let ([first, _, last], [left, right]) = self.de_casteljau(u);
         let [start, .., end] = self.points;
         let middle = lerp(left, right, u);
         [
@@ -45,7 +45,7 @@ impl<V: CurveValue> CubicBezier<V> {
     }
 
     /// Points of de Casteljau's first and second round.
-    fn rounds(&self, u: V::Real) -> ([V; 3], [V; 2]) {
+    fn de_casteljau(&self, u: V::Real) -> ([V; 3], [V; 2]) {
         let [p0, p1, p2, p3] = self.points;
         let first @ [a, b, c] = [lerp(p0, p1, u), lerp(p1, p2, u), lerp(p2, p3, u)];
         (first, [lerp(a, b, u), lerp(b, c, u)])

@@ -4,7 +4,7 @@ use glam::{DQuat, Quat, Vec3A};
 
 use super::bone_placement::{BonePlacement, set_rotation};
 use super::{Corrected, ShearCorrection};
-use crate::animation::blend::{finite_or_0, within};
+use crate::animation::blend::{clamp_to_unit, finite_or_0};
 use crate::animation::rotation::exponential::rotation_about;
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Mirror, Pose, SizeMismatch};
@@ -165,10 +165,10 @@ impl Aim {
         armature.rest().check_same_size(pose)?;
         let parent = BonePlacement::within(armature, pose, armature.parent(self.bone), None);
         let bone = parent * BonePlacement::local(pose, self.bone);
-        let Some(mut target_rotation) = self.aimed(&bone, goal) else {
+        let Some(mut target_rotation) = self.aim_rotation(&bone, goal) else {
             return Ok(false);
         };
-        let weight = within(goal.weight);
+        let weight = clamp_to_unit(goal.weight);
         if weight > 0.0 {
             let set = |pose: &mut Pose, rotation: Quat| {
                 let local = parent.rotation.conjugate() * rotation;
@@ -197,7 +197,7 @@ impl Aim {
         let mut bone = placed(target_rotation);
         let to_target = goal.target - bone.affine.translation;
         let aim_direction = |bone: &BonePlacement| {
-            let points = AimingLine::of(self, bone).point_at(to_target.length());
+            let points = AimingLine::new(self, bone).point_at(to_target.length());
             let direction = points.map(|points| bone.rotation * points);
             direction.map(|direction| [direction.as_dvec3()])
         };
@@ -214,7 +214,7 @@ impl Aim {
                 target: bone.affine.translation + command.normalize_or(to) * to_target.length(),
                 ..*goal
             };
-            let Some(rotation) = self.aimed(&bone, &command) else {
+            let Some(rotation) = self.aim_rotation(&bone, &command) else {
                 break;
             };
             let rotated = placed(rotation);
@@ -229,9 +229,9 @@ impl Aim {
     }
 
     /// Rotation in the model that points the bone at the target, if its scaled axes rotate rigidly from `bone`.
-    fn aimed(&self, bone: &BonePlacement, goal: &AimGoal) -> Option<Quat> {
+    fn aim_rotation(&self, bone: &BonePlacement, goal: &AimGoal) -> Option<Quat> {
         let to_target = goal.target - bone.affine.translation;
-        let line = AimingLine::of(self, bone);
+        let line = AimingLine::new(self, bone);
         let to = to_target.try_normalize()?;
         let points = line.point_at(to_target.length())?;
         let swing = arc(bone.rotation * points, to);
@@ -264,7 +264,7 @@ struct AimingLine {
 }
 
 impl AimingLine {
-    fn of(aim: &Aim, bone: &BonePlacement) -> Self {
+    fn new(aim: &Aim, bone: &BonePlacement) -> Self {
         if bone.uneven || bone.mirror != Mirror::NONE {
             let scaled = |v: Vec3A| bone.rotation.conjugate() * bone.affine.transform_vector3a(v);
             return Self {

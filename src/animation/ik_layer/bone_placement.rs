@@ -44,7 +44,7 @@ impl BonePlacement {
             uneven: false,
         };
         let below = armature
-            .upwards(bone)
+            .bone_and_ancestors(bone)
             .take_while(|bone| Some(*bone) != ancestor);
         below.fold(identity, |product, bone| Self::local(pose, bone) * product)
     }

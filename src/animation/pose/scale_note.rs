@@ -52,7 +52,7 @@ impl Armature {
     ) -> Vec<ScaleNote> {
         let mut is_ancestor = vec![false; self.bones()];
         for bone in turning {
-            for ancestor in self.upwards(self.parent(bone)) {
+            for ancestor in self.bone_and_ancestors(self.parent(bone)) {
                 is_ancestor[ancestor.index()] = true;
             }
         }

@@ -134,7 +134,7 @@ impl StateMachineRun {
         let mut budget = Self::MOST_EVENTS;
         self.events_left_out = false;
         loop {
-            transitions_left -= self.take_all(&machine, transitions_left)?;
+            transitions_left -= self.take_transitions(&machine, transitions_left)?;
             let step = match transitions_left {
                 0 => remaining,
                 _ => remaining.min(self.seconds_until_change(&machine)),

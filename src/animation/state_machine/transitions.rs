@@ -19,7 +19,7 @@ struct ReadyTransition<'a> {
 impl StateMachineRun {
     /// Takes the transitions of the current time, none twice and at most `max_taken`, so that cycles end. Returns their
     /// number.
-    pub(super) fn take_all(
+    pub(super) fn take_transitions(
         &mut self,
         machine: &StateMachine,
         max_taken: usize,
@@ -41,7 +41,7 @@ impl StateMachineRun {
                 false => Playing::start(machine, transition.to),
             };
             self.taken.push(index);
-            self.take(transition, entered)?;
+            self.start_transition(transition, entered)?;
         }
         Ok(self.taken.len())
     }
@@ -99,7 +99,11 @@ impl StateMachineRun {
         }
     }
 
-    fn take(&mut self, transition: &Transition, entered: Playing) -> Result<(), SizeMismatch> {
+    fn start_transition(
+        &mut self,
+        transition: &Transition,
+        entered: Playing,
+    ) -> Result<(), SizeMismatch> {
         for condition in &transition.conditions {
             if let Condition::Triggered { parameter } = condition {
                 self.triggered[*parameter] = false;

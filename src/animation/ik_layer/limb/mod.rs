@@ -149,7 +149,7 @@ fn check_descendant(armature: &Armature, lower: BoneId, upper: BoneId) -> Result
         name.ok_or(LimbError::UnknownBone { bone, bones })
     };
     let (upper_name, lower_name) = (name(upper)?, name(lower)?);
-    let mut ancestors = armature.upwards(armature.parent(lower));
+    let mut ancestors = armature.bone_and_ancestors(armature.parent(lower));
     match ancestors.any(|bone| bone == upper) {
         true => Ok(()),
         false => Err(LimbError::NotAbove {

@@ -20,7 +20,7 @@ impl Plane {
     /// The plane is perpendicular to the hinge axis, a positive rotation about which bends the limb. Without a hinge it
     /// is the plane of the limb itself. A straight limb without a hinge bends towards the pole, as seen from the root,
     /// or in an arbitrary direction.
-    pub(super) fn of(
+    pub(super) fn of_limb(
         to_end: Vec3A,
         middle: Vec3A,
         pole: Option<Vec3A>,

@@ -4,7 +4,7 @@ use glam::{Mat3A, Quat, Vec3A};
 
 use super::plane::Plane;
 use super::{End, EndRotation, Limb, LimbGoal};
-use crate::animation::blend::{finite_or_0, within};
+use crate::animation::blend::{clamp_to_unit, finite_or_0};
 use crate::animation::ik_layer::bone_placement::{BonePlacement, set_rotation};
 use crate::animation::ik_layer::{Corrected, ShearCorrection};
 use crate::animation::rotation::slerp;
@@ -54,7 +54,7 @@ impl Limb {
         goal: &LimbGoal,
     ) -> Result<(), SizeMismatch> {
         armature.rest().check_same_size(pose)?;
-        let weight = within(goal.weight);
+        let weight = clamp_to_unit(goal.weight);
         let moves = weight > 0.0 && goal.target.is_finite();
         let end_rotation = match self.end {
             End::Bone(bone) => {
@@ -187,7 +187,7 @@ impl Limb {
             let axis = limb.lower_parent.mirror.axis(axis.as_dvec3());
             limb.lower.rotation * axis.as_vec3a()
         });
-        let (old, deviation) = Plane::of(end - root, upper, pole, hinge);
+        let (old, deviation) = Plane::of_limb(end - root, upper, pole, hinge);
         let mut new = old.moved_to(target - root);
         new = match pole {
             Some(pole) if weight == 1.0 => new.facing(pole),
@@ -231,7 +231,7 @@ fn end_rotation_goal(end: EndRotation) -> Option<(Option<Quat>, f32)> {
             (Some(Quat::from_vec4(unit)), weight)
         }
     };
-    let weight = within(weight);
+    let weight = clamp_to_unit(weight);
     (weight > 0.0).then_some((rotation, weight))
 }
 

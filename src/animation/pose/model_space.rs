@@ -105,7 +105,7 @@ impl Armature {
     }
 
     /// A bone and its ancestors, upwards.
-    pub(in crate::animation) fn upwards(
+    pub(in crate::animation) fn bone_and_ancestors(
         &self,
         bone: Option<BoneId>,
     ) -> impl Iterator<Item = BoneId> + '_ {
@@ -113,14 +113,14 @@ impl Armature {
     }
 
     fn model_transform(&self, pose: &Pose, bone: Option<BoneId>) -> Affine3A {
-        self.upwards(bone)
+        self.bone_and_ancestors(bone)
             .fold(Affine3A::IDENTITY, |product, bone| {
                 pose.local_of(bone).to_affine() * product
             })
     }
 
     fn model_rotation_of(&self, pose: &Pose, bone: Option<BoneId>) -> Quat {
-        let bones = self.upwards(bone);
+        let bones = self.bone_and_ancestors(bone);
         bones.fold(Quat::IDENTITY, |product, bone| {
             let local = pose.local_of(bone);
             local.rotation * Mirror::NONE.below(local.scale).single(product)
@@ -129,7 +129,7 @@ impl Armature {
 
     /// Mirror of a bone's children.
     fn mirror(&self, pose: &Pose, bone: Option<BoneId>) -> Mirror {
-        let bones = self.upwards(bone);
+        let bones = self.bone_and_ancestors(bone);
         bones.fold(Mirror::NONE, |mirror, bone| {
             mirror.below(pose.local_of(bone).scale)
         })
