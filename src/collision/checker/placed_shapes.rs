@@ -15,13 +15,13 @@ pub(super) struct PartShape {
 
 /// Placement of a shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedShape {
     pub(super) world_from_shape: Placement<f64>,
     /// Centre of its bounding sphere in the world.
     pub(super) centre: Vector3<f64>,
 }
 
-impl Placed {
+impl PlacedShape {
     pub(super) fn nowhere() -> Self {
         Self {
             world_from_shape: Placement::identity(),
@@ -31,7 +31,7 @@ impl Placed {
 }
 
 /// The shapes of a part, with their placements in the same order.
-pub(super) type PlacedShapes<'a> = (&'a [PartShape], &'a [Placed]);
+pub(super) type PlacedShapes<'a> = (&'a [PartShape], &'a [PlacedShape]);
 
 impl PartShape {
     pub(super) fn new(shape: Shape, part_from_shape: Placement<f64>) -> Self {
@@ -42,9 +42,9 @@ impl PartShape {
         }
     }
 
-    pub(super) fn placed(&self, world_from_part: &Placement<f64>) -> Placed {
+    pub(super) fn placed(&self, world_from_part: &Placement<f64>) -> PlacedShape {
         let world_from_shape = *world_from_part * self.part_from_shape;
-        Placed {
+        PlacedShape {
             centre: world_from_shape.apply(self.ball.centre),
             world_from_shape,
         }
@@ -58,18 +58,18 @@ pub(super) fn part_to_part(
     within: f64,
 ) -> Option<Separation> {
     let mut nearest: Option<Separation> = None;
-    for (first, first_at) in a.0.iter().zip(a.1) {
-        for (second, second_at) in b.0.iter().zip(b.1) {
+    for (first, first_placed) in a.0.iter().zip(a.1) {
+        for (second, second_placed) in b.0.iter().zip(b.1) {
             // Rejects by bounding spheres.
             let reach = first.ball.radius + second.ball.radius + within;
-            if (first_at.centre - second_at.centre).norm_squared() > reach * reach {
+            if (first_placed.centre - second_placed.centre).norm_squared() > reach * reach {
                 continue;
             }
             let separation = separation_within(
                 &first.shape,
-                &first_at.world_from_shape,
+                &first_placed.world_from_shape,
                 &second.shape,
-                &second_at.world_from_shape,
+                &second_placed.world_from_shape,
                 within,
             );
             if let Some(separation) = separation {

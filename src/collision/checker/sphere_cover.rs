@@ -39,9 +39,9 @@ impl PlacedCover {
     }
 
     /// Computes the bounding sphere on first use.
-    pub(super) fn place(&mut self, own: &Cover, at: &Placement<f64>) {
+    pub(super) fn place(&mut self, cover: &Cover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_bound, true) {
-            self.bound = placed(&own.bound, at);
+            self.bound = placed(&cover.bound, at);
         }
     }
 
@@ -51,28 +51,28 @@ impl PlacedCover {
     }
 
     /// Computes the spheres on first use.
-    pub(super) fn place_spheres(&mut self, own: &Cover, at: &Placement<f64>) {
+    pub(super) fn place_spheres(&mut self, cover: &Cover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_spheres, true) {
             self.spheres.clear();
-            (self.spheres).extend(own.spheres.iter().map(|ball| placed(ball, at)));
+            (self.spheres).extend(cover.spheres.iter().map(|ball| placed(ball, at)));
         }
     }
 
     /// True if the covered shapes are certainly farther apart than `within` metres.
     pub(super) fn is_apart(&self, other: &Self, within: f64) -> bool {
-        let near = |own: &&Ball| meet(own, &other.bound, within);
-        let touches = |own: &Ball| {
+        let near = |ball: &&Ball| meet(ball, &other.bound, within);
+        let touches = |ball: &Ball| {
             let mut others = other.spheres.iter();
-            others.any(|sphere| meet(own, sphere, within))
+            others.any(|sphere| meet(ball, sphere, within))
         };
         !self.spheres.iter().filter(near).any(touches)
     }
 }
 
-fn placed(own: &Ball, at: &Placement<f64>) -> Ball {
+fn placed(ball: &Ball, at: &Placement<f64>) -> Ball {
     Ball {
-        centre: at.apply(own.centre),
-        radius: own.radius,
+        centre: at.apply(ball.centre),
+        radius: ball.radius,
     }
 }
 

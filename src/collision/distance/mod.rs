@@ -14,7 +14,7 @@ mod simplex;
 use self::core_and_radius::Gap;
 use super::shape::{Shape, ShapeKind};
 use crate::spatial::{Placement, Vector3};
-use many::Parts;
+use many::ConvexParts;
 
 pub(crate) use self::core_and_radius::{Core, Pair};
 pub(crate) use convex::gap as convex_gap;
@@ -119,8 +119,8 @@ fn gap(
         (ShapeKind::HalfSpace, other) => half_space::gap(other, &first_from_second),
         (other, ShapeKind::HalfSpace) => {
             let second_from_first = first_from_second.inverse();
-            let turned = half_space::gap(other, &second_from_first)?;
-            Some(turned.flipped(&first_from_second))
+            let swapped = half_space::gap(other, &second_from_first)?;
+            Some(swapped.flipped(&first_from_second))
         }
         (a, b) => match (Core::of(a), Core::of(b)) {
             (Some((core_a, radius_a)), Some((core_b, radius_b))) => {
@@ -132,8 +132,8 @@ fn gap(
                 convex::gap(&pair, radius_a, radius_b, within)
             }
             _ => many::gap(
-                &Parts::of(first),
-                &Parts::of(second),
+                &ConvexParts::of(first),
+                &ConvexParts::of(second),
                 &first_from_second,
                 within,
             ),

@@ -1,7 +1,7 @@
 //! Collision pairs of MJCF files.
 
 use super::CollisionModel;
-use super::planes::{Plane, standing};
+use super::planes::{Plane, fixed_placement};
 use crate::model::FrameId;
 use crate::robot::Contacts;
 
@@ -13,24 +13,29 @@ impl CollisionModel {
         let pairs = links.flat_map(|(at, a)| self.links[at + 1..].iter().map(move |b| [*a, *b]));
         let pairs = pairs.filter(|[a, b]| contacts.are_apart(a.index(), b.index()));
         self.pairs = pairs.collect();
-        let in_part = |[a, b]: &[FrameId; 2]| contacts.are_apart_in_part(a.index(), b.index());
-        let mixed: Vec<_> = self.pairs.iter().filter(|pair| in_part(pair)).collect();
-        if let [[a, b], others @ ..] = mixed.as_slice() {
+        let excluded_in_part =
+            |[a, b]: &[FrameId; 2]| contacts.are_apart_in_part(a.index(), b.index());
+        let partly_excluded: Vec<_> = self
+            .pairs
+            .iter()
+            .filter(|pair| excluded_in_part(pair))
+            .collect();
+        if let [[a, b], others @ ..] = partly_excluded.as_slice() {
             let [a, b] = [self.name_of(*a), self.name_of(*b)];
-            let more = match others.len() {
+            let suffix = match others.len() {
                 0 => String::new(),
                 1 => " (and one more pair)".to_owned(),
                 count => format!(" (and {count} more pairs)"),
             };
             self.notes.push(format!(
-                "links `{a}` and `{b}`{more}: all geoms are checked, although contact bits exclude some of them"
+                "links `{a}` and `{b}`{suffix}: all geoms are checked, although contact bits exclude some of them"
             ));
         }
         for plane in &contacts.planes {
             let Some(link) = self.model.frame_ids().nth(plane.body) else {
                 continue;
             };
-            let Some(world_from_link) = standing(&self.model, link) else {
+            let Some(world_from_link) = fixed_placement(&self.model, link) else {
                 let on = self.name_of(link);
                 self.notes.push(format!(
                     "{}: left out, as `{on}` moves: a half-space must be fixed",

@@ -34,9 +34,10 @@ impl LinkShapes {
             for (other_from_second, second) in &other.shapes {
                 let world_from_second = *world_from_other * *other_from_second;
                 let within = nearest.map_or(within, |nearest| nearest.distance);
-                let places = (&world_from_first, &world_from_second);
-                let found = separation_within(first, places.0, second, places.1, within);
-                nearest = found.or(nearest);
+                let placements = (&world_from_first, &world_from_second);
+                let separation =
+                    separation_within(first, placements.0, second, placements.1, within);
+                nearest = separation.or(nearest);
             }
         }
         nearest
@@ -47,7 +48,7 @@ impl CollisionModel {
     /// Shapes of each link with shapes, in the order of [`links`](Self::links).
     pub(super) fn link_shapes(&self) -> Vec<LinkShapes> {
         let of_link = |link| {
-            let own = self.objects_of(link);
+            let objects = self.objects_of(link);
             let ball = |object: &super::CollisionObject| {
                 let Ball { centre, radius } = object.shape.bounding_sphere();
                 let centre = object.link_from_shape.apply(centre);
@@ -55,8 +56,8 @@ impl CollisionModel {
             };
             let balls: Vec<Ball> = self.objects_of(link).map(ball).collect();
             LinkShapes {
-                shapes: own
-                    .map(|own| (own.link_from_shape, own.shape.clone()))
+                shapes: objects
+                    .map(|object| (object.link_from_shape, object.shape.clone()))
                     .collect(),
                 ball: enclosing(&balls),
             }

@@ -38,13 +38,13 @@ impl Plane {
     }
 
     /// True if shapes on a link must stay above the plane. Never true for a fixed link.
-    pub(crate) fn holds(&self, model: &Model, link: FrameId) -> bool {
+    pub(crate) fn blocks(&self, model: &Model, link: FrameId) -> bool {
         carrier(model, link).is_some() && !self.passed.contains(&link)
     }
 }
 
 /// World placement of a link that no joint moves; `None` for a moving link.
-pub(super) fn standing(model: &Model, link: FrameId) -> Option<Placement<f64>> {
+pub(super) fn fixed_placement(model: &Model, link: FrameId) -> Option<Placement<f64>> {
     if carrier(model, link).is_some() {
         return None;
     }
@@ -76,7 +76,7 @@ impl CollisionModel {
         self.planes.iter().any(|plane| {
             [(a, b), (b, a)]
                 .iter()
-                .any(|(on, link)| plane.link == *on && plane.holds(&self.model, *link))
+                .any(|(on, link)| plane.link == *on && plane.blocks(&self.model, *link))
         })
     }
 }

@@ -26,7 +26,7 @@ impl Passed {
     }
 
     pub(super) fn is_passed(&self, body: usize, number: u64) -> bool {
-        let own = self.of_body.get(body);
-        own.is_some_and(|own| own.binary_search(&number).is_ok())
+        let allowed = self.of_body.get(body);
+        allowed.is_some_and(|allowed| allowed.binary_search(&number).is_ok())
     }
 }

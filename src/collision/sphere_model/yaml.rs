@@ -83,9 +83,9 @@ pub(super) fn parse(
                 spheres.push(Ball { centre, radius });
             }
         }
-        let off = list.len() - spheres.len();
-        if off > 0 {
-            let spheres = counted(off, "sphere");
+        let disabled = list.len() - spheres.len();
+        if disabled > 0 {
+            let spheres = counted(disabled, "sphere");
             notes.push(format!(
                 "link `{name}`: {spheres} of a radius of 0 or less left out: cuRobo switches them off so"
             ));

@@ -10,7 +10,7 @@ const WORLD: &str = "world";
 /// reads them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frames {
-    own: Option<String>,
+    planning_frame: Option<String>,
     /// Frames in which the state of the robot is given.
     of_state: Vec<String>,
     others: Vec<(String, Placement<f64>)>,
@@ -34,25 +34,28 @@ impl Frames {
         let Some(child) = child.map(bare).filter(|child| !child.is_empty()) else {
             return;
         };
-        let own = self.own.get_or_insert_with(|| child.to_owned());
-        if let (Some(header), true) = (frame_of(transform), own == child) {
+        let planning_frame = self.planning_frame.get_or_insert_with(|| child.to_owned());
+        if let (Some(header), true) = (frame_of(transform), planning_frame == child) {
             self.others.push((header.to_owned(), child_from_header));
         }
     }
 
     /// Name of the planning frame.
-    pub(super) fn own(&self) -> &str {
-        self.own.as_deref().unwrap_or(WORLD)
+    pub(super) fn planning_frame(&self) -> &str {
+        self.planning_frame.as_deref().unwrap_or(WORLD)
     }
 
     /// Placement of a frame in the planning frame; `None` if it is unknown.
     pub(super) fn placement(&self, frame: &str) -> Option<Placement<f64>> {
-        let is_own = frame == self.own() || self.of_state.iter().any(|own| own == frame);
-        if is_own {
+        let is_planning_frame = frame == self.planning_frame()
+            || self.of_state.iter().any(|state_frame| state_frame == frame);
+        if is_planning_frame {
             return Some(Placement::identity());
         }
         let mut others = self.others.iter();
-        others.find(|(name, _)| name == frame).map(|(_, at)| *at)
+        others
+            .find(|(name, _)| name == frame)
+            .map(|(_, placement)| *placement)
     }
 }
 

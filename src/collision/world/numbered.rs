@@ -57,21 +57,21 @@ impl Numbered {
     }
 
     pub(super) fn get(&self, number: u64) -> Option<&Arc<Obstacle>> {
-        let (chunk, at) = self.find(number)?;
-        Some(&self.chunks[chunk][at].1)
+        let (chunk, index) = self.find(number)?;
+        Some(&self.chunks[chunk][index].1)
     }
 
     pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut Arc<Obstacle>> {
-        let (chunk, at) = self.find(number)?;
-        Some(&mut Arc::make_mut(&mut self.chunks[chunk])[at].1)
+        let (chunk, index) = self.find(number)?;
+        Some(&mut Arc::make_mut(&mut self.chunks[chunk])[index].1)
     }
 
     /// Index of the chunk, and the index in it.
     fn find(&self, number: u64) -> Option<(usize, usize)> {
         let after = self.chunks.partition_point(|chunk| chunk[0].0 <= number);
         let chunk = after.checked_sub(1)?;
-        let at = self.chunks[chunk].binary_search_by_key(&number, |(number, _)| *number);
-        Some((chunk, at.ok()?))
+        let index = self.chunks[chunk].binary_search_by_key(&number, |(number, _)| *number);
+        Some((chunk, index.ok()?))
     }
 
     /// Adds an obstacle with a number above all others.
@@ -84,19 +84,19 @@ impl Numbered {
     }
 
     pub(super) fn remove(&mut self, number: u64) {
-        let Some((chunk, at)) = self.find(number) else {
+        let Some((chunk, index)) = self.find(number) else {
             return;
         };
         self.len -= 1;
-        let own = Arc::make_mut(&mut self.chunks[chunk]);
-        own.remove(at);
-        let left = own.len();
-        if left == 0 {
+        let chunk_entries = Arc::make_mut(&mut self.chunks[chunk]);
+        chunk_entries.remove(index);
+        let remaining = chunk_entries.len();
+        if remaining == 0 {
             self.chunks.remove(chunk);
         } else if self
             .chunks
             .get(chunk + 1)
-            .is_some_and(|next| next.len() + left <= CHUNK / 2)
+            .is_some_and(|next| next.len() + remaining <= CHUNK / 2)
         {
             // Merges small chunks, so that their number remains small.
             let next = self.chunks.remove(chunk + 1);
@@ -123,15 +123,15 @@ impl Numbered {
                 (Some((one, _)), None) => *one,
                 (None, Some((other, _))) => *other,
             };
-            let own = |entry: Option<&'a (u64, Arc<Obstacle>)>| {
+            let with_number = |entry: Option<&'a (u64, Arc<Obstacle>)>| {
                 entry
-                    .filter(|(own, _)| *own == number)
+                    .filter(|(entry_number, _)| *entry_number == number)
                     .map(|(_, obstacle)| obstacle)
             };
             let change = Change {
                 number,
-                before: own(one),
-                after: own(other),
+                before: with_number(one),
+                after: with_number(other),
             };
             if change.before.is_some() {
                 before.pass_entry();
