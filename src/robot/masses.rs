@@ -41,20 +41,24 @@ impl Robot {
     /// The masses of links that joints move; an error if `unknown` holds for one of them.
     fn gathered(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
         let links = || self.model.frame_ids().zip(&self.links);
-        let mut left = links()
+        let mut missing = links()
             .filter(|(frame, link)| unknown(link) && moving_joint(&self.model, *frame).is_some());
-        if let Some((frame, _)) = left.next() {
+        if let Some((frame, _)) = missing.next() {
             let frame = self.model.frames()[frame.index()].name.clone();
-            let others = left.count();
+            let others = missing.count();
             return Err(MassError::MissingInertia { frame, others });
         }
         let masses = links().filter_map(|(frame, link)| {
-            let (at, mass) = match (&link.inertial, link.left_to_meshes) {
-                (Some(own), _) => (own.link_from_inertia.translation, own.mass),
+            let (position, mass) = match (&link.inertial, link.left_to_meshes) {
+                (Some(inertial), _) => (inertial.link_from_inertia.translation, inertial.mass),
                 (None, Some(MissingInertia::Centre { mass })) => (Vector3::zero(), mass),
                 (None, _) => return None,
             };
-            Some(PointMass { frame, at, mass })
+            Some(PointMass {
+                frame,
+                at: position,
+                mass,
+            })
         });
         Masses::new(&self.model, masses)
     }

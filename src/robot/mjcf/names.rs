@@ -62,33 +62,33 @@ impl<'a> ElementNames<'a> {
     pub(super) fn frames_of(&self, body: &Body<'_>) -> Vec<FrameId> {
         let sites = body.sites.iter().filter_map(|site| site.tag.text("name"));
         let sites = sites.filter_map(|name| self.sites.get(name));
-        let own = body.tag.text("name").and_then(|name| self.bodies.get(name));
-        own.into_iter().chain(sites).copied().collect()
+        let body_frame = body.tag.text("name").and_then(|name| self.bodies.get(name));
+        body_frame.into_iter().chain(sites).copied().collect()
     }
 
-    pub(super) fn joint(&self, by: &Attributes<'_>, name: &str) -> Read<NamedJoint> {
-        look_up(&self.joints, "joint", by, name)
+    pub(super) fn joint(&self, element: &Attributes<'_>, name: &str) -> Read<NamedJoint> {
+        look_up(&self.joints, "joint", element, name)
     }
 
-    pub(super) fn body(&self, by: &Attributes<'_>, name: &str) -> Read<FrameId> {
-        look_up(&self.bodies, "body", by, name)
+    pub(super) fn body(&self, element: &Attributes<'_>, name: &str) -> Read<FrameId> {
+        look_up(&self.bodies, "body", element, name)
     }
 
-    pub(super) fn site(&self, by: &Attributes<'_>, name: &str) -> Read<FrameId> {
-        look_up(&self.sites, "site", by, name)
+    pub(super) fn site(&self, element: &Attributes<'_>, name: &str) -> Read<FrameId> {
+        look_up(&self.sites, "site", element, name)
     }
 }
 
 fn look_up<T: Copy>(
     known: &HashMap<&str, T>,
     kind: &'static str,
-    by: &Attributes<'_>,
+    element: &Attributes<'_>,
     name: &str,
 ) -> Read<T> {
     known.get(name).copied().ok_or_else(|| {
         let mut valid: Vec<&str> = known.keys().copied().collect();
         valid.sort_unstable();
-        by.fault(UnknownName::new(kind, name, valid).into())
+        element.fault(UnknownName::new(kind, name, valid).into())
     })
 }
 
@@ -114,13 +114,13 @@ impl FreshNames {
     }
 
     /// Marks a name as used.
-    pub(super) fn take(&mut self, name: &str) {
+    pub(super) fn reserve(&mut self, name: &str) {
         self.taken.insert(name.to_owned(), 0);
     }
 }
 
 /// The names that the file gives to joints, and to bodies and sites. Returns an error for a repeated name.
-pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
+pub(super) fn file_names(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let [mut joints, mut frames] = [FreshNames::default(), FreshNames::default()];
     let joint_tags = bodies
         .iter()
@@ -129,13 +129,13 @@ pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let site_tags = bodies
         .iter()
         .flat_map(|body| body.sites.iter().map(|site| site.tag));
-    once(joint_tags, &mut joints, None)?;
-    once(body_tags.skip(1), &mut frames, Some(WORLD))?;
-    once(site_tags, &mut frames, None)?;
+    check_unique(joint_tags, &mut joints, None)?;
+    check_unique(body_tags.skip(1), &mut frames, Some(WORLD))?;
+    check_unique(site_tags, &mut frames, None)?;
     Ok([joints, frames])
 }
 
-fn once<'a>(
+fn check_unique<'a>(
     tags: impl Iterator<Item = Tag<'a>>,
     taken: &mut FreshNames,
     reserved: Option<&'a str>,
@@ -148,7 +148,7 @@ fn once<'a>(
         if let Some(first_line) = lines.insert(name, tag.line()) {
             return Err(tag.fault(ParseIssue::DuplicateName { first_line }));
         }
-        taken.take(name);
+        taken.reserve(name);
     }
     Ok(())
 }
