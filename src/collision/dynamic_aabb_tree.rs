@@ -72,8 +72,8 @@ impl<T: Clone> DynamicAabbTree<T> {
         let unchanged = self.new.iter().filter(|(number, ..)| !replaced(*number));
         let mut new: Vec<_> = unchanged.collect();
         let added = changes.iter();
-        new.extend(added.filter_map(|(number, now)| {
-            let (item, bounds) = now.clone()?;
+        new.extend(added.filter_map(|(number, new_item)| {
+            let (item, bounds) = new_item.clone()?;
             Some((*number, item, bounds))
         }));
         if new.len() + removed.len() > max_small_size(self.old.numbers.len()) {
@@ -266,48 +266,48 @@ mod tests {
     }
 
     /// All items whose boxes contain the coordinate along x, in the order of their numbers.
-    fn met(tree: &DynamicAabbTree<&'static str>, x: f64) -> Vec<(u64, &'static str)> {
-        let mut met = Vec::new();
+    fn matches(tree: &DynamicAabbTree<&'static str>, x: f64) -> Vec<(u64, &'static str)> {
+        let mut matches = Vec::new();
         let squared_distance =
             |bounds: &BoundingBox| bounds.squared_distance(Vector3::new(x, 0.5, 0.5));
         tree.nearest(1e-9, squared_distance, |index, best| {
             if squared_distance(tree.bounds(index)) == 0.0 {
-                met.push((tree.number(index), *tree.item(index)));
+                matches.push((tree.number(index), *tree.item(index)));
             }
             best
         });
-        met.sort_unstable();
-        let mut items: Vec<_> = met.iter().map(|(_, item)| *item).collect();
+        matches.sort_unstable();
+        let mut items: Vec<_> = matches.iter().map(|(_, item)| *item).collect();
         let recorder = Recorder::default();
         assert!(!tree.any(Vector3::new(x, 0.5, 0.5), 1e-9, &recorder));
         let mut tested = recorder.0.into_inner();
         items.sort_unstable();
         tested.sort_unstable();
         assert_eq!(items, tested);
-        met
+        matches
     }
 
     #[test]
     fn few_changes_keep_the_large_tree() {
         let all = (0..1000).map(|number| (number, "old", around(number as f64)));
         let first = DynamicAabbTree::new(all);
-        assert_eq!(met(&first, 10.2), [(10, "old")]);
+        assert_eq!(matches(&first, 10.2), [(10, "old")]);
         let moved = first.changed(vec![(10, Some(("new", around(20.1)))), (11, None)]);
         assert!(moved.shares_old(&first));
-        assert!(met(&moved, 10.2).is_empty() && met(&moved, 11.2).is_empty());
-        assert_eq!(met(&moved, 20.2), [(10, "new"), (20, "old")]);
+        assert!(matches(&moved, 10.2).is_empty() && matches(&moved, 11.2).is_empty());
+        assert_eq!(matches(&moved, 20.2), [(10, "new"), (20, "old")]);
         // Repeated changes of one item count as one.
         let mut again = moved.clone();
         for step in 0..500 {
             again = again.changed(vec![(10, Some(("again", around(f64::from(step)))))]);
         }
         assert!(again.shares_old(&first));
-        assert_eq!(met(&again, 499.2), [(10, "again"), (499, "old")]);
+        assert_eq!(matches(&again, 499.2), [(10, "again"), (499, "old")]);
         let others = (0..500).map(|number| (2 * number, Some(("other", around(number as f64)))));
         let many = again.changed(others.collect());
         assert!(!many.shares_old(&first) && !many.has_new());
-        assert_eq!(met(&many, 77.2), [(77, "old"), (154, "other")]);
+        assert_eq!(matches(&many, 77.2), [(77, "old"), (154, "other")]);
         // The first tree is unchanged.
-        assert_eq!(met(&first, 10.2), [(10, "old")]);
+        assert_eq!(matches(&first, 10.2), [(10, "old")]);
     }
 }

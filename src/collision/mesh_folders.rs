@@ -25,12 +25,12 @@ impl MeshFolders {
     pub(super) fn find(&self, reference: &str) -> Result<PathBuf, Vec<PathBuf>> {
         let mut paths = self.candidate_paths(reference);
         let is_file = |path: &&PathBuf| path.is_file();
-        if let Some(found) = paths.iter().find(is_file) {
-            return Ok(found.clone());
+        if let Some(path) = paths.iter().find(is_file) {
+            return Ok(path.clone());
         }
         let declared = self.paths_by_manifest(reference, |_| true);
-        if let Some(found) = declared.iter().find(is_file) {
-            return Ok(found.clone());
+        if let Some(path) = declared.iter().find(is_file) {
+            return Ok(path.clone());
         }
         paths.extend(declared);
         Err(paths)

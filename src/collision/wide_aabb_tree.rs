@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn all_near_boxes_and_few_others_are_visited() {
         let numbers = &mut Numbers(7);
-        for (scale, far) in [
+        for (scale, offset) in [
             (1.0, 0.0),
             (1e-12, 0.0),
             (1e-30, 0.0),
@@ -313,7 +313,7 @@ mod tests {
             (1.0, 1e6),
         ] {
             for count in [0, 1, 2, 7, 8, 9, 33, 64, 65, 700] {
-                let middle = Vector3::new(far, -far, far);
+                let middle = Vector3::new(offset, -offset, offset);
                 let boxes: Vec<_> = (0..count)
                     .map(|_| {
                         let corner = middle + numbers.point(scale);
@@ -340,7 +340,7 @@ mod tests {
                         let tested = tested_items(tree, point, reach);
                         let expected: Vec<u32> = (0..count as u32).filter(near).collect();
                         let missing = expected.iter().find(|item| !tested.contains(item));
-                        assert_eq!(missing, None, "{scale} {far} {count}");
+                        assert_eq!(missing, None, "{scale} {offset} {count}");
                         if !are_points {
                             extra_tests += tested.len() - expected.len();
                             near_count += expected.len();
@@ -348,7 +348,7 @@ mod tests {
                     }
                 }
                 // Squares of the smallest coordinates underflow in single precision.
-                assert!(scale < 1e-20 || far > 0.0 || 100 * extra_tests <= near_count);
+                assert!(scale < 1e-20 || offset > 0.0 || 100 * extra_tests <= near_count);
             }
         }
     }

@@ -46,7 +46,7 @@ impl Tree {
         match (partials.linear, partials.angular) {
             // The most common shape, unrolled.
             (&[by_x, by_y, by_z], []) => {
-                self.each_twist(state, partials.frame, |variable, linear, _| {
+                self.visit_twists(state, partials.frame, |variable, linear, _| {
                     if let [x, y, z] = &mut entries[column_range(variable)] {
                         *x += by_x.dot(linear);
                         *y += by_y.dot(linear);
@@ -55,7 +55,7 @@ impl Tree {
                 });
             }
             (by_linear, []) => {
-                self.each_twist(state, partials.frame, |variable, linear, _| {
+                self.visit_twists(state, partials.frame, |variable, linear, _| {
                     for (entry, by_linear) in
                         entries[column_range(variable)].iter_mut().zip(by_linear)
                     {
@@ -64,7 +64,7 @@ impl Tree {
                 });
             }
             (by_linear, by_angular) => {
-                self.each_twist(state, partials.frame, |variable, linear, angular| {
+                self.visit_twists(state, partials.frame, |variable, linear, angular| {
                     let pairs = by_linear.iter().zip(by_angular);
                     for (entry, (by_linear, by_angular)) in
                         entries[column_range(variable)].iter_mut().zip(pairs)
@@ -81,7 +81,7 @@ impl Tree {
     /// The closure gets the joint's variable and the frame's velocity and angular velocity for a unit rate of the
     /// variable.
     #[inline(always)]
-    fn each_twist(
+    fn visit_twists(
         &self,
         state: &TreeState<f64>,
         frame: FrameSlot,

@@ -65,18 +65,18 @@ impl ContactBits {
 
 impl Contacts {
     /// Reports whether collisions of two links are enabled.
-    pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
+    pub(crate) fn are_checked(&self, a: usize, b: usize) -> bool {
         self.paired.contains(&[a.min(b), a.max(b)])
             || self.bodies_collide(a, b) && self.geom_collisions(a, b).any(|meet| meet)
     }
 
     /// Reports whether collisions of two links are enabled, but disabled for some pairs of their geoms.
-    pub(crate) fn are_apart_in_part(&self, a: usize, b: usize) -> bool {
-        self.are_apart(a, b) && !self.geom_collisions(a, b).all(|meet| meet)
+    pub(crate) fn are_partly_checked(&self, a: usize, b: usize) -> bool {
+        self.are_checked(a, b) && !self.geom_collisions(a, b).all(|meet| meet)
     }
 
     /// Reports whether collisions of a link with a plane are enabled.
-    pub(crate) fn is_over(&self, plane: &ContactPlane, link: usize) -> bool {
+    pub(crate) fn is_plane_checked(&self, plane: &ContactPlane, link: usize) -> bool {
         plane.paired.contains(&link)
             || self.bodies_collide(plane.body, link)
                 && self

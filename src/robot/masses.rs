@@ -26,7 +26,7 @@ impl Robot {
     /// A negative mass, no mass at all, or a mass that depends on a mesh file
     /// ([`Link::left_to_meshes`](super::Link::left_to_meshes)). The error names the link.
     pub fn masses(&self) -> Result<Masses, MassError> {
-        self.gathered(|link| link.left_to_meshes.is_some())
+        self.collect_masses(|link| link.left_to_meshes.is_some())
     }
 
     /// Sum of the [`masses`](Self::masses), kilograms. A link whose mass is known and whose centre is not still counts.
@@ -34,12 +34,13 @@ impl Robot {
     /// # Errors
     /// As [`masses`](Self::masses), except for links of which only the centre of mass depends on a mesh file.
     pub fn total_mass(&self) -> Result<f64, MassError> {
-        let masses = self.gathered(|link| link.left_to_meshes == Some(MissingInertia::Mass))?;
+        let masses =
+            self.collect_masses(|link| link.left_to_meshes == Some(MissingInertia::Mass))?;
         Ok(masses.total())
     }
 
     /// The masses of links that joints move; an error if `unknown` holds for one of them.
-    fn gathered(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
+    fn collect_masses(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
         let links = || self.model.frame_ids().zip(&self.links);
         let mut missing = links()
             .filter(|(frame, link)| unknown(link) && moving_joint(&self.model, *frame).is_some());

@@ -162,7 +162,7 @@ impl Robot {
     /// value of its source joint up to 1e-9 rad or m. False for a configuration of another length.
     #[must_use]
     pub fn is_within_limits(&self, q: &[f64]) -> bool {
-        self.model.is_within_limits(q) && self.follows(q)
+        self.model.is_within_limits(q) && self.satisfies_mimics(q)
     }
 
     /// Sets the mimic joints of a configuration to the values that their source joints give them, clamped to their
@@ -186,7 +186,7 @@ impl Robot {
         q
     }
 
-    fn follows(&self, q: &[f64]) -> bool {
+    fn satisfies_mimics(&self, q: &[f64]) -> bool {
         let mut values = self.mimic_values(q).into_iter();
         values.all(|(coordinate, value)| (q[coordinate] - value).abs() <= MAX_DEVIATION)
     }

@@ -283,7 +283,7 @@ impl Checker {
                 false => self.motion_margin(),
             };
             // Pairs farther apart cannot reach the margin until the end.
-            let within = margin + RESOLUTION + monitored.motion * (1.0 - share);
+            let max_distance = margin + RESOLUTION + monitored.motion * (1.0 - share);
             // Required distance of a pair; records initial contacts.
             let mut margin_for = |pair: Pair, distance: f64| {
                 let is_initial = share == 0.0 && tolerates_contacts;
@@ -298,8 +298,12 @@ impl Checker {
             };
             let nearest = match monitored.kind {
                 ItemKind::Part(part) => {
-                    self.scene
-                        .find_fixed_obstacles(part, placements, within, scene_workspace);
+                    self.scene.find_fixed_obstacles(
+                        part,
+                        placements,
+                        max_distance,
+                        scene_workspace,
+                    );
                     let mut nearest: Option<(Pair, f64, f64)> = None;
                     for near_index in 0..scene_workspace.near.len() {
                         let (obstacle, separation) = scene_workspace.near[near_index];
@@ -323,7 +327,9 @@ impl Checker {
                     nearest
                 }
                 ItemKind::Pair(pair) => {
-                    let separation = self.scene.apart(pair, placements, within, scene_workspace);
+                    let separation =
+                        self.scene
+                            .separation(pair, placements, max_distance, scene_workspace);
                     separation.map(|separation| {
                         let pair = Pair::Parts(pair[0], pair[1]);
                         let margin = margin_for(pair, separation.distance);
@@ -384,13 +390,13 @@ impl Checker {
                         .find_fixed_obstacles(part, placements, margin, scene_workspace);
                     let mut near = scene_workspace.near.iter();
                     let separation = near.find(|(other, _)| *other as usize == obstacle);
-                    separation.map(|(_, found)| found.distance)
+                    separation.map(|(_, separation)| separation.distance)
                 }
                 Pair::Parts(a, b) => {
-                    let found = self
-                        .scene
-                        .apart([a, b], placements, margin, scene_workspace);
-                    found.map(|found| found.distance)
+                    let separation =
+                        self.scene
+                            .separation([a, b], placements, margin, scene_workspace);
+                    separation.map(|separation| separation.distance)
                 }
             };
             if let Some(distance) = distance.filter(|distance| *distance < margin) {

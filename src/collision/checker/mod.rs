@@ -208,7 +208,7 @@ impl Checker {
         Ok(free)
     }
 
-    /// The closest pair at a configuration and its distance, if that is at most `within` metres.
+    /// The closest pair at a configuration and its distance, if that is at most `max_distance` metres.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -216,17 +216,21 @@ impl Checker {
         &self,
         workspace: &mut CheckerWorkspace,
         q: &[f64],
-        within: f64,
+        max_distance: f64,
     ) -> Result<Option<Collision>, KinematicsError> {
         let (placements, scene_workspace) = workspace.place(self, q)?;
         let mut nearest: Option<(Pair, f64)> = None;
-        self.scene
-            .visit(placements, within, scene_workspace, |pair, separation| {
+        self.scene.visit(
+            placements,
+            max_distance,
+            scene_workspace,
+            |pair, separation| {
                 if nearest.is_none_or(|(_, known)| separation.distance < known) {
                     nearest = Some((pair, separation.distance));
                 }
                 true
-            });
+            },
+        );
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
     }
 

@@ -183,12 +183,12 @@ impl Scene {
         pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
 
-    /// Visits all pairs at most `within` metres apart, each with its closest shapes. Stops if `each` returns false or
+    /// Visits all pairs at most `max_distance` metres apart, each with its closest shapes. Stops if `each` returns false or
     /// the time is [over](crate::clock::cut_short).
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],
-        within: f64,
+        max_distance: f64,
         workspace: &mut SceneWorkspace,
         mut each: impl FnMut(Pair, &Separation) -> bool,
     ) {
@@ -197,7 +197,7 @@ impl Scene {
             if is_over() {
                 return;
             }
-            self.find_fixed_obstacles(part, placements, within, workspace);
+            self.find_fixed_obstacles(part, placements, max_distance, workspace);
             for (obstacle, separation) in &workspace.near {
                 if !each(Pair::FixedObstacle(part, *obstacle as usize), separation) {
                     return;
@@ -208,7 +208,7 @@ impl Scene {
             if is_over() {
                 return;
             }
-            if let Some(separation) = self.apart(pair, placements, within, workspace)
+            if let Some(separation) = self.separation(pair, placements, max_distance, workspace)
                 && !each(Pair::Parts(pair[0], pair[1]), &separation)
             {
                 return;
@@ -216,13 +216,13 @@ impl Scene {
         }
     }
 
-    /// Finds the fixed obstacles at most `within` metres from a part. Writes each with the separation of its closest
+    /// Finds the fixed obstacles at most `max_distance` metres from a part. Writes each with the separation of its closest
     /// shape to `room.near`.
     pub(super) fn find_fixed_obstacles(
         &self,
         part: usize,
         placements: &[Placement<f64>],
-        within: f64,
+        max_distance: f64,
         workspace: &mut SceneWorkspace,
     ) {
         workspace.near.clear();
@@ -232,7 +232,7 @@ impl Scene {
         self.place(part, placements, workspace);
         let SceneWorkspace { shapes, near, .. } = workspace;
         let placed = (&*self.parts[part].shapes, &shapes[self.shapes_of(part)]);
-        self.near(placed, within, |obstacle, separation| {
+        self.near(placed, max_distance, |obstacle, separation| {
             match near.iter_mut().find(|(known, _)| *known == obstacle) {
                 Some((_, known)) if known.distance <= separation.distance => {}
                 Some((_, known)) => *known = separation,
@@ -251,26 +251,26 @@ impl Scene {
         near.sort_by_key(|(obstacle, _)| self.fixed_obstacles.number(*obstacle));
     }
 
-    /// The separation of two parts, if it is at most `within` metres.
-    pub(super) fn apart(
+    /// The separation of two parts, if it is at most `max_distance` metres.
+    pub(super) fn separation(
         &self,
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
-        within: f64,
+        max_distance: f64,
         workspace: &mut SceneWorkspace,
     ) -> Option<Separation> {
-        if !self.covers_meet([a, b], placements, within, &mut workspace.covers) {
+        if !self.covers_meet([a, b], placements, max_distance, &mut workspace.covers) {
             return None;
         }
-        self.shape_separation([a, b], placements, within, workspace)
+        self.shape_separation([a, b], placements, max_distance, workspace)
     }
 
-    /// True if the sphere covers of two parts are within `within` metres, or if a cover is missing.
+    /// True if the sphere covers of two parts are within `max_distance` metres, or if a cover is missing.
     pub(super) fn covers_meet(
         &self,
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
-        within: f64,
+        max_distance: f64,
         covers: &mut [PlacedCover],
     ) -> bool {
         let (Some(first), Some(second)) = (&self.parts[a].cover, &self.parts[b].cover) else {
@@ -279,20 +279,20 @@ impl Scene {
         let at = [&placements[a], &placements[b]];
         covers[a].place(first, at[0]);
         covers[b].place(second, at[1]);
-        if !covers[a].meets(&covers[b], within) {
+        if !covers[a].meets(&covers[b], max_distance) {
             return false;
         }
         covers[a].place_spheres(first, at[0]);
         covers[b].place_spheres(second, at[1]);
-        !covers[a].is_apart(&covers[b], within)
+        !covers[a].is_apart(&covers[b], max_distance)
     }
 
-    /// The separation of two parts if it is at most `within` metres, without a test of the sphere covers.
+    /// The separation of two parts if it is at most `max_distance` metres, without a test of the sphere covers.
     pub(super) fn shape_separation(
         &self,
         [a, b]: [usize; 2],
         placements: &[Placement<f64>],
-        within: f64,
+        max_distance: f64,
         workspace: &mut SceneWorkspace,
     ) -> Option<Separation> {
         self.place(a, placements, workspace);
@@ -301,7 +301,7 @@ impl Scene {
             let shapes = &*self.parts[part].shapes;
             (shapes, &workspace.shapes[self.shapes_of(part)])
         };
-        part_to_part(placed(a), placed(b), within)
+        part_to_part(placed(a), placed(b), max_distance)
     }
 
     /// Shape and placement of a fixed obstacle.
@@ -310,15 +310,15 @@ impl Scene {
         (&obstacle.shape, &obstacle.placement)
     }
 
-    /// Visits the fixed obstacles at most `within` metres from a part's shapes.
+    /// Visits the fixed obstacles at most `max_distance` metres from a part's shapes.
     fn near(
         &self,
         (shapes, placed): PlacedShapes<'_>,
-        within: f64,
+        max_distance: f64,
         mut each: impl FnMut(u32, Separation),
     ) {
         for (part_shape, placed_shape) in shapes.iter().zip(placed) {
-            let reach = part_shape.ball.radius + within;
+            let reach = part_shape.ball.radius + max_distance;
             let apart = |bounds: &BoundingBox| bounds.squared_distance(placed_shape.centre);
             // The bound never decreases: the search visits all boxes that the ball meets.
             self.fixed_obstacles
@@ -337,7 +337,7 @@ impl Scene {
                         &placed_shape.world_from_shape,
                         &obstacle.shape,
                         &obstacle.placement,
-                        within,
+                        max_distance,
                     );
                     if let Some(separation) = separation {
                         each(index, separation);
@@ -396,7 +396,7 @@ fn pairs(
     for attached in link_count..parts.len() {
         // A body cannot hold an obstacle if it only carries the holding body, as a forearm carries its hand.
         let enabled = (0..attached).filter(|&other| {
-            bodies.are_apart(other, attached)
+            bodies.are_unconnected(other, attached)
                 || other < link_count && bodies.is_parent_of_only(other, attached)
         });
         let enabled = enabled.filter(|&other| {

@@ -51,17 +51,17 @@ impl PartShape {
     }
 }
 
-/// The smallest separation of two parts, if it is at most `within` metres.
+/// The smallest separation of two parts, if it is at most `max_distance` metres.
 pub(super) fn part_to_part(
     a: PlacedShapes<'_>,
     b: PlacedShapes<'_>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Separation> {
     let mut nearest: Option<Separation> = None;
     for (first, first_placed) in a.0.iter().zip(a.1) {
         for (second, second_placed) in b.0.iter().zip(b.1) {
             // Rejects by bounding spheres.
-            let reach = first.ball.radius + second.ball.radius + within;
+            let reach = first.ball.radius + second.ball.radius + max_distance;
             if (first_placed.centre - second_placed.centre).norm_squared() > reach * reach {
                 continue;
             }
@@ -70,17 +70,17 @@ pub(super) fn part_to_part(
                 &first_placed.world_from_shape,
                 &second.shape,
                 &second_placed.world_from_shape,
-                within,
+                max_distance,
             );
             if let Some(separation) = separation {
-                keep_nearer(&mut nearest, separation);
+                update_nearest(&mut nearest, separation);
             }
         }
     }
     nearest
 }
 
-fn keep_nearer(nearest: &mut Option<Separation>, other: Separation) {
+fn update_nearest(nearest: &mut Option<Separation>, other: Separation) {
     if nearest
         .as_ref()
         .is_none_or(|known| other.distance < known.distance)

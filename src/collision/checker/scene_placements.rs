@@ -31,7 +31,7 @@ impl Scene {
             .covers
             .resize_with(self.parts.len(), PlacedCover::default);
         for cover in &mut workspace.covers {
-            cover.forget();
+            cover.reset();
         }
     }
 

@@ -34,7 +34,7 @@ impl Cover {
 
 impl PlacedCover {
     /// Marks the bound and the spheres as not computed.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         (self.has_bound, self.has_spheres) = (false, false);
     }
 
@@ -45,9 +45,9 @@ impl PlacedCover {
         }
     }
 
-    /// True if the bounding spheres are at most `within` metres apart.
-    pub(super) fn meets(&self, other: &Self, within: f64) -> bool {
-        meet(&self.bound, &other.bound, within)
+    /// True if the bounding spheres are at most `max_distance` metres apart.
+    pub(super) fn meets(&self, other: &Self, max_distance: f64) -> bool {
+        meet(&self.bound, &other.bound, max_distance)
     }
 
     /// Computes the spheres on first use.
@@ -58,12 +58,12 @@ impl PlacedCover {
         }
     }
 
-    /// True if the covered shapes are certainly farther apart than `within` metres.
-    pub(super) fn is_apart(&self, other: &Self, within: f64) -> bool {
-        let near = |ball: &&Ball| meet(ball, &other.bound, within);
+    /// True if the covered shapes are certainly farther apart than `max_distance` metres.
+    pub(super) fn is_apart(&self, other: &Self, max_distance: f64) -> bool {
+        let near = |ball: &&Ball| meet(ball, &other.bound, max_distance);
         let touches = |ball: &Ball| {
             let mut others = other.spheres.iter();
-            others.any(|sphere| meet(ball, sphere, within))
+            others.any(|sphere| meet(ball, sphere, max_distance))
         };
         !self.spheres.iter().filter(near).any(touches)
     }
@@ -76,8 +76,8 @@ fn placed(ball: &Ball, at: &Placement<f64>) -> Ball {
     }
 }
 
-fn meet(a: &Ball, b: &Ball, within: f64) -> bool {
+fn meet(a: &Ball, b: &Ball, max_distance: f64) -> bool {
     // If the spheres are the shapes themselves, rounding must not lose a pair.
-    let reach = (a.radius + b.radius + within) * (1.0 + ROUNDING);
+    let reach = (a.radius + b.radius + max_distance) * (1.0 + ROUNDING);
     (a.centre - b.centre).norm_squared() <= reach * reach
 }

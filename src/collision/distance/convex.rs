@@ -8,12 +8,12 @@ use crate::spatial::Vector3;
 /// Tolerance between the upper bound of a distance and the lower bound along the normal, relative to the pair's scale.
 const BOUND_TOLERANCE: f64 = 1e-13;
 
-/// The signed distance. `None` if the search finds that it is more than `within`.
-pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) -> Option<Gap> {
+/// The signed distance. `None` if the search finds that it is more than `max_distance`.
+pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, max_distance: f64) -> Option<Gap> {
     let radii = radius_a + radius_b;
     let core = match closed_form(pair) {
         Some(gap) => gap,
-        None => iterative(pair, within + radii)?,
+        None => iterative(pair, max_distance + radii)?,
     };
     Some(Gap {
         distance: core.distance - radii,
@@ -23,14 +23,14 @@ pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) ->
     })
 }
 
-fn iterative(pair: &Pair<'_>, within: f64) -> Option<Gap> {
+fn iterative(pair: &Pair<'_>, max_distance: f64) -> Option<Gap> {
     let cylinder = |core: &Core<'_>| matches!(core, Core::Cylinder { .. });
     let has_cylinder = cylinder(&pair.a) || cylinder(&pair.b);
     let refined = |gap: Gap| match has_cylinder {
         true => cylinder_refinement::refined(pair, gap),
         false => gap,
     };
-    let separated = match gjk::distance(pair, within) {
+    let separated = match gjk::distance(pair, max_distance) {
         gjk::GjkResult::Beyond => return None,
         gjk::GjkResult::Contact(contact) => return Some(refined(epa::depth(pair, contact))),
         gjk::GjkResult::Apart(gap) => gap,

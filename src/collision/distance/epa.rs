@@ -73,7 +73,12 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         }
         corners.push(corner);
         surface.insert(point, nearest.facet);
-        queue.extend(surface.made.iter().filter_map(|&f| plane(&surface, f)));
+        queue.extend(
+            surface
+                .new_facets
+                .iter()
+                .filter_map(|&f| plane(&surface, f)),
+        );
     }
     let (mut depth, normal) = best.unwrap_or((0.0, Vector3::UNITS[2]));
     if climbed && best.is_some() {

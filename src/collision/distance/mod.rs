@@ -1,12 +1,12 @@
 //! Signed distance between two shapes, with the closest points.
 
+mod composite;
 mod convex;
 mod core_and_radius;
 mod cylinder_refinement;
 mod epa;
 mod gjk;
 mod half_space;
-mod many;
 mod nearest_features;
 mod reach;
 mod simplex;
@@ -14,7 +14,7 @@ mod simplex;
 use self::core_and_radius::Gap;
 use super::shape::{Shape, ShapeKind};
 use crate::spatial::{Placement, Vector3};
-use many::ConvexParts;
+use composite::ConvexParts;
 
 pub(crate) use self::core_and_radius::{Core, Pair};
 pub(crate) use convex::gap as convex_gap;
@@ -72,7 +72,7 @@ pub fn separation(
     })
 }
 
-/// [`separation`], if the distance is at most `within` metres, else `None`. Faster than [`separation`] for distant
+/// [`separation`], if the distance is at most `max_distance` metres, else `None`. Faster than [`separation`] for distant
 /// shapes.
 #[must_use]
 pub fn separation_within(
@@ -80,10 +80,16 @@ pub fn separation_within(
     world_from_first: &Placement<f64>,
     second: &Shape,
     world_from_second: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Separation> {
-    let gap = gap(first, world_from_first, second, world_from_second, within)?;
-    (gap.distance <= within).then(|| Separation::placed(&gap, world_from_first))
+    let gap = gap(
+        first,
+        world_from_first,
+        second,
+        world_from_second,
+        max_distance,
+    )?;
+    (gap.distance <= max_distance).then(|| Separation::placed(&gap, world_from_first))
 }
 
 impl Separation {
@@ -106,13 +112,13 @@ impl Separation {
     }
 }
 
-/// The signed distance in the frame of the first shape. May be `None` if it is more than `within`.
+/// The signed distance in the frame of the first shape. May be `None` if it is more than `max_distance`.
 fn gap(
     first: &Shape,
     world_from_first: &Placement<f64>,
     second: &Shape,
     world_from_second: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Gap> {
     let first_from_second = world_from_first.inverse() * *world_from_second;
     match (first.kind(), second.kind()) {
@@ -129,13 +135,13 @@ fn gap(
                     b: core_b,
                     a_from_b: first_from_second,
                 };
-                convex::gap(&pair, radius_a, radius_b, within)
+                convex::gap(&pair, radius_a, radius_b, max_distance)
             }
-            _ => many::gap(
+            _ => composite::gap(
                 &ConvexParts::of(first),
                 &ConvexParts::of(second),
                 &first_from_second,
-                within,
+                max_distance,
             ),
         },
     }

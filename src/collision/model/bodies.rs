@@ -49,7 +49,7 @@ impl Bodies {
     }
 
     /// True if two links belong to different bodies that no single joint connects.
-    pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
+    pub(crate) fn are_unconnected(&self, a: usize, b: usize) -> bool {
         self.carriers[a] != self.carriers[b] && !self.is_parent(a, b) && !self.is_parent(b, a)
     }
 
@@ -66,9 +66,11 @@ impl Bodies {
 }
 
 /// All pairs of links except those of one body and of bodies that one joint connects.
-pub(crate) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
+pub(crate) fn unconnected_pairs(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
     let bodies = Bodies::new(model, links);
     let pairs = (0..links.len()).flat_map(|a| (a + 1..links.len()).map(move |b| [a, b]));
-    let apart = pairs.filter(|[a, b]| bodies.are_apart(*a, *b));
-    apart.map(|pair| pair.map(|index| links[index])).collect()
+    let unconnected = pairs.filter(|[a, b]| bodies.are_unconnected(*a, *b));
+    unconnected
+        .map(|pair| pair.map(|index| links[index]))
+        .collect()
 }

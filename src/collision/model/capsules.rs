@@ -9,7 +9,7 @@ const CAP_TOLERANCE: f64 = 1e-4;
 
 /// Replaces each cylinder that has a sphere of its radius at both ends by a capsule. A sphere may serve several
 /// cylinders.
-pub(super) fn joined(objects: Vec<CollisionObject>) -> Vec<CollisionObject> {
+pub(super) fn with_capsules(objects: Vec<CollisionObject>) -> Vec<CollisionObject> {
     let sphere_at = |end: Vector3<f64>, radius: f64| {
         objects.iter().position(|object| match object.shape.kind() {
             ShapeKind::Sphere {

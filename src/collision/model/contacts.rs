@@ -11,10 +11,10 @@ impl CollisionModel {
     pub(super) fn with_contacts(mut self, contacts: &Contacts) -> Self {
         let links = self.links.iter().enumerate();
         let pairs = links.flat_map(|(at, a)| self.links[at + 1..].iter().map(move |b| [*a, *b]));
-        let pairs = pairs.filter(|[a, b]| contacts.are_apart(a.index(), b.index()));
+        let pairs = pairs.filter(|[a, b]| contacts.are_checked(a.index(), b.index()));
         self.pairs = pairs.collect();
         let excluded_in_part =
-            |[a, b]: &[FrameId; 2]| contacts.are_apart_in_part(a.index(), b.index());
+            |[a, b]: &[FrameId; 2]| contacts.are_partly_checked(a.index(), b.index());
         let partly_excluded: Vec<_> = self
             .pairs
             .iter()
@@ -45,7 +45,7 @@ impl CollisionModel {
             };
             let at = world_from_link * plane.body_from_plane;
             let links = self.links.iter().copied();
-            let passed = links.filter(|link| !contacts.is_over(plane, link.index()));
+            let passed = links.filter(|link| !contacts.is_plane_checked(plane, link.index()));
             let passed = passed.collect();
             self.planes.push(Plane::new(&self.model, link, at, passed));
         }

@@ -28,7 +28,7 @@ struct LinkDistance {
 impl LinkDistance {
     fn separation(&self, frames: &[Placement<f64>]) -> Option<Separation> {
         let [first, second] = &self.shapes;
-        first.apart(&frames[0], second, &frames[1], f64::INFINITY)
+        first.separation(&frames[0], second, &frames[1], f64::INFINITY)
     }
 }
 
@@ -160,7 +160,7 @@ mod tests {
         let bodies = CollisionModel::new(&model, objects.into()).unwrap();
         let mut shapes = bodies.link_shapes().into_iter().map(Arc::new);
         let shapes = [shapes.next().unwrap(), shapes.next().unwrap()];
-        let apart = LinkDistance { links, shapes };
+        let distance = LinkDistance { links, shapes };
 
         let mut random = RandomStream::new(5, 0);
         let mut vector = |size: f64| {
@@ -170,14 +170,18 @@ mod tests {
         let [mut analytic, mut numerical] = [(); 2].map(|()| LocalJacobian::default());
         for case in 0..50 {
             let frames = [(); 2].map(|()| Placement::new(rotation_exp(vector(4.0)), vector(1.0)));
-            let separation = apart.separation(&frames);
+            let separation = distance.separation(&frames);
             if separation.is_none_or(|separation| separation.distance < 0.05) {
                 continue;
             }
             analytic.reset(1, 2, 0);
-            apart.differentiate(&frames, &[], &mut analytic);
+            distance.differentiate(&frames, &[], &mut analytic);
             numerical.reset(1, 2, 0);
-            Numeric(NumericalDistance(apart.clone())).differentiate(&frames, &[], &mut numerical);
+            Numeric(NumericalDistance(distance.clone())).differentiate(
+                &frames,
+                &[],
+                &mut numerical,
+            );
             for frame in 0..2 {
                 let [analytic, numerical] = [&analytic, &numerical]
                     .map(|slopes| [slopes.linear(frame)[0], slopes.angular(frame)[0]]);

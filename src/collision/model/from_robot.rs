@@ -102,7 +102,9 @@ impl<'r> CollisionModelBuilder<'r> {
                     });
                 }
             }
-            let named_objects = capsules::joined(link_objects).into_iter().enumerate();
+            let named_objects = capsules::with_capsules(link_objects)
+                .into_iter()
+                .enumerate();
             objects.extend(
                 named_objects.map(|(index, object)| match object.name.is_empty() {
                     true => CollisionObject {
@@ -148,7 +150,7 @@ impl<'r> CollisionModelBuilder<'r> {
         };
         let path = match self.confined {
             true => {
-                let found = self.folders.find_allowed(file, &self.allowed());
+                let found = self.folders.find_allowed(file, &self.allowed_files());
                 found.map_err(|error| error.map_or_else(not_found, unreadable))?
             }
             false => self.folders.find(file).map_err(not_found)?,
@@ -161,7 +163,7 @@ impl<'r> CollisionModelBuilder<'r> {
     }
 
     /// The folders whose files a confined robot may read.
-    fn allowed(&self) -> AllowedFiles {
+    fn allowed_files(&self) -> AllowedFiles {
         let folders = self
             .folders
             .robot_folder

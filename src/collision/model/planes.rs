@@ -60,7 +60,7 @@ impl CollisionModel {
     }
 
     /// Allows or forbids that one of two links penetrates the planes of the other.
-    pub(super) fn pass_planes(&mut self, [a, b]: [FrameId; 2], may: bool) {
+    pub(super) fn allow_planes(&mut self, [a, b]: [FrameId; 2], may: bool) {
         for plane in &mut self.planes {
             for (on, link) in [(a, b), (b, a)] {
                 if plane.link == on {
@@ -72,7 +72,7 @@ impl CollisionModel {
     }
 
     /// True if one of two links must stay above a plane of the other.
-    pub(super) fn is_over_plane(&self, [a, b]: [FrameId; 2]) -> bool {
+    pub(super) fn is_plane_checked(&self, [a, b]: [FrameId; 2]) -> bool {
         self.planes.iter().any(|plane| {
             [(a, b), (b, a)]
                 .iter()

@@ -41,7 +41,7 @@ impl CollisionModel {
         self.visit_samples(samples, seed, |sample, placed| {
             for (pair, pair_samples) in self.pairs.iter().zip(&mut pair_samples) {
                 let [a, b] = pair.map(|link| self.place_of(link));
-                let separation = shapes[a].apart(
+                let separation = shapes[a].separation(
                     &placed[a],
                     &shapes[b],
                     &placed[b],
@@ -124,7 +124,7 @@ impl CollisionModel {
         let shapes = self.link_shapes();
         let touch = |pair: &[FrameId; 2]| {
             let [a, b] = pair.map(|link| self.place_of(link));
-            let separation = shapes[a].apart(&placed[a], &shapes[b], &placed[b], ROUNDING);
+            let separation = shapes[a].separation(&placed[a], &shapes[b], &placed[b], ROUNDING);
             separation.is_some()
         };
         self.pairs = (self.pairs.iter().copied())

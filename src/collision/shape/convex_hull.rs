@@ -207,10 +207,10 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
             &surface,
             points,
             &mut unassigned,
-            &surface.made,
+            &surface.new_facets,
             &mut outside,
         );
-        facets.extend(&surface.made);
+        facets.extend(&surface.new_facets);
     }
     surface
 }

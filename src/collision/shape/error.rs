@@ -67,7 +67,7 @@ pub enum ShapeError {
         given: usize,
     },
     /// The points of a convex hull lie in one plane, on one line or at one point.
-    #[error("the {points} points of the convex hull lie in one plane{}", within(*.thickness))]
+    #[error("the {points} points of the convex hull lie in one plane{}", thickness_text(*.thickness))]
     Flat {
         /// Number of points.
         points: usize,
@@ -143,7 +143,7 @@ pub enum ShapeNote {
 }
 
 /// Text for a thickness, metres; empty for 0.
-fn within(thickness: f64) -> String {
+fn thickness_text(thickness: f64) -> String {
     match thickness == 0.0 {
         true => String::new(),
         false => format!(", within {thickness:e}"),

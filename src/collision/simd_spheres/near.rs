@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::bodies::BodyChain;
-use super::many_solids::ManySolids;
+use super::solid_tree::SolidTree;
 use super::solids::{Solids, in_lane};
 use crate::collision::Ball;
 use crate::simd_ik::lane::LaneScalar;
@@ -67,8 +67,8 @@ pub(super) fn near<V: LaneScalar>(
             continue;
         }
         touched = near_solids(chain, index, solids, margin, workspace, touched);
-        if let Some(many) = solids.many() {
-            touched = near_many(chain, index, many, margin, workspace, touched);
+        if let Some(solid_tree) = solids.solid_tree() {
+            touched = near_tree(chain, index, solid_tree, margin, workspace, touched);
         }
         if !V::any(!touched) {
             return V::mask_bits(touched);
@@ -185,12 +185,12 @@ fn near_solids<V: LaneScalar>(
     touched
 }
 
-/// Mask of the known lanes and those in which a body is near any of `many`.
+/// Mask of the known lanes and those in which a body is near any of `solid_tree`.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn near_many<V: LaneScalar>(
+fn near_tree<V: LaneScalar>(
     chain: &BodyChain,
     index: usize,
-    many: &ManySolids,
+    solid_tree: &SolidTree,
     margin: f64,
     workspace: &mut SphereWorkspace<V>,
     known: V::Mask,
@@ -206,7 +206,7 @@ fn near_many<V: LaneScalar>(
         let (mut next_sphere, mut ball, mut centre) = (0, &body.bound, workspace.centres[index]);
         let mut placed = 0..0;
         loop {
-            let is_near = many.near(in_lane(&centre, lane), ball.radius + margin);
+            let is_near = solid_tree.near(in_lane(&centre, lane), ball.radius + margin);
             if next_sphere == 0 {
                 if !is_near {
                     break;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::bodies::{Body, BodyChain};
-use super::many_solids::{ManySolids, SolidChange};
 use super::passed::Passed;
+use super::solid_tree::{SolidChange, SolidTree};
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::simd_ik::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
@@ -45,7 +45,7 @@ struct PlacedSolid {
 pub(crate) struct Solids {
     listed: Arc<Listed>,
     /// Solids in an AABB tree, if any.
-    many: Option<ManySolids>,
+    solid_tree: Option<SolidTree>,
     passed: Passed,
     /// Number of [simple](is_simple) solids.
     simple: usize,
@@ -87,11 +87,11 @@ impl ReachableBound {
     const ROUNDING: f64 = 1e-14;
 
     fn new(solid: &Ball, body: &Ball, margin: f64) -> Self {
-        let apart = body.radius + margin + solid.radius;
-        let (away, apart) = (solid.centre.norm_squared(), apart * apart);
+        let reach = body.radius + margin + solid.radius;
+        let (squared_distance, reach) = (solid.centre.norm_squared(), reach * reach);
         Self {
             slope: solid.centre * -2.0,
-            below: apart - away + Self::ROUNDING * (apart + away),
+            below: reach - squared_distance + Self::ROUNDING * (reach + squared_distance),
         }
     }
 
@@ -130,7 +130,7 @@ impl Solids {
     ) -> Self {
         let all: Vec<_> = shapes.into_iter().collect();
         let simple = all.iter().filter(|(_, shape, _)| is_simple(shape)).count();
-        let (listed, many): (Vec<_>, Vec<_>) = all
+        let (listed, solid_tree): (Vec<_>, Vec<_>) = all
             .into_iter()
             .partition(|(number, shape, _)| is_listed(shape, simple) || passed.has(*number));
         let placed = listed
@@ -138,7 +138,7 @@ impl Solids {
             .map(|(number, shape, at)| (number, PlacedSolid::new(shape, at)));
         Self {
             listed: Arc::new(Listed::new(placed, chain, &passed, margin)),
-            many: (!many.is_empty()).then(|| ManySolids::new(many)),
+            solid_tree: (!solid_tree.is_empty()).then(|| SolidTree::new(solid_tree)),
             passed,
             simple,
             margin,
@@ -160,10 +160,10 @@ impl Solids {
         let before = count(&mut changes.iter().filter_map(|change| change.before));
         let after = count(&mut changes.iter().filter_map(|change| Some(change.after?.0)));
         let simple = (self.simple + after).checked_sub(before)?;
-        if are_many(simple) != are_many(self.simple) || *passed != self.passed {
+        if needs_tree(simple) != needs_tree(self.simple) || *passed != self.passed {
             return None;
         }
-        let (mut listed, mut many): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
+        let (mut listed, mut solid_tree): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
             Default::default();
         for change in changes {
             let is_passed = passed.has(change.number);
@@ -174,18 +174,20 @@ impl Solids {
             }
             let after = change.after.filter(|(shape, _)| !is_listed(shape));
             if after.is_some() || change.before.filter(|shape| !is_listed(shape)).is_some() {
-                many.push((change.number, after));
+                solid_tree.push((change.number, after));
             }
         }
-        let many = match &self.many {
-            Some(known) => Some(known.changed(&many)).filter(|many| !many.is_empty()),
+        let solid_tree = match &self.solid_tree {
+            Some(known) => {
+                Some(known.changed(&solid_tree)).filter(|solid_tree| !solid_tree.is_empty())
+            }
             None => {
-                let added = many.into_iter().filter_map(|(number, after)| {
+                let added = solid_tree.into_iter().filter_map(|(number, after)| {
                     let (shape, at) = after?;
                     Some((number, shape, at))
                 });
                 let added: Vec<_> = added.collect();
-                (!added.is_empty()).then(|| ManySolids::new(added))
+                (!added.is_empty()).then(|| SolidTree::new(added))
             }
         };
         let listed = match listed.is_empty() {
@@ -194,7 +196,7 @@ impl Solids {
         };
         Some(Self {
             listed,
-            many,
+            solid_tree,
             passed: passed.clone(),
             simple,
             margin: self.margin,
@@ -202,8 +204,8 @@ impl Solids {
     }
 
     /// Solids in an AABB tree.
-    pub(super) fn many(&self) -> Option<&ManySolids> {
-        self.many.as_ref()
+    pub(super) fn solid_tree(&self) -> Option<&SolidTree> {
+        self.solid_tree.as_ref()
     }
 
     /// Required distance of the bodies from solids and from each other, metres.
@@ -220,10 +222,10 @@ impl Solids {
         body: usize,
         centre: Vector3<V>,
         chain: &BodyChain,
-        found: &mut Vec<u32>,
+        near_solids: &mut Vec<u32>,
     ) {
         let reach = chain.bodies[body].bound.radius + self.margin;
-        found.clear();
+        near_solids.clear();
         let squared = centre.norm_squared();
         // Two at a time, as most are far away.
         for (numbers, [a, b]) in &self.listed.within_reach[body] {
@@ -234,20 +236,20 @@ impl Solids {
             }
             for (&number, excess) in numbers.iter().zip(excess) {
                 if V::any(excess.less_than(V::zero())) {
-                    found.push(number);
+                    near_solids.push(number);
                 }
             }
         }
         // A loop of its own, so that the first loop keeps the centre in registers.
-        let mut near = 0;
-        for index in 0..found.len() {
-            let number = found[index];
+        let mut near_count = 0;
+        for index in 0..near_solids.len() {
+            let number = near_solids[index];
             if V::any(self.is_near(number, centre, reach)) {
-                found[near] = number;
-                near += 1;
+                near_solids[near_count] = number;
+                near_count += 1;
             }
         }
-        found.truncate(near);
+        near_solids.truncate(near_count);
     }
 
     /// Mask of the lanes in which a point is in a solid or nearer than `reach`. The solid's bounding sphere comes
@@ -386,13 +388,13 @@ impl PlacedSolid {
 }
 
 /// True if the number of simple solids requires a tree.
-fn are_many(simple: usize) -> bool {
+fn needs_tree(simple: usize) -> bool {
     simple > MAX_LISTED
 }
 
 /// True if a shape is searched linearly, given the number of simple solids. Unbounded half-spaces always are.
 fn is_listed(shape: &Shape, simple: usize) -> bool {
-    shape.is_half_space() || is_simple(shape) && !are_many(simple)
+    shape.is_half_space() || is_simple(shape) && !needs_tree(simple)
 }
 
 /// True if the distance to a shape is cheap without a tree.

@@ -92,7 +92,7 @@ const SQRT_3: f64 = 1.732_050_807_568_877_4;
 const MAX_CELLS: usize = 4_000_000;
 
 /// The cell that contains the whole solid.
-pub(super) fn whole(solid: &Solid<'_>) -> Option<Cell> {
+pub(super) fn root_cell(solid: &Solid<'_>) -> Option<Cell> {
     let bounds = solid.bounds();
     let size = bounds.max - bounds.min;
     let half = 0.5 * size.x.max(size.y).max(size.z) * (1.0 + 1e-12);
@@ -101,7 +101,7 @@ pub(super) fn whole(solid: &Solid<'_>) -> Option<Cell> {
 
 /// Surface cells no wider than `max_width`, and larger inner cells; `None` above the largest number of cells.
 pub(super) fn cells(solid: &Solid<'_>, max_width: f64) -> Option<(Vec<Cell>, Vec<Cell>)> {
-    let mut pending: Vec<Cell> = whole(solid).into_iter().collect();
+    let mut pending: Vec<Cell> = root_cell(solid).into_iter().collect();
     let (mut surface, mut inner) = (Vec::new(), Vec::new());
     while let Some(cell) = pending.pop() {
         if cell.is_inner() {

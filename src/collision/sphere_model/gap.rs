@@ -2,7 +2,7 @@
 
 use std::collections::BinaryHeap;
 
-use super::cells::{Cell, whole};
+use super::cells::{Cell, root_cell};
 use super::ranked::Ranked;
 use super::rows;
 use super::solid::Solid;
@@ -40,7 +40,7 @@ pub(super) fn gap(objects: &[&CollisionObject], spheres: &[Ball]) -> f64 {
     };
     let precision = RELATIVE_PRECISION * solid.bounds().half_diagonal();
     let mut heap: BinaryHeap<Ranked<Cell>> =
-        whole(solid).into_iter().map(with_upper_bound).collect();
+        root_cell(solid).into_iter().map(with_upper_bound).collect();
     let mut lower_bound: f64 = 0.0;
     let mut visited = 0;
     while let Some(Ranked(upper_bound, cell)) = heap.pop() {

@@ -8,7 +8,7 @@ use super::solid::Solid;
 use super::{SphereGroup, SphereModel, gap, yaml};
 #[cfg(feature = "urdf")]
 use crate::collision::ShapeKind;
-use crate::collision::model::pairs_apart;
+use crate::collision::model::unconnected_pairs;
 use crate::collision::shape::MAX_LENGTH;
 use crate::collision::{Ball, CollisionModel};
 use crate::file::{Place, ReadError, ReadProblem, read_with};
@@ -108,7 +108,7 @@ impl SphereModel {
 /// Enabled pairs of groups, as indices.
 fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
     let links: Vec<FrameId> = groups.iter().map(|group| group.link).collect();
-    let apart = pairs_apart(model.model(), &links);
+    let unconnected = unconnected_pairs(model.model(), &links);
     let has_shapes = |link: &FrameId| model.links().binary_search(link).is_ok();
     let mut pairs = Vec::new();
     for a in 0..links.len() {
@@ -116,7 +116,7 @@ fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
             let pair = [links[a], links[b]];
             let checked = match pair.iter().all(has_shapes) {
                 true => model.pairs().binary_search(&pair).is_ok(),
-                false => apart.binary_search(&pair).is_ok(),
+                false => unconnected.binary_search(&pair).is_ok(),
             };
             if checked {
                 pairs.push([a, b]);

@@ -94,23 +94,23 @@ impl<'a> Solid<'a> {
         probe.map_or(point, |probe| probe.nearest)
     }
 
-    /// Data of a point; `None` if it is at least `within` metres outside.
-    pub(super) fn probe(&self, point: Vector3<f64>, within: f64) -> Option<Probe> {
+    /// Data of a point; `None` if it is at least `max_distance` metres outside.
+    pub(super) fn probe(&self, point: Vector3<f64>, max_distance: f64) -> Option<Probe> {
         let mut best: Option<(Nearest, &PlacedObject<'_>)> = None;
         let mut in_range = 0;
         for shape in &self.shapes {
             let local = shape.shape_from_link.apply(point);
-            if shape.bounds.squared_distance(local) > within * within {
+            if shape.bounds.squared_distance(local) > max_distance * max_distance {
                 continue;
             }
             let nearest = shape.nearest(local);
-            in_range += usize::from(nearest.0 <= within);
+            in_range += usize::from(nearest.0 <= max_distance);
             if best.is_none_or(|((min_distance, _), _)| nearest.0 < min_distance) {
                 best = Some((nearest, shape));
             }
         }
         let ((distance, nearest), shape) =
-            best.filter(|((min_distance, _), _)| *min_distance < within)?;
+            best.filter(|((min_distance, _), _)| *min_distance < max_distance)?;
         Some(Probe {
             distance,
             nearest: shape.object.link_from_shape.apply(nearest),

@@ -255,8 +255,8 @@ impl World {
         if let Some(obstacle) = self.obstacles.get_mut(number) {
             let obstacle = Arc::make_mut(obstacle);
             change(obstacle);
-            keep_number(&mut self.attached, number, obstacle.attached.is_some());
-            keep_number(
+            set_contained(&mut self.attached, number, obstacle.attached.is_some());
+            set_contained(
                 &mut self.with_allowed_collisions,
                 number,
                 !obstacle.allowed_collisions.is_empty(),
@@ -268,8 +268,8 @@ impl World {
 }
 
 /// Inserts a number into a sorted list, or removes it.
-fn keep_number(numbers: &mut Vec<u64>, number: u64, keep: bool) {
-    match (numbers.binary_search(&number), keep) {
+fn set_contained(numbers: &mut Vec<u64>, number: u64, is_contained: bool) {
+    match (numbers.binary_search(&number), is_contained) {
         (Err(index), true) => numbers.insert(index, number),
         (Ok(index), false) => {
             numbers.remove(index);

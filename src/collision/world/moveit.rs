@@ -36,7 +36,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
     let world = root
         .get("world")
         .ok_or_else(|| scene.fail(&root, "is not a MoveIt planning scene: it has no `world`"))?;
-    scene.no_octomap(world)?;
+    scene.reject_octomap(world)?;
     if let Some(objects) = world.get("collision_objects") {
         for object in scene.list(objects, "collision_objects")? {
             scene.object(object, None)?;
@@ -58,7 +58,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
         }
     }
     if let Some(matrix) = root.get("allowed_collision_matrix") {
-        scene.allowed(matrix)?;
+        scene.apply_allowed_matrix(matrix)?;
     }
     Ok(scene.world)
 }
@@ -161,7 +161,7 @@ impl Scene<'_> {
     }
 
     /// Rejects octomaps with cells, since their obstacles would be missing.
-    fn no_octomap(&self, world: &Node<'_>) -> Result<(), ReadError> {
+    fn reject_octomap(&self, world: &Node<'_>) -> Result<(), ReadError> {
         let map = world.get("octomap").and_then(|map| map.get("octomap"));
         let Some(data) = map.and_then(|map| map.get("data")) else {
             return Ok(());

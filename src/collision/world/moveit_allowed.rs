@@ -11,7 +11,7 @@ const MATRIX: &str = "allowed_collision_matrix";
 
 impl Scene<'_> {
     /// Applies the allowed pairs of the matrix.
-    pub(super) fn allowed(&mut self, matrix: &Node<'_>) -> Result<(), ReadError> {
+    pub(super) fn apply_allowed_matrix(&mut self, matrix: &Node<'_>) -> Result<(), ReadError> {
         let none = [];
         let part = |key: &str| matrix.get(key).map(|node| self.list(node, key)).transpose();
         let names = part("entry_names")?.unwrap_or(&none);

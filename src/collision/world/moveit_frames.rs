@@ -31,7 +31,7 @@ impl Frames {
     /// Adds a fixed transform: the placement of its header's frame in its child frame.
     pub(super) fn add(&mut self, transform: &Node<'_>, child_from_header: Placement<f64>) {
         let child = transform.get("child_frame_id").and_then(Node::text);
-        let Some(child) = child.map(bare).filter(|child| !child.is_empty()) else {
+        let Some(child) = child.map(without_slash).filter(|child| !child.is_empty()) else {
             return;
         };
         let planning_frame = self.planning_frame.get_or_insert_with(|| child.to_owned());
@@ -61,11 +61,15 @@ impl Frames {
 
 /// The frame in a node's header, if it names one.
 pub(super) fn frame_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
-    let frame = node.get("header")?.get("frame_id")?.text().map(bare);
+    let frame = node
+        .get("header")?
+        .get("frame_id")?
+        .text()
+        .map(without_slash);
     frame.filter(|frame| !matches!(*frame, "" | "~" | "null"))
 }
 
 /// Removes the leading slash of frame names in older files.
-fn bare(name: &str) -> &str {
+fn without_slash(name: &str) -> &str {
     name.strip_prefix('/').unwrap_or(name)
 }

@@ -52,7 +52,7 @@ impl Numbered {
         pub(super) fn len(&self) -> usize = self.len;
         pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = Counted {
             inner: self.chunks.iter().flat_map(|chunk| chunk.iter()).map(|(number, obstacle)| (*number, obstacle)),
-            left: self.len,
+            remaining: self.len,
         };
     }
 
@@ -112,8 +112,8 @@ impl Numbered {
             if let (Some(one), Some(other)) = (before.at_chunk(), after.at_chunk())
                 && Arc::ptr_eq(one, other)
             {
-                before.pass_chunk();
-                after.pass_chunk();
+                before.skip_chunk();
+                after.skip_chunk();
                 continue;
             }
             let (one, other) = (before.entry(), after.entry());
@@ -134,10 +134,10 @@ impl Numbered {
                 after: with_number(other),
             };
             if change.before.is_some() {
-                before.pass_entry();
+                before.skip_entry();
             }
             if change.after.is_some() {
-                after.pass_entry();
+                after.skip_entry();
             }
             match (change.before, change.after) {
                 (Some(one), Some(other)) if Arc::ptr_eq(one, other) => {}
@@ -165,7 +165,7 @@ impl<'a> Cursor<'a> {
         self.all.chunks.get(self.chunk).filter(|_| self.at == 0)
     }
 
-    fn pass_chunk(&mut self) {
+    fn skip_chunk(&mut self) {
         self.chunk += 1;
         self.at = 0;
     }
@@ -174,7 +174,7 @@ impl<'a> Cursor<'a> {
         self.all.chunks.get(self.chunk)?.get(self.at)
     }
 
-    fn pass_entry(&mut self) {
+    fn skip_entry(&mut self) {
         self.at += 1;
         if self
             .all
@@ -182,7 +182,7 @@ impl<'a> Cursor<'a> {
             .get(self.chunk)
             .is_none_or(|chunk| self.at == chunk.len())
         {
-            self.pass_chunk();
+            self.skip_chunk();
         }
     }
 }
@@ -190,7 +190,7 @@ impl<'a> Cursor<'a> {
 /// An iterator with a known remaining length.
 struct Counted<I> {
     inner: I,
-    left: usize,
+    remaining: usize,
 }
 
 impl<I: Iterator> Iterator for Counted<I> {
@@ -198,12 +198,12 @@ impl<I: Iterator> Iterator for Counted<I> {
 
     fn next(&mut self) -> Option<I::Item> {
         let next = self.inner.next()?;
-        self.left -= 1;
+        self.remaining -= 1;
         Some(next)
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        (self.left, Some(self.left))
+        (self.remaining, Some(self.remaining))
     }
 }
 

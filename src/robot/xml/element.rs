@@ -139,9 +139,9 @@ impl<'a> Element<'a> {
 
     /// The child element of a name. A second one is a fault; a lenient reader uses the first.
     fn unique_child(&self, child: &'static str) -> Read<Option<Node<'a, 'a>>> {
-        let mut found = self.node.children().filter(|inner| is(*inner, child));
-        let first = found.next();
-        if let Some(second) = found.next() {
+        let mut matches = self.node.children().filter(|inner| is(*inner, child));
+        let first = matches.next();
+        if let Some(second) = matches.next() {
             let fault = ParseIssue::RepeatedElement { child };
             self.part(second)
                 .repair_or_fail(fault, |_| RepairKind::FirstCounts { child })?;

@@ -10,14 +10,14 @@ type PlacedSolid = (Shape, Placement<f64>);
 
 /// Placed shapes with an AABB tree over their boxes.
 #[derive(Clone, Debug)]
-pub(super) struct ManySolids {
+pub(super) struct SolidTree {
     solids: DynamicAabbTree<PlacedSolid>,
 }
 
 /// A number with its new shape and placement in the base frame; `None` removes the shape.
 pub(super) type SolidChange<'a> = (u64, Option<(&'a Shape, Placement<f64>)>);
 
-impl ManySolids {
+impl SolidTree {
     /// Builds the tree. The shapes must be bounded.
     pub(super) fn new<'a>(
         solids: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
@@ -35,8 +35,8 @@ impl ManySolids {
     pub(super) fn changed(&self, changes: &[SolidChange<'_>]) -> Self {
         let changes = changes
             .iter()
-            .map(|(number, now)| -> ItemChange<PlacedSolid> {
-                (*number, now.map(|(shape, at)| placed(shape, &at)))
+            .map(|(number, new_solid)| -> ItemChange<PlacedSolid> {
+                (*number, new_solid.map(|(shape, at)| placed(shape, &at)))
             });
         Self {
             solids: self.solids.changed(changes.collect()),
@@ -142,7 +142,7 @@ mod tests {
 
     /// Compares point queries with a linear search over all solids.
     fn check_queries(
-        many: &ManySolids,
+        solid_tree: &SolidTree,
         solids: &[Known],
         numbers: &mut Numbers,
         counts: &mut [usize; 2],
@@ -151,7 +151,7 @@ mod tests {
             let point = numbers.point(1.3);
             let reach = 0.05 + 0.05 * numbers.next();
             let near = is_near(solids, point, reach);
-            assert_eq!(many.near(point, reach), near, "{point:?} {reach}");
+            assert_eq!(solid_tree.near(point, reach), near, "{point:?} {reach}");
             counts[usize::from(near)] += 1;
         }
     }
@@ -167,19 +167,20 @@ mod tests {
         let all = solids
             .iter()
             .map(|(number, shape, at)| (*number, shape, *at));
-        let mut many = ManySolids::new(all);
+        let mut solid_tree = SolidTree::new(all);
         let mut counts = [0; 2];
-        let first = many.clone();
+        let first = solid_tree.clone();
         let before = solids.clone();
         for change in 0..6 {
-            check_queries(&many, &solids, &mut Numbers(10 + change), &mut counts);
+            check_queries(&solid_tree, &solids, &mut Numbers(10 + change), &mut counts);
             let number = 7 * u64::from(change);
-            let now = placed(number);
-            many = many.changed(&[(number, Some((&now.1, now.2))), (number + 1, None)]);
+            let moved = placed(number);
+            solid_tree =
+                solid_tree.changed(&[(number, Some((&moved.1, moved.2))), (number + 1, None)]);
             solids.retain(|(known, ..)| *known != number && *known != number + 1);
-            solids.push(now);
+            solids.push(moved);
         }
-        assert!(many.solids.has_new() && many.solids.shares_old(&first.solids));
+        assert!(solid_tree.solids.has_new() && solid_tree.solids.shares_old(&first.solids));
         check_queries(&first, &before, &mut Numbers(99), &mut counts);
         assert!(counts.iter().all(|&count| count > 4_000), "{counts:?}");
     }

@@ -78,14 +78,14 @@ impl<'a> ConvexParts<'a> {
     }
 }
 
-/// The signed distance; `None` if it is more than `within`.
+/// The signed distance; `None` if it is more than `max_distance`.
 pub(super) fn gap(
     a: &ConvexParts<'_>,
     b: &ConvexParts<'_>,
     a_from_b: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Gap> {
-    let mut best = surface_gap(a, b, a_from_b, within);
+    let mut best = surface_gap(a, b, a_from_b, max_distance);
     let b_from_a = a_from_b.inverse();
     let deepest = [
         enclosed(a, b, a_from_b),
@@ -113,9 +113,9 @@ fn enclosed(a: &ConvexParts<'_>, b: &ConvexParts<'_>, a_from_b: &Placement<f64>)
                 0.0,
                 |bounds| at(bounds.centre()).1 - bounds.half_diagonal(),
                 |point, _| {
-                    let found = at(cloud.positions()[point as usize]);
-                    if found.1 < deepest.1 {
-                        deepest = found;
+                    let point_and_distance = at(cloud.positions()[point as usize]);
+                    if point_and_distance.1 < deepest.1 {
+                        deepest = point_and_distance;
                     }
                     deepest.1
                 },
@@ -143,7 +143,7 @@ fn surface_gap(
     a: &ConvexParts<'_>,
     b: &ConvexParts<'_>,
     a_from_b: &Placement<f64>,
-    within: f64,
+    max_distance: f64,
 ) -> Option<Gap> {
     let radii = (a.radius(), b.radius());
     let lower_bound = |node_a: u32, node_b: u32| {
@@ -151,7 +151,7 @@ fn surface_gap(
         box_distance(&bounds.0, &bounds.1, a_from_b) - radii.0 - radii.1
     };
     let mut best: Option<Gap> = None;
-    let mut limit = within;
+    let mut limit = max_distance;
     let mut stack = vec![(0, 0, lower_bound(0, 0))];
     while let Some((node_a, node_b, bound)) = stack.pop() {
         if bound > limit || (best.is_some() && bound >= limit) {
@@ -184,8 +184,8 @@ fn surface_gap(
                         b: b.part(j as usize),
                         a_from_b: *a_from_b,
                     };
-                    let found = convex::gap(&pair, radii.0, radii.1, limit);
-                    if let Some(gap) = found.filter(|gap| gap.distance <= limit) {
+                    let part_gap = convex::gap(&pair, radii.0, radii.1, limit);
+                    if let Some(gap) = part_gap.filter(|gap| gap.distance <= limit) {
                         limit = gap.distance;
                         best = Some(gap);
                     }
