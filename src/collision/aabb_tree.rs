@@ -15,7 +15,7 @@ pub(crate) struct AabbTree {
     nodes: Vec<Node>,
     /// Item indices, ordered so that the items of each leaf are contiguous.
     items: Vec<u32>,
-    wide: WideNodes,
+    wide_nodes: WideNodes,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl AabbTree {
         let mut tree = Self {
             nodes: Vec::with_capacity(count.div_ceil(MAX_LEAF_ITEMS) * 2),
             items: (0..count as u32).collect(),
-            wide: WideNodes::default(),
+            wide_nodes: WideNodes::default(),
         };
         if count == 0 {
             return tree;
@@ -90,7 +90,7 @@ impl AabbTree {
                 tree.nodes[node].bounds = a.union(b);
             }
         }
-        tree.wide = WideNodes::new(&tree, &ranges, small, bounds);
+        tree.wide_nodes = WideNodes::new(&tree, &ranges, small, bounds);
         tree
     }
 
@@ -141,7 +141,7 @@ impl AabbTree {
         reach: f64,
         predicate: &M,
     ) -> bool {
-        self.wide.any(&self.items, point, reach, predicate)
+        self.wide_nodes.any(&self.items, point, reach, predicate)
     }
 
     /// Branch-and-bound search, nearer child first.

@@ -59,16 +59,16 @@ impl MeshFolders {
             }
             None
         };
-        let named = self
+        let by_name = self
             .candidate_paths(reference)
             .into_iter()
             .find_map(&mut try_path);
         let is_allowed = |folder: &Path| allowed.resolve(&folder.join(MANIFEST)).is_ok();
-        let found = named.or_else(|| {
+        let path = by_name.or_else(|| {
             let declared = self.paths_by_manifest(reference, is_allowed);
             declared.into_iter().find_map(&mut try_path)
         });
-        found.ok_or_else(|| outside.ok_or(looked_at))
+        path.ok_or_else(|| outside.ok_or(looked_at))
     }
 
     /// Candidate paths in packages whose `package.xml` states the name. The packages are the folders above the robot's

@@ -60,20 +60,20 @@ impl WideNodes {
         small: LeafContent,
         bounds: impl Fn(usize) -> BoundingBox,
     ) -> Self {
-        let mut wide = Self::default();
+        let mut wide_nodes = Self::default();
         if ranges.is_empty() {
-            return wide;
+            return wide_nodes;
         }
         let is_small = |node: u32| -> bool {
             let [start, end] = ranges[node as usize];
             (end - start) as usize <= BOXES_PER_NODE
         };
         // About one node for 3 items, or for 24 points.
-        wide.nodes.reserve(match small {
+        wide_nodes.nodes.reserve(match small {
             LeafContent::Boxes => tree.items().len().div_ceil(3),
             LeafContent::Points => tree.items().len().div_ceil(24),
         });
-        wide.nodes.push(WideNode::EMPTY);
+        wide_nodes.nodes.push(WideNode::EMPTY);
         // Nodes that remain to be filled, each with its node of the binary tree.
         let mut pending = vec![(0, 0)];
         while let Some((from, node)) = pending.pop() {
@@ -81,7 +81,7 @@ impl WideNodes {
                 let [start, end] = ranges[from as usize];
                 for (lane, position) in (start..end).enumerate() {
                     let item = tree.items()[position as usize];
-                    wide.nodes[node].fill(lane, &bounds(item as usize), position, 1);
+                    wide_nodes.nodes[node].fill(lane, &bounds(item as usize), position, 1);
                 }
                 continue;
             }
@@ -90,16 +90,16 @@ impl WideNodes {
                 let part_bounds = tree.node_bounds(part);
                 let [start, end] = ranges[part as usize];
                 if is_small(part) && matches!(small, LeafContent::Points) {
-                    wide.nodes[node].fill(lane, &part_bounds, start, (end - start) as u8);
+                    wide_nodes.nodes[node].fill(lane, &part_bounds, start, (end - start) as u8);
                     continue;
                 }
-                let child = wide.nodes.len();
-                wide.nodes.push(WideNode::EMPTY);
-                wide.nodes[node].fill(lane, &part_bounds, child as u32, CHILD_NODE);
+                let child = wide_nodes.nodes.len();
+                wide_nodes.nodes.push(WideNode::EMPTY);
+                wide_nodes.nodes[node].fill(lane, &part_bounds, child as u32, CHILD_NODE);
                 pending.push((part, child));
             }
         }
-        wide
+        wide_nodes
     }
 
     /// True if `predicate` holds for an item whose box is nearer to `point` than `reach`, metres.
@@ -146,12 +146,12 @@ impl WideNodes {
             let first = node.first[lane];
             match node.count[lane] {
                 CHILD_NODE => {
-                    let opened = &self.nodes[first as usize];
-                    let nearby = opened.near(position, max_squared_distance) | always_open;
+                    let child = &self.nodes[first as usize];
+                    let nearby = child.near(position, max_squared_distance) | always_open;
                     if nearby != 0 {
                         stack[height] = (index, open);
                         height += usize::from(open != 0);
-                        (node, index, open) = (opened, first, nearby);
+                        (node, index, open) = (child, first, nearby);
                     }
                 }
                 count => {
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_that_is_met_ends_the_search() {
+    fn search_ends_at_the_first_match() {
         let tree = AabbTree::new(100, |i| {
             BoundingBox::around([Vector3::new(i as f64, 0.0, 0.0)])
         });
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn all_near_boxes_and_few_others_are_visited() {
+    fn search_visits_near_boxes_and_few_others() {
         let numbers = &mut Numbers(7);
         for (scale, offset) in [
             (1.0, 0.0),
@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn huge_and_nan_boxes_are_visited_exactly() {
+    fn search_handles_huge_and_nan_coordinates() {
         let boxes = [1e39, -1e39, 3.0, 1e300].map(|x| {
             let at = Vector3::new(x, 0.0, 0.0);
             BoundingBox::around([at, at * 1.5])

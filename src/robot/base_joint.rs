@@ -77,8 +77,8 @@ impl BaseJoint {
         ranges: impl IntoIterator<Item = (A, Limits)>,
     ) -> Result<Self, UnknownName> {
         const AXES: [&str; 4] = ["x", "y", "z", "yaw"];
-        let known = Self::KINDS.iter().position(|known| *known == kind);
-        let kind = known.ok_or_else(|| UnknownName::new("base joint", kind, Self::KINDS))?;
+        let index = Self::KINDS.iter().position(|index| *index == kind);
+        let kind = index.ok_or_else(|| UnknownName::new("base joint", kind, Self::KINDS))?;
         let axes: &[usize] = [&[][..], &[0, 1, 2], &[0, 1, 3], &[0], &[1], &[2]][kind];
         let mut bounds = [Limits::UNBOUNDED; 4];
         for (axis, range) in ranges {

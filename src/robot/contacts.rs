@@ -67,12 +67,12 @@ impl Contacts {
     /// Reports whether collisions of two links are enabled.
     pub(crate) fn are_checked(&self, a: usize, b: usize) -> bool {
         self.paired.contains(&[a.min(b), a.max(b)])
-            || self.bodies_collide(a, b) && self.geom_collisions(a, b).any(|meet| meet)
+            || self.bodies_collide(a, b) && self.geom_collisions(a, b).any(|collides| collides)
     }
 
     /// Reports whether collisions of two links are enabled, but disabled for some pairs of their geoms.
     pub(crate) fn are_partly_checked(&self, a: usize, b: usize) -> bool {
-        self.are_checked(a, b) && !self.geom_collisions(a, b).all(|meet| meet)
+        self.are_checked(a, b) && !self.geom_collisions(a, b).all(|collides| collides)
     }
 
     /// Reports whether collisions of a link with a plane are enabled.
@@ -100,10 +100,10 @@ impl Contacts {
         let (Some(first), Some(second)) = (self.bodies.get(a), self.bodies.get(b)) else {
             return false;
         };
-        let is_above = |one: &ContactBody, other: &ContactBody| {
+        let is_parent = |one: &ContactBody, other: &ContactBody| {
             one.weld != 0 && other.weld != 0 && other.weld_parent == one.weld
         };
-        let adjacent = is_above(first, second) || is_above(second, first);
+        let adjacent = is_parent(first, second) || is_parent(second, first);
         first.weld != second.weld
             && (self.includes_parents || !adjacent)
             && !self.excluded.contains(&[a.min(b), a.max(b)])

@@ -88,13 +88,13 @@ impl Distances {
     fn visit(
         &self,
         frames: &[Placement<f64>],
-        mut each: impl FnMut(Pair, usize, f64, &Separation),
+        mut visitor: impl FnMut(Pair, usize, f64, &Separation),
     ) {
         let mut workspace = self.workspaces.take();
         self.scene
             .visit(frames, self.distance, &mut workspace, |pair, separation| {
                 let (Pair::FixedObstacle(row, _) | Pair::Parts(row, _)) = pair;
-                each(pair, row, self.distance - separation.distance, separation);
+                visitor(pair, row, self.distance - separation.distance, separation);
                 true
             });
         self.workspaces.put_back(workspace);

@@ -310,7 +310,7 @@ impl Checker {
                         let pair = Pair::FixedObstacle(part, obstacle as usize);
                         let margin = margin_for(pair, separation.distance);
                         let slack = separation.distance - margin;
-                        if nearest.is_none_or(|(.., known)| slack < known) {
+                        if nearest.is_none_or(|(.., min)| slack < min) {
                             nearest = Some((pair, separation.distance, slack));
                         }
                         sliding.push((
@@ -359,7 +359,7 @@ impl Checker {
             }
             // The motion of an unbounded shape is unbounded once it rotates.
             if !slack.is_finite() || !monitored.motion.is_finite() || slack < RESOLUTION {
-                if blocked.is_none_or(|(_, known)| distance < known) {
+                if blocked.is_none_or(|(_, min)| distance < min) {
                     blocked = Some((pair, distance));
                 }
                 continue;
@@ -462,6 +462,6 @@ impl Checker {
 
 /// Required distance of a pair in the motion, metres; less for initial contacts.
 fn margin_of(contacts: &[Contact], pair: Pair, margin: f64) -> f64 {
-    let contact = contacts.iter().find(|one| one.pair == pair);
+    let contact = contacts.iter().find(|contact| contact.pair == pair);
     contact.map_or(margin, Contact::margin_in_motion)
 }

@@ -225,7 +225,7 @@ impl Checker {
             max_distance,
             scene_workspace,
             |pair, separation| {
-                if nearest.is_none_or(|(_, known)| separation.distance < known) {
+                if nearest.is_none_or(|(_, min_distance)| separation.distance < min_distance) {
                     nearest = Some((pair, separation.distance));
                 }
                 true

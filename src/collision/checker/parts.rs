@@ -183,14 +183,14 @@ impl Scene {
         pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
 
-    /// Visits all pairs at most `max_distance` metres apart, each with its closest shapes. Stops if `each` returns false or
-    /// the time is [over](crate::clock::cut_short).
+    /// Visits all pairs at most `max_distance` metres apart, each with its closest shapes. Stops if `visitor` returns
+    /// false or the time is [over](crate::clock::cut_short).
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],
         max_distance: f64,
         workspace: &mut SceneWorkspace,
-        mut each: impl FnMut(Pair, &Separation) -> bool,
+        mut visitor: impl FnMut(Pair, &Separation) -> bool,
     ) {
         self.begin(workspace);
         for part in 0..self.parts.len() {
@@ -199,7 +199,7 @@ impl Scene {
             }
             self.find_fixed_obstacles(part, placements, max_distance, workspace);
             for (obstacle, separation) in &workspace.near {
-                if !each(Pair::FixedObstacle(part, *obstacle as usize), separation) {
+                if !visitor(Pair::FixedObstacle(part, *obstacle as usize), separation) {
                     return;
                 }
             }
@@ -209,15 +209,15 @@ impl Scene {
                 return;
             }
             if let Some(separation) = self.separation(pair, placements, max_distance, workspace)
-                && !each(Pair::Parts(pair[0], pair[1]), &separation)
+                && !visitor(Pair::Parts(pair[0], pair[1]), &separation)
             {
                 return;
             }
         }
     }
 
-    /// Finds the fixed obstacles at most `max_distance` metres from a part. Writes each with the separation of its closest
-    /// shape to `room.near`.
+    /// Finds the fixed obstacles at most `max_distance` metres from a part. Writes each with the separation of its
+    /// closest shape to `workspace.near`.
     pub(super) fn find_fixed_obstacles(
         &self,
         part: usize,
@@ -233,20 +233,20 @@ impl Scene {
         let SceneWorkspace { shapes, near, .. } = workspace;
         let placed = (&*self.parts[part].shapes, &shapes[self.shapes_of(part)]);
         self.near(placed, max_distance, |obstacle, separation| {
-            match near.iter_mut().find(|(known, _)| *known == obstacle) {
-                Some((_, known)) if known.distance <= separation.distance => {}
-                Some((_, known)) => *known = separation,
+            match near.iter_mut().find(|(nearest, _)| *nearest == obstacle) {
+                Some((_, nearest)) if nearest.distance <= separation.distance => {}
+                Some((_, nearest)) => *nearest = separation,
                 None => near.push((obstacle, separation)),
             }
         });
         let allowed = &self.parts[part].allowed;
         if !allowed.is_empty() {
-            let passed = |obstacle| {
+            let is_allowed = |obstacle| {
                 allowed
                     .binary_search(&self.fixed_obstacles.number(obstacle))
                     .is_ok()
             };
-            near.retain(|(obstacle, _)| !passed(*obstacle));
+            near.retain(|(obstacle, _)| !is_allowed(*obstacle));
         }
         near.sort_by_key(|(obstacle, _)| self.fixed_obstacles.number(*obstacle));
     }
@@ -315,14 +315,17 @@ impl Scene {
         &self,
         (shapes, placed): PlacedShapes<'_>,
         max_distance: f64,
-        mut each: impl FnMut(u32, Separation),
+        mut visitor: impl FnMut(u32, Separation),
     ) {
         for (part_shape, placed_shape) in shapes.iter().zip(placed) {
             let reach = part_shape.ball.radius + max_distance;
-            let apart = |bounds: &BoundingBox| bounds.squared_distance(placed_shape.centre);
+            let squared_distance =
+                |bounds: &BoundingBox| bounds.squared_distance(placed_shape.centre);
             // The bound never decreases: the search visits all boxes that the ball meets.
-            self.fixed_obstacles
-                .nearest((reach * reach).next_up(), apart, |index, bound| {
+            self.fixed_obstacles.nearest(
+                (reach * reach).next_up(),
+                squared_distance,
+                |index, bound| {
                     if is_over() {
                         return f64::NEG_INFINITY;
                     }
@@ -340,10 +343,11 @@ impl Scene {
                         max_distance,
                     );
                     if let Some(separation) = separation {
-                        each(index, separation);
+                        visitor(index, separation);
                     }
                     bound
-                });
+                },
+            );
         }
     }
 }
@@ -360,8 +364,8 @@ fn with_bounds(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)>
 /// Numbers of the planes that the shapes on a frame may penetrate.
 fn allowed_planes(model: &CollisionModel, frame: FrameId) -> Vec<u64> {
     let planes = (FIRST_PLANE..).zip(model.planes());
-    let passed = planes.filter(|(_, plane)| !plane.blocks(model.model(), frame));
-    passed.map(|(number, _)| number).collect()
+    let allowed = planes.filter(|(_, plane)| !plane.blocks(model.model(), frame));
+    allowed.map(|(number, _)| number).collect()
 }
 
 impl Part {

@@ -22,7 +22,7 @@ pub(super) struct PlacedShape {
 }
 
 impl PlacedShape {
-    pub(super) fn nowhere() -> Self {
+    pub(super) fn unplaced() -> Self {
         Self {
             world_from_shape: Placement::identity(),
             centre: Vector3::zero(),
@@ -83,7 +83,7 @@ pub(super) fn part_to_part(
 fn update_nearest(nearest: &mut Option<Separation>, other: Separation) {
     if nearest
         .as_ref()
-        .is_none_or(|known| other.distance < known.distance)
+        .is_none_or(|current| other.distance < current.distance)
     {
         *nearest = Some(other);
     }

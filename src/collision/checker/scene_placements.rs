@@ -26,7 +26,7 @@ impl Scene {
         workspace.has_shapes.clear();
         workspace.has_shapes.resize(self.parts.len(), false);
         let count = self.shape_ends.last().copied().unwrap_or(0);
-        workspace.shapes.resize(count, PlacedShape::nowhere());
+        workspace.shapes.resize(count, PlacedShape::unplaced());
         workspace
             .covers
             .resize_with(self.parts.len(), PlacedCover::default);

@@ -19,7 +19,7 @@ const MAX_SPANS: usize = 3;
 
 impl Checker {
     /// Share of the motion up to which the given pairs stay farther apart than `min_slack` beyond their margins. At
-    /// least `known`.
+    /// least `known_share`.
     ///
     /// The gaps are measured along the directions that separate the pairs at `share`.
     pub(super) fn max_sliding_share(
@@ -27,7 +27,7 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         (from, to): (&[f64], &[f64]),
         share: f64,
-        known: f64,
+        known_share: f64,
         sliding_pairs: &[(usize, SlidingPair)],
         min_slack: f64,
     ) -> Result<f64, KinematicsError> {
@@ -48,10 +48,10 @@ impl Checker {
         };
         let mut q = std::mem::take(&mut workspace.sliding_configuration);
         q.resize(from.len(), 0.0);
-        let mut proven_share = Ok(known);
+        let mut proven_share = Ok(known_share);
         for _ in 0..MAX_SPANS {
             // Only a substantial gain is worth a check.
-            if share + span <= share + 2.0 * (known - share) {
+            if share + span <= share + 2.0 * (known_share - share) {
                 break;
             }
             let end_share = share + span;

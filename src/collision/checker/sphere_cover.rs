@@ -61,11 +61,11 @@ impl PlacedCover {
     /// True if the covered shapes are certainly farther apart than `max_distance` metres.
     pub(super) fn is_apart(&self, other: &Self, max_distance: f64) -> bool {
         let near = |ball: &&Ball| meet(ball, &other.bound, max_distance);
-        let touches = |ball: &Ball| {
+        let is_near = |ball: &Ball| {
             let mut others = other.spheres.iter();
             others.any(|sphere| meet(ball, sphere, max_distance))
         };
-        !self.spheres.iter().filter(near).any(touches)
+        !self.spheres.iter().filter(near).any(is_near)
     }
 }
 

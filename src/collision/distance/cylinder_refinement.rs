@@ -39,8 +39,8 @@ pub(super) fn refined(pair: &Pair<'_>, estimate: Gap) -> Gap {
         ..estimate
     };
     for (normal, on_a) in candidates {
-        let turned = normal.dot(estimate.normal) < 0.0;
-        let normal = if turned { -normal } else { normal };
+        let is_reversed = normal.dot(estimate.normal) < 0.0;
+        let normal = if is_reversed { -normal } else { normal };
         let gap = pair.gap_along(normal);
         // Among equal gaps the first remains.
         if gap > best.distance + EQUAL_GAP_TOLERANCE * scale {

@@ -109,11 +109,11 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
     if along.norm() <= min_thickness {
         // A single point: the direction from it to the origin.
         let offset = a.difference();
-        let away = -offset;
+        let towards_origin = -offset;
         return Err(across(
             pair,
             meeting,
-            unit(away).unwrap_or(Vector3::UNITS[2]),
+            unit(towards_origin).unwrap_or(Vector3::UNITS[2]),
         ));
     }
     let perpendicular_a = perpendicular(along);

@@ -72,8 +72,8 @@ pub fn separation(
     })
 }
 
-/// [`separation`], if the distance is at most `max_distance` metres, else `None`. Faster than [`separation`] for distant
-/// shapes.
+/// [`separation`], if the distance is at most `max_distance` metres, else `None`. Faster than [`separation`] for
+/// distant shapes.
 #[must_use]
 pub fn separation_within(
     first: &Shape,

@@ -59,10 +59,10 @@ fn between_parallels(
 ) -> Option<Vector3<f64>> {
     // Projected twice: the first projection of a long offset leaves rounding along the line.
     let perpendicular = |v: Vector3<f64>| {
-        let once = unit(across(v, u))?;
-        let twice = across(once, u);
-        if twice.norm() > 0.9 {
-            unit(twice)
+        let projected = unit(across(v, u))?;
+        let projected_twice = across(projected, u);
+        if projected_twice.norm() > 0.9 {
+            unit(projected_twice)
         } else {
             None
         }

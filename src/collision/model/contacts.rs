@@ -45,9 +45,11 @@ impl CollisionModel {
             };
             let at = world_from_link * plane.body_from_plane;
             let links = self.links.iter().copied();
-            let passed = links.filter(|link| !contacts.is_plane_checked(plane, link.index()));
-            let passed = passed.collect();
-            self.planes.push(Plane::new(&self.model, link, at, passed));
+            let allowed_links =
+                links.filter(|link| !contacts.is_plane_checked(plane, link.index()));
+            let allowed_links = allowed_links.collect();
+            self.planes
+                .push(Plane::new(&self.model, link, at, allowed_links));
         }
         self
     }

@@ -145,7 +145,7 @@ mod tests {
     /// For two capsules, whose closest points move smoothly with the links.
     #[test]
     #[allow(clippy::unwrap_used)]
-    fn its_slope_is_that_of_the_distance() {
+    fn link_distance_derivatives_match_differences() {
         let (z, limits) = (Vector3::UNITS[2], Limits::new(-1.0, 1.0));
         let mut builder = Model::builder("two links");
         let links = ["first", "second"].map(|name| {

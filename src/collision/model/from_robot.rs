@@ -150,8 +150,8 @@ impl<'r> CollisionModelBuilder<'r> {
         };
         let path = match self.confined {
             true => {
-                let found = self.folders.find_allowed(file, &self.allowed_files());
-                found.map_err(|error| error.map_or_else(not_found, unreadable))?
+                let allowed_path = self.folders.find_allowed(file, &self.allowed_files());
+                allowed_path.map_err(|error| error.map_or_else(not_found, unreadable))?
             }
             false => self.folders.find(file).map_err(not_found)?,
         };

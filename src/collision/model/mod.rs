@@ -183,8 +183,8 @@ impl CollisionModel {
         match link {
             FrameRef::Name(name) => {
                 let mut links = self.links.iter().copied().chain(planes);
-                let found = links.find(|link| self.name_of(*link) == name);
-                found.ok_or_else(|| unknown(name))
+                let named_link = links.find(|link| self.name_of(*link) == name);
+                named_link.ok_or_else(|| unknown(name))
             }
             FrameRef::Id(id) if self.links.contains(&id) || planes.any(|link| link == id) => Ok(id),
             FrameRef::Id(id) => {

@@ -72,7 +72,7 @@ impl CollisionModel {
         Ok(self)
     }
 
-    /// Calls `each` with the number of a sample and the world placements of the links with shapes.
+    /// Calls `visitor` with the number of a sample and the world placements of the links with shapes.
     ///
     /// The random configurations are within all limits and satisfy the mimic joints.
     ///
@@ -82,7 +82,7 @@ impl CollisionModel {
         &self,
         samples: u64,
         seed: u64,
-        mut each: impl FnMut(u64, &[Placement<f64>]),
+        mut visitor: impl FnMut(u64, &[Placement<f64>]),
     ) -> Result<(), ModelError> {
         let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
         let mut x = vec![0.0; self.map.variables()];
@@ -93,7 +93,7 @@ impl CollisionModel {
             let mut q = self.sample_configuration(seed, sample, &mut x)?;
             self.map.expand_within_limits(&x, &mut q)?;
             if let Ok(placed) = kinematics.place(&q) {
-                each(sample, placed);
+                visitor(sample, placed);
             }
         }
         Ok(())
@@ -155,7 +155,7 @@ impl PairSamples {
         } else if self.touched == 0 {
             let at = self
                 .nearest
-                .partition_point(|(known, _)| *known <= distance);
+                .partition_point(|(other, _)| *other <= distance);
             self.nearest.insert(at, (distance, sample));
             self.nearest.truncate(MAX_NEAREST_SAMPLES);
         }

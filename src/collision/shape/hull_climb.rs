@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn the_farthest_corner_is_that_of_all() {
+    fn hull_climb_finds_the_farthest_vertex() {
         let mut random = RandomStream::new(5, 0);
         let (mut by_climbing, mut queries) = (0, 0);
         for kind in 0..4 {
@@ -227,9 +227,9 @@ mod tests {
                 assert_eq!(hull.farthest(along), expected.1, "{kind}: {along:?}");
                 queries += 1;
                 let climb = hull.climb();
-                let found =
+                let climbed =
                     climb.and_then(|c| c.try_farthest(hull.vertices(), along, hull.reach()));
-                by_climbing += u32::from(found.is_some());
+                by_climbing += u32::from(climbed.is_some());
             }
         }
         assert!(

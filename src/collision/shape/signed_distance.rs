@@ -280,7 +280,7 @@ mod tests {
 
     /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its centre. Each is the nearest in its octant.
     #[test]
-    fn every_triangle_of_a_hull_is_in_its_tree() {
+    fn hull_tree_contains_every_triangle() {
         let corners = Vector3::UNITS.map(|unit| [unit, -unit]);
         let shape = Shape::convex(corners.as_flattened()).expect("points that span a volume");
         let ShapeKind::Convex(hull) = shape.kind() else {
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hull_is_as_near_by_its_tree_as_by_its_planes() {
+    fn hull_tree_distance_equals_plane_distance() {
         let number =
             |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
         let point =

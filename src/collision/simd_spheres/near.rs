@@ -155,7 +155,7 @@ fn place_spheres<V: LaneScalar>(
     range
 }
 
-/// Mask of the known lanes and those in which a body is near the listed solids.
+/// Mask of `touched_before` and of the lanes in which a body is near the listed solids.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_solids<V: LaneScalar>(
     chain: &BodyChain,
@@ -163,7 +163,7 @@ fn near_solids<V: LaneScalar>(
     solids: &Solids,
     margin: f64,
     workspace: &mut SphereWorkspace<V>,
-    known: V::Mask,
+    touched_before: V::Mask,
 ) -> V::Mask {
     let body = &chain.bodies[index];
     solids.near(
@@ -173,10 +173,10 @@ fn near_solids<V: LaneScalar>(
         &mut workspace.near_solids,
     );
     if workspace.near_solids.is_empty() {
-        return known;
+        return touched_before;
     }
     let range = place_spheres(chain, index, workspace);
-    let mut touched = known;
+    let mut touched = touched_before;
     for (&centre, sphere) in workspace.spheres[range].iter().zip(&body.spheres) {
         for &solid in &workspace.near_solids {
             touched = touched | solids.near_one(solid, centre, sphere.radius + margin);
@@ -185,7 +185,7 @@ fn near_solids<V: LaneScalar>(
     touched
 }
 
-/// Mask of the known lanes and those in which a body is near any of `solid_tree`.
+/// Mask of `touched_before` and of the lanes in which a body is near any of `solid_tree`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_tree<V: LaneScalar>(
     chain: &BodyChain,
@@ -193,13 +193,13 @@ fn near_tree<V: LaneScalar>(
     solid_tree: &SolidTree,
     margin: f64,
     workspace: &mut SphereWorkspace<V>,
-    known: V::Mask,
+    touched_before: V::Mask,
 ) -> V::Mask {
     let body = &chain.bodies[index];
-    let known_bits = V::mask_bits(known);
+    let touched_bits = V::mask_bits(touched_before);
     let mut touched = V::zero();
     for lane in 0..V::WIDTH {
-        if known_bits >> lane & 1 != 0 {
+        if touched_bits >> lane & 1 != 0 {
             continue;
         }
         // One loop with one call for the bounding sphere and the spheres: the callee is long and is inlined here.
@@ -223,17 +223,17 @@ fn near_tree<V: LaneScalar>(
             next_sphere += 1;
         }
     }
-    known | V::zero().less_than(touched)
+    touched_before | V::zero().less_than(touched)
 }
 
-/// Mask of the known lanes and those in which two bodies are near each other.
+/// Mask of `touched_before` and of the lanes in which two bodies are near each other.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_each_other<V: LaneScalar>(
     chain: &BodyChain,
     [a, b]: [usize; 2],
     margin: f64,
     workspace: &mut SphereWorkspace<V>,
-    known: V::Mask,
+    touched_before: V::Mask,
 ) -> V::Mask {
     // No closures: they are not compiled for the selected instruction set.
     let range_a = place_spheres(chain, a, workspace);
@@ -245,17 +245,17 @@ fn near_each_other<V: LaneScalar>(
     let placed = &workspace.spheres[range_b.clone()];
     for ((index, centre), ball) in range_b.zip(placed).zip(&b.spheres) {
         let reach = ball.radius + margin + a.bound.radius;
-        if V::any(are_within((*centre, centre_a), reach) & !known) {
+        if V::any(are_within((*centre, centre_a), reach) & !touched_before) {
             workspace.near.push((index, ball.radius));
         }
     }
     if workspace.near.is_empty() {
-        return known;
+        return touched_before;
     }
-    let mut touched = known;
+    let mut touched = touched_before;
     for (&centre, ball) in workspace.spheres[range_a].iter().zip(&a.spheres) {
         let reach = ball.radius + margin;
-        if !V::any(are_within((centre, centre_b), reach + b.bound.radius) & !known) {
+        if !V::any(are_within((centre, centre_b), reach + b.bound.radius) & !touched_before) {
             continue;
         }
         for &(other, radius) in &workspace.near {

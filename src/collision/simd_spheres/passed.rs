@@ -25,7 +25,7 @@ impl Passed {
         self.all.binary_search(&number).is_ok()
     }
 
-    pub(super) fn is_passed(&self, body: usize, number: u64) -> bool {
+    pub(super) fn is_allowed(&self, body: usize, number: u64) -> bool {
         let allowed = self.of_body.get(body);
         allowed.is_some_and(|allowed| allowed.binary_search(&number).is_ok())
     }

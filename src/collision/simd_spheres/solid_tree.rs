@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_to_many_solids_equal_those_one_by_one() {
+    fn solid_tree_matches_linear_search() {
         let numbers = &mut Numbers(1);
         let mut placed = |number| {
             let shape = numbers.shape();

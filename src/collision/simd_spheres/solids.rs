@@ -46,7 +46,7 @@ pub(crate) struct Solids {
     listed: Arc<Listed>,
     /// Solids in an AABB tree, if any.
     solid_tree: Option<SolidTree>,
-    passed: Passed,
+    allowed: Passed,
     /// Number of [simple](is_simple) solids.
     simple: usize,
     /// Required distance of the bodies from solids and from each other, metres.
@@ -97,13 +97,13 @@ impl ReachableBound {
 
     /// Pairs of entries. An odd last entry is paired with one that never matches.
     fn paired(reached: &[(u32, Self)]) -> Vec<([u32; 2], [Self; 2])> {
-        let nowhere = Self {
+        let unreachable = Self {
             slope: Vector3::zero(),
             below: f64::NEG_INFINITY,
         };
         let paired = reached.chunks(2).map(|chunk| match *chunk {
             [(a, of_a), (b, of_b)] => ([a, b], [of_a, of_b]),
-            _ => ([chunk[0].0; 2], [chunk[0].1, nowhere]),
+            _ => ([chunk[0].0; 2], [chunk[0].1, unreachable]),
         });
         paired.collect()
     }
@@ -121,25 +121,25 @@ impl ReachableBound {
 impl Solids {
     /// Prepares shapes, each with its number and its placement in the chain's base frame.
     ///
-    /// `margin` is the required distance in metres from all solids except the allowed ones in `passed`.
+    /// `margin` is the required distance in metres from all solids except the allowed ones in `allowed`.
     pub(crate) fn new<'a>(
         shapes: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
         chain: &BodyChain,
-        passed: Passed,
+        allowed: Passed,
         margin: f64,
     ) -> Self {
         let all: Vec<_> = shapes.into_iter().collect();
         let simple = all.iter().filter(|(_, shape, _)| is_simple(shape)).count();
         let (listed, solid_tree): (Vec<_>, Vec<_>) = all
             .into_iter()
-            .partition(|(number, shape, _)| is_listed(shape, simple) || passed.has(*number));
+            .partition(|(number, shape, _)| is_listed(shape, simple) || allowed.has(*number));
         let placed = listed
             .into_iter()
             .map(|(number, shape, at)| (number, PlacedSolid::new(shape, at)));
         Self {
-            listed: Arc::new(Listed::new(placed, chain, &passed, margin)),
+            listed: Arc::new(Listed::new(placed, chain, &allowed, margin)),
             solid_tree: (!solid_tree.is_empty()).then(|| SolidTree::new(solid_tree)),
-            passed,
+            allowed,
             simple,
             margin,
         }
@@ -152,7 +152,7 @@ impl Solids {
         &self,
         changes: &[SolidMoved<'_>],
         chain: &BodyChain,
-        passed: &Passed,
+        allowed: &Passed,
     ) -> Option<Self> {
         let count = |shapes: &mut dyn Iterator<Item = &Shape>| {
             shapes.filter(|shape| is_simple(shape)).count()
@@ -160,14 +160,14 @@ impl Solids {
         let before = count(&mut changes.iter().filter_map(|change| change.before));
         let after = count(&mut changes.iter().filter_map(|change| Some(change.after?.0)));
         let simple = (self.simple + after).checked_sub(before)?;
-        if needs_tree(simple) != needs_tree(self.simple) || *passed != self.passed {
+        if needs_tree(simple) != needs_tree(self.simple) || *allowed != self.allowed {
             return None;
         }
         let (mut listed, mut solid_tree): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
             Default::default();
         for change in changes {
-            let is_passed = passed.has(change.number);
-            let is_listed = |shape: &&Shape| is_passed || is_listed(shape, simple);
+            let is_allowed = allowed.has(change.number);
+            let is_listed = |shape: &&Shape| is_allowed || is_listed(shape, simple);
             let after = change.after.filter(|(shape, _)| is_listed(shape));
             if after.is_some() || change.before.filter(is_listed).is_some() {
                 listed.push((change.number, after));
@@ -178,8 +178,8 @@ impl Solids {
             }
         }
         let solid_tree = match &self.solid_tree {
-            Some(known) => {
-                Some(known.changed(&solid_tree)).filter(|solid_tree| !solid_tree.is_empty())
+            Some(current) => {
+                Some(current.changed(&solid_tree)).filter(|solid_tree| !solid_tree.is_empty())
             }
             None => {
                 let added = solid_tree.into_iter().filter_map(|(number, after)| {
@@ -192,12 +192,12 @@ impl Solids {
         };
         let listed = match listed.is_empty() {
             true => Arc::clone(&self.listed),
-            false => Arc::new(self.listed.changed(&listed, chain, passed, self.margin)),
+            false => Arc::new(self.listed.changed(&listed, chain, allowed, self.margin)),
         };
         Some(Self {
             listed,
             solid_tree,
-            passed: passed.clone(),
+            allowed: allowed.clone(),
             simple,
             margin: self.margin,
         })
@@ -314,14 +314,14 @@ impl Listed {
     fn new(
         solids: impl IntoIterator<Item = (u64, PlacedSolid)>,
         chain: &BodyChain,
-        passed: &Passed,
+        allowed: &Passed,
         margin: f64,
     ) -> Self {
         let (numbers, placed): (Vec<u64>, Vec<PlacedSolid>) = solids.into_iter().unzip();
         let reached = |(index, (reach_bound, body)): (usize, (Ball, &Body))| {
             let reach = reach_bound.radius + margin;
             let checked = (0..).zip(&placed).zip(&numbers);
-            let checked = checked.filter(|(_, number)| !passed.is_passed(index, **number));
+            let checked = checked.filter(|(_, number)| !allowed.is_allowed(index, **number));
             let near = checked.map(|(solid, _)| solid).filter(|(_, solid)| {
                 let squared_distance = solid.bounds.squared_distance(reach_bound.centre);
                 // NaN at a half-space's corner at infinity.
@@ -349,7 +349,7 @@ impl Listed {
         &self,
         changes: &[SolidChange<'_>],
         chain: &BodyChain,
-        passed: &Passed,
+        allowed: &Passed,
         margin: f64,
     ) -> Self {
         let is_unchanged = |(number, _): &(u64, PlacedSolid)| {
@@ -368,7 +368,7 @@ impl Listed {
             Some((*number, PlacedSolid::new(shape, at)))
         }));
         all.sort_by_key(|(number, _)| *number);
-        Self::new(all, chain, passed, margin)
+        Self::new(all, chain, allowed, margin)
     }
 }
 

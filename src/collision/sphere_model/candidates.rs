@@ -61,6 +61,6 @@ fn medial_centre(solid: &Solid<'_>, cell: &Cell, largest: f64) -> Option<Vector3
     }
     let inward = offset * length.recip();
     let ball_centre = |t: f64| surface_point + inward * t;
-    let touches = |t: f64| -solid.signed_distance(ball_centre(t)) >= t * (1.0 - 1e-3);
-    Some(ball_centre(bisect(0.0, largest, HALVINGS, touches)))
+    let is_inscribed = |t: f64| -solid.signed_distance(ball_centre(t)) >= t * (1.0 - 1e-3);
+    Some(ball_centre(bisect(0.0, largest, HALVINGS, is_inscribed)))
 }

@@ -180,7 +180,7 @@ impl SphereModel {
         /// Maximum protrusion of a sphere from the shapes of its link, metres.
         pub fn max_protrusion(&self) -> f64 = self.max_protrusion;
         /// Maximum [gap](SphereGroup::gap) of all links, metres; 0 if the spheres cover all shapes.
-        pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |most, group| group.gap.max(most));
+        pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |max, group| group.gap.max(max));
         /// Messages about parts of the file that were left out.
         pub fn notes(&self) -> &[String] = &self.notes;
         /// Number of spheres.

@@ -65,12 +65,12 @@ impl TryFrom<Parts> for SphereModel {
         let groups = parts.groups.into_iter().map(group);
         let groups: Vec<_> = groups.collect::<Result<_, BadOption>>()?;
         for index in parts.pairs.iter().flatten() {
-            let known: fn(f64) -> bool = |index| index < 0.0;
+            let never: fn(f64) -> bool = |index| index < 0.0;
             if *index >= groups.len() {
                 BadOption::check(
                     "group of a pair",
                     *index as f64,
-                    (known, "one of the groups"),
+                    (never, "one of the groups"),
                 )?;
             }
         }

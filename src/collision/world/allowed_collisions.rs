@@ -39,7 +39,7 @@ impl World {
                 obstacle
                     .allowed_collisions
                     .iter()
-                    .all(|known| known != allowed_name)
+                    .all(|listed| listed != allowed_name)
             };
             if self.obstacle(name).is_ok_and(lacks) {
                 self.edit(name, |obstacle| {
@@ -67,7 +67,7 @@ impl World {
                 self.edit(name, |obstacle| {
                     obstacle
                         .allowed_collisions
-                        .retain(|known| known != allowed_name)
+                        .retain(|listed| listed != allowed_name)
                 })?;
             }
         }
@@ -85,7 +85,7 @@ impl World {
                     obstacle
                         .allowed_collisions
                         .iter()
-                        .any(|known| known == allowed_name)
+                        .any(|listed| listed == allowed_name)
                 })
             })
     }
@@ -112,7 +112,7 @@ impl World {
         for other in affected {
             // The obstacle was found above.
             let _ = self.edit(&other, |other| {
-                other.allowed_collisions.retain(|known| known != name)
+                other.allowed_collisions.retain(|listed| listed != name)
             });
         }
     }

@@ -69,10 +69,10 @@ macro_rules! kinds {
                     Some(frame) => world.attach(&entry.name, frame, placement),
                     None => Ok(()),
                 });
-                let touches = attached.and_then(|()| {
+                let allowed = attached.and_then(|()| {
                     entry.may_touch.iter().try_for_each(|with| world.allow_collision(&entry.name, with))
                 });
-                touches.map_err(|error| reader.invalid(location(), error))?;
+                allowed.map_err(|error| reader.invalid(location(), error))?;
             })*
             Ok(world)
         }

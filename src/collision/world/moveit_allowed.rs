@@ -79,8 +79,8 @@ impl Scene<'_> {
         other: &str,
     ) -> Result<bool, ReadError> {
         let obstacles_of = |id: &str| {
-            let known = self.objects.iter().find(|(object, _)| object == id);
-            known.map(|(_, obstacles)| obstacles.clone())
+            let entry = self.objects.iter().find(|(object, _)| object == id);
+            entry.map(|(_, obstacles)| obstacles.clone())
         };
         let (first, second) = (obstacles_of(one), obstacles_of(other));
         let is_of_object = first.is_some() || second.is_some();

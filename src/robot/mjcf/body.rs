@@ -96,12 +96,12 @@ impl<'a> BodyReader<'_, 'a> {
     ) -> Read<()> {
         contents.reverse();
         let mut pending: Vec<(Tag<'a>, Placement<f64>, Option<&'a str>)> = Vec::new();
-        while let Some((holder, body_from_holder, class)) = contents.pop() {
+        while let Some((container, body_from_container, class)) = contents.pop() {
             pending.extend(
-                holder
+                container
                     .children()
                     .rev()
-                    .map(|child| (child, body_from_holder, class)),
+                    .map(|child| (child, body_from_container, class)),
             );
             while let Some((child, body_from_child, class)) = pending.pop() {
                 self.child(

@@ -136,12 +136,12 @@ fn named<T: Copy>(
     tag: Tag<'_>,
     attribute: &'static str,
     kind: &'static str,
-    known: &HashMap<&str, T>,
+    by_name: &HashMap<&str, T>,
 ) -> Read<T> {
     let name = tag.text(attribute);
     let name = name.ok_or_else(|| tag.fault(ParseIssue::MissingAttribute { attribute }))?;
-    known.get(name).copied().ok_or_else(|| {
-        let mut valid: Vec<&str> = known.keys().copied().collect();
+    by_name.get(name).copied().ok_or_else(|| {
+        let mut valid: Vec<&str> = by_name.keys().copied().collect();
         valid.sort_unstable();
         Attributes::without_defaults(tag).fault(UnknownName::new(kind, name, valid).into())
     })

@@ -66,9 +66,9 @@ impl<'a> Defaults<'a> {
         class: usize,
         lines: &mut HashMap<&'a str, u32>,
     ) -> Read<()> {
-        let known = self.by_name.insert(name, class);
+        let previous_class = self.by_name.insert(name, class);
         let first_line = lines.insert(name, tag.line());
-        match known {
+        match previous_class {
             Some(other) if other != class => Err(tag.fault(ParseIssue::RepeatedClass {
                 class: name.to_owned(),
                 first_line: first_line.unwrap_or(0),

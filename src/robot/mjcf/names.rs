@@ -80,13 +80,13 @@ impl<'a> ElementNames<'a> {
 }
 
 fn look_up<T: Copy>(
-    known: &HashMap<&str, T>,
+    by_name: &HashMap<&str, T>,
     kind: &'static str,
     element: &Attributes<'_>,
     name: &str,
 ) -> Read<T> {
-    known.get(name).copied().ok_or_else(|| {
-        let mut valid: Vec<&str> = known.keys().copied().collect();
+    by_name.get(name).copied().ok_or_else(|| {
+        let mut valid: Vec<&str> = by_name.keys().copied().collect();
         valid.sort_unstable();
         element.fault(UnknownName::new(kind, name, valid).into())
     })
@@ -96,26 +96,26 @@ fn look_up<T: Copy>(
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreshNames {
     /// Names in use, each with the last number that was appended to it.
-    taken: HashMap<String, usize>,
+    used: HashMap<String, usize>,
 }
 
 impl FreshNames {
     /// Returns the name, or the first of NAME/2, NAME/3, … that is not in use.
     pub(super) fn fresh(&mut self, name: String) -> String {
-        let mut number = self.taken.get(&name).copied().unwrap_or(0);
+        let mut number = self.used.get(&name).copied().unwrap_or(0);
         let mut fresh = name.clone();
-        while self.taken.contains_key(&fresh) {
+        while self.used.contains_key(&fresh) {
             number += 1;
             fresh = format!("{name}/{}", number + 1);
         }
-        self.taken.insert(name, number);
-        self.taken.insert(fresh.clone(), number);
+        self.used.insert(name, number);
+        self.used.insert(fresh.clone(), number);
         fresh
     }
 
     /// Marks a name as used.
     pub(super) fn reserve(&mut self, name: &str) {
-        self.taken.insert(name.to_owned(), 0);
+        self.used.insert(name.to_owned(), 0);
     }
 }
 
@@ -137,7 +137,7 @@ pub(super) fn file_names(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
 
 fn check_unique<'a>(
     tags: impl Iterator<Item = Tag<'a>>,
-    taken: &mut FreshNames,
+    names: &mut FreshNames,
     reserved: Option<&'a str>,
 ) -> Read<()> {
     let mut lines: HashMap<&str, u32> = reserved.into_iter().map(|name| (name, 1)).collect();
@@ -148,7 +148,7 @@ fn check_unique<'a>(
         if let Some(first_line) = lines.insert(name, tag.line()) {
             return Err(tag.fault(ParseIssue::DuplicateName { first_line }));
         }
-        taken.reserve(name);
+        names.reserve(name);
     }
     Ok(())
 }

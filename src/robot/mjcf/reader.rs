@@ -176,11 +176,11 @@ fn robot(tree: &Tree) -> Read<Robot> {
     let mut build = Build::new(root.text("model").unwrap_or(DEFAULT_NAME));
     build.add(&bodies)?;
     let mimics = build.couple(&equalities, &mut left_out)?;
-    let unsound = |source| RobotFileError::Model {
+    let model_error = |source| RobotFileError::Model {
         file: tree.file().to_owned(),
         source,
     };
-    let mut model = build.builder.build().map_err(unsound)?;
+    let mut model = build.builder.build().map_err(model_error)?;
     let (names, reference_configuration) = (&build.names, &build.reference_configuration);
     let loops = loops::read_all(
         &equalities,
@@ -193,9 +193,9 @@ fn robot(tree: &Tree) -> Read<Robot> {
     if !loops.is_empty() {
         let mut builder = ModelBuilder::from_model(&model);
         loops.into_iter().for_each(|closed| builder.close(closed));
-        model = builder.build().map_err(unsound)?;
+        model = builder.build().map_err(model_error)?;
     }
-    let mut robot = Robot::new(model, mimics).map_err(unsound)?;
+    let mut robot = Robot::new(model, mimics).map_err(model_error)?;
     robot.passive = passive::joints(root, names, &robot);
     robot.drives = build.drives;
     let mut range_notes = build.notes;

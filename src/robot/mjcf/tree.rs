@@ -145,7 +145,7 @@ impl Tree {
         self.files.push(source);
         let mut lines = Lines {
             text,
-            at: 0,
+            offset: 0,
             line: 1,
         };
         let root = document.root_element();
@@ -254,8 +254,8 @@ impl<'a> Tag<'a> {
     /// Value of an attribute.
     pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
         let mut attributes = self.stored().attributes.iter();
-        let found = attributes.find(|(name, _)| name == attribute)?;
-        Some(&found.1)
+        let attribute_pair = attributes.find(|(name, _)| name == attribute)?;
+        Some(&attribute_pair.1)
     }
 
     /// Child elements in document order.
@@ -322,15 +322,19 @@ fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a,
 /// Line counter for offsets in ascending order.
 struct Lines<'a> {
     text: &'a str,
-    at: usize,
+    offset: usize,
     line: u32,
 }
 
 impl Lines<'_> {
-    fn line_at(&mut self, at: usize) -> u32 {
-        let passed = self.text.as_bytes().get(self.at..at).unwrap_or_default();
-        self.line += passed.iter().filter(|&&byte| byte == b'\n').count() as u32;
-        self.at = self.at.max(at);
+    fn line_at(&mut self, offset: usize) -> u32 {
+        let skipped = self
+            .text
+            .as_bytes()
+            .get(self.offset..offset)
+            .unwrap_or_default();
+        self.line += skipped.iter().filter(|&&byte| byte == b'\n').count() as u32;
+        self.offset = self.offset.max(offset);
         self.line
     }
 }

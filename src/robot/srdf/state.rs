@@ -37,15 +37,15 @@ impl Srdf {
                 group.is_empty() || group.strip_suffix('/') == Some(&*state.group)
             })
         };
-        let mut found = self.states.iter().filter(is_requested).peekable();
-        if found.peek().is_none() {
+        let mut states = self.states.iter().filter(is_requested).peekable();
+        if states.peek().is_none() {
             let mut listed = BTreeSet::new();
             let names = self.states.iter().map(|state| state.name.as_str());
             let names = names.filter(|name| listed.insert(*name));
             return Err(UnknownName::new("group state", name, names));
         }
         let mut configuration = q.to_vec();
-        for &(coordinate, value) in found.flat_map(|state| &state.values) {
+        for &(coordinate, value) in states.flat_map(|state| &state.values) {
             if let Some(slot) = configuration.get_mut(coordinate) {
                 *slot = value;
             }

@@ -63,8 +63,8 @@ pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology
         child_branches[branch.parent_link].push(branch);
         let source = joint.mimic.as_ref().map(|MimicElement { source, .. }| {
             let names = || UnknownName::new("joint", source, joint_names.clone());
-            let known = joint_by_name.get(source.as_str()).copied();
-            known.ok_or_else(|| unknown(names()))
+            let source_index = joint_by_name.get(source.as_str()).copied();
+            source_index.ok_or_else(|| unknown(names()))
         });
         sources.push(source.transpose()?);
     }
