@@ -7,7 +7,7 @@ use saphyr_parser::{Event, Parser};
 use crate::file::{Place, ReadError};
 
 /// Largest nesting depth of lists and maps.
-const DEPTH: usize = 64;
+const MAX_DEPTH: usize = 64;
 
 /// A value and the line at which it begins, from 1.
 #[derive(Clone, Debug)]
@@ -38,9 +38,9 @@ pub(crate) fn parse<'t>(text: &'t str, file: &str) -> Result<Node<'t>, ReadError
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|error| fail(error.marker().line(), error.info()))?;
         let line = span.start.line();
-        let done = match event {
+        let node = match event {
             Event::SequenceStart(..) | Event::MappingStart(..) => {
-                if open.len() == DEPTH {
+                if open.len() == MAX_DEPTH {
                     return Err(fail(line, "lists are nested too deeply"));
                 }
                 let map = matches!(event, Event::MappingStart(..));
@@ -61,8 +61,8 @@ pub(crate) fn parse<'t>(text: &'t str, file: &str) -> Result<Node<'t>, ReadError
             _ => continue,
         };
         match open.last_mut() {
-            Some(outer) => outer.nodes.push(done),
-            None => return Ok(done),
+            Some(outer) => outer.nodes.push(node),
+            None => return Ok(node),
         }
     }
     Err(ReadError::of_file(file, "holds no YAML"))
@@ -91,8 +91,8 @@ impl<'t> Node<'t> {
         let Value::Map(pairs) = &self.value else {
             return None;
         };
-        let found = pairs.iter().find(|(k, _)| k.text() == Some(key));
-        found.map(|(_, value)| value)
+        let pair = pairs.iter().find(|(k, _)| k.text() == Some(key));
+        pair.map(|(_, value)| value)
     }
 
     /// The elements of a list; empty for an empty or null scalar, `None` for any other node.
